@@ -1,0 +1,1 @@
+"""YAML in, a folder of results out, and the command line."""

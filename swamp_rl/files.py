@@ -1,0 +1,234 @@
+"""Files: found by name, read with clear errors, and written so that a half-written one never looks whole."""
+
+import difflib
+import errno
+import os
+import re
+import shutil
+import uuid
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+import yaml
+from pydantic import BaseModel, ValidationError
+
+from swamp_rl.errors import UserError
+
+CONFIG_KINDS = ("boats", "courses", "disturbances", "trials", "experiments")
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def os_error(error: OSError, path: Path | str) -> UserError:
+    """The operating system's refusal as one line; `path` is named where the error itself names no file."""
+    named = error.filename if isinstance(error.filename, str | Path) else None
+    hidden = named is not None and Path(named).name.startswith(".part-")
+    where = path if named is None or hidden else named
+    hint = "free some room" if error.errno == errno.ENOSPC else "check the name and that it may be used"
+    return UserError(f"{where}: {error.strerror or error}; {hint}")
+
+
+@contextmanager
+def write_beside(path: Path | str) -> Iterator[Path]:
+    """Yield a temporary path in the folder of `path`, renamed to `path` once the block has ended well.
+
+    The name keeps its suffix, for writers that choose a format by it. The file is flushed to the disk before
+    the rename; whatever ends the block early removes it and leaves an older `path` as it was.
+    OSError -> UserError.
+    """
+    path = Path(path)
+    part = path.with_name(f".part-{uuid.uuid4().hex[:8]}-{path.name}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        yield part
+        _flush(part)
+        os.replace(part, path)
+        _flush(path.parent)
+    except OSError as error:
+        raise os_error(error, path) from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+@contextmanager
+def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Path]:
+    """Yield an empty hidden sibling of folder `path`, renamed to `path` once the block has ended well.
+
+    An existing `path` that is not empty is replaced only if it holds a file named `replaces`, which shows that
+    it is an earlier result of the same kind; otherwise UserError, before any work is done.
+    OSError -> UserError.
+    """
+    path = Path(path).absolute()
+    mark = uuid.uuid4().hex[:8]
+    part, old = (path.with_name(f".{what}-{mark}-{path.name}") for what in ("part", "old"))
+    try:
+        _refuse_to_replace(path, replaces)
+        part.mkdir(parents=True)
+        yield part
+        for file in sorted(part.rglob("*"), reverse=True):
+            _flush(file)
+        _flush(part)
+        if path.exists():
+            os.replace(path, old)
+        os.replace(part, path)
+        _flush(path.parent)
+    except OSError as error:
+        raise os_error(error, path) from error
+    finally:
+        if old.exists() and not path.exists():
+            os.replace(old, path)
+        for leftover in (part, old):
+            shutil.rmtree(leftover, ignore_errors=True)
+
+
+def _refuse_to_replace(path: Path, replaces: str | None) -> None:
+    if not path.exists():
+        return
+    if not path.is_dir():
+        raise UserError(f"{path}: is a file, a folder was to be written here; name another or remove it")
+    ours = replaces is not None and (path / replaces).exists()
+    if not ours and any(path.iterdir()):
+        raise UserError(
+            f"{path}: already exists and is not an earlier result; name another folder or remove it"
+        )
+
+
+def _flush(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def find_config(kind: str, name_or_path: str | Path) -> Path:
+    """The YAML file meant by a bare name (`swamp` -> configs/boats/swamp.yaml) or by a path."""
+    if kind not in CONFIG_KINDS:
+        raise ValueError(f"kind is one of {CONFIG_KINDS}, not {kind!r}")
+    given = Path(name_or_path)
+    if given.suffix in (".yaml", ".yml") or len(given.parts) != 1:
+        if not given.is_file():
+            raise UserError(f"{given}: no such file; give a path to a YAML file or one of {_known(kind)}")
+        return given
+    found = _configs() / kind / f"{given}.yaml"
+    if not found.is_file():
+        near = difflib.get_close_matches(str(given), _names(kind), 1)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise UserError(f"no {kind} file named {str(given)!r}; {hint}give a path or one of {_known(kind)}")
+    return found
+
+
+def _configs() -> Path:
+    inside_wheel = Path(__file__).parent / "configs"
+    return inside_wheel if inside_wheel.is_dir() else Path(__file__).parents[1] / "configs"
+
+
+def _names(kind: str) -> list[str]:
+    return sorted(file.stem for file in (_configs() / kind).glob("*.yaml"))
+
+
+def _known(kind: str) -> str:
+    return ", ".join(_names(kind)) or f"(none in {_configs() / kind})"
+
+
+class _Loader(yaml.SafeLoader):
+    """The safe loader, refusing duplicate keys and reading 1e-3 as the number it is (YAML 1.2)."""
+
+
+def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
+    seen = set()
+    for key, _ in node.value:
+        if key.tag == "tag:yaml.org,2002:merge" or not isinstance(key, yaml.ScalarNode):
+            continue
+        if key.value in seen:
+            problem = f"key {key.value!r} is given twice"
+            raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
+        seen.add(key.value)
+    loader.flatten_mapping(node)
+    return loader.construct_mapping(node, deep=True)
+
+
+_Loader.add_constructor("tag:yaml.org,2002:map", _mapping)
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
+)
+
+
+def read_yaml(path: Path | str) -> dict[str, Any]:
+    """The mapping a YAML file holds; UserError with file and line if missing, malformed or no mapping."""
+    path = Path(path)
+    try:
+        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
+    except OSError as error:
+        raise UserError(f"{path}: {error.strerror}; check the name") from error
+    except UnicodeDecodeError as error:
+        raise UserError(f"{path}: byte {error.start} is not UTF-8 text; save the file as UTF-8") from error
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
+        mark = getattr(error, "problem_mark", None)
+        line = f" line {mark.line + 1}, column {mark.column + 1}:" if mark else ""
+        problem = " ".join(str(getattr(error, "problem", None) or error).split())
+        raise UserError(f"{path}:{line} malformed YAML: {problem}") from error
+    if not isinstance(data, dict):
+        raise UserError(f"{path}: holds {_kind_of(data)}; it must be a mapping of keys to values")
+    odd = [key for key in data if not isinstance(key, str)]
+    if odd:
+        raise UserError(f"{path}: key {odd[0]!r} is not text; put it in quotes")
+    return data
+
+
+def _kind_of(data: Any) -> str:
+    named = {type(None): "nothing", list: "a list", str: "only text"}
+    return named.get(type(data), f"a lone {type(data).__name__}")
+
+
+def validated(path: Path | str, model: type[Model], data: Mapping[str, Any]) -> Model:
+    """`data`, read from `path`, as a `model`; UserError by `explain` if it does not fit."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise explain(path, error, model) from error
+
+
+def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | None = None) -> UserError:
+    """One line for the first fault of a ValidationError: file, dotted key, what is allowed.
+
+    With `model`, an unknown key is answered with the nearest known one.
+    """
+    faults = error.errors(include_url=False)
+    fault = faults[0]
+    key = ".".join(str(part) for part in fault["loc"]) or "the whole file"
+    more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+    if fault["type"] == "extra_forbidden":
+        return UserError(f"{path}: unknown key {key}{_suggestion(fault['loc'], model)}{more}")
+    if fault["type"] == "missing":
+        return UserError(f"{path}: key {key} is missing; add it{more}")
+    message = fault["msg"].removeprefix("Value error, ").replace("\n", " ")
+    value = repr(fault["input"])
+    got = f", not {value}" if len(value) <= 60 and fault["type"] != "value_error" else ""
+    return UserError(f"{path}: {key}: {message[:1].lower()}{message[1:]}{got}{more}")
+
+
+def _suggestion(loc: tuple[int | str, ...], model: type[BaseModel] | None) -> str:
+    known = sorted(_known_keys(loc[:-1], model)) if model else []
+    if not known:
+        return "; remove it or correct its name"
+    near = difflib.get_close_matches(str(loc[-1]), known, 1)
+    hint = f"; did you mean {near[0]!r}?" if near else ";"
+    return f"{hint} known here: {', '.join(known)}"
+
+
+def _known_keys(loc: tuple[int | str, ...], model: type[BaseModel]) -> set[str]:
+    """Keys of the models that may stand at `loc`, found by following the fields' annotations."""
+    models = {model}
+    for part in loc:
+        fields = [found.model_fields[part] for found in models if part in found.model_fields]
+        inner = {found for field in fields for found in _models_in(field.annotation)}
+        models = inner or models
+    return {field.alias or name for found in models for name, field in found.model_fields.items()}
+
+
+def _models_in(annotation: Any) -> set[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return {annotation}
+    return {model for part in get_args(annotation) for model in _models_in(part)}
