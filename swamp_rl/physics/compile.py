@@ -1,0 +1,53 @@
+"""The project's one way to compile a function, with a cache that notices edits in called functions.
+
+numba's own cache looks only at the file of the function that was called, so an edit to a function that it
+calls would go unnoticed. Here the cache folder's name holds a hash of every compiled source.
+"""
+
+import hashlib
+import os
+import shutil
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import TypeVar, cast
+
+import numba
+from numba import config
+
+F = TypeVar("F", bound=Callable[..., object])
+
+COMPILED_FOLDERS = ("swamp_rl/physics", "swamp_rl/simulator", "swamp_rl/course", "swamp_rl/criticism", "envs")
+KEPT_CACHES = 4
+
+
+@lru_cache(maxsize=1)
+def cache_folder() -> Path:
+    """Folder of the machine code of exactly these sources; older ones beyond `KEPT_CACHES` are removed."""
+    root = Path(__file__).resolve().parents[2]
+    digest = hashlib.sha256()
+    for folder in COMPILED_FOLDERS:
+        for source in sorted((root / folder).glob("*.py")):
+            digest.update(source.read_bytes())
+    base = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "swamp_rl"
+    folder_of_sources = base / digest.hexdigest()[:16]
+    try:
+        folder_of_sources.mkdir(parents=True, exist_ok=True)
+        os.utime(folder_of_sources)
+        for old in sorted(base.iterdir(), key=lambda path: path.stat().st_mtime)[:-KEPT_CACHES]:
+            shutil.rmtree(old, ignore_errors=True)
+    except OSError:
+        return Path(__file__).parent / "__pycache__"
+    return folder_of_sources
+
+
+def compiled(function: F | None = None, *, parallel: bool = False) -> F:
+    """Compile with numba: IEEE arithmetic (no fast-math), so a batch gives the bits that one boat gives."""
+    if function is None:
+        return cast(F, lambda decorated: compiled(decorated, parallel=parallel))
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(cache_folder())
+    try:
+        return cast(F, numba.njit(cache=True, parallel=parallel, error_model="numpy")(function))
+    finally:
+        config.CACHE_DIR = before

@@ -1,0 +1,42 @@
+"""Hydrodynamic forces on the hull, on velocities relative to the water (thesis eq. 8.16, after Yoshimura)."""
+
+import math
+from typing import Any
+
+from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.resistance import surge_resistance
+
+
+@compiled
+def crossflow_integrals(a: float, b: float, length: float) -> tuple[float, float]:
+    """Integrals over the hull of |w| w and |w| w x, with w = a + b x and x from -length/2 to length/2.
+
+    The closed form of the cross-flow drag in eq. 8.16; a [m/s] is the sway, b [1/s] the scaled yaw rate.
+    Where w keeps its sign along the hull the integrand is a polynomial; elsewhere it has one root inside.
+    Both branches agree where they meet, with their first derivatives.
+    """
+    half = 0.5 * b * length
+    if abs(a) >= abs(half):
+        sign = math.copysign(1.0, a)
+        return sign * length * (a * a + half * half / 3.0), sign * a * b * length**3 / 6.0
+    a2 = a * a
+    h2 = half * half
+    force = 2.0 * a * (a2 + 3.0 * h2) / (3.0 * abs(b))
+    moment = math.copysign(h2 * h2 / 2.0 + a2 * h2 - a2 * a2 / 6.0, b) / (b * b)
+    return force, moment
+
+
+@compiled
+def hull_forces(
+    u: float, v: float, r: float, p: Any, tank: Any, resistance_scale: float
+) -> tuple[float, float, float]:
+    """Surge force, sway force [N] and yaw moment [N m] on the hull (eq. 8.16)."""
+    length = p.length
+    q = 0.5 * p.water_density * length * p.draught
+    drag = p.c_d
+    y_integral, _ = crossflow_integrals(v, p.c_ry * r, length)
+    _, n_integral = crossflow_integrals(v, p.c_rn * r, length)
+    surge = surge_resistance(u, v, p, tank, resistance_scale) + q * p.x_vr * length * v * r
+    sway = q * (p.y_v * v * abs(u) + p.y_r * length * r * u - drag / length * y_integral)
+    yaw = q * length * (p.n_v * v * u + p.n_r * length * r * abs(u) - drag / (length * length) * n_integral)
+    return surge, sway, yaw

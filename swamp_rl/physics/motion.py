@@ -1,0 +1,108 @@
+"""The boat's equations of motion and their integration over one substep (Runge-Kutta of order four)."""
+
+import math
+from typing import Any
+
+from swamp_rl.physics.air_and_current import current_forces, wind_forces
+from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.hull import hull_forces
+from swamp_rl.physics.rigid_body import accelerations
+from swamp_rl.physics.thrusters import thruster_forces
+
+# The motion is a tuple of six numbers: north, east [m], heading [rad], surge, sway [m/s], yaw rate [rad/s],
+# with surge and sway relative to the water.
+
+
+@compiled
+def water_velocity(p: Any) -> tuple[float, float]:
+    """Velocity north and east [m/s] of the water that the hull moves in.
+
+    With the thesis's current model (a force) the water stands still and `current_forces` acts instead.
+    """
+    if p.current_as_force != 0.0:
+        return 0.0, 0.0
+    return p.current_north, p.current_east
+
+
+@compiled
+def external_forces(
+    cos: float, sin: float, u_ground: float, v_ground: float, wind: tuple[float, float], p: Any
+) -> tuple[float, float, float]:
+    """Wind, current-as-a-force and steady push.
+
+    cos, sin: of the heading; wind: north and east component [m/s] of where it comes from.
+    """
+    surge, sway, yaw = 0.0, 0.0, 0.0
+    if wind[0] != 0.0 or wind[1] != 0.0:
+        ahead = wind[0] * cos + wind[1] * sin + u_ground
+        starboard = wind[1] * cos - wind[0] * sin + v_ground
+        surge, sway, yaw = wind_forces(ahead, starboard, p)
+    if p.current_as_force != 0.0 and (p.current_north != 0.0 or p.current_east != 0.0):
+        ahead = u_ground - p.current_north * cos - p.current_east * sin
+        starboard = v_ground - p.current_east * cos + p.current_north * sin
+        x, y, n = current_forces(ahead, starboard, p)
+        surge, sway, yaw = surge + x, sway + y, yaw + n
+    surge += p.external_force_north * cos + p.external_force_east * sin
+    sway += p.external_force_east * cos - p.external_force_north * sin
+    return surge, sway, yaw
+
+
+@compiled
+def rates(
+    motion: Any,
+    jets: Any,
+    moment: int,
+    wind: tuple[float, float],
+    water: tuple[float, float],
+    p: Any,
+    tank: Any,
+    scale: float,
+) -> tuple[float, float, float, float, float, float]:
+    """Time derivatives of `motion`; jets[moment]: (K, 2) thruster forces [N]; wind: as in `external_forces`;
+    water: its velocity north and east [m/s]; scale: `resistance_scale(p)`.
+    """
+    heading, u, v, r = motion[2], motion[3], motion[4], motion[5]
+    cos, sin = math.cos(heading), math.sin(heading)
+    u_ground = u + water[0] * cos + water[1] * sin
+    v_ground = v + water[1] * cos - water[0] * sin
+    x_hull, y_hull, n_hull = hull_forces(u, v, r, p, tank, scale)
+    x_jets, y_jets, n_jets = thruster_forces(jets, moment, p)
+    x_out, y_out, n_out = external_forces(cos, sin, u_ground, v_ground, wind, p)
+    u_dot, v_dot, r_dot = accelerations(
+        u, v, r, x_hull + x_jets + x_out, y_hull + y_jets + y_out, n_hull + n_jets + n_out, p
+    )
+    return (
+        u * cos - v * sin + water[0],
+        u * sin + v * cos + water[1],
+        r,
+        u_dot,
+        v_dot,
+        r_dot,
+    )
+
+
+@compiled
+def moved(motion: Any, rate: Any, time: float) -> tuple[float, float, float, float, float, float]:
+    """motion + time * rate, element by element."""
+    return (
+        motion[0] + time * rate[0],
+        motion[1] + time * rate[1],
+        motion[2] + time * rate[2],
+        motion[3] + time * rate[3],
+        motion[4] + time * rate[4],
+        motion[5] + time * rate[5],
+    )
+
+
+@compiled
+def runge_kutta_step(
+    motion: Any, h: float, jets: Any, wind: tuple[float, float], p: Any, tank: Any, scale: float
+) -> tuple[float, float, float, float, float, float]:
+    """One classical fourth-order step of h [s]; jets: (3, K, 2), the thruster forces at 0, h/2 and h."""
+    water = water_velocity(p)
+    k1 = rates(motion, jets, 0, wind, water, p, tank, scale)
+    k2 = rates(moved(motion, k1, 0.5 * h), jets, 1, wind, water, p, tank, scale)
+    k3 = rates(moved(motion, k2, 0.5 * h), jets, 1, wind, water, p, tank, scale)
+    k4 = rates(moved(motion, k3, h), jets, 2, wind, water, p, tank, scale)
+    middle = moved(moved(motion, k2, h / 3.0), k3, h / 3.0)
+    return moved(moved(middle, k1, h / 6.0), k4, h / 6.0)

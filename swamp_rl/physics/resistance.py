@@ -1,0 +1,78 @@
+"""Resistance from the towing tank (thesis Table 4.7), deep and shallow."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from swamp_rl.physics.compile import compiled
+
+# Columns of one row of a tank table: knot speed [m/s], cubic coefficients (highest power first), depth h/T.
+SPEED, CUBIC, QUADRATIC, LINEAR, CONSTANT, DEPTH = range(6)
+
+
+def tank_table(
+    curves: list[tuple[float, NDArray[np.float64], NDArray[np.float64]]],
+) -> NDArray[np.float64]:
+    """Turn towing-tank curves into the array that the compiled functions read.
+
+    curves: (h/T, speeds [m/s], resistances [N]) with h/T increasing. Returns shape (depths, knots, 6): a
+    monotone cubic (PCHIP) of R/U^2 in U for each depth, constant outside the tested speeds.
+    """
+    knots = max(len(speeds) for _, speeds, _ in curves)
+    table = np.zeros((len(curves), knots, 6))
+    table[:, :, SPEED] = np.inf
+    for row, (depth, speeds, resistances) in zip(table, curves, strict=True):
+        factors = resistances / speeds**2
+        last = len(speeds) - 1
+        row[: last + 1, SPEED] = speeds
+        row[:last, CUBIC : CONSTANT + 1] = PchipInterpolator(speeds, factors).c.T
+        row[last, CONSTANT] = factors[last]
+        row[:, DEPTH] = depth
+    return table
+
+
+@compiled
+def factor_at_depth(speed: float, tank: Any, depth: int) -> float:
+    """R/U^2 [N s^2/m^2] at one tested depth, a row of the tank table."""
+    if speed <= tank[depth, 0, SPEED]:
+        return tank[depth, 0, CONSTANT]
+    j = 0
+    while j + 1 < tank.shape[1] and speed >= tank[depth, j + 1, SPEED]:
+        j += 1
+    x = speed - tank[depth, j, SPEED]
+    cubic, quadratic = tank[depth, j, CUBIC], tank[depth, j, QUADRATIC]
+    return ((cubic * x + quadratic) * x + tank[depth, j, LINEAR]) * x + tank[depth, j, CONSTANT]
+
+
+@compiled
+def resistance_factor(speed: float, depth_over_draught: float, tank: Any) -> float:
+    """R/U^2 [N s^2/m^2] at any depth: linear in T/h between the tested depths, deep beyond the deepest.
+
+    Shallower than the shallowest test is refused before a simulation starts, never extrapolated here.
+    """
+    deepest = tank.shape[0] - 1
+    if depth_over_draught >= tank[deepest, 0, DEPTH]:
+        return factor_at_depth(speed, tank, deepest)
+    i = 0
+    while i + 2 <= deepest and depth_over_draught >= tank[i + 1, 0, DEPTH]:
+        i += 1
+    shallow, deep = tank[i, 0, DEPTH], tank[i + 1, 0, DEPTH]
+    weight = (1.0 / depth_over_draught - 1.0 / deep) / (1.0 / shallow - 1.0 / deep)
+    return weight * factor_at_depth(speed, tank, i) + (1.0 - weight) * factor_at_depth(speed, tank, i + 1)
+
+
+@compiled
+def resistance_scale(p: Any) -> float:
+    """Scale from the tank's water and load to the boat's: density ratio, and load to the 2/3 (figure 4.29)."""
+    load = p.mass / p.reference_mass
+    return p.water_density / p.reference_density * math.exp(math.log(load) * (2.0 / 3.0))
+
+
+@compiled
+def surge_resistance(u: float, v: float, p: Any, tank: Any, scale: float) -> float:
+    """Surge force [N] of the resistance, -k(U) u U; the double-ended hull resists astern as ahead."""
+    speed = math.sqrt(u * u + v * v)
+    return -scale * resistance_factor(speed, p.depth_over_draught, tank) * u * speed

@@ -1,0 +1,160 @@
+"""One control step of one boat or of a batch: the same compiled function, hence the same bits."""
+
+import math
+from typing import Any
+
+import numba
+import numpy as np
+
+from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.motion import runge_kutta_step, water_velocity
+from swamp_rl.physics.noise import normal_pair
+from swamp_rl.physics.resistance import resistance_scale
+from swamp_rl.physics.thrusters import azimuth_after, jet_force, throttle_after
+from swamp_rl.simulator.state import (
+    ACTUATORS,
+    EAST,
+    GUST_DIRECTION,
+    GUST_SPEED,
+    HEADING,
+    NORTH,
+    SURGE,
+    SWAY,
+    TIME,
+    YAW_RATE,
+)
+
+CHUNK = 64  # boats that one task of the parallel loop steps, so that scratch memory is made once for all of them
+
+
+@compiled
+def update_gusts(state: Any, seed: Any, dt: float, p: Any) -> None:
+    """Ornstein-Uhlenbeck gusts on the wind's speed and direction, exact over a step, stationary at the start."""
+    if p.gust_speed_std == 0.0 and p.gust_direction_std == 0.0:
+        return
+    step_number = int(round(state[TIME] / dt))
+    first, second = normal_pair(seed, step_number)
+    keep = math.exp(-dt / p.gust_time_constant) if step_number > 0 else 0.0
+    fresh = math.sqrt(1.0 - keep * keep)
+    state[GUST_SPEED] = keep * state[GUST_SPEED] + fresh * p.gust_speed_std * first
+    state[GUST_DIRECTION] = keep * state[GUST_DIRECTION] + fresh * p.gust_direction_std * second
+
+
+@compiled
+def wind_now(state: Any, p: Any) -> tuple[float, float]:
+    """North and east component [m/s] of where the wind comes from, gusts included; zero without wind."""
+    speed = max(p.wind_speed + state[GUST_SPEED], 0.0)
+    if speed == 0.0:
+        return 0.0, 0.0
+    coming_from = p.wind_from + state[GUST_DIRECTION]
+    return speed * math.cos(coming_from), speed * math.sin(coming_from)
+
+
+@compiled
+def commanded(k: int, time: float, command: Any, p: Any) -> tuple[float, float]:
+    """Azimuth [rad] and throttle [1] asked of thruster k, within its limits; a kick overrides the pilot."""
+    thrusters = command.shape[0] // 2
+    azimuth, throttle = command[k], command[thrusters + k]
+    if p.kick_time[k] <= time < p.kick_time[k] + p.kick_duration[k]:
+        azimuth, throttle = p.kick_azimuth[k], p.kick_throttle[k]
+    reverses = p.astern_linear[k] > 0.0 or p.astern_quadratic[k] > 0.0
+    azimuth = min(max(azimuth, p.azimuth_min[k]), p.azimuth_max[k])
+    return azimuth, min(max(throttle, -1.0 if reverses else 0.0), 1.0)
+
+
+@compiled
+def move_actuators(state: Any, command: Any, h: float, jets: Any, p: Any) -> None:
+    """Let the actuators follow the command for h [s]; fills jets (3, K, 2) with forces [N] at 0, h/2 and h."""
+    thrusters = jets.shape[1]
+    for k in range(thrusters):
+        azimuth_command, throttle_command = commanded(k, state[TIME], command, p)
+        azimuth, throttle = state[ACTUATORS + k], state[ACTUATORS + thrusters + k]
+        angle, level = azimuth, throttle
+        for i in range(3):
+            if i == 0 or angle != azimuth_command or level != throttle_command:
+                time = 0.5 * h * i
+                angle = azimuth_after(
+                    azimuth, azimuth_command, p.azimuth_time_constant[k], p.azimuth_rate[k], time
+                )
+                level = throttle_after(throttle, throttle_command, p.pump_time_constant[k], time)
+                jets[i, k, 0], jets[i, k, 1] = jet_force(angle, level, k, p)
+            else:  # arrived: nothing moves any more
+                jets[i, k, 0], jets[i, k, 1] = jets[i - 1, k, 0], jets[i - 1, k, 1]
+        state[ACTUATORS + k], state[ACTUATORS + thrusters + k] = angle, level
+
+
+@compiled
+def step_boat(
+    state: Any, p: Any, tank: Any, command: Any, seed: Any, dt: float, substeps: int, jets: Any
+) -> None:
+    """Advance one boat by dt [s] in place.
+
+    state: (S,), see `swamp_rl.simulator.state`; p: its parameter record; tank: `tank_table`;
+    command: (2K,) azimuths [rad] then throttles [1], held over the step; seed: of its gusts;
+    jets: (3, K, 2) scratch.
+    """
+    h = dt / substeps
+    scale = resistance_scale(p)
+    update_gusts(state, seed, dt, p)
+    wind = wind_now(state, p)
+    water_north, water_east = water_velocity(p)
+    cos, sin = math.cos(state[HEADING]), math.sin(state[HEADING])
+    motion = (
+        state[NORTH],
+        state[EAST],
+        state[HEADING],
+        state[SURGE] - (water_north * cos + water_east * sin),
+        state[SWAY] - (water_east * cos - water_north * sin),
+        state[YAW_RATE],
+    )
+    for _ in range(substeps):
+        move_actuators(state, command, h, jets, p)
+        motion = runge_kutta_step(motion, h, jets, wind, p, tank, scale)
+        state[TIME] += h
+    cos, sin = math.cos(motion[2]), math.sin(motion[2])
+    state[NORTH], state[EAST], state[HEADING] = motion[0], motion[1], motion[2]
+    state[SURGE] = motion[3] + water_north * cos + water_east * sin
+    state[SWAY] = motion[4] + water_east * cos - water_north * sin
+    state[YAW_RATE] = motion[5]
+
+
+@compiled
+def step(
+    state: Any, params: Any, tank: Any, commands: Any, seeds: Any, dt: float, substeps: int
+) -> None:
+    """Advance n boats by dt [s] in place; state (n, S), params (n,), commands (n, 2K), seeds uint64 (n,)."""
+    jets = np.empty((3, commands.shape[1] // 2, 2))
+    for i in range(state.shape[0]):
+        step_boat(state[i], params[i], tank, commands[i], seeds[i], dt, substeps, jets)
+
+
+@compiled(parallel=True)
+def step_parallel(
+    state: Any, params: Any, tank: Any, commands: Any, seeds: Any, dt: float, substeps: int
+) -> None:
+    """As `step`, spread over the processor's cores: faster for a thousand boats or more."""
+    boats = state.shape[0]
+    for chunk in numba.prange((boats + CHUNK - 1) // CHUNK):
+        jets = np.empty((3, commands.shape[1] // 2, 2))
+        for i in range(chunk * CHUNK, min((chunk + 1) * CHUNK, boats)):
+            step_boat(state[i], params[i], tank, commands[i], seeds[i], dt, substeps, jets)
+
+
+@compiled
+def simulate(
+    params: Any, tank: Any, start: Any, commands: Any, seeds: Any, dt: float, substeps: int
+) -> Any:
+    """Tracks of n boats under given commands.
+
+    start: (n, S) states, not changed; commands: (n, T, 2K), each row held for dt [s].
+    Returns (n, T + 1, S), the start first.
+    """
+    boats, steps = commands.shape[0], commands.shape[1]
+    track = np.empty((boats, steps + 1, start.shape[1]))
+    jets = np.empty((3, commands.shape[2] // 2, 2))
+    for i in range(boats):
+        track[i, 0] = start[i]
+        for j in range(steps):
+            track[i, j + 1] = track[i, j]
+            step_boat(track[i, j + 1], params[i], tank, commands[i, j], seeds[i], dt, substeps, jets)
+    return track

@@ -1,0 +1,36 @@
+"""Short ways for tests to drive a boat: commands in the order of the simulator, tracks of one boat."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.simulator import initial_state, parameters, simulate, tank
+
+Array = NDArray[np.float64]
+
+
+def commands(bow: float, stern: float, throttle: tuple[float, float, float, float], steps: int) -> Array:
+    """(steps, 8) commands of SWAMP's bs, bp, ss, sp, held: bow and stern azimuth in degrees, throttles [1]."""
+    angles = np.radians([bow, bow, stern, stern])
+    return np.tile(np.concatenate([angles, throttle]), (steps, 1))
+
+
+def track(
+    boat: Boat,
+    command: Array,
+    pose: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    dt: float = 0.1,
+    substeps: int = 2,
+    start: Array | None = None,
+    **fields: Any,
+) -> Array:
+    """(T + 1, S) states of one boat; `fields` are set in its parameter record."""
+    params = parameters(boat)
+    for name, value in fields.items():
+        params[name] = value
+    if start is None:
+        start = initial_state(params, np.array([pose]), np.array([velocity]))
+    return simulate(params, tank(boat), start, command[None], np.zeros(1, np.uint64), dt, substeps)[0]
