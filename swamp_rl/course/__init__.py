@@ -1,0 +1,16 @@
+"""Courses: gates to pass in order, the buoys that mark them, the start and the bounds."""
+
+from swamp_rl.course.schema import Bounds, Course, Gate, Point, Pose, Start, load_course
+from swamp_rl.course.tables import buoy_table, gate_table
+
+__all__ = [
+    "Bounds",
+    "Course",
+    "Gate",
+    "Point",
+    "Pose",
+    "Start",
+    "buoy_table",
+    "gate_table",
+    "load_course",
+]

@@ -1,0 +1,126 @@
+"""What a course file holds, and the rules that make it a course that can be sailed."""
+
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from swamp_rl.files import find_config, read_yaml, validated
+
+Metres = Annotated[float, Field(allow_inf_nan=False)]
+Radians = Annotated[float, Field(ge=-2.0 * math.pi, le=2.0 * math.pi)]
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class Point(_Strict):
+    """A place [m]."""
+
+    north: Metres
+    east: Metres
+
+
+class Pose(Point):
+    """A place [m] and a heading [rad]; as a spread, how far each is drawn to either side."""
+
+    heading: Radians
+
+
+class Gate(_Strict):
+    """Two buoys, `width` [m] between their centres, to be passed between along `heading` [rad]."""
+
+    name: Annotated[str, Field(min_length=1)]
+    centre: Point
+    heading: Radians
+    width: Positive
+
+    @property
+    def buoys(self) -> tuple[Point, Point]:
+        """The centres of the port and the starboard buoy, as seen by a boat that passes."""
+        north = -0.5 * self.width * math.sin(self.heading)
+        east = 0.5 * self.width * math.cos(self.heading)
+        return (
+            Point(north=self.centre.north - north, east=self.centre.east - east),
+            Point(north=self.centre.north + north, east=self.centre.east + east),
+        )
+
+
+class Start(_Strict):
+    """Where a run begins: at `pose`, each part drawn uniformly within `spread` to either side."""
+
+    pose: Pose
+    spread: Pose
+
+    @model_validator(mode="after")
+    def _spread_is_a_distance(self) -> "Start":
+        if min(self.spread.north, self.spread.east, self.spread.heading) < 0.0:
+            raise ValueError("spread must not be negative; it reaches to either side of the pose")
+        return self
+
+
+class Bounds(_Strict):
+    """The edges of the water [m]; a boat whose midship is beyond one has left the course."""
+
+    south: Metres
+    north: Metres
+    west: Metres
+    east: Metres
+
+    @model_validator(mode="after")
+    def _hold_some_water(self) -> "Bounds":
+        if not (self.south < self.north and self.west < self.east):
+            raise ValueError("south must be less than north, and west less than east")
+        return self
+
+    def contain(self, point: Point, margin: float = 0.0) -> bool:
+        """Whether the point is inside, by `margin` [m] at least."""
+        return (
+            self.south + margin <= point.north <= self.north - margin
+            and self.west + margin <= point.east <= self.east - margin
+        )
+
+
+class Course(_Strict):
+    """Gates to be passed in their order, each from behind; frozen, lengths in m, `time_limit` in s."""
+
+    name: Annotated[str, Field(min_length=1)]
+    notes: str = ""
+    gates: Annotated[tuple[Gate, ...], Field(min_length=1, strict=False)]
+    start: Start
+    bounds: Bounds
+    buoy_radius: Positive
+    time_limit: Positive
+
+    @model_validator(mode="after")
+    def _can_be_sailed(self) -> "Course":
+        names = [gate.name for gate in self.gates]
+        if len(set(names)) != len(names):
+            raise ValueError("two gates have the same name; name each differently")
+        for gate in self.gates:
+            if gate.width <= 2.0 * self.buoy_radius:
+                raise ValueError(f"gate {gate.name}: width must be more than twice buoy_radius")
+            if not all(self.bounds.contain(buoy) for buoy in gate.buoys):
+                raise ValueError(f"gate {gate.name}: a buoy is outside bounds; move it or widen bounds")
+        reach = max(self.start.spread.north, self.start.spread.east)
+        if not self.bounds.contain(self.start.pose, reach):
+            raise ValueError("the start, with its spread, is not inside bounds; move it or widen bounds")
+        return self
+
+    @property
+    def buoys(self) -> tuple[Point, ...]:
+        """All buoys, gate by gate, port before starboard."""
+        return tuple(buoy for gate in self.gates for buoy in gate.buoys)
+
+
+def load_course(name_or_path: str | Path) -> Course:
+    """The course of a file in `configs/courses` by its bare name, or of any file by its path.
+
+    UserError with file and key if it is missing, malformed or cannot be sailed.
+    """
+    path = find_config("courses", name_or_path)
+    data: dict[str, Any] = read_yaml(path)
+    return validated(path, Course, data)
