@@ -1,0 +1,7 @@
+"""The boat file: what a boat is, each number with its unit, provenance and source."""
+
+from swamp_rl.boat.load import load_boat
+from swamp_rl.boat.quantity import Provenance
+from swamp_rl.boat.schema import Boat, Thruster
+
+__all__ = ["Boat", "Provenance", "Thruster", "load_boat"]

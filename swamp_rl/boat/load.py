@@ -1,0 +1,125 @@
+"""Boat files: found, chained by `extends`, merged and validated, with every fault named by file and key."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import InitErrorDetails, PydanticCustomError
+
+from swamp_rl.boat.merge import Key, is_quantity, leaves, merge
+from swamp_rl.boat.quantity import Provenance, units
+from swamp_rl.boat.resolve import TEMPLATE, resolved
+from swamp_rl.boat.schema import Boat
+from swamp_rl.effects import parse_effects
+from swamp_rl.errors import UserError
+from swamp_rl.files import explain, find_config, read_yaml
+
+
+def load_boat(name_or_path: str | Path) -> Boat:
+    """The boat of a file given by path or, in configs/boats, by bare name.
+
+    A file that `extends` another holds only what differs; its `effects` follow the other's. Its numbers may
+    be bare, which counts as assumed. UserError names file, key and what is allowed.
+    """
+    chain = _chain(name_or_path)
+    raw: dict[str, Any] = {}
+    origins: dict[Key, tuple[Path, Any]] = {}
+    for path, data in chain:
+        own = {key: value for key, value in data.items() if key not in ("extends", "effects")}
+        if "extends" not in data:
+            _refuse_bare_numbers(path, own)
+        raw = merge(raw, {"name": path.stem} | own)
+        origins |= {key: (path, leaf) for key, leaf in leaves(own)}
+    asked = chain[-1][0]
+    boat = _validated(resolved(raw, asked), origins, asked)
+    effects = [
+        entry
+        for path, data in chain
+        for entry in parse_effects(data.get("effects", []), str(path), boat.thruster_names)
+    ]
+    boat = boat.model_copy(update={"effects": tuple(effects)})
+    boat.provenance.update(_provenance(boat, origins))
+    return boat
+
+
+def _chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:
+    """The files to lay over one another, the one that extends nothing first."""
+    path = find_config("boats", name_or_path)
+    chain: list[tuple[Path, dict[str, Any]]] = []
+    while True:
+        chain.insert(0, (path, read_yaml(path)))
+        extended = chain[0][1].get("extends")
+        if "extends" not in chain[0][1]:
+            return chain
+        if not isinstance(extended, str) or not extended:
+            raise UserError(f"{path}: extends must be the name or the path of a boat file, not {extended!r}")
+        path = _extended(path, extended)
+        if any(path.resolve() == seen.resolve() for seen, _ in chain):
+            way = " -> ".join(str(file) for file, _ in reversed(chain))
+            raise UserError(f"{way} -> {path}: extends goes round in a circle; remove one of them")
+
+
+def _extended(path: Path, extended: str) -> Path:
+    try:
+        is_name = Path(extended).suffix == "" and len(Path(extended).parts) == 1
+        return find_config("boats", extended if is_name else path.parent / extended)
+    except UserError as error:
+        raise UserError(f"{path}: extends: {error}") from error
+
+
+def _refuse_bare_numbers(path: Path, own: Mapping[str, Any]) -> None:
+    for key, leaf in leaves(own):
+        items = leaf if isinstance(leaf, list) else [leaf]
+        if any(isinstance(item, int | float) and not isinstance(item, bool) for item in items):
+            raise UserError(
+                f"{path}: {'.'.join(key)}: a bare number; write {{value, unit, provenance, source}} "
+                "(only a file that extends another may leave the last three out)"
+            )
+
+
+def _validated(raw: dict[str, Any], origins: Mapping[Key, tuple[Path, Any]], asked: Path) -> Boat:
+    try:
+        return Boat.model_validate(raw)
+    except ValidationError as error:
+        named = _with_thruster_names(error, raw)
+        key = tuple(str(part) for part in named.errors()[0]["loc"])
+        origin = _origin(key, origins)
+        raise explain(origin[0] if origin else asked, named, Boat) from error
+
+
+def _with_thruster_names(error: ValidationError, raw: Mapping[str, Any]) -> ValidationError:
+    """The same faults, with thrusters by name in place of their number."""
+    details: list[InitErrorDetails] = []
+    for fault in error.errors():
+        loc = fault["loc"]
+        if len(loc) > 1 and loc[0] == "thrusters" and isinstance(loc[1], int):
+            thruster = raw["thrusters"][loc[1]]
+            name = thruster.get("name") if isinstance(thruster, Mapping) else None
+            loc = ("thrusters", name if isinstance(name, str) else loc[1], *loc[2:])
+        kind = PydanticCustomError(fault["type"], "{message}", {"message": fault["msg"]})
+        details.append(InitErrorDetails(type=kind, loc=loc, input=fault["input"]))
+    return ValidationError.from_exception_data(error.title, details)
+
+
+def _origin(key: Key, origins: Mapping[Key, tuple[Path, Any]]) -> tuple[Path, Any] | None:
+    """File and content of the leaf at `key` or on the way to it; for a thruster, also of the common block."""
+    for end in range(len(key), 0, -1):
+        if key[:end] in origins:
+            return origins[key[:end]]
+    return _origin((TEMPLATE, *key[2:]), origins) if key[:1] == ("thrusters",) and len(key) > 2 else None
+
+
+def _provenance(boat: Boat, origins: Mapping[Key, tuple[Path, Any]]) -> dict[str, Provenance]:
+    """Provenance by dotted key; defaults of the schema, which no file gives, have none."""
+    found = {}
+    for key, unit in units(boat):
+        origin = _origin(key, origins)
+        if origin is None:
+            continue
+        path, leaf = origin
+        given = (
+            (leaf["provenance"], leaf["source"]) if is_quantity(leaf) else ("assumed", f"set in {path.name}")
+        )
+        found[".".join(key)] = Provenance(unit, *given)
+    return found

@@ -1,0 +1,67 @@
+"""A number of a boat file: its value, unit, provenance and source."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+from pydantic import BaseModel, GetCoreSchemaHandler
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+Origin = Literal["measured", "fitted", "assumed"]
+ORIGINS = get_args(Origin)
+KEYS = ("value", "unit", "provenance", "source")
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a number comes from. unit: SI; source: the page, the trial, or the file that set it bare."""
+
+    unit: str
+    provenance: Origin
+    source: str
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Annotation of a field: the one unit its value may have.
+
+    In YAML the field is `{value, unit, provenance, source}`, or the bare value; the model holds the value.
+    """
+
+    name: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self.value_of, handler(source))
+
+    def value_of(self, given: Any) -> Any:
+        """The value inside a quantity; what is not a mapping is passed on as a bare value."""
+        if not isinstance(given, Mapping):
+            return given
+        faults = [f"lacks {key}" for key in KEYS if key not in given]
+        faults += [f"has an unknown key {key!r}" for key in given if key not in KEYS]
+        if not faults and given["unit"] != self.name:
+            faults = [f"has unit {given['unit']!r}, allowed is {self.name!r}"]
+        if not faults and given["provenance"] not in ORIGINS:
+            faults = [f"has provenance {given['provenance']!r}, allowed are {', '.join(ORIGINS)}"]
+        if not faults and not (isinstance(given["source"], str) and given["source"].strip()):
+            faults = ["has an empty source; say where the number comes from"]
+        if faults:
+            needs = f"the number {faults[0]}; write {{value, unit: {self.name}, provenance, source}}"
+            raise PydanticCustomError("quantity", "{needs}", {"needs": needs})
+        return given["value"]
+
+
+def units(model: BaseModel) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Key path and unit of every quantity in a model; list items go by their `name`, else by their index."""
+    for key, field in type(model).model_fields.items():
+        value = getattr(model, key)
+        unit = next((part.name for part in field.metadata if isinstance(part, Unit)), None)
+        if unit is not None:
+            yield (key,), unit
+        elif isinstance(value, BaseModel):
+            yield from (((key, *path), unit) for path, unit in units(value))
+        elif isinstance(value, tuple):
+            for index, item in enumerate(value):
+                if isinstance(item, BaseModel):
+                    inner = str(getattr(item, "name", index))
+                    yield from (((key, inner, *path), unit) for path, unit in units(item))

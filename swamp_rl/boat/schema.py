@@ -1,0 +1,239 @@
+"""What a boat file may hold. Once loaded, all numbers are plain floats in SI units, angles in radians."""
+
+import math
+from itertools import pairwise
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, InstanceOf, PrivateAttr, field_validator, model_validator
+
+from swamp_rl.boat.quantity import Provenance, Unit
+from swamp_rl.effects import EffectEntry
+
+POSITIVE, NOT_NEGATIVE, NOT_POSITIVE = Field(gt=0), Field(ge=0), Field(le=0)
+FRACTION = Field(ge=0, le=1)
+ANGLE = Field(ge=-2 * math.pi, le=2 * math.pi)
+FROM_LIST = Field(strict=False)  # YAML has lists, a frozen model holds tuples
+
+
+class Part(BaseModel):
+    """A strict, frozen section of a boat file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Hull(Part):
+    """Nondimensional coefficients of the hull forces (thesis 8.16).
+
+    c_d: of the cross flow; in the file also `yoshimura`, for his regression on length over draught.
+    """
+
+    x_vr: Annotated[float, Unit("1")]
+    y_v: Annotated[float, Unit("1")]
+    y_r: Annotated[float, Unit("1")]
+    n_v: Annotated[float, Unit("1")]
+    n_r: Annotated[float, Unit("1")]
+    c_d: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    c_ry: Annotated[float, Unit("1")]
+    c_rn: Annotated[float, Unit("1")]
+
+
+class ResistanceCurve(Part):
+    """Resistance [N] against speed [m/s], as towed at one ratio of water depth to draught."""
+
+    h_over_t: Annotated[float, POSITIVE, Unit("1")]
+    speed: Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, Unit("m/s")]
+    resistance: Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, Unit("N")]
+
+    @model_validator(mode="after")
+    def _is_a_curve(self) -> Self:
+        if len(self.speed) != len(self.resistance) or len(self.speed) < 2:
+            raise ValueError("needs two or more speeds and as many resistances")
+        if not increasing(self.speed):
+            raise ValueError("the speeds must increase from each to the next")
+        return self
+
+
+class Resistance(Part):
+    """The towing tank's results, with the mass [kg] and water density [kg/m³] they hold for."""
+
+    reference_mass: Annotated[float, POSITIVE, Unit("kg")]
+    reference_density: Annotated[float, POSITIVE, Unit("kg/m3")]
+    table: Annotated[tuple[ResistanceCurve, ...], Field(strict=False, min_length=1)]
+
+    @field_validator("table")
+    @classmethod
+    def _depths_increase(cls, table: tuple[ResistanceCurve, ...]) -> tuple[ResistanceCurve, ...]:
+        if not increasing([curve.h_over_t for curve in table]):
+            raise ValueError("h_over_t must increase from each curve to the next")
+        return table
+
+
+class Thruster(Part):
+    """One thruster, at x forward and y starboard of midship [m].
+
+    Its azimuth [rad] is the direction of the force on the boat, positive to starboard. Bollard thrust [N] at
+    throttle p is linear p + quadratic p |p|, with the astern pair for p < 0; a zero astern pair: it does not
+    reverse. A `fixed` one pushes along azimuth_min = azimuth_max.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+    kind: Literal["azimuth", "fixed"]
+    x: Annotated[float, Unit("m")]
+    y: Annotated[float, Unit("m")]
+    azimuth_min: Annotated[float, ANGLE, Unit("rad")]
+    azimuth_max: Annotated[float, ANGLE, Unit("rad")]
+    azimuth_rate: Annotated[float, POSITIVE, Unit("rad/s")] = math.inf
+    azimuth_time_constant: Annotated[float, NOT_NEGATIVE, Unit("s")] = 0.0
+    azimuth_offset: Annotated[float, ANGLE, Unit("rad")] = 0.0
+    pump_time_constant: Annotated[float, NOT_NEGATIVE, Unit("s")]
+    thrust_linear: Annotated[float, NOT_NEGATIVE, Unit("N")]
+    thrust_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")]
+    astern_linear: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
+    astern_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
+
+    @model_validator(mode="after")
+    def _can_be_built(self) -> Self:
+        if self.name == "all":
+            raise ValueError("a thruster cannot be named 'all': effects use it for all of them")
+        if self.thrust_linear + self.thrust_quadratic == 0:
+            raise ValueError("thrust_linear and thrust_quadratic are both 0: it would never push")
+        if self.kind == "fixed" and self.azimuth_min != self.azimuth_max:
+            raise ValueError("a fixed thruster pushes one way: azimuth_min and azimuth_max must be equal")
+        if self.kind == "azimuth" and not self.azimuth_min < self.azimuth_max:
+            raise ValueError("azimuth_min must be below azimuth_max")
+        if self.kind == "azimuth" and not {"azimuth_rate", "azimuth_time_constant"} <= self.model_fields_set:
+            raise ValueError("an azimuth thruster needs azimuth_rate [rad/s] and azimuth_time_constant [s]")
+        return self
+
+    @property
+    def reverses(self) -> bool:
+        """Whether throttles down to -1 are allowed."""
+        return self.astern_linear + self.astern_quadratic > 0
+
+
+class ThrustDeduction(Part):
+    """1 - t against throttle: linear between two points, constant outside them."""
+
+    throttle_low: Annotated[float, FRACTION, Unit("1")]
+    factor_low: Annotated[float, FRACTION, Unit("1")]
+    throttle_high: Annotated[float, FRACTION, Unit("1")]
+    factor_high: Annotated[float, FRACTION, Unit("1")]
+
+    @model_validator(mode="after")
+    def _low_is_below_high(self) -> Self:
+        if not self.throttle_low < self.throttle_high:
+            raise ValueError("throttle_low must be below throttle_high")
+        return self
+
+
+class Wind(Part):
+    """What the wind meets: areas [m²], lateral centre forward of midship [m], coefficients (8.17 to 8.19)."""
+
+    air_density: Annotated[float, POSITIVE, Unit("kg/m3")]
+    frontal_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
+    lateral_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
+    lateral_centre: Annotated[float, Unit("m")]
+    c_x: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    c_y: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    c_n: Annotated[float, Unit("1")]
+
+
+class Current(Part):
+    """How a current acts.
+
+    model `relative`: through the velocity over the water alone; `dnv_force`: the thesis's extra force (8.20
+    to 8.22), on these underwater areas [m²] with lateral centre forward of midship [m].
+    """
+
+    model: Literal["relative", "dnv_force"]
+    frontal_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
+    lateral_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
+    lateral_centre: Annotated[float, Unit("m")]
+    c_x: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    c_y: Annotated[float, NOT_NEGATIVE, Unit("1")]
+
+
+class Joypad(Part):
+    """What a pilot's levers command: ends of the throttle [1] and azimuth [rad] of the named thrusters."""
+
+    thrusters: Annotated[tuple[str, ...], Field(strict=False, min_length=1)]
+    throttle: Annotated[tuple[float, float], FROM_LIST, Unit("1")]
+    azimuth: Annotated[tuple[float, float], FROM_LIST, Unit("rad")]
+
+    @model_validator(mode="after")
+    def _ends_are_in_order(self) -> Self:
+        if not -1 <= self.throttle[0] < self.throttle[1] <= 1:
+            raise ValueError("throttle must be [low, high] within [-1, 1]")
+        if not -2 * math.pi <= self.azimuth[0] <= self.azimuth[1] <= 2 * math.pi:
+            raise ValueError("azimuth must be [low, high] in radians, within a full turn")
+        return self
+
+
+class Boat(Part):
+    """A boat file: particulars, hull, resistance, thrusters, what wind and current meet, and its effects.
+
+    Added masses are the hydrodynamic derivatives, hence negative or zero. x_g is forward of midship.
+    """
+
+    name: Annotated[str, Field(min_length=1)]
+    length: Annotated[float, POSITIVE, Unit("m")]
+    breadth: Annotated[float, POSITIVE, Unit("m")]
+    draught: Annotated[float, POSITIVE, Unit("m")]
+    mass: Annotated[float, POSITIVE, Unit("kg")]
+    inertia_z: Annotated[float, POSITIVE, Unit("kg m2")]
+    x_g: Annotated[float, Unit("m")]
+    added_mass_surge: Annotated[float, NOT_POSITIVE, Unit("kg")]
+    added_mass_sway: Annotated[float, NOT_POSITIVE, Unit("kg")]
+    added_inertia_yaw: Annotated[float, NOT_POSITIVE, Unit("kg m2")]
+    water_density: Annotated[float, POSITIVE, Unit("kg/m3")]
+    hull: Hull
+    resistance: Resistance
+    thrusters: Annotated[tuple[Thruster, ...], Field(strict=False, min_length=1)]
+    thrust_deduction: ThrustDeduction
+    wind: Wind
+    current: Current
+    joypad: Joypad
+    effects: tuple[InstanceOf[EffectEntry], ...] = ()
+    _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)
+
+    @property
+    def thruster_names(self) -> tuple[str, ...]:
+        """Names in the order of every per-thruster array."""
+        return tuple(thruster.name for thruster in self.thrusters)
+
+    @property
+    def provenance(self) -> dict[str, Provenance]:
+        """Unit, provenance and source of each number by its dotted key, such as `thrusters.bs.x`."""
+        return self._provenance
+
+    @model_validator(mode="after")
+    def _could_float(self) -> Self:
+        displaced = self.water_density * self.length * self.breadth * self.draught
+        if self.mass > displaced:
+            raise ValueError(
+                f"mass {self.mass:.6g} kg is more than the {displaced:.6g} kg of water in length x breadth x "
+                "draught; correct one of them"
+            )
+        if abs(self.x_g) > self.length / 2:
+            raise ValueError(f"x_g {self.x_g:.6g} m lies outside the hull, whose ends are at length / 2")
+        return self
+
+    @model_validator(mode="after")
+    def _thrusters_fit(self) -> Self:
+        names = self.thruster_names
+        if len(set(names)) < len(names):
+            raise ValueError(f"thruster names must differ, but are {', '.join(names)}")
+        for thruster in self.thrusters:
+            if abs(thruster.x) > self.length or abs(thruster.y) > self.breadth:
+                raise ValueError(
+                    f"thruster {thruster.name} is farther from midship than the boat is long or broad"
+                )
+        joypad = self.joypad.thrusters
+        if not set(joypad) <= set(names) or len(set(joypad)) < len(joypad):
+            raise ValueError(f"joypad.thrusters must be different names out of {', '.join(names)}")
+        return self
+
+
+def increasing(values: tuple[float, ...] | list[float]) -> bool:
+    """Whether each value is above the one before."""
+    return all(low < high for low, high in pairwise(values))

@@ -1,0 +1,53 @@
+"""Effects onto records: each parameter is added to, multiplied into or put in place of its field."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.effects.declare import Effect
+from swamp_rl.effects.entries import ALL, EffectEntry
+
+COMBINE = {
+    "add": lambda old, new: old + new,
+    "multiply": lambda old, new: old * new,
+    "replace": lambda old, new: np.broadcast_to(new, old.shape),
+}
+
+
+def apply_effects(
+    record: NDArray[np.void], entries: Sequence[EffectEntry], thruster_names: Sequence[str]
+) -> None:
+    """Write `entries`, in their order, into the fields of a structured array (n,), in place.
+
+    A field has shape (n,), or (n, K) with a column for each of the K thrusters.
+    """
+    for entry in entries:
+        write_effect(record, entry.effect, entry.values, selected(entry.thruster, thruster_names))
+
+
+def selected(thruster: str | None, thruster_names: Sequence[str]) -> NDArray[np.bool_]:
+    """(K,) which thrusters a selector means; None means all of them, as `all` does."""
+    return np.array([thruster in (None, ALL, name) for name in thruster_names], dtype=bool)
+
+
+def write_effect(
+    record: NDArray[np.void],
+    effect: Effect,
+    values: Mapping[str, Any],
+    thrusters: NDArray[np.bool_],
+    boats: NDArray[np.bool_] | bool = True,
+) -> None:
+    """One effect into `record` (n,) in place, for the marked boats (n,) and thrusters (K,) or (n, K).
+
+    values: parameter name -> a number or one for each boat (n,).
+    """
+    boats = np.broadcast_to(boats, record.shape)
+    for parameter in effect.parameters:
+        field = record[parameter.field]
+        value = np.broadcast_to(np.asarray(values[parameter.name], dtype=float), record.shape)
+        where = boats
+        if field.ndim == 2:
+            value, where = value[:, None], boats[:, None] & thrusters
+        np.copyto(field, COMBINE[effect.combine](field, value), where=where)

@@ -1,0 +1,110 @@
+"""Reading a list of effects: `[{effect: current, north: 0.1}, ...]` with every fault named."""
+
+import difflib
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from swamp_rl.effects.declare import LIBRARY, Effect, Parameter
+from swamp_rl.errors import UserError
+
+ALL = "all"
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class EffectEntry:
+    """An effect with its numbers. thruster: a name, `all`, or None where the effect has no selector.
+
+    values: parameter name -> number [its unit]; a parameter left out takes its neutral value.
+    """
+
+    effect: Effect
+    thruster: str | None
+    values: Mapping[str, float]
+
+
+def parse_effects(entries: Any, where: str, thruster_names: Sequence[str]) -> tuple[EffectEntry, ...]:
+    """Effects with numbers, as they stand in a boat file; `where` begins every message. UserError."""
+    return tuple(
+        _entry(entry, f"{where}: effects[{index}]", thruster_names)
+        for index, entry in enumerate(entry_list(entries, where))
+    )
+
+
+def entry_list(entries: Any, where: str) -> list[Any]:
+    """`entries` if it is a list; UserError otherwise."""
+    if not isinstance(entries, list | tuple):
+        raise UserError(f"{where}: effects must be a list such as [{{effect: current, north: 0.1}}]")
+    return list(entries)
+
+
+def _entry(entry: Any, where: str, thruster_names: Sequence[str]) -> EffectEntry:
+    effect, given = effect_and_keys(entry, where)
+    where = f"{where} {effect.name}"
+    thruster = given.pop("thruster", None)
+    if effect.thruster:
+        check_thruster(thruster, where, thruster_names)
+    numbers = {name: parameter_number(effect.parameter(name), value, where) for name, value in given.items()}
+    return EffectEntry(effect, thruster, complete(effect, numbers, where, float))
+
+
+def effect_and_keys(entry: Any, where: str, also: Collection[str] = ()) -> tuple[Effect, dict[str, Any]]:
+    """The effect that an entry names, and its other keys once they are known to belong to it or to `also`."""
+    if not isinstance(entry, Mapping) or "effect" not in entry:
+        raise UserError(f"{where}: must be a mapping with the key effect, one of {', '.join(LIBRARY)}")
+    name = entry["effect"]
+    if not isinstance(name, str) or name not in LIBRARY:
+        raise UserError(f"{where}: unknown effect {name!r}; {suggestion(name, LIBRARY)}")
+    effect = LIBRARY[name]
+    known = [*effect.parameter_names, *(["thruster"] if effect.thruster else []), *also]
+    given = {key: value for key, value in entry.items() if key != "effect"}
+    for key in given:
+        if key not in known:
+            raise UserError(f"{where} {name}: unknown key {key!r}; {suggestion(key, known)}")
+    return effect, given
+
+
+def suggestion(name: Any, known: Collection[str]) -> str:
+    """The nearest known name, if one is near, and all of them."""
+    near = difflib.get_close_matches(str(name), list(known), 1)
+    return (f"did you mean {near[0]!r}? " if near else "") + f"known here: {', '.join(known)}"
+
+
+def check_thruster(name: Any, where: str, thruster_names: Sequence[str]) -> None:
+    """UserError unless `name` is a thruster of the boat or `all`."""
+    if name is None:
+        raise UserError(f"{where}: thruster is missing; add one of {', '.join((*thruster_names, ALL))}")
+    if name not in (*thruster_names, ALL):
+        raise UserError(f"{where}: unknown thruster {name!r}; {suggestion(name, (*thruster_names, ALL))}")
+
+
+def parameter_number(parameter: Parameter, value: Any, where: str) -> float:
+    """`value` as a number that the parameter allows; UserError otherwise."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise UserError(f"{where}: {parameter.name} must be a number [{parameter.unit}], not {value!r}")
+    if not parameter.allows(float(value)):
+        raise UserError(
+            f"{where}: {parameter.name} {value:.6g} is out of range; allowed: {parameter.allowed}"
+        )
+    return float(value)
+
+
+def complete(
+    effect: Effect, given: Mapping[str, Value], where: str, neutral: Callable[[float], Value]
+) -> dict[str, Value]:
+    """`given` in the order of declaration, with the neutral value where one was left out.
+
+    UserError if nothing is given, or if one that must be given is not.
+    """
+    if not given:
+        raise UserError(f"{where}: gives no number; add {', '.join(effect.parameter_names)}")
+    values = {}
+    for parameter in effect.parameters:
+        if parameter.name in given:
+            values[parameter.name] = given[parameter.name]
+        elif parameter.required or parameter.neutral is None:
+            raise UserError(f"{where}: {parameter.name} [{parameter.unit}] is missing; add it")
+        else:
+            values[parameter.name] = neutral(parameter.neutral)
+    return values

@@ -1,0 +1,108 @@
+"""Disturbance levels: effects, and offsets of the start, whose numbers are drawn for each episode."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.effects.apply import write_effect
+from swamp_rl.effects.declare import FULL_TURN
+from swamp_rl.effects.distributions import Array, Distribution, columns, parse_distribution
+from swamp_rl.effects.entries import entry_list, suggestion
+from swamp_rl.effects.random_entry import RandomEntry, parse_random_entry
+from swamp_rl.errors import UserError
+from swamp_rl.files import find_config, read_yaml
+
+START = {"north": "m", "east": "m", "heading": "rad"}
+KEYS = ("description", "start", "effects")
+
+
+@dataclass(frozen=True)
+class Level:
+    """How an episode departs from the boat file, drawn from `draw_count` uniforms in [0, 1).
+
+    offsets: of the start's north [m], east [m], heading [rad]. An episode is drawn from its own row of
+    uniforms alone, so it is the same in any batch.
+    """
+
+    name: str
+    offsets: tuple[Distribution, ...]
+    entries: tuple[RandomEntry, ...]
+    thruster_names: tuple[str, ...]
+
+    @property
+    def draw_count(self) -> int:
+        """Uniforms that an episode needs."""
+        return sum(self._widths)
+
+    def start(self, uniforms: Array) -> Array:
+        """(n, 3) offsets of the start north [m], east [m], heading [rad] from uniforms (n, draw_count)."""
+        blocks = columns(uniforms, self._widths)
+        return np.column_stack(
+            [offset.values(block) for offset, block in zip(self.offsets, blocks, strict=False)]
+        )
+
+    def apply(self, record: NDArray[np.void], uniforms: Array) -> None:
+        """Write the drawn effects into `record` (n,), in place, from uniforms (n, draw_count)."""
+        blocks = columns(uniforms, self._widths)[len(self.offsets) :]
+        for entry, block in zip(self.entries, blocks, strict=True):
+            drawn = entry.draw(block)
+            write_effect(record, entry.effect, drawn.values, drawn.thrusters(self.thruster_names), drawn.on)
+
+    def drawn(self, uniforms: Array) -> list[dict[str, Any]]:
+        """The effects of one episode with their numbers, from its uniforms (draw_count,).
+
+        What a run is replayed from: the list reads as the `effects` of a boat file, without those that
+        turned out not to be there.
+        """
+        blocks = columns(uniforms[None, :], self._widths)[len(self.offsets) :]
+        drawn = [entry.draw(block).mapping(0) for entry, block in zip(self.entries, blocks, strict=True)]
+        return [mapping for mapping in drawn if mapping is not None]
+
+    @property
+    def _widths(self) -> list[int]:
+        return [offset.draws for offset in self.offsets] + [entry.draws for entry in self.entries]
+
+
+def load_disturbances(
+    source: str | Path | Sequence[Mapping[str, Any]] | None, thruster_names: Sequence[str]
+) -> Level:
+    """A level by bare name or path; a list of effects, with numbers or distributions; None is no disturbance.
+
+    UserError names file, entry and key of the first fault.
+    """
+    if source is None:
+        return _level("none", "no disturbances", {}, thruster_names)
+    if isinstance(source, str | Path):
+        path = find_config("disturbances", source)
+        return _level(path.stem, str(path), read_yaml(path), thruster_names)
+    return _level("effects", "disturbances", {"effects": source}, thruster_names)
+
+
+def _level(name: str, where: str, given: Mapping[str, Any], thruster_names: Sequence[str]) -> Level:
+    for key in given:
+        if key not in KEYS:
+            raise UserError(f"{where}: unknown key {key!r}; {suggestion(key, KEYS)}")
+    entries = tuple(
+        parse_random_entry(entry, f"{where}: effects[{index}]", thruster_names)
+        for index, entry in enumerate(entry_list(given.get("effects", []), where))
+    )
+    return Level(name, _offsets(given.get("start", {}), where), entries, tuple(thruster_names))
+
+
+def _offsets(given: Any, where: str) -> tuple[Distribution, ...]:
+    if not isinstance(given, Mapping):
+        raise UserError(f"{where}: start must be a mapping such as {{heading: {{uniform: [-0.5, 0.5]}}}}")
+    for key in given:
+        if key not in START:
+            raise UserError(f"{where}: unknown key start.{key}; {suggestion(key, START)}")
+    offsets = {
+        key: parse_distribution(given.get(key, 0.0), f"{where}: start.{key} [{unit}]")
+        for key, unit in START.items()
+    }
+    if max(map(abs, offsets["heading"].numbers)) > FULL_TURN:
+        raise UserError(f"{where}: start.heading goes beyond a full turn; give it in radians")
+    return tuple(offsets.values())

@@ -1,0 +1,147 @@
+"""One effect of a disturbance level, with distributions in place of numbers."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.effects.apply import selected
+from swamp_rl.effects.declare import LIBRARY, Effect, Parameter
+from swamp_rl.effects.distributions import (
+    Array,
+    Distribution,
+    columns,
+    each,
+    is_number,
+    option,
+    parse_distribution,
+)
+from swamp_rl.effects.entries import check_thruster, complete, effect_and_keys, parameter_number
+from swamp_rl.errors import UserError
+
+DISC = ("north", "east")
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """An entry drawn for n episodes.
+
+    on: (n,) whether it is there. which: (n,) index into `selectors` of the thruster meant. values: by
+    parameter (n,).
+    """
+
+    effect: Effect
+    on: NDArray[np.bool_]
+    which: NDArray[np.intp]
+    selectors: tuple[str | None, ...]
+    values: dict[str, Array]
+
+    def thrusters(self, thruster_names: Sequence[str]) -> NDArray[np.bool_]:
+        """(n, K) which thrusters are meant."""
+        return np.array([selected(name, thruster_names) for name in self.selectors])[self.which]
+
+    def mapping(self, episode: int) -> dict[str, Any] | None:
+        """The effect with its numbers as it stands in YAML; None where it is not there."""
+        if not self.on[episode]:
+            return None
+        thruster = self.selectors[self.which[episode]]
+        names = {"effect": self.effect.name} | ({} if thruster is None else {"thruster": thruster})
+        return names | {name: float(values[episode]) for name, values in self.values.items()}
+
+
+@dataclass(frozen=True)
+class RandomEntry:
+    """An effect to be drawn.
+
+    selectors: the equally likely thrusters (or `all`), (None,) where the effect has no selector. disc: radius
+    within which north and east [their unit] are drawn, direction and length uniform; None where they have
+    distributions of their own. probability: of the effect being there at all.
+    """
+
+    effect: Effect
+    selectors: tuple[str | None, ...]
+    values: Mapping[str, Distribution]
+    disc: float | None
+    probability: float
+
+    @property
+    def _widths(self) -> list[int]:
+        own = [int(self.probability < 1.0), int(len(self.selectors) > 1), 0 if self.disc is None else 2]
+        return own + [value.draws for value in self.values.values()]
+
+    @property
+    def draws(self) -> int:
+        """How many uniforms an episode takes, whether or not the effect turns out to be there."""
+        return sum(self._widths)
+
+    def draw(self, uniforms: Array) -> Drawn:
+        """The effect for n episodes from uniforms (n, draws)."""
+        chance, choice, disc, *rest = columns(uniforms, self._widths)
+        on = np.all(chance < self.probability, axis=1)
+        which = np.zeros(len(uniforms), dtype=np.intp)
+        if choice.shape[1]:
+            which = option(choice[:, 0], len(self.selectors))
+        values = {
+            name: value.values(block) for (name, value), block in zip(self.values.items(), rest, strict=True)
+        }
+        if self.disc is not None:
+            direction, length = 2.0 * math.pi * disc[:, 0], self.disc * disc[:, 1]
+            values["north"] = length * each(math.cos, direction)
+            values["east"] = length * each(math.sin, direction)
+        return Drawn(self.effect, on, which, self.selectors, values)
+
+
+def parse_random_entry(entry: Any, where: str, thruster_names: Sequence[str]) -> RandomEntry:
+    """An entry of a disturbance level; `where` begins every message. UserError."""
+    has_disc = isinstance(entry, Mapping) and _takes_disc(entry.get("effect"))
+    effect, given = effect_and_keys(entry, where, ("probability", "disc") if has_disc else ("probability",))
+    where = f"{where} {effect.name}"
+    probability = _probability(given.pop("probability", 1.0), where)
+    selectors = _selectors(given.pop("thruster", None), where, thruster_names) if effect.thruster else (None,)
+    disc = _disc(effect, given, where) if "disc" in given else None
+    values = {name: _bounded(effect.parameter(name), value, where) for name, value in given.items()}
+    if disc is None:
+        values = complete(effect, values, where, lambda number: Distribution("number", (number,)))
+    return RandomEntry(effect, selectors, values, disc, probability)
+
+
+def _takes_disc(name: Any) -> bool:
+    return isinstance(name, str) and name in LIBRARY and set(DISC) <= set(LIBRARY[name].parameter_names)
+
+
+def _probability(given: Any, where: str) -> float:
+    if not is_number(given) or not 0.0 < given <= 1.0:
+        raise UserError(f"{where}: probability must be above 0 and at most 1, not {given!r}")
+    return float(given)
+
+
+def _selectors(given: Any, where: str, thruster_names: Sequence[str]) -> tuple[str, ...]:
+    names = given
+    if isinstance(given, Mapping):
+        if list(given) != ["choice"] or not isinstance(given["choice"], list) or not given["choice"]:
+            raise UserError(f"{where}: thruster must be a name, all, or {{choice: [names]}}, not {given!r}")
+        names = given["choice"]
+    names = names if isinstance(names, list) else [names]
+    for name in names:
+        check_thruster(name, where, thruster_names)
+    return tuple(names)
+
+
+def _disc(effect: Effect, given: dict[str, Any], where: str) -> float:
+    radius = given.pop("disc")
+    if given:
+        raise UserError(f"{where}: disc draws {' and '.join(DISC)}; remove {', '.join(given)}")
+    if not is_number(radius) or radius < 0.0:
+        unit = effect.parameter(DISC[0]).unit
+        raise UserError(f"{where}: disc must be a radius [{unit}] of at least 0, not {radius!r}")
+    return float(radius)
+
+
+def _bounded(parameter: Parameter, given: Any, where: str) -> Distribution:
+    distribution = parse_distribution(given, f"{where}: {parameter.name} [{parameter.unit}]")
+    for number in distribution.numbers:
+        parameter_number(parameter, number, where)
+    return distribution
