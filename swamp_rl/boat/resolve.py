@@ -23,11 +23,12 @@ def resolved(raw: Mapping[str, Any], path: Path) -> dict[str, Any]:
             {**template, **thruster} if isinstance(thruster, Mapping) else thruster
             for thruster in raw["thrusters"]
         ]
-    hull, length, draught = raw.get("hull"), _value(raw.get("length")), _value(raw.get("draught"))
+    length, draught = _value(raw.get("length")), _value(raw.get("draught"))
+    hull: Any = raw.get("hull")
     given = hull.get("c_d") if isinstance(hull, Mapping) else None
     if _value(given) == REGRESSION and _is_positive(length) and _is_positive(draught):
         number = yoshimura_c_d(length, draught)
-        whole["hull"] = {**raw["hull"], "c_d": {**given, "value": number} if is_quantity(given) else number}
+        whole["hull"] = {**hull, "c_d": {**given, "value": number} if is_quantity(given) else number}
     return whole
 
 

@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from swamp_rl.effects.declare import LIBRARY, Effect, Parameter
@@ -21,7 +21,7 @@ class EffectEntry:
 
     effect: Effect
     thruster: str | None
-    values: Mapping[str, float]
+    values: Mapping[str, float] = field(hash=False)
 
 
 def parse_effects(entries: Any, where: str, thruster_names: Sequence[str]) -> tuple[EffectEntry, ...]:
