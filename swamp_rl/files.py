@@ -13,6 +13,7 @@ from typing import Any, TypeVar, get_args
 
 import yaml
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from swamp_rl.errors import UserError
 
@@ -55,8 +56,8 @@ def write_beside(path: Path | str) -> Iterator[Path]:
 def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Path]:
     """Yield an empty hidden sibling of folder `path`, renamed to `path` once the block has ended well.
 
-    An existing `path` that is not empty is replaced only if it holds a file named `replaces`, which shows that
-    it is an earlier result of the same kind; otherwise UserError, before any work is done.
+    An existing `path` that is not empty is replaced only if it holds a file named `replaces`, which shows
+    that it is an earlier result of the same kind; otherwise UserError, before any work is done.
     OSError -> UserError.
     """
     path = Path(path).absolute()
@@ -182,6 +183,13 @@ def _kind_of(data: Any) -> str:
     return named.get(type(data), f"a lone {type(data).__name__}")
 
 
+def write_yaml(path: Path | str, data: Mapping[str, Any]) -> None:
+    """Write a mapping as YAML, beside it first and then renamed; floats keep every bit."""
+    text = yaml.safe_dump(dict(data), sort_keys=False, allow_unicode=True, width=100)
+    with write_beside(path) as part:
+        part.write_text(text, encoding="utf-8")
+
+
 def validated(path: Path | str, model: type[Model], data: Mapping[str, Any]) -> Model:
     """`data`, read from `path`, as a `model`; UserError by `explain` if it does not fit."""
     try:
@@ -195,18 +203,27 @@ def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | N
 
     With `model`, an unknown key is answered with the nearest known one.
     """
-    faults = error.errors(include_url=False)
-    fault = faults[0]
-    key = ".".join(str(part) for part in fault["loc"]) or "the whole file"
-    more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+    (key, message), *others = explanations(error, model)
+    more = f" (and {len(others)} more)" if others else ""
+    return UserError(f"{path}: {key + ': ' if key else ''}{message}{more}")
+
+
+def explanations(error: ValidationError, model: type[BaseModel] | None = None) -> list[tuple[str, str]]:
+    """The dotted key and the explanation of each fault in a ValidationError."""
+    return [_explanation(fault, model) for fault in error.errors(include_url=False)]
+
+
+def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[str, str]:
+    key = ".".join(str(part) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
-        return UserError(f"{path}: unknown key {key}{_suggestion(fault['loc'], model)}{more}")
+        return key, f"unknown key{_suggestion(fault['loc'], model)}"
     if fault["type"] == "missing":
-        return UserError(f"{path}: key {key} is missing; add it{more}")
+        return key, "is missing; add it"
     message = fault["msg"].removeprefix("Value error, ").replace("\n", " ")
+    if fault["type"] == "value_error":
+        return key, message
     value = repr(fault["input"])
-    got = f", not {value}" if len(value) <= 60 and fault["type"] != "value_error" else ""
-    return UserError(f"{path}: {key}: {message[:1].lower()}{message[1:]}{got}{more}")
+    return key, message[:1].lower() + message[1:] + (f", not {value}" if len(value) <= 60 else "")
 
 
 def _suggestion(loc: tuple[int | str, ...], model: type[BaseModel] | None) -> str:

@@ -1,0 +1,30 @@
+"""Recorded and simulated runs: read, checked, written, and never silently repaired."""
+
+from swamp_rl.runs.dataset import (
+    Dataset,
+    append_run,
+    check_dataset,
+    create_dataset,
+    inspect_dataset,
+    read_dataset,
+    read_run,
+    write_run,
+)
+from swamp_rl.runs.faults import Fault
+from swamp_rl.runs.run import Run
+from swamp_rl.runs.schema import DatasetMeta, RunMeta
+
+__all__ = [
+    "Dataset",
+    "DatasetMeta",
+    "Fault",
+    "Run",
+    "RunMeta",
+    "append_run",
+    "check_dataset",
+    "create_dataset",
+    "inspect_dataset",
+    "read_dataset",
+    "read_run",
+    "write_run",
+]

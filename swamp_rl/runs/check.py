@@ -1,0 +1,149 @@
+"""Whether the numbers of one run make sense: finite, in range, in radians, at the dataset's fixed rate."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.runs.columns import Span, UnknownThrusterError, missing_columns, span_of
+from swamp_rl.runs.faults import Fault, faults_at
+from swamp_rl.runs.table import Table
+
+STEP_TOLERANCE = 0.05  # of the period, for one step: room for times rounded to a few digits
+DRIFT_TOLERANCE = 0.5  # of the period, over the whole run
+DEGREES = 180.0 / math.pi
+
+
+def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float | None) -> list[Fault]:
+    """Every fault of one run's table; without a `sample_rate` the run's own mean rate must be fixed."""
+    faults = list(table.faults)
+    if not table.columns:
+        return faults
+    faults += [
+        Fault(file, None, name, f"is missing; add it{_near_miss(name, list(table.columns))}")
+        for name in missing_columns(list(table.columns), boat)
+    ]
+    for name in table.columns:
+        try:
+            span = span_of(name, boat)
+        except UnknownThrusterError as error:
+            faults.append(Fault(file, None, name, str(error)))
+            span = None
+        faults += _check_values(file, name, table, span or Span("?"))
+    if len(table.rows) < 2:
+        rows = "1 row" if len(table.rows) == 1 else "no rows"
+        faults.append(
+            Fault(file, None, None, f"holds {rows}, a run needs two or more; record it again or remove it")
+        )
+    elif table.whole and "time" in table.columns and np.isfinite(table.columns["time"]).all():
+        faults += _check_time(file, table.columns["time"], table.rows, sample_rate)
+        faults += _check_degrees_against_yaw_rate(file, table.columns)
+    return faults
+
+
+def unknown_columns(names: list[str], boat: Boat | None) -> list[str]:
+    """The columns the format does not know: kept, and to be reported."""
+    found = []
+    for name in names:
+        try:
+            if span_of(name, boat) is None:
+                found.append(name)
+        except UnknownThrusterError:
+            continue
+    return found
+
+
+def _near_miss(name: str, names: list[str]) -> str:
+    if len(names) == 1 and (";" in names[0] or "\t" in names[0]):
+        return " (the columns are to be separated by commas)"
+    alike = [other for other in names if other != name and other.strip().lower() == name]
+    return f" (column {alike[0]!r} is to be spelt {name!r})" if alike else ""
+
+
+def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]:
+    values = table.columns[name]
+    infinite = ~np.isfinite(values) & ~table.unread.get(name, np.zeros(len(values), bool))
+    faults = faults_at(
+        file,
+        name,
+        table.rows,
+        infinite,
+        lambda i: f"{values[i]} is no finite number; correct or cut the run here",
+    )
+    with np.errstate(invalid="ignore"):
+        outside = np.isfinite(values) & ((values < span.low) | (values > span.high))
+    if span.above:
+        outside |= values == span.low
+    if not outside.any():
+        return faults
+    hint = _unit_mistake(values[np.isfinite(values)], span)
+    return faults + faults_at(
+        file, name, table.rows, outside, lambda i: f"{values[i]:.6g} is outside {span}; {hint}"
+    )
+
+
+def _unit_mistake(values: NDArray[np.float64], span: Span) -> str:
+    """What to do about a column that leaves its span, from how far it does."""
+    largest = np.abs(values).max()
+    if span.unit in ("rad", "rad/s") and largest > 2.0 * math.pi + 1e-6:
+        return f"it looks like degrees, give it in {span.unit} (multiply by pi/180)"
+    if span.unit == "rad" and span.above:
+        return "wrap it into that range"
+    if span.unit == "1" and 1.0 < largest <= 100.0 and largest > 2.0:
+        return "it looks like percent, divide by 100"
+    return "correct it, or the limits of the boat file"
+
+
+def _check_time(
+    file: str, time: NDArray[np.float64], rows: NDArray[np.int64], sample_rate: float | None
+) -> list[Fault]:
+    steps = np.diff(time)
+    back = faults_at(
+        file,
+        "time",
+        rows[1:],
+        steps <= 0.0,
+        lambda i: f"{time[i + 1]:.6g} s does not come after {time[i]:.6g} s; put the rows in order of time",
+    )
+    if back:
+        return back
+    period = 1.0 / sample_rate if sample_rate else float(np.median(steps))
+    named = f"{1.0 / period:.6g} Hz" + (" of dataset.yaml" if sample_rate else "")
+    uneven = np.abs(steps - period) > STEP_TOLERANCE * period
+    typical = float(np.median(steps))
+    drift = abs(time[-1] - time[0] - period * len(steps))
+    wrong_rate = abs(typical - period) > STEP_TOLERANCE * period
+    if wrong_rate or (not uneven.any() and drift > DRIFT_TOLERANCE * period):
+        rate = 1.0 / typical if wrong_rate else len(steps) / (time[-1] - time[0])
+        message = f"is sampled at {rate:.6g} Hz, not the {named}; correct sample_rate, or resample the run"
+        return [Fault(file, None, "time", message)]
+    return faults_at(
+        file,
+        "time",
+        rows[1:],
+        uneven,
+        lambda i: (
+            f"{steps[i]:.6g} s after the row before, not the {period:.6g} s of {named}; resample the run"
+        ),
+    )
+
+
+def _check_degrees_against_yaw_rate(file: str, columns: dict[str, NDArray[np.float64]]) -> list[Fault]:
+    """Small angles in degrees stay inside the radians' range, but the two columns then disagree by 180/pi."""
+    if not {"heading", "yaw_rate"} <= set(columns) or len(columns["time"]) < 10:
+        return []
+    heading, yaw_rate = columns["heading"], columns["yaw_rate"]
+    if not (np.isfinite(heading).all() and np.isfinite(yaw_rate).all()):
+        return []
+    turned = np.diff(np.unwrap(heading)) / np.diff(columns["time"])
+    given = 0.5 * (yaw_rate[1:] + yaw_rate[:-1])
+    size = float(np.linalg.norm(turned)), float(np.linalg.norm(given))
+    if min(size) == 0.0 or turned @ given < 0.9 * size[0] * size[1]:
+        return []
+    ratio = size[1] / size[0]
+    for name, mistaken, unit in (("yaw_rate", ratio, "rad/s"), ("heading", 1.0 / ratio, "rad")):
+        if abs(mistaken / DEGREES - 1.0) < 0.25:
+            message = f"looks like degrees against the other of heading and yaw_rate; give it in {unit}"
+            return [Fault(file, None, name, message)]
+    return []

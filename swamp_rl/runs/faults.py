@@ -1,0 +1,39 @@
+"""What is wrong with a recorded run, and where."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, order=True)
+class Fault:
+    """One fault: `row` counts the data rows from 1 (a CSV's header is line 1, so its row 1 is line 2)."""
+
+    file: str
+    row: int | None
+    column: str | None
+    message: str
+
+    def __str__(self) -> str:
+        line = (
+            f" (line {self.row + 1})" if self.row is not None and self.file.lower().endswith(".csv") else ""
+        )
+        row = [] if self.row is None else [f"row {self.row}{line}"]
+        column = [] if self.column is None else [f"column {self.column}"]
+        return ": ".join([self.file, *filter(None, [", ".join(row + column)]), self.message])
+
+
+def faults_at(
+    file: str, column: str, rows: NDArray[np.int64], wrong: NDArray[np.bool_], describe: Callable[[int], str]
+) -> list[Fault]:
+    """One fault for each stretch of consecutive wrong rows; `describe(i)` words the one that starts at index i."""
+    indices = np.flatnonzero(wrong)
+    stretches = np.split(indices, np.flatnonzero(np.diff(indices) > 1) + 1) if len(indices) else []
+    found = []
+    for stretch in stretches:
+        first, last = stretch[0], stretch[-1]
+        until = f" (and so on to row {rows[last]})" if last > first else ""
+        found.append(Fault(file, int(rows[first]), column, describe(int(first)) + until))
+    return found

@@ -1,0 +1,69 @@
+"""One recorded run in memory, and the views of it that learners and plots want."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.errors import UserError
+from swamp_rl.runs.schema import RunMeta
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Run:
+    """`columns`: float64 arrays of one length T by column name (SI, rad), in the file's order."""
+
+    name: str
+    columns: dict[str, Array]
+    meta: RunMeta = field(default_factory=RunMeta)
+
+    @property
+    def time(self) -> Array:
+        """(T,) s."""
+        return self.columns["time"]
+
+    @property
+    def duration(self) -> float:
+        """From the first row to the last, s."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def pose(self) -> Array:
+        """(T, 3) north [m], east [m], heading [rad]."""
+        return self.stacked(("north", "east", "heading"))
+
+    @property
+    def joypad(self) -> Array:
+        """(T, 2) joy_thrust and joy_angle; UserError where no joypad drove."""
+        return self.stacked(("joy_thrust", "joy_angle"))
+
+    @property
+    def path_length(self) -> float:
+        """Length of the track over ground, m."""
+        return float(np.hypot(np.diff(self.columns["north"]), np.diff(self.columns["east"])).sum())
+
+    def commands(self, thrusters: Iterable[str], fixed: Iterable[str] = ()) -> Array:
+        """(T, 2K) azimuths [rad], then throttles, in the order of `thrusters`; a `fixed` one has azimuth 0."""
+        thrusters, fixed = tuple(thrusters), tuple(fixed)
+        throttles = self.stacked([f"throttle_{name}" for name in thrusters])
+        azimuths = np.zeros_like(throttles)
+        turning = [index for index, name in enumerate(thrusters) if name not in fixed]
+        azimuths[:, turning] = self.stacked([f"azimuth_{thrusters[index]}" for index in turning])
+        return np.hstack([azimuths, throttles])
+
+    def stacked(self, names: Iterable[str]) -> Array:
+        """(T, len(names)) columns side by side; UserError naming the first that the run does not have."""
+        names = tuple(names)
+        for name in names:
+            if name not in self.columns:
+                raise UserError(
+                    f"run {self.name}: column {name} is missing; it is needed here, record it too"
+                )
+        return (
+            np.stack([self.columns[name] for name in names], axis=1)
+            if names
+            else np.zeros((len(self.time), 0))
+        )

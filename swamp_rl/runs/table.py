@@ -1,0 +1,172 @@
+"""Run tables on disk: CSV and Parquet, the same columns, float64 and equal to the bit."""
+
+import csv
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.csv
+import pyarrow.parquet
+from numpy.typing import NDArray
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import write_beside
+from swamp_rl.runs.faults import Fault, faults_at
+
+FORMATS = ("csv", "parquet")
+
+
+@dataclass
+class Table:
+    """What a file holds, before anyone has asked whether it makes sense.
+
+    `columns`: float64 arrays, NaN where a cell was no number; `rows`: the number in the file of each row;
+    `unread`: masks of the cells that `faults` already names; `whole`: no row had to be left out.
+    """
+
+    columns: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    rows: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    unread: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
+    faults: list[Fault] = field(default_factory=list)
+    whole: bool = True
+
+
+def read_table(path: Path) -> Table:
+    """The table in a CSV or Parquet file with whatever is wrong with its cells; never raises for its contents."""
+    if path.suffix.lower().lstrip(".") not in FORMATS:
+        return _unreadable(path, f"is neither .csv nor .parquet; save it as one of {', '.join(FORMATS)}")
+    try:
+        return _read_csv(path) if path.suffix.lower() == ".csv" else _read_parquet(path)
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
+        reason = " ".join(str(error).split())
+        return _unreadable(
+            path, f"cannot be read, it may be cut short ({reason}); copy it again from its source"
+        )
+
+
+def _unreadable(path: Path, message: str) -> Table:
+    return Table(faults=[Fault(path.name, None, None, message)], whole=False)
+
+
+def _read_parquet(path: Path) -> Table:
+    data = pa.parquet.ParquetFile(path).read()
+    return _numbers(path.name, data, np.arange(1, data.num_rows + 1), [])
+
+
+def _read_csv(path: Path) -> Table:
+    with path.open(encoding="utf-8-sig", newline="") as lines:
+        names = next(csv.reader(lines), [])
+    if not any(names):
+        return _unreadable(
+            path, "is empty or starts with an empty line; its first line must name the columns"
+        )
+    odd_rows: list[pa.csv.InvalidRow] = []
+
+    def keep_note(row: pa.csv.InvalidRow) -> str:
+        odd_rows.append(row)
+        return "skip"
+
+    data = pa.csv.read_csv(
+        path,
+        pa.csv.ReadOptions(use_threads=False),
+        pa.csv.ParseOptions(ignore_empty_lines=False, invalid_row_handler=keep_note),
+        pa.csv.ConvertOptions(column_types=dict.fromkeys(names, pa.string()), strings_can_be_null=False),
+    )
+    # Arrow counts lines from 1 with the header as the first.
+    odd = {row.number - 1: row for row in odd_rows}
+    rows = np.array([n for n in range(1, data.num_rows + len(odd) + 1) if n not in odd], np.int64)
+    faults = [Fault(path.name, number, None, _odd_row(row)) for number, row in odd.items()]
+    if not _ends_with_a_line_end(path):
+        last = data.num_rows + len(odd)
+        message = "the file does not end with a line end, it may be cut short; compare it with its source"
+        faults.append(Fault(path.name, last or None, None, message))
+    return _numbers(path.name, data, rows, faults)
+
+
+def _odd_row(row: pa.csv.InvalidRow) -> str:
+    return f"has {row.actual_columns} values where the header names {row.expected_columns}; complete or remove the row"
+
+
+def _ends_with_a_line_end(path: Path) -> bool:
+    return path.read_bytes()[-1:] in (b"\n", b"\r")
+
+
+def _numbers(file: str, data: pa.Table, rows: NDArray[np.int64], faults: list[Fault]) -> Table:
+    table = Table(rows=rows, faults=faults, whole=len(rows) == 0 or rows[-1] == len(rows))
+    for name, cells in zip(data.column_names, data.columns, strict=True):
+        if name in table.columns or not name.strip():
+            what = "is named twice" if name.strip() else "has no name"
+            table.faults.append(
+                Fault(file, None, name or "(empty)", f"{what}; give each column its own name")
+            )
+            continue
+        values, unread = _floats(cells)
+        table.columns[name], table.unread[name] = values, unread
+        table.faults += faults_at(
+            file, name, rows, unread, lambda i, cells=cells: _no_number(cells[i].as_py())
+        )
+    return table
+
+
+def _no_number(cell: object) -> str:
+    if cell is None or cell == "":
+        return "is missing; fill it in or remove the row and those after it"
+    hint = " (use a point, not a comma)" if isinstance(cell, str) and "," in cell else ""
+    return f"{str(cell)[:40]!r} is not a number; correct it{hint}"
+
+
+def _floats(cells: pa.ChunkedArray) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Cells as float64, and which of them are no float64 exactly."""
+    text = pa.types.is_string(cells.type) or pa.types.is_large_string(cells.type)
+    if text:
+        cells = pc.utf8_trim_whitespace(cells)
+    try:
+        values = pc.cast(cells, pa.float64()) if text or _numeric(cells.type) else None
+    except pa.ArrowInvalid:
+        values = None
+    if values is None:
+        found = [_float(cell) for cell in cells.to_pylist()]
+        return np.array([np.nan if f is None else f for f in found]), np.array(
+            [f is None for f in found], bool
+        )
+    unread = np.asarray(pc.is_null(values), bool)
+    return np.array(pc.fill_null(values, np.nan), np.float64), unread
+
+
+def _numeric(kind: pa.DataType) -> bool:
+    return pa.types.is_integer(kind) or pa.types.is_floating(kind)
+
+
+def _float(cell: object) -> float | None:
+    if isinstance(cell, bool) or not isinstance(cell, str | int | float):
+        return None
+    if isinstance(cell, str) and ("_" in cell or not cell.isascii()):
+        return None
+    try:
+        value = float(cell)
+    except (ValueError, OverflowError):
+        return None
+    return None if isinstance(cell, int) and int(value) != cell else value
+
+
+def write_table(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
+    """Write columns of equal length to a .csv or .parquet file, beside it first and then renamed."""
+    kind = path.suffix.lower().lstrip(".")
+    if kind not in FORMATS:
+        raise UserError(f"{path}: a run is written as .csv or .parquet; change the suffix")
+    data = pa.table({name: pa.array(np.ascontiguousarray(values)) for name, values in columns.items()})
+    with write_beside(path) as part:
+        if kind == "parquet":
+            pa.parquet.write_table(data, part)
+            return
+        with part.open("wb") as lines:
+            lines.write(_header(data.column_names))
+            pa.csv.write_csv(data, lines, pa.csv.WriteOptions(include_header=False))
+
+
+def _header(names: list[str]) -> bytes:
+    # Arrow would put every name in quotes.
+    quoted = ['"' + name.replace('"', '""') + '"' if set(name) & set(',"\r\n') else name for name in names]
+    return (",".join(quoted) + "\n").encode()
