@@ -19,10 +19,9 @@ def crossflow_integrals(a: float, b: float, length: float) -> tuple[float, float
     if abs(a) >= abs(half):
         sign = math.copysign(1.0, a)
         return sign * length * (a * a + half * half / 3.0), sign * a * b * length**3 / 6.0
-    a2 = a * a
-    h2 = half * half
-    force = 2.0 * a * (a2 + 3.0 * h2) / (3.0 * abs(b))
-    moment = math.copysign(h2 * h2 / 2.0 + a2 * h2 - a2 * a2 / 6.0, b) / (b * b)
+    q2 = (a / half) ** 2
+    force = a * length * abs(half) * (1.0 + q2 / 3.0)
+    moment = 0.25 * length**2 * half * abs(half) * (0.5 + q2 - q2 * q2 / 6.0)
     return force, moment
 
 

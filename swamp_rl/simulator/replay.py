@@ -1,4 +1,4 @@
-"""Replay the commands of a recorded run through the simulator."""
+"""Replay the commands of a recorded run through the simulator, from the run's first state."""
 
 import math
 from typing import Any
@@ -13,4 +13,79 @@ from swamp_rl.simulator.parameters import initial_state, parameters, tank
 from swamp_rl.simulator.state import ACTUATORS, HEADING, SURGE, YAW_RATE
 from swamp_rl.simulator.step import simulate
 
-LONGEST_SUBSTEP = 0.05  # s; half of the 10 Hz control step, see docs/physics.md for the error it makes
+Array = NDArray[np.float64]
+
+SUBSTEP = 0.05  # s, the longest Runge-Kutta step: under a millimetre of error over half a minute of hard steering
+VELOCITIES = ("surge", "sway", "yaw_rate")
+START_SPAN = 1.0  # s of track that a start velocity is estimated from, where none was measured
+
+
+def substeps_of(dt: float) -> int:
+    """Runge-Kutta steps that a control step of dt [s] is divided into."""
+    return max(1, math.ceil(dt / SUBSTEP - 1e-9))
+
+
+def sample_step(run: Run) -> float:
+    """The run's time step [s]; UserError for a run too short to have one."""
+    if len(run.time) < 2:
+        raise UserError(f"run {run.name} has {len(run.time)} row(s); a replay needs two or more")
+    return float(np.median(np.diff(run.time)))
+
+
+def fixed_thrusters(boat: Boat) -> list[str]:
+    """Names of the thrusters that do not turn, whose azimuth no run records."""
+    return [thruster.name for thruster in boat.thrusters if thruster.kind == "fixed"]
+
+
+def first_velocity(run: Run) -> Array:
+    """(3,) surge, sway [m/s over ground], yaw rate [rad/s] at the start.
+
+    Measured, where the run holds them; otherwise the slope at the start of a parabola through the first second.
+    """
+    if all(name in run.columns for name in VELOCITIES):
+        return run.stacked(VELOCITIES)[0]
+    time = run.time - run.time[0]
+    near = time <= START_SPAN + 1e-9
+    pose = run.pose[near]
+    pose[:, 2] = np.unwrap(pose[:, 2])
+    degree = min(2, int(near.sum()) - 1)
+    north, east, turn = np.polyfit(time[near], pose, degree)[-2]
+    cos, sin = math.cos(pose[0, 2]), math.sin(pose[0, 2])
+    return np.array([north * cos + east * sin, east * cos - north * sin, turn])
+
+
+def start_of(run: Run, boat: Boat, params: NDArray[Any], commands: Array) -> Array:
+    """(1, S) state at the run's first row; actuators as applied where recorded, else as commanded there."""
+    state = initial_state(params, run.pose[:1], first_velocity(run)[None])
+    for k, name in enumerate(boat.thruster_names):
+        for column, index in ((f"azimuth_{name}", k), (f"throttle_{name}", len(boat.thrusters) + k)):
+            applied = run.columns.get(f"applied_{column}")
+            state[0, ACTUATORS + index] = commands[0, index] if applied is None else applied[0]
+    return state
+
+
+def run_of(track: Array, time: Array, source: Run, boat: Boat) -> Run:
+    """A simulated track (T, S) as a run with the columns of the format; commands and levers kept from `source`."""
+    heading = -np.mod(np.pi - track[:, HEADING], 2 * np.pi) + np.pi  # in (-pi, pi]
+    columns = {"time": time, "north": track[:, 0], "east": track[:, 1], "heading": heading}
+    columns |= dict(zip(VELOCITIES, track[:, SURGE : YAW_RATE + 1].T, strict=True))
+    kept = ("azimuth_", "throttle_", "joy_")
+    columns |= {name: values for name, values in source.columns.items() if name.startswith(kept)}
+    for k, name in enumerate(boat.thruster_names):
+        columns[f"applied_azimuth_{name}"] = track[:, ACTUATORS + k]
+        columns[f"applied_throttle_{name}"] = track[:, ACTUATORS + len(boat.thrusters) + k]
+    return Run(source.name, columns)
+
+
+def replay(boat: Boat, run: Run) -> Run:
+    """The track that the boat file predicts for the run's commands, at the run's own times.
+
+    A row's command is held until the next row. UserError where the run holds no commands of this boat.
+    """
+    dt = sample_step(run)
+    commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
+    params = parameters(boat)
+    start = start_of(run, boat, params, commands)
+    seeds = np.zeros(1, np.uint64)
+    track = simulate(params, tank(boat), start, commands[None, :-1], seeds, dt, substeps_of(dt))[0]
+    return run_of(track, run.time, run, boat)
