@@ -1,18 +1,10 @@
 """Recorded and simulated runs: read, checked, written, and never silently repaired."""
 
-from swamp_rl.runs.dataset import (
-    Dataset,
-    append_run,
-    check_dataset,
-    create_dataset,
-    inspect_dataset,
-    read_dataset,
-    read_run,
-    write_run,
-)
+from swamp_rl.runs.dataset import Dataset, check_dataset, inspect_dataset, read_dataset, read_run
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
+from swamp_rl.runs.writer import append_run, create_dataset, write_run
 
 __all__ = [
     "Dataset",

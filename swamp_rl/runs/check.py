@@ -69,7 +69,7 @@ def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]
         name,
         table.rows,
         infinite,
-        lambda i: f"{values[i]} is no finite number; correct or cut the run here",
+        lambda i: f"{values[i]} is no finite number; correct it or cut the run here",
     )
     with np.errstate(invalid="ignore"):
         outside = np.isfinite(values) & ((values < span.low) | (values > span.high))

@@ -4,7 +4,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from swamp_rl.boat import Boat, Thruster
+from swamp_rl.boat import Boat
 
 REQUIRED = ("time", "north", "east", "heading")
 _TURN = 2.0 * math.pi
@@ -50,7 +50,7 @@ def span_of(column: str, boat: Boat | None) -> Span | None:
     Without a boat any thruster name is taken, with the widest limits a boat may have.
     """
     if column in FIXED:
-        return _joypad_thrust(boat) if column == "joy_thrust" else FIXED[column]
+        return FIXED[column]
     match = _COMMAND.fullmatch(column)
     if match is None:
         return None
@@ -68,27 +68,16 @@ def _thruster_span(kind: str, name: str, applied: bool, boat: Boat) -> Span:
     if not named or (kind == "azimuth" and named[0].kind != "azimuth"):
         raise UnknownThrusterError(
             f"boat {boat.name} has no {'azimuth ' if kind == 'azimuth' else ''}thruster {name!r} "
-            f"(it has {', '.join(boat.thruster_names)}); rename the column, or name the right vehicle in dataset.yaml"
+            f"(it has {', '.join(boat.thruster_names)}); correct the column, or vehicle in dataset.yaml"
         )
     if kind == "throttle":
-        return Span("1", -1.0 if _reverses(named[0]) else 0.0, 1.0)
+        return Span("1", -1.0 if named[0].reverses else 0.0, 1.0)
     # What the actuator did may pass the limits of what may be commanded: a mounting error turns it further.
     return Span("rad", -_TURN, _TURN) if applied else Span("rad", named[0].azimuth_min, named[0].azimuth_max)
 
 
-def _joypad_thrust(boat: Boat | None) -> Span:
-    driven = (
-        [] if boat is None else [found for found in boat.thrusters if found.name in boat.joypad.thrusters]
-    )
-    return Span("1", -1.0 if any(map(_reverses, driven)) else 0.0, 1.0)
-
-
-def _reverses(thruster: Thruster) -> bool:
-    return thruster.astern_linear != 0.0 or thruster.astern_quadratic != 0.0
-
-
 def missing_columns(columns: list[str], boat: Boat | None) -> list[str]:
-    """Columns a run must have and does not: the required ones, and the rest of a half-recorded set of commands."""
+    """Columns a run must have and does not: the required, and the rest of a half-recorded set of commands."""
     missing = [name for name in REQUIRED if name not in columns]
     if boat is None:
         return missing

@@ -28,7 +28,7 @@ class Fault:
 def faults_at(
     file: str, column: str, rows: NDArray[np.int64], wrong: NDArray[np.bool_], describe: Callable[[int], str]
 ) -> list[Fault]:
-    """One fault for each stretch of consecutive wrong rows; `describe(i)` words the one that starts at index i."""
+    """One fault for each stretch of consecutive wrong rows, worded by `describe` from its first index."""
     indices = np.flatnonzero(wrong)
     stretches = np.split(indices, np.flatnonzero(np.diff(indices) > 1) + 1) if len(indices) else []
     found = []

@@ -46,7 +46,7 @@ class Run:
         return float(np.hypot(np.diff(self.columns["north"]), np.diff(self.columns["east"])).sum())
 
     def commands(self, thrusters: Iterable[str], fixed: Iterable[str] = ()) -> Array:
-        """(T, 2K) azimuths [rad], then throttles, in the order of `thrusters`; a `fixed` one has azimuth 0."""
+        """(T, 2K) azimuths [rad], then throttles, ordered as `thrusters`; a `fixed` one has azimuth 0."""
         thrusters, fixed = tuple(thrusters), tuple(fixed)
         throttles = self.stacked([f"throttle_{name}" for name in thrusters])
         azimuths = np.zeros_like(throttles)
@@ -57,13 +57,7 @@ class Run:
     def stacked(self, names: Iterable[str]) -> Array:
         """(T, len(names)) columns side by side; UserError naming the first that the run does not have."""
         names = tuple(names)
-        for name in names:
-            if name not in self.columns:
-                raise UserError(
-                    f"run {self.name}: column {name} is missing; it is needed here, record it too"
-                )
-        return (
-            np.stack([self.columns[name] for name in names], axis=1)
-            if names
-            else np.zeros((len(self.time), 0))
-        )
+        missing = [name for name in names if name not in self.columns]
+        if missing:
+            raise UserError(f"run {self.name}: column {missing[0]} is missing; it is needed, record it too")
+        return np.array([self.columns[name] for name in names]).T.reshape(len(self.time), len(names))

@@ -2,6 +2,7 @@
 
 import csv
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -34,16 +35,14 @@ class Table:
 
 
 def read_table(path: Path) -> Table:
-    """The table in a CSV or Parquet file with whatever is wrong with its cells; never raises for its contents."""
+    """The table in a CSV or Parquet file with whatever is wrong with its cells, which never raises."""
     if path.suffix.lower().lstrip(".") not in FORMATS:
         return _unreadable(path, f"is neither .csv nor .parquet; save it as one of {', '.join(FORMATS)}")
     try:
         return _read_csv(path) if path.suffix.lower() == ".csv" else _read_parquet(path)
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         reason = " ".join(str(error).split())
-        return _unreadable(
-            path, f"cannot be read, it may be cut short ({reason}); copy it again from its source"
-        )
+        return _unreadable(path, f"cannot be read and may be cut short ({reason}); copy it again")
 
 
 def _unreadable(path: Path, message: str) -> Table:
@@ -59,9 +58,7 @@ def _read_csv(path: Path) -> Table:
     with path.open(encoding="utf-8-sig", newline="") as lines:
         names = next(csv.reader(lines), [])
     if not any(names):
-        return _unreadable(
-            path, "is empty or starts with an empty line; its first line must name the columns"
-        )
+        return _unreadable(path, "starts with an empty line or none; the first line must name the columns")
     odd_rows: list[pa.csv.InvalidRow] = []
 
     def keep_note(row: pa.csv.InvalidRow) -> str:
@@ -86,7 +83,7 @@ def _read_csv(path: Path) -> Table:
 
 
 def _odd_row(row: pa.csv.InvalidRow) -> str:
-    return f"has {row.actual_columns} values where the header names {row.expected_columns}; complete or remove the row"
+    return f"has {row.actual_columns} values for {row.expected_columns} columns; complete or remove the row"
 
 
 def _ends_with_a_line_end(path: Path) -> bool:
@@ -98,19 +95,16 @@ def _numbers(file: str, data: pa.Table, rows: NDArray[np.int64], faults: list[Fa
     for name, cells in zip(data.column_names, data.columns, strict=True):
         if name in table.columns or not name.strip():
             what = "is named twice" if name.strip() else "has no name"
-            table.faults.append(
-                Fault(file, None, name or "(empty)", f"{what}; give each column its own name")
-            )
+            table.faults.append(Fault(file, None, name or "''", f"{what}; give each column its own name"))
             continue
         values, unread = _floats(cells)
         table.columns[name], table.unread[name] = values, unread
-        table.faults += faults_at(
-            file, name, rows, unread, lambda i, cells=cells: _no_number(cells[i].as_py())
-        )
+        table.faults += faults_at(file, name, rows, unread, partial(_no_number, cells))
     return table
 
 
-def _no_number(cell: object) -> str:
+def _no_number(cells: pa.ChunkedArray, index: int) -> str:
+    cell = cells[index].as_py()
     if cell is None or cell == "":
         return "is missing; fill it in or remove the row and those after it"
     hint = " (use a point, not a comma)" if isinstance(cell, str) and "," in cell else ""

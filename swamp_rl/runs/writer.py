@@ -1,0 +1,72 @@
+"""Writing runs: each one whole on the disk and listed, or not there at all."""
+
+import os
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from swamp_rl.boat import Boat
+from swamp_rl.errors import UserError
+from swamp_rl.files import os_error, write_yaml
+from swamp_rl.runs.check import check_table
+from swamp_rl.runs.dataset import META, boat_of, read_meta
+from swamp_rl.runs.run import Run
+from swamp_rl.runs.schema import DatasetMeta, RunMeta
+from swamp_rl.runs.table import FORMATS, Table, write_table
+
+
+def create_dataset(folder: Path | str, meta: DatasetMeta) -> None:
+    """Make a folder for runs yet to be appended; UserError if it already holds a dataset or other runs."""
+    folder = Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        names = sorted(path.name for path in folder.iterdir())
+    except OSError as error:
+        raise os_error(error, folder) from error
+    held = [name for name in names if name == META or Path(name).suffix[1:] in FORMATS]
+    if held:
+        raise UserError(f"{folder}: already holds {held[0]}; name another folder for the new dataset")
+    _write_meta(folder, meta)
+
+
+def append_run(folder: Path | str, run: Run, format: Literal["parquet", "csv"] = "parquet") -> Path:
+    """Add a run to a dataset and return its file, safe on the disk when this returns.
+
+    The table is written beside and renamed, then `dataset.yaml` likewise: a writer stopped between the two
+    leaves the dataset as it was and a file that `check_dataset` reports as not listed. A run with a fault is
+    refused with UserError.
+    """
+    folder = Path(folder)
+    meta = read_meta(folder)
+    path = folder / f"{run.name}.{format}"
+    taken = [found.name for found in folder.iterdir()] + [str(listed.file) for listed in meta.runs]
+    if any(f"{run.name}.{kind}" in taken for kind in FORMATS):
+        raise UserError(f"{folder / run.name}: this run already exists; name the new one otherwise")
+    entry = RunMeta.model_validate({**run.meta.model_dump(), "file": path.name, "rows": len(run.time)})
+    extended = DatasetMeta.model_validate({**meta.model_dump(), "runs": [*meta.runs, entry]})
+    _refuse_faults(path, run, boat_of(folder, meta), meta.sample_rate)
+    write_table(path, run.columns)
+    _write_meta(folder, extended)
+    return path
+
+
+def write_run(path: Path | str, run: Run) -> None:
+    """Write one run's table to a .csv or .parquet file; a run with a fault is refused with UserError."""
+    path = Path(path)
+    _refuse_faults(path, run, None, None)
+    write_table(path, run.columns)
+
+
+def _write_meta(folder: Path, meta: DatasetMeta) -> None:
+    write_yaml(folder / META, meta.model_dump(exclude_defaults=True))
+
+
+def _refuse_faults(path: Path, run: Run, boat: Boat | None, sample_rate: float | None) -> None:
+    lengths = {name: len(values) for name, values in run.columns.items()}
+    if len(set(lengths.values())) > 1:
+        raise ValueError(f"the columns of a run have one length, not {lengths}")
+    rows = np.arange(1, next(iter(lengths.values()), 0) + 1)
+    faults = check_table(path.name, Table(run.columns, rows), boat, sample_rate)
+    if faults:
+        raise UserError(f"{path.parent}{os.sep}{faults[0]}; the run was not written")
