@@ -1,5 +1,6 @@
 """Boat files: found, chained by `extends`, merged and validated, with every fault named by file and key."""
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -82,14 +83,14 @@ def _validated(raw: dict[str, Any], origins: Mapping[Key, tuple[Path, Any]], ask
     try:
         return Boat.model_validate(raw)
     except ValidationError as error:
-        named = _with_thruster_names(error, raw)
+        named = _readable(error, raw)
         key = tuple(str(part) for part in named.errors()[0]["loc"])
         origin = _origin(key, origins)
         raise explain(origin[0] if origin else asked, named, Boat) from error
 
 
-def _with_thruster_names(error: ValidationError, raw: Mapping[str, Any]) -> ValidationError:
-    """The same faults, with thrusters by name in place of their number."""
+def _readable(error: ValidationError, raw: Mapping[str, Any]) -> ValidationError:
+    """The same faults in YAML's words, with thrusters by name in place of their number."""
     details: list[InitErrorDetails] = []
     for fault in error.errors():
         loc = fault["loc"]
@@ -97,7 +98,9 @@ def _with_thruster_names(error: ValidationError, raw: Mapping[str, Any]) -> Vali
             thruster = raw["thrusters"][loc[1]]
             name = thruster.get("name") if isinstance(thruster, Mapping) else None
             loc = ("thrusters", name if isinstance(name, str) else loc[1], *loc[2:])
-        kind = PydanticCustomError(fault["type"], "{message}", {"message": fault["msg"]})
+        message = re.sub("a valid dictionary or instance of [A-Za-z]+", "a mapping of keys", fault["msg"])
+        message = message.replace("a valid tuple", "a list").replace("Tuple", "The list")
+        kind = PydanticCustomError(fault["type"], "{message}", {"message": message})
         details.append(InitErrorDetails(type=kind, loc=loc, input=fault["input"]))
     return ValidationError.from_exception_data(error.title, details)
 

@@ -30,18 +30,19 @@ def is_named_list(given: Any) -> bool:
 def merge(under: Any, over: Any) -> Any:
     """`over` laid on `under`: sections key by key, lists of named sections name by name, the rest replaced.
 
-    A number is replaced whole: a new value under an old source would be a lie.
+    A number is replaced whole: a new value under an old source would be a lie. Names that stand twice in
+    one list are kept, for the schema to refuse.
     """
     if is_section(under) and is_section(over):
         shared = {key: merge(under[key], value) if key in under else value for key, value in over.items()}
         return {**under, **shared}
     if is_named_list(under) and is_named_list(over):
         base = {item["name"]: item for item in under}
-        names = [item["name"] for item in over]
-        if len(set(names)) == len(names) and len(base) == len(under):
-            laid = {item["name"]: merge(base.get(item["name"], {}), item) for item in over}
-            return list((base | laid).values())
-        return [*under, *over]
+        laid = [merge(base.get(item["name"], {}), item) for item in over]
+        first = {item["name"]: item for item in reversed(laid)}
+        again = [item for item in laid if first[item["name"]] is not item]
+        new = [item for name, item in first.items() if name not in base]
+        return [first.get(item["name"], item) for item in under] + new[::-1] + again
     return over
 
 

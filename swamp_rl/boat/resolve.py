@@ -24,8 +24,8 @@ def resolved(raw: Mapping[str, Any], path: Path) -> dict[str, Any]:
             for thruster in raw["thrusters"]
         ]
     length, draught = _value(raw.get("length")), _value(raw.get("draught"))
-    hull: Any = raw.get("hull")
-    given = hull.get("c_d") if isinstance(hull, Mapping) else None
+    hull: Any = raw["hull"] if isinstance(raw.get("hull"), Mapping) else {}
+    given: Any = hull.get("c_d")
     if _value(given) == REGRESSION and _is_positive(length) and _is_positive(draught):
         number = yoshimura_c_d(length, draught)
         whole["hull"] = {**hull, "c_d": {**given, "value": number} if is_quantity(given) else number}

@@ -1,6 +1,7 @@
 """How a disturbance's number is drawn: a distribution turns a uniform number in [0, 1) into a value."""
 
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -84,4 +85,5 @@ def parse_distribution(given: Any, where: str) -> Distribution:
 
 def is_number(value: Any) -> bool:
     """Whether `value` is a finite number (and no truth value)."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    # an integer too large for a float is no number here either, and isfinite() would raise on it
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max

@@ -1,0 +1,152 @@
+"""A boat file that cannot be used is refused with its name, the key and what is allowed."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.schema import Hull, Joypad, Thruster, Wind
+from swamp_rl.errors import UserError
+from swamp_rl.files import find_config
+
+
+def refused(folder: Path, text: str) -> str:
+    path = folder / "broken.yaml"
+    path.write_text(text)
+    with pytest.raises(UserError) as error:
+        load_boat(path)
+    message = str(error.value)
+    assert message.startswith(str(path))
+    assert "\n" not in message
+    return message.removeprefix(str(path))
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("mass: 0", "mass: input should be greater than 0"),
+        ("mass: .nan", "mass: input should be a finite number"),
+        ("mass: .inf", "mass: input should be a finite number"),
+        (f"mass: 1{'0' * 400}", "mass: "),
+        ("mass: '48'", "mass: input should be a valid number, not '48'"),
+        ("mass: true", "mass: input should be a valid number"),
+        ("mass: [48]", "mass: input should be a valid number"),
+        ("mass:", "mass: input should be a valid number"),
+        ("mass: 400", "mass 400 kg is more than"),
+        ("name: 3", "name: input should be a valid string"),
+        ("draught: -0.1", "draught: input should be greater than 0"),
+        ("x_g: 0.7", "x_g 0.7 m lies outside the hull"),
+        ("added_mass_sway: 23.2", "added_mass_sway: input should be less than or equal to 0"),
+        ("hull: {c_d: yoshi}", "hull.c_d: input should be a valid number, not 'yoshi'"),
+        ("hull: 3", "hull: input should be a mapping of keys"),
+        ("hull: {2: 3}", "hull.2: "),
+        ("thrust_deduction: {factor_low: 1.2}", "thrust_deduction.factor_low: input should be less than or equal"),
+        ("thrust_deduction: {throttle_high: 0.2}", "thrust_deduction: throttle_low must be below throttle_high"),
+        ("current: {model: dnv}", "current.model: input should be 'relative' or 'dnv_force', not 'dnv'"),
+        ("joypad: {thrusters: [bs, aft]}", "joypad.thrusters must be different names out of bs, bp, ss, sp"),
+        ("joypad: {thrusters: [bs, bs]}", "joypad.thrusters must be different names out of bs, bp, ss, sp"),
+        ("joypad: {throttle: [0.0, 100.0]}", "joypad: throttle must be [low, high] within [-1, 1]"),
+        ("joypad: {azimuth: [-90.0, 90.0]}", "joypad: azimuth must be [low, high] in radians"),
+        ("joypad: {azimuth: [1.0]}", "joypad.azimuth.1: is missing"),
+        ("thruster_model: 3", "thruster_model must be a mapping"),
+        ("thruster_model: {azimuth_time_constant: -0.1}", "thrusters.bs.azimuth_time_constant: input should be"),
+        ("thruster_model: {azimuth_min: 1.0, azimuth_max: 0.5}", "thrusters.bs: azimuth_min must be below azimuth_max"),
+        ("thruster_model: {azimuth_rate: 0}", "thrusters.bs.azimuth_rate: input should be greater than 0"),
+        ("thruster_model: {thrust_quadratic: 0}", "thrusters.bs: thrust_linear and thrust_quadratic are both 0"),
+        ("thruster_model: {kind: fixed}", "thrusters.bs: a fixed thruster pushes one way"),
+        ("thrusters: 3", "thrusters: input should be a list"),
+        ("thrusters: []", "thrusters: the list should have at least 1 item"),
+        ("thrusters: [3]", "thrusters.0: input should be a mapping of keys"),
+        ("thrusters: [{x: 0.1}]", "thrusters.0.name: is missing"),
+        ("thrusters: [{name: ss, azimuth_max: 90}]", "thrusters.ss.azimuth_max: input should be less than"),
+        ("thrusters: [{name: ss}, {name: ss}]", "thruster names must differ, but are bs, bp, ss, sp, ss"),
+        ("thrusters: [{name: ss, x: -350}]", "thruster ss is farther from midship"),
+        ("thrusters: [{name: tunnel, x: 0.3}]", "thrusters.tunnel.y: is missing"),
+        ("thrusters: [{name: all, x: 0.3, y: 0.0}]", "thrusters.all: a thruster cannot be named 'all'"),
+        ("thrusters: [{name: 'a b', x: 0.3, y: 0.0}]", "thrusters.a b.name: "),
+        ("resistance: {table: []}", "resistance.table: the list should have at least 1 item"),
+        (
+            "resistance: {table: [{h_over_t: 2, speed: [1, 2], resistance: [1]}]}",
+            "resistance.table.0: needs two or more speeds and as many resistances",
+        ),
+        (
+            "resistance: {table: [{h_over_t: 2, speed: [1, 1], resistance: [1, 2]}]}",
+            "resistance.table.0: the speeds must increase",
+        ),
+        (
+            "resistance: {table: [{h_over_t: 2, speed: [1, 2], resistance: [1, 2]}, "
+            "{h_over_t: 2, speed: [1, 2], resistance: [1, 2]}]}",
+            "resistance.table: h_over_t must increase",
+        ),
+        ("effects: 3", "effects must be a list"),
+        ("effects: [{effect: curent}]", "effects[0]: unknown effect 'curent'; did you mean 'current'?"),
+        ("effects: [{effect: shallow_water, depth_over_draught: 1.4}]", "the towing-tank tests end at 1.5"),
+        ("extends: [swamp]", "extends must be the name or the path"),
+        ("extends: swmp", "did you mean 'swamp'?"),
+        ("extends: ./nowhere.yaml", "no such file"),
+        ("extends: broken.yaml", "extends goes round in a circle"),
+    ],
+)
+def test_an_impossible_value_is_refused_by_key(tmp_path: Path, line: str, told: str) -> None:
+    text = line if line.startswith("extends") else f"extends: swamp\n{line}\n"
+    assert told in refused(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "told"),
+    [
+        ("{value: 50, unit: lb, provenance: measured, source: scales}", "unit 'lb', allowed is 'kg'"),
+        ("{value: 50, unit: kg, provenance: guessed, source: scales}", "allowed are measured, fitted, assumed"),
+        ("{value: 50, unit: kg, provenance: measured, source: ''}", "empty source"),
+        ("{value: 50, unit: kg, source: scales}", "lacks provenance"),
+        ("{value: 50}", "lacks unit"),
+        ("{value: 50, unit: kg, provenance: measured, source: scales, date: 2020}", "unknown key 'date'"),
+        ("{vaule: 50, unit: kg, provenance: measured, source: scales}", "lacks value"),
+    ],
+)
+def test_a_number_with_half_its_provenance_is_refused(tmp_path: Path, quantity: str, told: str) -> None:
+    assert told in refused(tmp_path, f"extends: swamp\nmass: {quantity}\n")
+
+
+def test_a_file_that_extends_nothing_must_give_each_number_its_provenance(tmp_path: Path) -> None:
+    text = find_config("boats", "swamp").read_text()
+    full = '{value: 1.10, unit: m, provenance: measured, source: "thesis 4.2.1, design breadth; table 4.7"}'
+    assert full in text
+    assert ": breadth: a bare number" in refused(tmp_path, text.replace(full, "1.10"))
+
+
+def test_a_key_that_is_left_out_is_named(tmp_path: Path) -> None:
+    lines = find_config("boats", "swamp").read_text().splitlines()
+    text = "\n".join(line for line in lines if not line.startswith("breadth"))
+    assert ": breadth: is missing" in refused(tmp_path, text)
+
+
+def test_a_fault_is_laid_to_the_file_of_the_chain_that_holds_it(tmp_path: Path) -> None:
+    (tmp_path / "middle.yaml").write_text("extends: swamp\nmass: -1\n")
+    (tmp_path / "top.yaml").write_text("extends: middle.yaml\ndraught: 0.12\n")
+    with pytest.raises(UserError, match=r"middle\.yaml: mass"):
+        load_boat(tmp_path / "top.yaml")
+
+
+SECTIONS = {"": Boat, "hull": Hull, "wind": Wind, "joypad": Joypad, "thruster_model": Thruster}
+
+
+@given(
+    section=st.sampled_from(sorted(SECTIONS)),
+    key=st.from_regex(r"[a-z][a-z_]{0,12}", fullmatch=True),
+)
+def test_an_unknown_key_is_always_named_with_its_file(
+    tmp_path_factory: pytest.TempPathFactory, section: str, key: str
+) -> None:
+    also_known = {"extends", "effects", "thruster_model", "value", "unit", "provenance", "source"}
+    if key in also_known | set(SECTIONS[section].model_fields):
+        return
+    path = tmp_path_factory.mktemp("boats") / "broken.yaml"
+    entry = f"'{key}': 1.0"
+    path.write_text("extends: swamp\n" + (f"{section}: {{{entry}}}\n" if section else f"{entry}\n"))
+    with pytest.raises(UserError) as error:
+        load_boat(path)
+    place = {"": "", "thruster_model": "thrusters.bs."}.get(section, f"{section}.")
+    assert str(error.value).startswith(f"{path}: {place}{key}: unknown key")
