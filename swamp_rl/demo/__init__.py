@@ -1,0 +1,1 @@
+"""Recordings to look at: runs side by side over one common time."""

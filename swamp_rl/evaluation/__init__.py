@@ -1,0 +1,24 @@
+"""How good a pilot is: the same seeded episodes for every pilot, with intervals."""
+
+from swamp_rl.evaluation.episodes import COSTS, Table, differences, episode_table, summary, write_episodes
+from swamp_rl.evaluation.metrics import command_change, jet_power, path_length
+from swamp_rl.evaluation.rollout import MakeBoats, Rollout, drive
+from swamp_rl.evaluation.statistics import Interval, paired_difference, wilson
+
+__all__ = [
+    "COSTS",
+    "Interval",
+    "MakeBoats",
+    "Rollout",
+    "Table",
+    "command_change",
+    "differences",
+    "drive",
+    "episode_table",
+    "jet_power",
+    "paired_difference",
+    "path_length",
+    "summary",
+    "wilson",
+    "write_episodes",
+]

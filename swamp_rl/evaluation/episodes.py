@@ -1,0 +1,76 @@
+"""One row for each evaluated episode, and the figures that sum many of them up."""
+
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_power, path_length
+from swamp_rl.evaluation.rollout import Rollout
+from swamp_rl.evaluation.statistics import Interval, paired_difference, wilson
+
+Table = dict[str, NDArray[Any]]
+COSTS = ("time", "path_length", "command_change", "energy")
+"""Costs of an episode: s, m, 1 per step, J. Failed ones have them too, but only successes are averaged."""
+
+
+def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
+    """Columns (n,): seed, success, outcome, time [s], path_length [m], command_change [1], energy [J]."""
+    linear = np.array([thruster.thrust_linear for thruster in boat.thrusters])
+    quadratic = np.array([thruster.thrust_quadratic for thruster in boat.thrusters])
+    power = jet_power(bollard_thrust(rollout.throttle, linear, quadratic), boat.water_density).sum(axis=-1)
+    episodes = range(len(rollout.seeds))
+    return {
+        "seed": rollout.seeds,
+        "success": rollout.outcome == "success",
+        "outcome": rollout.outcome,
+        "time": rollout.steps * step,
+        "path_length": np.array([path_length(rollout.track(i)) for i in episodes]),
+        "command_change": np.array([command_change(rollout.levers(i)) for i in episodes]),
+        "energy": np.array([power[i, : rollout.steps[i]].sum() * step for i in episodes]),
+    }
+
+
+def summary(table: Table) -> dict[str, Any]:
+    """Success rate with its interval, outcomes counted, and the mean costs of the successful episodes."""
+    won = table["success"]
+    rate = wilson(int(won.sum()), len(won))
+    costs = {name: float(table[name][won].mean()) if won.any() else None for name in COSTS}
+    return {
+        "episodes": rate.n,
+        "successes": int(won.sum()),
+        "success_rate": rate.value,
+        "wilson_95": [rate.low, rate.high],
+        "outcomes": dict(sorted(Counter(table["outcome"].tolist()).items())),
+        "mean_of_successes": costs,
+    }
+
+
+def differences(a: Table, b: Table, rng: np.random.Generator) -> dict[str, Interval]:
+    """Paired differences a − b: of success over all episodes, of each cost over those where both succeeded.
+
+    ValueError where the two tables are not of the same seeds.
+    """
+    if not np.array_equal(a["seed"], b["seed"]):
+        raise ValueError("the two pilots were not evaluated on the same episodes")
+    both = a["success"] & b["success"]
+    result = {"success": paired_difference(a["success"], b["success"], rng)}
+    for name in COSTS:
+        result[name] = paired_difference(a[name][both], b[name][both], rng)
+    return result
+
+
+def write_episodes(path: Path, tables: Mapping[tuple[str, str], Table]) -> None:
+    """Parquet file of all rows, with columns `pilot` and `level` taken from the keys of `tables`."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    parts = []
+    for (pilot, level), table in tables.items():
+        n = len(table["seed"])
+        parts.append(pa.table({"pilot": [pilot] * n, "level": [level] * n, **table}))
+    pq.write_table(pa.concat_tables(parts), path)

@@ -1,0 +1,47 @@
+"""The costs of an episode, against closed forms."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_power, path_length
+
+
+def test_path_length_of_a_quarter_circle_is_half_pi_radius() -> None:
+    angle = np.linspace(0.0, np.pi / 2, 2000)
+    pose = np.stack([3 * np.cos(angle), 3 * np.sin(angle), angle], axis=-1)
+    assert path_length(pose) == pytest.approx(1.5 * np.pi, rel=1e-6)
+
+
+def test_path_length_of_a_batch_is_that_of_each_run() -> None:
+    poses = np.random.default_rng(0).normal(size=(4, 30, 3))
+    assert path_length(poses) == pytest.approx([path_length(pose) for pose in poses])
+
+
+def test_a_lever_thrown_from_end_to_end_each_step_changes_by_its_whole_travel() -> None:
+    angle = np.where(np.arange(50) % 2, 1.0, -1.0)
+    assert command_change(np.stack([np.ones(50), angle], axis=-1)) == pytest.approx(2.0)
+
+
+def test_constant_commands_change_nothing() -> None:
+    assert command_change(np.full((7, 40, 2), 0.3)) == pytest.approx(np.zeros(7))
+    assert command_change(np.full((1, 2), 0.3)) == 0.0
+
+
+@given(st.floats(0.01, 100), st.floats(900, 1100))
+def test_jet_power_is_half_the_mass_flow_times_the_jet_speed_squared(thrust: float, density: float) -> None:
+    area = 900e-6
+    speed = np.sqrt(thrust / (density * area))
+    assert jet_power(np.array(thrust), density) == pytest.approx(0.5 * density * area * speed**3)
+
+
+def test_jet_power_is_a_plausible_part_of_the_measured_motor_power() -> None:
+    # 96.7 W at 12.3 N were measured; motor 0.85, bearings 0.95, then a pump and nozzle of 20 to 60 %
+    assert 0.2 * 0.85 * 0.95 * 96.7 < jet_power(np.array(12.3), 1000.0) < 0.6 * 0.85 * 0.95 * 96.7
+
+
+def test_bollard_thrust_agrees_with_table_5_5() -> None:
+    percent, newton = np.array([50.0, 70.0, 85.0, 100.0]), [3.1, 6.0, 8.8, 12.2]
+    thrust = bollard_thrust(percent[:, None] / 100, np.zeros(1), np.full(1, 12.2))
+    assert thrust[:, 0] == pytest.approx(newton, abs=0.06)

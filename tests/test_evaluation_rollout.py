@@ -1,0 +1,118 @@
+"""Driving episodes in a batch, and the rows and runs that come of it."""
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from envs.batched import GatesVectorEnv
+from swamp_rl.boat import load_boat
+from swamp_rl.evaluation import Rollout, differences, drive, episode_table, summary, write_episodes
+from swamp_rl.evaluation.rollout import Array
+
+STEP = 0.1
+
+
+class Steady:
+    """Holds the levers where they are put; remembers with how many boats it was begun."""
+
+    senses = ("north", "east")
+
+    def __init__(self, throttle: float, angle: float) -> None:
+        self.levers = (throttle, angle)
+
+    def reset(self, n: int) -> None:
+        self.n = n
+
+    def act(self, observation: Array) -> Array:
+        assert observation.shape == (self.n, 2)
+        return np.tile(self.levers, (self.n, 1))
+
+
+def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
+    return GatesVectorEnv(n, disturbances="standard", observation=senses, step=STEP)
+
+
+@pytest.fixture(scope="module")
+def circling() -> Rollout:
+    return drive(Steady(0.8, 0.2), boats, np.arange(100, 112))
+
+
+def test_an_episode_is_the_same_alone_and_among_others(circling: Rollout) -> None:
+    for i in (0, 7):
+        alone = drive(Steady(0.8, 0.2), boats, circling.seeds[i : i + 1])
+        assert alone.outcome[0] == circling.outcome[i]
+        assert np.array_equal(alone.track(0), circling.track(i))
+
+
+def test_an_episode_ends_where_its_boat_first_ended(circling: Rollout) -> None:
+    assert set(circling.outcome) <= {"buoy", "out_of_bounds", "timeout", "success"}
+    assert len(set(circling.steps)) > 1
+    shortest = int(np.argmin(circling.steps))
+    track = circling.track(shortest)
+    assert len(track) == circling.steps[shortest] + 1
+    # Had the boat been started anew within its track, it would have jumped.
+    assert np.hypot(*np.diff(track[:, :2], axis=0).T).max() < 0.3
+
+
+def test_time_and_energy_of_steady_levers_follow_from_the_boat_file(circling: Rollout) -> None:
+    boat = load_boat("swamp")
+    table = episode_table(circling, boat, STEP)
+    assert table["time"] == pytest.approx(circling.steps * STEP)
+    # Two bow thrusters at throttle 0.8 for the whole time; the stern kicks can only add to it.
+    thrust = boat.thrusters[0].thrust_linear * 0.8 + boat.thrusters[0].thrust_quadratic * 0.64
+    power = 2 * thrust**1.5 / (2 * np.sqrt(boat.water_density * 900e-6))
+    assert np.all(table["energy"] >= power * table["time"] * (1 - 1e-9))
+    assert table["command_change"] == pytest.approx(np.zeros(12))
+
+
+def test_a_run_made_of_an_episode_has_its_track_levers_and_wrapped_heading(circling: Rollout) -> None:
+    run = circling.run(3, "one", STEP)
+    assert np.array_equal(run.pose[:, :2], circling.track(3)[:, :2])
+    assert np.allclose(np.exp(1j * run.pose[:, 2]), np.exp(1j * circling.track(3)[:, 2]))
+    assert run.pose[:, 2].min() > -np.pi and run.pose[:, 2].max() <= np.pi
+    assert np.all(run.joypad == (0.8, 0.2))
+    assert (run.meta.seed, run.meta.outcome) == (103, circling.outcome[3])
+
+
+def rows(seeds: range, won: list[bool], time: list[float]) -> dict[str, np.ndarray]:
+    cost = np.array(time)
+    outcome = np.where(won, "success", "buoy")
+    table = {"seed": np.array(seeds), "success": np.array(won), "outcome": outcome, "time": cost}
+    return table | {"path_length": cost, "command_change": cost, "energy": cost}
+
+
+def test_a_summary_averages_costs_over_successes_only() -> None:
+    found = summary(rows(range(4), [True, False, True, True], [10.0, 1000.0, 20.0, 30.0]))
+    assert found["success_rate"] == 0.75
+    assert found["mean_of_successes"]["time"] == 20.0
+    assert found["outcomes"] == {"buoy": 1, "success": 3}
+
+
+def test_a_summary_without_successes_has_no_costs() -> None:
+    found = summary(rows(range(2), [False, False], [1.0, 2.0]))
+    assert found["success_rate"] == 0.0
+    assert found["mean_of_successes"]["energy"] is None
+
+
+def test_costs_are_compared_where_both_pilots_succeeded() -> None:
+    a = rows(range(3), [True, True, False], [10.0, 20.0, 5.0])
+    b = rows(range(3), [True, False, True], [13.0, 99.0, 50.0])
+    found = differences(a, b, np.random.default_rng(0))
+    assert (found["time"].value, found["time"].n) == (-3.0, 1)
+    assert (found["success"].value, found["success"].n) == (0.0, 3)
+
+
+def test_pilots_evaluated_on_other_episodes_are_not_compared() -> None:
+    a = rows(range(2), [True, True], [1.0, 1.0])
+    with pytest.raises(ValueError, match="same episodes"):
+        differences(a, rows(range(1, 3), [True, True], [1.0, 1.0]), np.random.default_rng(0))
+
+
+def test_the_parquet_file_has_a_row_for_each_pilot_level_and_episode(tmp_path: Path) -> None:
+    table = rows(range(3), [True, True, False], [10.0, 20.0, 5.0])
+    write_episodes(tmp_path / "episodes.parquet", {("a", "calm"): table, ("b", "severe"): table})
+    read = pq.read_table(tmp_path / "episodes.parquet").to_pydict()
+    assert list(zip(read["pilot"], read["level"], strict=True)) == [("a", "calm")] * 3 + [("b", "severe")] * 3
+    assert read["outcome"][:3] == ["success", "success", "buoy"]

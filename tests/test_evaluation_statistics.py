@@ -1,0 +1,70 @@
+"""The intervals, against published values, closed forms and their own coverage."""
+
+import numpy as np
+import pytest
+
+from swamp_rl.evaluation.statistics import paired_difference, wilson
+
+
+@pytest.mark.parametrize(
+    ("successes", "n", "low", "high"),
+    [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)],
+)
+def test_wilson_agrees_with_table_1_of_newcombe_1998(successes: int, n: int, low: float, high: float) -> None:
+    interval = wilson(successes, n)
+    assert interval.value == successes / n
+    assert (interval.low, interval.high) == (pytest.approx(low, abs=5e-5), pytest.approx(high, abs=5e-5))
+
+
+def test_wilson_at_all_successes_is_n_over_n_plus_z_squared() -> None:
+    interval = wilson(1000, 1000)
+    assert interval.low == pytest.approx(1000 / (1000 + 1.959964**2), rel=1e-9)
+    assert interval.high == 1.0
+
+
+def test_wilson_refuses_more_successes_than_episodes() -> None:
+    with pytest.raises(ValueError):
+        wilson(3, 2)
+
+
+def test_paired_difference_of_a_constant_shift_is_that_shift_exactly() -> None:
+    b = np.random.default_rng(1).normal(50.0, 9.0, 200)
+    interval = paired_difference(b + 2.0, b, np.random.default_rng(2))
+    assert (interval.value, interval.low, interval.high) == pytest.approx((2.0, 2.0, 2.0), abs=1e-12)
+
+
+def test_paired_difference_has_the_width_of_the_normal_theory() -> None:
+    difference = np.random.default_rng(3).normal(0.5, 2.0, 1000)
+    interval = paired_difference(difference, np.zeros(1000), np.random.default_rng(4), resamples=4000)
+    half = 1.96 * difference.std(ddof=1) / np.sqrt(1000)
+    assert interval.value == pytest.approx(difference.mean())
+    assert (interval.high - interval.low) / 2 == pytest.approx(half, rel=0.06)
+
+
+def test_paired_difference_covers_the_truth_about_nineteen_times_in_twenty() -> None:
+    rng = np.random.default_rng(5)
+    covered = 0
+    for _ in range(300):
+        a = rng.random(80) < 0.8
+        b = np.where(rng.random(80) < 0.5, a, rng.random(80) < 0.6)
+        interval = paired_difference(a, b, rng, resamples=300)
+        covered += interval.low <= 0.1 <= interval.high
+    assert 0.90 <= covered / 300 <= 0.985
+
+
+def test_paired_difference_leaves_out_pairs_with_a_missing_value() -> None:
+    a, b = np.array([1.0, np.nan, 3.0]), np.array([0.0, 5.0, 2.0])
+    assert paired_difference(a, b, np.random.default_rng(0)).n == 2
+    assert np.isnan(paired_difference(a[1:2], b[1:2], np.random.default_rng(0)).value)
+
+
+def test_paired_difference_swapped_changes_sign() -> None:
+    a, b = np.random.default_rng(6).random((2, 100))
+    forward = paired_difference(a, b, np.random.default_rng(7))
+    back = paired_difference(b, a, np.random.default_rng(7))
+    assert (back.low, back.high) == pytest.approx((-forward.high, -forward.low))
+
+
+def test_paired_difference_refuses_arrays_of_different_episodes() -> None:
+    with pytest.raises(ValueError, match="one number per episode"):
+        paired_difference(np.zeros(3), np.zeros(4), np.random.default_rng(0))
