@@ -58,7 +58,7 @@ def test_tracks_boats_levers_gates_and_start_are_all_there(demo: Path) -> None:
 
 
 def test_a_recording_that_cannot_be_written_says_so_in_one_line(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("in the way")
+    (tmp_path / "demo.rrd").mkdir()
     with pytest.raises(UserError) as told:
-        write_demo(tmp_path / "file" / "demo.rrd", load_course("camogli"), {"a": run(1.0)}, 1.24, 1.1)
+        write_demo(tmp_path / "demo.rrd", load_course("camogli"), {"a": run(1.0)}, 1.24, 1.1)
     assert "\n" not in str(told.value)

@@ -89,7 +89,7 @@ def _log_track(
     recording.log(
         f"chart/{name}/whole_track", rr.LineStrips2D([points], radii=0.03, colors=faint), static=True
     )
-    time = rr.TimeColumn(TIMELINE, duration=run.time - run.time[0])
+    time = _time_column(run)
     segments = np.stack([points[np.maximum(np.arange(len(points)) - 1, 0)], points], axis=1)
     recording.send_columns(
         f"chart/{name}/track",
@@ -111,6 +111,13 @@ def _log_track(
     )
 
 
+def _time_column(run: Run) -> Any:
+    import rerun as rr
+
+    # To the microsecond, so that equal instants of two runs are one instant on the timeline.
+    return rr.TimeColumn(TIMELINE, duration=np.round(run.time - run.time[0], 6))
+
+
 def _outlines(points: NDArray[Any], heading: NDArray[Any], length: float, breadth: float) -> NDArray[Any]:
     """(T, 6, 2) the closed outline of a boat with a pointed bow at each of points (T, 2)."""
     ahead = length * np.array([-0.5, 0.25, 0.5, 0.25, -0.5, -0.5])
@@ -122,7 +129,7 @@ def _outlines(points: NDArray[Any], heading: NDArray[Any], length: float, breadt
 def _log_levers(recording: Any, name: str, run: Run, colour: tuple[int, int, int]) -> None:
     import rerun as rr
 
-    time = rr.TimeColumn(TIMELINE, duration=run.time - run.time[0])
+    time = _time_column(run)
     for lever, column in LEVERS.items():
         if column not in run.columns:
             continue
