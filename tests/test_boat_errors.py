@@ -42,8 +42,14 @@ def refused(folder: Path, text: str) -> str:
         ("hull: {c_d: yoshi}", "hull.c_d: input should be a valid number, not 'yoshi'"),
         ("hull: 3", "hull: input should be a mapping of keys"),
         ("hull: {2: 3}", "hull.2: "),
-        ("thrust_deduction: {factor_low: 1.2}", "thrust_deduction.factor_low: input should be less than or equal"),
-        ("thrust_deduction: {throttle_high: 0.2}", "thrust_deduction: throttle_low must be below throttle_high"),
+        (
+            "thrust_deduction: {factor_low: 1.2}",
+            "thrust_deduction.factor_low: input should be less than or equal",
+        ),
+        (
+            "thrust_deduction: {throttle_high: 0.2}",
+            "thrust_deduction: throttle_low must be below throttle_high",
+        ),
         ("current: {model: dnv}", "current.model: input should be 'relative' or 'dnv_force', not 'dnv'"),
         ("joypad: {thrusters: [bs, aft]}", "joypad.thrusters must be different names out of bs, bp, ss, sp"),
         ("joypad: {thrusters: [bs, bs]}", "joypad.thrusters must be different names out of bs, bp, ss, sp"),
@@ -51,10 +57,19 @@ def refused(folder: Path, text: str) -> str:
         ("joypad: {azimuth: [-90.0, 90.0]}", "joypad: azimuth must be [low, high] in radians"),
         ("joypad: {azimuth: [1.0]}", "joypad.azimuth.1: is missing"),
         ("thruster_model: 3", "thruster_model must be a mapping"),
-        ("thruster_model: {azimuth_time_constant: -0.1}", "thrusters.bs.azimuth_time_constant: input should be"),
-        ("thruster_model: {azimuth_min: 1.0, azimuth_max: 0.5}", "thrusters.bs: azimuth_min must be below azimuth_max"),
+        (
+            "thruster_model: {azimuth_time_constant: -0.1}",
+            "thrusters.bs.azimuth_time_constant: input should be",
+        ),
+        (
+            "thruster_model: {azimuth_min: 1.0, azimuth_max: 0.5}",
+            "thrusters.bs: azimuth_min must be below azimuth_max",
+        ),
         ("thruster_model: {azimuth_rate: 0}", "thrusters.bs.azimuth_rate: input should be greater than 0"),
-        ("thruster_model: {thrust_quadratic: 0}", "thrusters.bs: thrust_linear and thrust_quadratic are both 0"),
+        (
+            "thruster_model: {thrust_quadratic: 0}",
+            "thrusters.bs: thrust_linear and thrust_quadratic are both 0",
+        ),
         ("thruster_model: {kind: fixed}", "thrusters.bs: a fixed thruster pushes one way"),
         ("thrusters: 3", "thrusters: input should be a list"),
         ("thrusters: []", "thrusters: the list should have at least 1 item"),
@@ -98,7 +113,10 @@ def test_an_impossible_value_is_refused_by_key(tmp_path: Path, line: str, told: 
     ("quantity", "told"),
     [
         ("{value: 50, unit: lb, provenance: measured, source: scales}", "unit 'lb', allowed is 'kg'"),
-        ("{value: 50, unit: kg, provenance: guessed, source: scales}", "allowed are measured, fitted, assumed"),
+        (
+            "{value: 50, unit: kg, provenance: guessed, source: scales}",
+            "allowed are measured, fitted, assumed",
+        ),
         ("{value: 50, unit: kg, provenance: measured, source: ''}", "empty source"),
         ("{value: 50, unit: kg, source: scales}", "lacks provenance"),
         ("{value: 50}", "lacks unit"),

@@ -12,7 +12,7 @@ from swamp_rl.boat.merge import leaves, merge
 
 TREES = st.recursive(
     st.integers() | st.lists(st.integers(), max_size=3),
-    lambda inner: st.dictionaries(st.sampled_from("abcd"), inner, max_size=4),
+    lambda inner: st.dictionaries(st.sampled_from("abcd"), inner, min_size=1, max_size=4),
     max_leaves=12,
 )
 SECTIONS = st.dictionaries(st.sampled_from("abcd"), TREES, max_size=4)
@@ -45,10 +45,10 @@ def test_thrusters_are_changed_and_added_by_name(tmp_path: Path) -> None:
         tmp_path,
         "extends: swamp\n"
         "thrusters:\n"
-        "  - {name: tunnel, kind: fixed, x: 0.3, y: 0.0, azimuth_min: 1.57, azimuth_max: 1.57, astern_quadratic: 6}\n"
+        "  - {name: fan, kind: fixed, x: 0.3, y: 0, azimuth_min: 1.5, azimuth_max: 1.5, astern_linear: 6}\n"
         "  - {name: ss, thrust_quadratic: 6.1}\n",
     )
-    assert boat.thruster_names == ("bs", "bp", "ss", "sp", "tunnel")
+    assert boat.thruster_names == ("bs", "bp", "ss", "sp", "fan")
     assert [thruster.thrust_quadratic for thruster in boat.thrusters] == [12.2, 12.2, 6.1, 12.2, 12.2]
     assert [thruster.reverses for thruster in boat.thrusters] == [False] * 4 + [True]
 
@@ -65,12 +65,16 @@ def test_c_d_follows_the_draught_through_yoshimuras_regression_unless_given(tmp_
     boat = extended(tmp_path, "extends: swamp\ndraught: 0.2\n")
     assert boat.hull.c_d == pytest.approx(1.848 - 0.0591 * 6.2)
     assert extended(tmp_path, "extends: swamp\ndraught: 0.2\nhull: {c_d: 1.0}\n").hull.c_d == 1.0
-    assert extended(tmp_path, "extends: mine.yaml\nhull: {c_d: yoshimura}\n", "again").hull.c_d == boat.hull.c_d
+    assert (
+        extended(tmp_path, "extends: mine.yaml\nhull: {c_d: yoshimura}\n", "again").hull.c_d == boat.hull.c_d
+    )
 
 
 def test_effects_follow_those_of_the_boat_extended(tmp_path: Path) -> None:
     extended(tmp_path, "extends: swamp\neffects: [{effect: current, north: 0.1}]\n", "lower")
-    boat = extended(tmp_path, "extends: lower.yaml\neffects: [{effect: thruster_gain, thruster: bs, gain: 0.7}]\n")
+    boat = extended(
+        tmp_path, "extends: lower.yaml\neffects: [{effect: thruster_gain, thruster: bs, gain: 0.7}]\n"
+    )
     told = [(entry.effect.name, entry.thruster, dict(entry.values)) for entry in boat.effects]
     assert told == [
         ("current", None, {"north": 0.1, "east": 0.0}),
@@ -95,7 +99,9 @@ def test_files_that_extend_each_other_are_refused_with_the_way_round(tmp_path: P
 
 
 @given(under=SECTIONS, over=SECTIONS)
-def test_what_the_upper_file_says_holds_and_the_rest_stays(under: dict[str, Any], over: dict[str, Any]) -> None:
+def test_what_the_upper_file_says_holds_and_the_rest_stays(
+    under: dict[str, Any], over: dict[str, Any]
+) -> None:
     merged = dict(leaves(merge(under, over)))
     upper = dict(leaves(over))
     assert upper.items() <= merged.items()

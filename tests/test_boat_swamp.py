@@ -71,7 +71,9 @@ def test_the_thrust_curve_is_that_of_table_5_5_to_its_last_digit(swamp: Boat) ->
     bs = swamp.thrusters[0]
     for rpm_percent, _, thrust in reference_rows("thrust_table.csv"):
         throttle = rpm_percent / 100
-        assert bs.thrust_linear * throttle + bs.thrust_quadratic * throttle**2 == pytest.approx(thrust, abs=0.051)
+        assert bs.thrust_linear * throttle + bs.thrust_quadratic * throttle**2 == pytest.approx(
+            thrust, abs=0.051
+        )
 
 
 def test_the_resistance_table_is_the_whole_of_table_4_7(swamp: Boat) -> None:

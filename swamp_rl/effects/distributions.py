@@ -1,7 +1,6 @@
 """How a disturbance's number is drawn: a distribution turns a uniform number in [0, 1) into a value."""
 
 import math
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.effects.entries import is_number
 from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
@@ -81,9 +81,3 @@ def parse_distribution(given: Any, where: str) -> Distribution:
     if kind == "log_uniform" and numbers[0] <= 0:
         raise UserError(f"{where}: log_uniform must begin above 0, not at {numbers[0]!r}")
     return Distribution(str(kind), tuple(map(float, numbers)))
-
-
-def is_number(value: Any) -> bool:
-    """Whether `value` is a finite number (and no truth value)."""
-    # an integer too large for a float is no number here either, and isfinite() would raise on it
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max

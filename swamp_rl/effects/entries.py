@@ -1,6 +1,7 @@
 """Reading a list of effects: `[{effect: current, north: 0.1}, ...]` with every fault named."""
 
 import difflib
+import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
@@ -81,13 +82,19 @@ def check_thruster(name: Any, where: str, thruster_names: Sequence[str]) -> None
 
 def parameter_number(parameter: Parameter, value: Any, where: str) -> float:
     """`value` as a number that the parameter allows; UserError otherwise."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    if not is_number(value):
         raise UserError(f"{where}: {parameter.name} must be a number [{parameter.unit}], not {value!r}")
     if not parameter.allows(float(value)):
         raise UserError(
             f"{where}: {parameter.name} {value:.6g} is out of range; allowed: {parameter.allowed}"
         )
     return float(value)
+
+
+def is_number(value: Any) -> bool:
+    """Whether `value` is a finite number (and no truth value)."""
+    # an integer too large for a float is no number here either, and isfinite() would raise on it
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
 def complete(

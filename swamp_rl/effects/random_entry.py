@@ -15,11 +15,10 @@ from swamp_rl.effects.distributions import (
     Distribution,
     columns,
     each,
-    is_number,
     option,
     parse_distribution,
 )
-from swamp_rl.effects.entries import check_thruster, complete, effect_and_keys, parameter_number
+from swamp_rl.effects.entries import check_thruster, complete, effect_and_keys, is_number, parameter_number
 from swamp_rl.errors import UserError
 
 DISC = ("north", "east")
@@ -119,12 +118,11 @@ def _probability(given: Any, where: str) -> float:
 
 
 def _selectors(given: Any, where: str, thruster_names: Sequence[str]) -> tuple[str, ...]:
-    names = given
+    names = [given]
     if isinstance(given, Mapping):
-        if list(given) != ["choice"] or not isinstance(given["choice"], list) or not given["choice"]:
+        names = given.get("choice", [])
+        if len(given) != 1 or not isinstance(names, list) or not names:
             raise UserError(f"{where}: thruster must be a name, all, or {{choice: [names]}}, not {given!r}")
-        names = given["choice"]
-    names = names if isinstance(names, list) else [names]
     for name in names:
         check_thruster(name, where, thruster_names)
     return tuple(names)
