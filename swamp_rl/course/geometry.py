@@ -1,10 +1,8 @@
 """What a boat did on its way from one point to the next: passed a gate, touched a buoy, left the bounds.
 
-The boat is taken at midship, its hull as a disc whose diameter is the breadth: alongside a buoy, where boats touch
-them, that is exact.
+The boat is taken at midship, its hull as a disc whose diameter is the breadth: alongside a buoy, where
+boats touch them, that is exact.
 """
-
-import math
 
 from swamp_rl.physics.compile import compiled
 
@@ -38,17 +36,18 @@ def crosses_gate(
 
 
 @compiled
-def distance_to_way(
+def squared_distance_to_way(
     north0: float, east0: float, north1: float, east1: float, north: float, east: float
 ) -> float:
-    """Least distance [m] of a point from the straight way between points 0 and 1."""
+    """Square of the least distance [m²] of a point from the straight way between points 0 and 1."""
     way_north, way_east = north1 - north0, east1 - east0
     length_squared = way_north * way_north + way_east * way_east
     share = 0.0
     if length_squared > 0.0:
         share = ((north - north0) * way_north + (east - east0) * way_east) / length_squared
         share = min(max(share, 0.0), 1.0)
-    return math.hypot(north0 + share * way_north - north, east0 + share * way_east - east)
+    off_north, off_east = north0 + share * way_north - north, east0 + share * way_east - east
+    return off_north * off_north + off_east * off_east
 
 
 @compiled
@@ -65,7 +64,8 @@ def touches_buoy(
 
     reach: the buoy's radius and half the boat's breadth.
     """
-    return distance_to_way(north0, east0, north1, east1, buoy_north, buoy_east) < reach
+    distance_squared = squared_distance_to_way(north0, east0, north1, east1, buoy_north, buoy_east)
+    return distance_squared < reach * reach
 
 
 @compiled

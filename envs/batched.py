@@ -1,0 +1,171 @@
+"""Many boats as a `gymnasium.vector.VectorEnv`, all in one compiled step."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from envs.fleet import Disturbances, Fleet
+from envs.kernel import RUNNING, TIMEOUT
+from envs.observation import observation_space
+from envs.spaces import joypad_space, known_options, known_render_mode
+from swamp_rl.boat import Boat
+from swamp_rl.course import Course
+from swamp_rl.errors import UserError
+
+Step = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
+Array = NDArray[Any]
+
+
+class GatesVectorEnv(VectorEnv[Array, Array, Array]):
+    """`envs.single.GatesEnv`, n boats at once; what `gymnasium.make_vec("swamp/Gates-v0", num_envs=n)` makes.
+
+    A boat that has ended starts anew by itself: with `autoreset_mode` NEXT_STEP (the default, and
+    Gymnasium's) in the following step, which ignores its levers and pays nothing, so that until then `pose`
+    and the others still show how it ended; with SAME_STEP at once, its last observation and info being in
+    `info["final_obs"]` and `info["final_info"]`. An episode of a boat depends on its own generator alone.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012  Gymnasium declares it so
+        "render_modes": ["rgb_array"],
+        "render_fps": 10,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        boat: str | Path | Boat = "swamp",
+        course: str | Path | Course = "camogli",
+        disturbances: Disturbances = None,
+        observation: Sequence[str] | None = None,
+        step: float = 0.1,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+    ) -> None:
+        if isinstance(num_envs, bool) or not isinstance(num_envs, int) or num_envs < 1:
+            raise UserError(f"num_envs: must be a whole number of at least 1, not {num_envs!r}")
+        self.num_envs = num_envs
+        self.render_mode = known_render_mode(render_mode)
+        self.autoreset_mode = _known_autoreset(autoreset_mode)
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self.fleet = Fleet(num_envs, boat, course, disturbances, observation, step)
+        self.single_action_space = joypad_space()
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.single_observation_space = observation_space(self.fleet.places, len(self.fleet.course.gates))
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self._started = False
+        self._ended = np.empty(0, dtype=np.intp)
+        self._shape = (num_envs, len(self.fleet.places))
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Start an episode of every boat; observation (n, d) and an empty info.
+
+        seed: boat i takes the generator of seed + i. options: `episodes`, (n,) seeds, one for each boat, in
+        place of `seed`. With neither, each boat goes on with its generator.
+        """
+        super().reset(seed=seed)
+        episodes = known_options(options, ("episodes",)).get("episodes")
+        seeds: Sequence[int | None] = [None] * self.num_envs
+        if episodes is not None:
+            seeds = _seeds(episodes, self.num_envs)
+        elif seed is not None:
+            seeds = range(seed, seed + self.num_envs)
+        if episodes is not None or seed is not None or not self._started:
+            self.fleet.draw_from([np.random.default_rng(s) for s in seeds])
+        everyone = np.arange(self.num_envs)
+        self.fleet.begin(everyone)
+        self._started, self._ended = True, everyone[:0]
+        observations = np.empty(self._shape, np.float32)
+        self.fleet.look(everyone, observations)
+        return observations, {}
+
+    def step(self, actions: Array) -> Step:
+        """Sail all boats for one step with actions (n, 2).
+
+        Observations (n, d), rewards, terminations, truncations (n,); the info of boats that end holds
+        `outcome` and `time` [s], each with its mask `_outcome` and `_time` (n,).
+        """
+        if not self._started:
+            raise UserError("step: the boats have not started; call reset first")
+        asked = np.array(actions, dtype=np.float64)
+        if asked.shape != (self.num_envs, 2):
+            raise UserError(f"step: actions must have the shape ({self.num_envs}, 2), not {asked.shape}")
+        if self._ended.size:
+            self.fleet.begin(self._ended)
+            self.fleet.boats["fresh"][self._ended] = True
+            self._ended = self._ended[:0]
+        observations, rewards = np.empty(self._shape, np.float32), np.empty(self.num_envs)
+        over, truncated = np.zeros(self.num_envs, np.bool_), np.zeros(self.num_envs, np.bool_)
+        info: dict[str, Any] = {}
+        if self.fleet.sail(asked, rewards, observations):
+            outcome = self.fleet.boats["outcome"]
+            over, truncated = outcome != RUNNING, outcome == TIMEOUT
+            info = self._end(over, observations)
+        return observations, rewards, over & ~truncated, truncated, info
+
+    def _end(self, over: NDArray[np.bool_], observations: NDArray[np.float32]) -> dict[str, Any]:
+        """Info on the boats that are over (n,), which are started anew now or marked to be in the next
+        step."""
+        ended = np.flatnonzero(over)
+        outcome = np.full(self.num_envs, None, dtype=object)
+        outcome[ended] = self.fleet.outcomes(ended)
+        time = np.where(over, self.fleet.time, 0.0)
+        info = {"outcome": outcome, "_outcome": over, "time": time, "_time": over.copy()}
+        if self.autoreset_mode == AutoresetMode.NEXT_STEP:
+            self._ended = ended
+            return info
+        final = observations.copy()
+        self.fleet.begin(ended)
+        self.fleet.look(ended, observations)
+        return {"final_obs": final, "_final_obs": over.copy(), "final_info": info, "_final_info": over.copy()}
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """A top view (H, W, 3) of every boat; None unless the render mode is `rgb_array`."""
+        if self.render_mode is None:
+            return None
+        from envs.view import top_view
+
+        return tuple(top_view(self.fleet, i) for i in range(self.num_envs))
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """North, east [m] and heading [rad, not wrapped], (n, 3): a view that the next step changes."""
+        return self.fleet.pose
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """Surge, sway [m/s over ground] and yaw rate [rad/s], (n, 3), a view."""
+        return self.fleet.velocity
+
+    @property
+    def commands(self) -> NDArray[np.float64]:
+        """What the levers asked of the thrusters: azimuths [rad], then throttles [1], (n, 2K), a view."""
+        return self.fleet.commands
+
+    @property
+    def applied(self) -> NDArray[np.float64]:
+        """What the thrusters did, (n, 2K) as `commands`, a view."""
+        return self.fleet.applied
+
+
+def _known_autoreset(mode: AutoresetMode | str) -> AutoresetMode:
+    served = (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP)
+    for known in served:
+        if mode in (known, known.value):
+            return known
+    raise UserError(f"autoreset_mode: must be one of {', '.join(m.value for m in served)}, not {mode!r}")
+
+
+def _seeds(episodes: Any, n: int) -> list[int]:
+    """The seeds of `episodes`, n whole numbers of at least 0; UserError otherwise."""
+    seeds = np.asarray(episodes)
+    if seeds.shape != (n,) or seeds.dtype.kind not in "iu" or (seeds < 0).any():
+        raise UserError(f"reset: episodes must be {n} seeds, whole numbers of at least 0")
+    return [int(seed) for seed in seeds]

@@ -1,0 +1,73 @@
+"""How an episode begins: where the boat starts and what disturbs it, drawn for many boats at once."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envs.kernel import boat_record
+from swamp_rl.boat import Boat
+from swamp_rl.course import Course
+from swamp_rl.effects import Level
+from swamp_rl.simulator import initial_state, parameters
+
+Generators = Sequence[np.random.Generator]
+START_DRAWS = 3  # north, east, heading within the course's spread
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """One episode of each of n boats; frozen are the arrays, not what is in them."""
+
+    boats: NDArray[Any]
+    "(n,) of `boat_record`, as they stand at the start"
+    params: NDArray[Any]
+    "(n,) the simulator's parameter records, disturbances applied"
+    uniforms: NDArray[np.float64]
+    "(n, D) in [0, 1), what start and disturbances were drawn from"
+
+    @classmethod
+    def empty(cls, n: int, boat: Boat, level: Level) -> Self:
+        """Room for the episodes of n boats."""
+        return cls(
+            np.zeros(n, boat_record(len(boat.thrusters))),
+            parameters(boat, n),
+            np.zeros((n, START_DRAWS + level.draw_count)),
+        )
+
+    def take(self, other: "Episodes", chosen: NDArray[np.intp]) -> None:
+        """Copy the episodes of the boats `chosen` (m,) from `other`."""
+        self.boats[chosen] = other.boats[chosen]
+        self.params[chosen] = other.params[chosen]
+        self.uniforms[chosen] = other.uniforms[chosen]
+
+
+def draw_episodes(
+    episodes: Episodes,
+    chosen: NDArray[np.intp],
+    generators: Generators,
+    boat: Boat,
+    course: Course,
+    level: Level,
+) -> None:
+    """Draw new episodes of the boats `chosen` (m,) into `episodes`, each from its own of m generators."""
+    uniforms = np.empty((len(chosen), episodes.uniforms.shape[1]))
+    boats = np.zeros(len(chosen), episodes.boats.dtype)
+    for row, generator in enumerate(generators):
+        generator.random(out=uniforms[row])
+        boats["gust_seed"][row] = generator.bit_generator.random_raw()
+    params = parameters(boat, len(chosen))
+    level.apply(params, uniforms[:, START_DRAWS:])
+    pose = start_poses(course, uniforms) + level.start(uniforms[:, START_DRAWS:])
+    boats["state"] = initial_state(params, pose)
+    episodes.boats[chosen], episodes.params[chosen], episodes.uniforms[chosen] = boats, params, uniforms
+
+
+def start_poses(course: Course, uniforms: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Starts (m, 3) north, east [m], heading [rad] in the course's spread, from uniforms (m, 3 or more)."""
+    pose, spread = course.start.pose, course.start.spread
+    centre = np.array([pose.north, pose.east, pose.heading])
+    reach = np.array([spread.north, spread.east, spread.heading])
+    return centre + reach * (2.0 * uniforms[:, :START_DRAWS] - 1.0)

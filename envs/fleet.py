@@ -1,0 +1,179 @@
+"""n boats on one course: their episodes and their common step."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envs.episodes import START_DRAWS, Episodes, Generators, draw_episodes
+from envs.kernel import (
+    LEVERS,
+    OUTCOMES,
+    RUNNING,
+    look_all,
+    sail_all,
+    sail_all_parallel,
+    world_record,
+)
+from envs.observation import senses
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.course import Course, buoy_table, gate_table, load_course
+from swamp_rl.effects import load_disturbances
+from swamp_rl.errors import UserError
+from swamp_rl.simulator import tank
+from swamp_rl.simulator.replay import substeps_of
+from swamp_rl.simulator.state import ACTUATORS, NORTH, SURGE, YAW_RATE
+
+Disturbances = str | Path | Sequence[Mapping[str, Any]] | None
+
+LONGEST_STEP = 1.0  # s
+PARALLEL_FROM = 512  # boats; with fewer, starting the threads costs more than they save
+
+
+class Fleet:
+    """The state of n boats and everything their step needs.
+
+    Each episode takes from its boat's generator one block of uniforms, for the start and the disturbances,
+    then one integer, the seed of its gusts; nothing else is random. Episodes are drawn ahead, for all the
+    boats that have none waiting at once: drawing for one costs almost as much as drawing for a thousand.
+    """
+
+    def __init__(
+        self,
+        n: int,
+        boat: str | Path | Boat,
+        course: str | Path | Course,
+        disturbances: Disturbances,
+        observation: Sequence[str] | None,
+        step: float,
+    ) -> None:
+        self.boat = boat if isinstance(boat, Boat) else load_boat(boat)
+        self.course = course if isinstance(course, Course) else load_course(course)
+        self.level = load_disturbances(disturbances, self.boat.thruster_names)
+        self.step = checked_step(step)
+        self.places = senses(observation)
+        self._now = Episodes.empty(n, self.boat, self.level)
+        self._next = Episodes.empty(n, self.boat, self.level)
+        self._waiting = np.zeros(n, dtype=np.bool_)
+        self._generators: Generators = ()
+        self.boats, self.params = self._now.boats, self._now.params
+        self._state = self.boats["state"]
+        self._shared = (
+            world_of(self.boat, self.course, self.step),
+            tank(self.boat),
+            gate_table(self.course),
+            buoy_table(self.course),
+            self.places,
+        )
+        self._sail = sail_all_parallel if n >= PARALLEL_FROM else sail_all
+
+    def draw_from(self, generators: Generators) -> None:
+        """Take the boats' following episodes from these n generators; what was drawn ahead is forgotten."""
+        self._generators = generators
+        self._waiting[:] = False
+
+    def begin(self, chosen: NDArray[np.intp]) -> None:
+        """Start the next episode of each of the boats `chosen` (m,)."""
+        if not self._waiting[chosen].all():
+            missing = np.flatnonzero(~self._waiting)
+            draw_episodes(
+                self._next,
+                missing,
+                [self._generators[i] for i in missing.tolist()],
+                self.boat,
+                self.course,
+                self.level,
+            )
+            self._waiting[missing] = True
+        self._now.take(self._next, chosen)
+        self._waiting[chosen] = False
+
+    def sail(
+        self, asked: NDArray[np.float64], rewards: NDArray[np.float64], observations: NDArray[np.float32]
+    ) -> int:
+        """One step of all boats; see `envs.kernel.sail_all`. UserError where a lever is not a number."""
+        ended = self._sail(self.boats, self.params, asked, *self._shared, rewards, observations)
+        if ended and (self.boats["outcome"] == LEVERS).any():
+            i = int(np.argmax(self.boats["outcome"] == LEVERS))
+            raise UserError(
+                f"boat {i}: the levers {asked[i].tolist()} are not numbers; look at what drives it"
+            )
+        return ended
+
+    def look(self, chosen: NDArray[np.intp], observations: NDArray[np.float32]) -> None:
+        """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""
+        look_all(self.boats, chosen, self._shared[2], self.places, observations)
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """North, east [m] and heading [rad, not wrapped], (n, 3), a view."""
+        return self._state[:, NORTH : NORTH + 3]
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """Surge, sway [m/s over ground] and yaw rate [rad/s], (n, 3), a view."""
+        return self._state[:, SURGE : YAW_RATE + 1]
+
+    @property
+    def applied(self) -> NDArray[np.float64]:
+        """What the actuators did: azimuths [rad], then throttles [1], (n, 2K), a view."""
+        return self._state[:, ACTUATORS:]
+
+    @property
+    def commands(self) -> NDArray[np.float64]:
+        """What the levers asked of the actuators, (n, 2K) as `applied`, a view."""
+        return self.boats["command"]
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Time since the start of the episode [s], (n,)."""
+        return self.boats["tick"] * self.step
+
+    def outcomes(self, chosen: NDArray[np.intp]) -> list[str | None]:
+        """How the episodes of the boats `chosen` ended; None for one that is still running."""
+        codes = self.boats["outcome"][chosen].tolist()
+        return [None if code == RUNNING else OUTCOMES[code] for code in codes]
+
+    def drawn(self, i: int) -> dict[str, Any]:
+        """What was drawn for the episode of boat i, enough to replay it: its effects and the seed of its
+        gusts."""
+        return {
+            "effects": self.level.drawn(self._now.uniforms[i, START_DRAWS:]),
+            "gust_seed": int(self.boats["gust_seed"][i]),
+        }
+
+
+def world_of(boat: Boat, course: Course, step: float) -> NDArray[np.void]:
+    """The `world_record` (1,) of a boat on a course; UserError where the boat does not fit through a gate."""
+    reach = course.buoy_radius + 0.5 * boat.breadth
+    for gate in course.gates:
+        if gate.width <= 2.0 * reach:
+            raise UserError(
+                f"course {course.name}: gate {gate.name} is {gate.width:g} m wide, but boat {boat.name} "
+                f"and the buoys need more than {2.0 * reach:g} m; choose a wider gate or a narrower boat"
+            )
+    world = np.zeros(1, world_record(len(boat.thrusters)))
+    world["step"], world["substeps"] = step, substeps_of(step)
+    world["last_tick"] = math.ceil(course.time_limit / step - 1e-9)
+    world["reach"] = reach
+    for edge in ("south", "north", "west", "east"):
+        world[f"{edge}_edge"] = getattr(course.bounds, edge)
+    low_azimuth, high_azimuth = boat.joypad.azimuth
+    low_throttle, high_throttle = boat.joypad.throttle
+    driven = [boat.thruster_names.index(name) for name in boat.joypad.thrusters]
+    world["lever_middle"][0, driven] = 0.5 * (low_azimuth + high_azimuth)
+    world["lever_swing"][0, driven] = 0.5 * (high_azimuth - low_azimuth)
+    world["lever_idle"][0, driven] = low_throttle
+    world["lever_gain"][0, driven] = high_throttle - low_throttle
+    return world
+
+
+def checked_step(step: float) -> float:
+    """`step` [s] if it is one that can be sailed; UserError otherwise."""
+    number = isinstance(step, int | float) and not isinstance(step, bool)
+    if not number or not 0.0 < step <= LONGEST_STEP:
+        raise UserError(f"step: must be a time above 0 and at most {LONGEST_STEP:g} s, not {step!r}")
+    return float(step)

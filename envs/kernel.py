@@ -1,0 +1,197 @@
+"""One step of the environment for one boat or a batch: levers, physics, course, reward, observation.
+
+A boat's arithmetic is the same whatever the batch, so it gives the same bits alone and among thousands.
+"""
+
+import math
+from typing import Any
+
+import numba
+import numpy as np
+
+from envs.observation import OBSERVATION, look
+from envs.reward import reward
+from swamp_rl.course.geometry import crosses_gate, outside, touches_buoy
+from swamp_rl.course.progress import distance_to_go
+from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_HALF_WIDTH, GATE_NORTH, GATE_SIN
+from swamp_rl.physics.compile import compiled
+from swamp_rl.simulator.state import EAST, NORTH, state_size
+from swamp_rl.simulator.step import step_boat
+
+OUTCOMES = ("running", "success", "buoy", "out_of_bounds", "timeout", "levers")
+RUNNING, SUCCESS, BUOY, OUT_OF_BOUNDS, TIMEOUT, LEVERS = range(len(OUTCOMES))
+SENSED = len(OBSERVATION)
+CHUNK = (
+    64  # boats that one task of the parallel loop takes, so that scratch memory is made once for all of them
+)
+
+
+def boat_record(thrusters: int) -> np.dtype[np.void]:
+    """What the environment keeps of each boat; K thrusters."""
+    return np.dtype(
+        [
+            ("state", np.float64, (state_size(thrusters),)),  # as in swamp_rl.simulator.state
+            ("command", np.float64, (2 * thrusters,)),  # azimuths [rad], then throttles [1]
+            ("lever", np.float64, (2,)),  # throttle in [0, 1], angle in [-1, 1]
+            ("passed", np.int64),  # gates
+            ("tick", np.int64),  # steps since the start
+            ("outcome", np.int64),  # place in OUTCOMES; it stays until the boat is started again
+            ("fresh", np.bool_),  # started again just now: the next step is not sailed
+            ("gust_seed", np.uint64),
+        ]
+    )
+
+
+def world_record(thrusters: int) -> np.dtype[np.void]:
+    """What is the same for all boats; K thrusters."""
+    numbers = ("step", "reach", "south_edge", "north_edge", "west_edge", "east_edge")  # s, then m
+    return np.dtype(
+        [(name, np.float64) for name in numbers]
+        + [("substeps", np.int64), ("last_tick", np.int64)]
+        # A thruster's azimuth [rad] is middle + swing times the lever, its throttle idle + gain times the
+        # other.
+        + [(f"lever_{name}", np.float64, (thrusters,)) for name in ("middle", "swing", "idle", "gain")]
+    )
+
+
+@compiled
+def judge(boat: Any, north0: float, east0: float, gate_count: int, buoys: Any, world: Any) -> int:
+    """Outcome after the way from point 0; a buoy touched counts before all else, and success before the
+    bounds."""
+    north, east = boat.state[NORTH], boat.state[EAST]
+    for b in range(buoys.shape[0]):
+        if touches_buoy(north0, east0, north, east, buoys[b, 0], buoys[b, 1], world.reach):
+            return BUOY
+    if boat.passed == gate_count:
+        return SUCCESS
+    if outside(north, east, world.south_edge, world.north_edge, world.west_edge, world.east_edge):
+        return OUT_OF_BOUNDS
+    return TIMEOUT if boat.tick >= world.last_tick else RUNNING
+
+
+@compiled
+def sail(boat: Any, p: Any, asked: Any, world: Any, tank: Any, gates: Any, buoys: Any, jets: Any) -> float:
+    """Sail one boat for a step with the levers `asked` (2,), note its outcome and return the reward."""
+    if not (math.isfinite(asked[0]) and math.isfinite(asked[1])):
+        boat.outcome = LEVERS
+        return 0.0
+    throttle, angle = min(max(asked[0], 0.0), 1.0), min(max(asked[1], -1.0), 1.0)
+    throttle_rate = (throttle - boat.lever[0]) / world.step
+    angle_rate = (angle - boat.lever[1]) / world.step
+    boat.lever[0], boat.lever[1] = throttle, angle
+    thrusters = world.lever_swing.shape[0]
+    for k in range(thrusters):
+        boat.command[k] = world.lever_middle[k] + world.lever_swing[k] * angle
+        boat.command[thrusters + k] = world.lever_idle[k] + world.lever_gain[k] * throttle
+
+    north0, east0 = boat.state[NORTH], boat.state[EAST]
+    to_go = distance_to_go(north0, east0, boat.passed, gates)
+    step_boat(boat.state, p, tank, boat.command, boat.gust_seed, world.step, world.substeps, jets)
+    boat.tick += 1
+    north, east = boat.state[NORTH], boat.state[EAST]
+    gate = gates[boat.passed]
+    passes = crosses_gate(
+        north0,
+        east0,
+        north,
+        east,
+        gate[GATE_NORTH],
+        gate[GATE_EAST],
+        gate[GATE_COS],
+        gate[GATE_SIN],
+        gate[GATE_HALF_WIDTH],
+    )
+    boat.passed += passes
+    boat.outcome = judge(boat, north0, east0, gates.shape[0], buoys, world)
+    way_made = to_go - distance_to_go(north, east, boat.passed, gates)
+    failed = boat.outcome == BUOY or boat.outcome == OUT_OF_BOUNDS
+    return reward(way_made, int(passes), failed, throttle, throttle_rate, angle_rate, world.step)
+
+
+@compiled
+def sail_range(
+    first: int,
+    last: int,
+    boats: Any,
+    params: Any,
+    asked: Any,
+    world: Any,
+    tank: Any,
+    gates: Any,
+    buoys: Any,
+    places: Any,
+    rewards: Any,
+    observations: Any,
+) -> int:
+    """`sail_all` for the boats from first to the one before last."""
+    jets = np.empty((3, boats[first].command.shape[0] // 2, 2))
+    everything = np.empty(SENSED)
+    ended = 0
+    for i in range(first, last):
+        boat = boats[i]
+        rewards[i] = 0.0
+        if boat.outcome == RUNNING and not boat.fresh:
+            rewards[i] = sail(boat, params[i], asked[i], world[0], tank, gates, buoys, jets)
+        boat.fresh = False
+        ended += boat.outcome != RUNNING
+        look(boat.state, boat.passed, gates, everything)
+        for j in range(places.shape[0]):
+            observations[i, j] = everything[places[j]]
+    return ended
+
+
+@compiled
+def sail_all(
+    boats: Any,
+    params: Any,
+    asked: Any,
+    world: Any,
+    tank: Any,
+    gates: Any,
+    buoys: Any,
+    places: Any,
+    rewards: Any,
+    observations: Any,
+) -> int:
+    """Sail n boats for a step in place, those that are running and not fresh; return how many have ended.
+
+    boats (n,) of `boat_record`; params (n,), tank: the simulator's; asked (n, 2): throttle, angle; world
+    (1,) of `world_record`; gates (G, 5), buoys (2G, 2): the course's; places (d,): what is observed. Fills
+    rewards (n,) and observations (n, d).
+    """
+    n = boats.shape[0]
+    return sail_range(0, n, boats, params, asked, world, tank, gates, buoys, places, rewards, observations)
+
+
+@compiled(parallel=True)
+def sail_all_parallel(
+    boats: Any,
+    params: Any,
+    asked: Any,
+    world: Any,
+    tank: Any,
+    gates: Any,
+    buoys: Any,
+    places: Any,
+    rewards: Any,
+    observations: Any,
+) -> int:
+    """As `sail_all`, spread over the processor's cores."""
+    n = boats.shape[0]
+    ended = 0
+    for chunk in numba.prange((n + CHUNK - 1) // CHUNK):
+        first, last = chunk * CHUNK, min((chunk + 1) * CHUNK, n)
+        ended += sail_range(
+            first, last, boats, params, asked, world, tank, gates, buoys, places, rewards, observations
+        )
+    return ended
+
+
+@compiled
+def look_all(boats: Any, chosen: Any, gates: Any, places: Any, observations: Any) -> None:
+    """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""
+    everything = np.empty(SENSED)
+    for i in chosen:
+        look(boats[i].state, boats[i].passed, gates, everything)
+        for j in range(places.shape[0]):
+            observations[i, j] = everything[places[j]]

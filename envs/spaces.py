@@ -1,0 +1,30 @@
+"""What the single and the batched environment share at their edges: the joypad, and checks of what they are
+given."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from swamp_rl.errors import UserError
+
+
+def joypad_space() -> spaces.Box:
+    """Throttle in [0, 1] and angle in [-1, 1], float32."""
+    return spaces.Box(np.array([0.0, -1.0], np.float32), np.array([1.0, 1.0], np.float32))
+
+
+def known_render_mode(mode: str | None) -> str | None:
+    """`mode` if it is one that is there; UserError otherwise."""
+    if mode not in (None, "rgb_array"):
+        raise UserError(f"render_mode: must be None or 'rgb_array', not {mode!r}")
+    return mode
+
+
+def known_options(options: dict[str, Any] | None, known: Sequence[str]) -> dict[str, Any]:
+    """The options of a reset, if all are known; UserError otherwise."""
+    for name in options or {}:
+        if name not in known:
+            raise UserError(f"reset: unknown option {name!r}; known here: {', '.join(known) or 'none'}")
+    return options or {}

@@ -1,0 +1,60 @@
+"""The batch as stable-baselines3 sees it."""
+
+import numpy as np
+import pytest
+
+from envs.batched import GatesVectorEnv
+from envs.single import GatesEnv
+from swamp_rl.course import Course, load_course
+
+sb3 = pytest.importorskip("envs.sb3")
+
+
+def boats(n: int, course: Course | str = "camogli") -> GatesVectorEnv:
+    return GatesVectorEnv(n, course=course, disturbances="standard", autoreset_mode="SameStep")
+
+
+def test_it_steps_as_the_single_boats_and_starts_anew_by_itself() -> None:
+    course = load_course("camogli").model_copy(update={"time_limit": 0.4})
+    together = sb3.GatesVecEnv(boats(2, course))
+    together.seed(11)
+    start = together.reset()
+    for i in range(2):
+        env = GatesEnv(course=course, disturbances="standard")
+        assert np.array_equal(start[i], env.reset(seed=11 + i)[0])
+    alone = GatesEnv(course=course, disturbances="standard")
+    alone.reset(seed=12)
+    full = np.array([[1.0, 0.2], [1.0, -0.2]], dtype=np.float32)
+    for j in range(4):
+        observation, rewards, dones, infos = together.step(full)
+        expected, reward, _, _, _ = alone.step(full[1])
+        assert dones.tolist() == [j == 3] * 2
+        assert rewards[1] == np.float32(reward)
+    assert np.array_equal(infos[1]["terminal_observation"], expected)
+    assert infos[1]["TimeLimit.truncated"] is True and infos[1]["outcome"] == "timeout"
+    assert np.array_equal(observation[1], alone.reset()[0])
+
+
+def test_a_failure_is_no_time_out() -> None:
+    together = sb3.GatesVecEnv(boats(1))
+    together.reset()
+    together.boats.fleet.boats["state"][0, :2] = [8.0, 2.0]
+    _, rewards, dones, infos = together.step(np.array([[0.0, 0.0]]))
+    assert dones[0] and infos[0]["outcome"] == "buoy" and infos[0]["TimeLimit.truncated"] is False
+    assert rewards[0] < -1.0
+
+
+def test_boats_that_start_anew_a_step_later_are_refused() -> None:
+    with pytest.raises(ValueError, match="SAME_STEP"):
+        sb3.GatesVecEnv(GatesVectorEnv(2))
+
+
+def test_ppo_learns_on_it_for_a_moment() -> None:
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.vec_env import VecMonitor
+
+    monitored = VecMonitor(sb3.GatesVecEnv(boats(8)))
+    model = PPO("MlpPolicy", monitored, n_steps=16, batch_size=64, n_epochs=1, seed=0, device="cpu")
+    model.learn(256)
+    action, _ = model.predict(monitored.reset())
+    assert action.shape == (8, 2) and np.isfinite(action).all()
