@@ -7,7 +7,7 @@ import re
 import shutil
 import uuid
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -18,6 +18,12 @@ from pydantic_core import ErrorDetails
 from swamp_rl.errors import UserError
 
 CONFIG_KINDS = ("boats", "courses", "disturbances", "trials", "experiments")
+HINTS = {
+    errno.ENOSPC: "free some room",
+    errno.EDQUOT: "free some room",
+    errno.EEXIST: "a folder is needed there, name another path",
+    errno.ENOTDIR: "a folder is needed there, name another path",
+}
 Model = TypeVar("Model", bound=BaseModel)
 
 
@@ -26,7 +32,7 @@ def os_error(error: OSError, path: Path | str) -> UserError:
     named = error.filename if isinstance(error.filename, str | Path) else None
     hidden = named is not None and Path(named).name.startswith(".part-")
     where = path if named is None or hidden else named
-    hint = "free some room" if error.errno == errno.ENOSPC else "check the name and that it may be used"
+    hint = HINTS.get(error.errno or 0, "check the name and that it may be used")
     return UserError(f"{where}: {error.strerror or error}; {hint}")
 
 
@@ -49,7 +55,8 @@ def write_beside(path: Path | str) -> Iterator[Path]:
     except OSError as error:
         raise os_error(error, path) from error
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink()
 
 
 @contextmanager

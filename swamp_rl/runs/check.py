@@ -37,8 +37,8 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
             Fault(file, None, None, f"holds {rows}, a run needs two or more; record it again or remove it")
         )
     elif table.whole and "time" in table.columns and np.isfinite(table.columns["time"]).all():
-        faults += _check_time(file, table.columns["time"], table.rows, sample_rate)
-        faults += _check_degrees_against_yaw_rate(file, table.columns)
+        late = _check_time(file, table.columns["time"], table.rows, sample_rate)
+        faults += late or _check_degrees_against_yaw_rate(file, table.columns)
     return faults
 
 
@@ -55,8 +55,6 @@ def unknown_columns(names: list[str], boat: Boat | None) -> list[str]:
 
 
 def _near_miss(name: str, names: list[str]) -> str:
-    if len(names) == 1 and (";" in names[0] or "\t" in names[0]):
-        return " (the columns are to be separated by commas)"
     alike = [other for other in names if other != name and other.strip().lower() == name]
     return f" (column {alike[0]!r} is to be spelt {name!r})" if alike else ""
 

@@ -59,6 +59,8 @@ def _read_csv(path: Path) -> Table:
         names = next(csv.reader(lines), [])
     if not any(names):
         return _unreadable(path, "starts with an empty line or none; the first line must name the columns")
+    if len(names) == 1 and (";" in names[0] or "\t" in names[0]):
+        return _unreadable(path, "has one column only, its cells must be separated by commas; save it so")
     odd_rows: list[pa.csv.InvalidRow] = []
 
     def keep_note(row: pa.csv.InvalidRow) -> str:
