@@ -6,7 +6,7 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
-from swamp_rl.simulator.replay import first_velocity, replay, run_of
+from swamp_rl.simulator.replay import first_velocity, replay, run_of, substeps_of
 from swamp_rl.simulator.state import HEADING
 from tests.boats import Array, commands, track
 
@@ -19,7 +19,7 @@ def turning_commands() -> Array:
 
 def recorded() -> Run:
     command = turning_commands()
-    states = track(BOAT, command[:-1], pose=(1.0, 2.0, 3.0), velocity=(0.5, -0.1, 0.2))
+    states = track(BOAT, command[:-1], pose=(1.0, 2.0, 3.0), velocity=(0.5, -0.1, 0.2), substeps=substeps_of(0.1))
     names = [f"{kind}_{name}" for kind in ("azimuth", "throttle") for name in BOAT.thruster_names]
     columns = dict(zip(names, command.T, strict=True))
     return run_of(states, 0.1 * np.arange(len(states)), Run("turn", columns), BOAT)

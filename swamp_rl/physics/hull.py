@@ -33,8 +33,9 @@ def hull_forces(
     length = p.length
     q = 0.5 * p.water_density * length * p.draught
     drag = p.c_d
-    y_integral, _ = crossflow_integrals(v, p.c_ry * r, length)
-    _, n_integral = crossflow_integrals(v, p.c_rn * r, length)
+    y_integral, n_integral = crossflow_integrals(v, p.c_ry * r, length)
+    if p.c_rn != p.c_ry:
+        _, n_integral = crossflow_integrals(v, p.c_rn * r, length)
     surge = surge_resistance(u, v, p, tank, resistance_scale) + q * p.x_vr * length * v * r
     sway = q * (p.y_v * v * abs(u) + p.y_r * length * r * u - drag / length * y_integral)
     yaw = q * length * (p.n_v * v * u + p.n_r * length * r * abs(u) - drag / (length * length) * n_integral)

@@ -15,7 +15,7 @@ from swamp_rl.simulator.step import simulate
 
 Array = NDArray[np.float64]
 
-SUBSTEP = 0.05  # s, the longest Runge-Kutta step: under a millimetre of error over half a minute of hard steering
+SUBSTEP = 0.1  # s, the longest Runge-Kutta step: under a centimetre of error over half a minute of hard steering
 VELOCITIES = ("surge", "sway", "yaw_rate")
 START_SPAN = 1.0  # s of track that a start velocity is estimated from, where none was measured
 
