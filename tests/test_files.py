@@ -114,7 +114,7 @@ def test_a_folder_of_something_else_is_not_replaced(tmp_path: Path) -> None:
 
 
 @given(st.dictionaries(TEXT, VALUES))
-def test_yaml_comes_back_as_it_was_written(tmp_path_factory: pytest.TempPathFactory, data: dict) -> None:  # type: ignore[type-arg]
+def test_yaml_comes_back_as_it_was_written(tmp_path_factory: pytest.TempPathFactory, data: dict) -> None:
     path = tmp_path_factory.mktemp("yaml") / "file.yaml"
     write_yaml(path, data)
     assert read_yaml(path) == data

@@ -28,8 +28,8 @@ def kill_at(monkeypatch: pytest.MonkeyPatch, fatal: int) -> None:
     """Let the system call number `fatal` out of those that make a file durable be the last one."""
     calls = 0
 
-    def counted(call):  # type: ignore[no-untyped-def]
-        def once(*arguments, **options):  # type: ignore[no-untyped-def]
+    def counted(call):
+        def once(*arguments, **options):
             nonlocal calls
             calls += 1
             if calls >= fatal:

@@ -1,0 +1,33 @@
+# `make run` does the main job, `make test` runs every check; both set up .venv first, once.
+
+VENV := .venv
+READY := $(VENV)/.ready
+BIN := $(VENV)/bin
+
+.PHONY: run test setup clean
+.DELETE_ON_ERROR:
+
+run: $(READY)
+	$(BIN)/swamp-rl run configs/experiments/camogli.yaml
+
+test: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/python -m pytest -n 2
+
+setup: $(READY)
+
+# Only a finished set-up leaves the stamp, so an interrupted one is taken up again.
+$(READY): requirements.txt pyproject.toml
+	@python=; for name in python3.11 python3 python; do \
+	  if $$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then python=$$name; break; fi; \
+	done; \
+	if [ -z "$$python" ]; then echo "make: Python 3.11 or newer is needed; install it and try again" >&2; exit 1; fi; \
+	$$python -m venv $(VENV)
+	$(BIN)/python -m pip install --disable-pip-version-check -r requirements.txt
+	$(BIN)/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps -e .
+	touch $@
+
+clean:
+	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -1,0 +1,139 @@
+"""The command line: one thin verb for each task, and one clear line when it cannot be done."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from experiments.verbs_runs import runs_app
+from swamp_rl import __version__
+from swamp_rl.errors import UserError
+
+BAD_INPUT, INTERRUPTED, UNEXPECTED = 2, 130, 70
+DEBUG = "SWAMP_RL_DEBUG"
+
+app = typer.Typer(
+    name="swamp-rl",
+    help="A simulated azimuth-thruster boat, and pilots that learn to drive it from logged runs.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+app.add_typer(runs_app, name="runs")
+
+BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"swamp-rl {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _swamp_rl(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version and exit.", callback=_print_version, is_eager=True),
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def run(
+    experiment: Annotated[str, typer.Argument(help="A name in configs/experiments, or a YAML file.")],
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="KEY=VALUE", help="Override a key of the file, dotted; may be repeated."
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder of results, in place of results/NAME.")] = None,
+) -> None:
+    """Train, evaluate and report all that an experiment's YAML asks for."""
+    from experiments.run import run_experiment
+
+    run_experiment(experiment, set_ or [], out)
+
+
+@app.command()
+def simulate(
+    commands: Annotated[
+        Path, typer.Option(help="The recorded run (.csv or .parquet) to take commands from.")
+    ],
+    out: Annotated[Path, typer.Option(help="The .csv or .parquet file to write.")],
+    boat: BoatOption = "swamp",
+) -> None:
+    """Replay a run's commands from its first state through the simulator."""
+    from swamp_rl.boat import load_boat
+    from swamp_rl.runs import read_run, write_run
+    from swamp_rl.simulator.replay import replay
+
+    simulated = replay(load_boat(boat), read_run(commands))
+    write_run(out, simulated)
+    typer.echo(f"{out}: {simulated.duration:.1f} s, {simulated.path_length:.1f} m")
+
+
+@app.command("record-scripted")
+def record_scripted_runs(
+    out: Annotated[Path, typer.Option(help="The new folder of runs.")],
+    course: Annotated[str, typer.Option(help="A name in configs/courses, or a course file.")] = "camogli",
+    boat: BoatOption = "swamp",
+    count: Annotated[int, typer.Option(min=1, help="How many successful runs.")] = 40,
+    seed: Annotated[int, typer.Option(min=0, help="Another seed, other runs.")] = 0,
+) -> None:
+    """Record runs of the scripted pilot, which drives the way people do, failed ones included."""
+    from swamp_rl.pilots.record import record_scripted
+
+    record_scripted(course=course, boat=boat, count=count, seed=seed, out=out)
+
+
+@app.command()
+def bench(
+    out: Annotated[Path, typer.Option(help="The JSON file to write.")] = Path("bench.json"),
+) -> None:
+    """Measure speed, as ratios against Gymnasium's Pendulum-v1."""
+    from experiments.bench import run_bench
+
+    for name, value in run_bench(out).items():
+        typer.echo(f"{name:<42} {value:>16,.4g}")
+    typer.echo(f"written to {out}")
+
+
+def main() -> None:
+    """Run the command line; whatever goes wrong is one line on the error stream and a non-zero exit."""
+    try:
+        code = app(standalone_mode=False)
+    except typer.TyperException as error:
+        # Without any argument Typer has printed the help and has nothing to add.
+        code, line = error.exit_code, error.format_message()
+        if line:
+            _complain(f"{line} (swamp-rl --help tells more)", code)
+    except UserError as error:
+        code = _complain(str(error), BAD_INPUT)
+    except BrokenPipeError:
+        # Whoever was reading has had enough; Python's own flush at exit must not complain either.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 1
+    except OSError as error:
+        from swamp_rl.files import os_error
+
+        code = _complain(str(os_error(error, "the operating system")), BAD_INPUT)
+    except (KeyboardInterrupt, typer.Abort):
+        code = INTERRUPTED
+    except Exception as error:
+        if os.environ.get(DEBUG):
+            raise
+        what = f"unexpected {type(error).__name__}: {error}"
+        code = _complain(f"{what}; {DEBUG}=1 shows where, please report it", UNEXPECTED)
+    if code == INTERRUPTED:
+        _complain("interrupted; what was not finished was not kept", INTERRUPTED)
+    sys.exit(code or 0)
+
+
+def _complain(line: str, code: int) -> int:
+    print("swamp-rl:", " ".join(line.split()), file=sys.stderr)
+    return code
