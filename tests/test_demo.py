@@ -1,6 +1,7 @@
 """The rerun recording: readable, whole, one timeline for all who drove."""
 
 import re
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -62,3 +63,14 @@ def test_a_recording_that_cannot_be_written_says_so_in_one_line(tmp_path: Path) 
     with pytest.raises(UserError) as told:
         write_demo(tmp_path / "demo.rrd", load_course("camogli"), {"a": run(1.0)}, 1.24, 1.1)
     assert "\n" not in str(told.value)
+
+
+def test_a_recording_for_which_the_disk_has_no_room_leaves_no_file(tmp_path: Path) -> None:
+    course, before = load_course("camogli"), resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
+    try:
+        with pytest.raises(UserError, match="too large"):
+            write_demo(tmp_path / "demo.rrd", course, {"a": run(1.0)}, 1.24, 1.1)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert list(tmp_path.iterdir()) == []

@@ -32,15 +32,16 @@ def write_demo(
     """
     import rerun as rr
 
+    recording = rr.RecordingStream("swamp_rl", recording_id=f"{course.name}: {', '.join(runs)}")
+    # By way of memory: rerun's own writer of files can wait for ever on a disk that is full.
+    memory = recording.memory_recording()
+    recording.send_blueprint(_layout(course, runs))
+    _log_course(recording, course)
+    for (name, run), colour in zip(runs.items(), _colours(len(runs)), strict=True):
+        _log_track(recording, name, run, colour, (length, breadth))
+        _log_levers(recording, name, run, colour)
     with write_beside(path) as part:
-        recording = rr.RecordingStream("swamp_rl", recording_id=f"{course.name}: {', '.join(runs)}")
-        recording.save(part, default_blueprint=_layout(course, runs))
-        _log_course(recording, course)
-        for (name, run), colour in zip(runs.items(), _colours(len(runs)), strict=True):
-            _log_track(recording, name, run, colour, (length, breadth))
-            _log_levers(recording, name, run, colour)
-        recording.flush()
-        recording.disconnect()
+        part.write_bytes(memory.drain_as_bytes())
 
 
 def _colours(n: int) -> list[tuple[int, int, int]]:
