@@ -39,9 +39,14 @@ class Episodes:
 
     def take(self, other: "Episodes", chosen: NDArray[np.intp]) -> None:
         """Copy the episodes of the boats `chosen` (m,) from `other`."""
-        self.boats[chosen] = other.boats[chosen]
-        self.params[chosen] = other.params[chosen]
+        in_bytes(self.boats)[chosen] = in_bytes(other.boats)[chosen]
+        in_bytes(self.params)[chosen] = in_bytes(other.params)[chosen]
         self.uniforms[chosen] = other.uniforms[chosen]
+
+
+def in_bytes(records: NDArray[Any]) -> NDArray[Any]:
+    """A view of records (n,) as blocks of bytes, which NumPy copies whole; records it copies field by field."""
+    return records.view(f"V{records.dtype.itemsize}")
 
 
 def draw_episodes(
@@ -62,7 +67,8 @@ def draw_episodes(
     level.apply(params, uniforms[:, START_DRAWS:])
     pose = start_poses(course, uniforms) + level.start(uniforms[:, START_DRAWS:])
     boats["state"] = initial_state(params, pose)
-    episodes.boats[chosen], episodes.params[chosen], episodes.uniforms[chosen] = boats, params, uniforms
+    in_bytes(episodes.boats)[chosen], in_bytes(episodes.params)[chosen] = in_bytes(boats), in_bytes(params)
+    episodes.uniforms[chosen] = uniforms
 
 
 def start_poses(course: Course, uniforms: NDArray[np.float64]) -> NDArray[np.float64]:
