@@ -45,7 +45,7 @@ class Episodes:
 
 
 def in_bytes(records: NDArray[Any]) -> NDArray[Any]:
-    """A view of records (n,) as blocks of bytes, which NumPy copies whole; records it copies field by field."""
+    """A view of records (n,) as blocks of bytes: these NumPy copies whole, records field by field."""
     return records.view(f"V{records.dtype.itemsize}")
 
 
@@ -67,7 +67,8 @@ def draw_episodes(
     level.apply(params, uniforms[:, START_DRAWS:])
     pose = start_poses(course, uniforms) + level.start(uniforms[:, START_DRAWS:])
     boats["state"] = initial_state(params, pose)
-    in_bytes(episodes.boats)[chosen], in_bytes(episodes.params)[chosen] = in_bytes(boats), in_bytes(params)
+    in_bytes(episodes.boats)[chosen] = in_bytes(boats)
+    in_bytes(episodes.params)[chosen] = in_bytes(params)
     episodes.uniforms[chosen] = uniforms
 
 
