@@ -9,14 +9,16 @@ import uuid
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Any
 
 import yaml
-from pydantic import BaseModel, ValidationError
-from pydantic_core import ErrorDetails
 
 from swamp_rl.errors import UserError
+from swamp_rl.explain import explain as explain
+from swamp_rl.explain import explanations as explanations
+from swamp_rl.explain import validated as validated
 
+DEEPEST = 100  # levels of nesting in a YAML file
 CONFIG_KINDS = ("boats", "courses", "disturbances", "trials", "experiments")
 HINTS = {
     errno.ENOSPC: "free some room",
@@ -24,7 +26,6 @@ HINTS = {
     errno.EEXIST: "a folder is needed there, name another path",
     errno.ENOTDIR: "a folder is needed there, name another path",
 }
-Model = TypeVar("Model", bound=BaseModel)
 
 
 def os_error(error: OSError, path: Path | str) -> UserError:
@@ -140,8 +141,12 @@ def _known(kind: str) -> str:
     return ", ".join(_names(kind)) or f"(none in {_configs() / kind})"
 
 
-class _Loader(yaml.SafeLoader):
+class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
     """The safe loader, refusing duplicate keys and reading 1e-3 as the number it is (YAML 1.2)."""
+
+
+class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]
+    """The safe dumper, putting text that the loader would read as a number in quotes."""
 
 
 def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
@@ -158,21 +163,31 @@ def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
 
 
 _Loader.add_constructor("tag:yaml.org,2002:map", _mapping)
-_Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
-)
+_EXPONENT = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$")
+for _kind in (_Loader, _Dumper):
+    _kind.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+.0123456789"))
+
+
+def _parsed(text: str) -> Any:
+    depth = 0
+    for event in yaml.parse(text, Loader=_Loader):
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEEPEST:
+            # The compiled loader calls itself at each level, and would end the process far deeper down.
+            raise ValueError(f"nested more than {DEEPEST} deep")
+    return yaml.load(text, Loader=_Loader)
 
 
 def read_yaml(path: Path | str) -> dict[str, Any]:
     """The mapping a YAML file holds; UserError with file and line if missing, malformed or no mapping."""
     path = Path(path)
     try:
-        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
+        data = _parsed(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; check the name") from error
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: byte {error.start} is not UTF-8 text; save the file as UTF-8") from error
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
+    except (yaml.YAMLError, ValueError) as error:
         mark = getattr(error, "problem_mark", None)
         line = f" line {mark.line + 1}, column {mark.column + 1}:" if mark else ""
         problem = " ".join(str(getattr(error, "problem", None) or error).split())
@@ -192,67 +207,6 @@ def _kind_of(data: Any) -> str:
 
 def write_yaml(path: Path | str, data: Mapping[str, Any]) -> None:
     """Write a mapping as YAML, beside it first and then renamed; floats keep every bit."""
-    text = yaml.safe_dump(dict(data), sort_keys=False, allow_unicode=True, width=100)
+    text = yaml.dump(dict(data), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
     with write_beside(path) as part:
         part.write_text(text, encoding="utf-8")
-
-
-def validated(path: Path | str, model: type[Model], data: Mapping[str, Any]) -> Model:
-    """`data`, read from `path`, as a `model`; UserError by `explain` if it does not fit."""
-    try:
-        return model.model_validate(data)
-    except ValidationError as error:
-        raise explain(path, error, model) from error
-
-
-def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | None = None) -> UserError:
-    """One line for the first fault of a ValidationError: file, dotted key, what is allowed.
-
-    With `model`, an unknown key is answered with the nearest known one.
-    """
-    (key, message), *others = explanations(error, model)
-    more = f" (and {len(others)} more)" if others else ""
-    return UserError(f"{path}: {key + ': ' if key else ''}{message}{more}")
-
-
-def explanations(error: ValidationError, model: type[BaseModel] | None = None) -> list[tuple[str, str]]:
-    """The dotted key and the explanation of each fault in a ValidationError."""
-    return [_explanation(fault, model) for fault in error.errors(include_url=False)]
-
-
-def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[str, str]:
-    key = ".".join(str(part) for part in fault["loc"])
-    if fault["type"] == "extra_forbidden":
-        return key, f"unknown key{_suggestion(fault['loc'], model)}"
-    if fault["type"] == "missing":
-        return key, "is missing; add it"
-    message = fault["msg"].removeprefix("Value error, ").replace("\n", " ")
-    if fault["type"] == "value_error":
-        return key, message
-    value = repr(fault["input"])
-    return key, message[:1].lower() + message[1:] + (f", not {value}" if len(value) <= 60 else "")
-
-
-def _suggestion(loc: tuple[int | str, ...], model: type[BaseModel] | None) -> str:
-    known = sorted(_known_keys(loc[:-1], model)) if model else []
-    if not known:
-        return "; remove it or correct its name"
-    near = difflib.get_close_matches(str(loc[-1]), known, 1)
-    hint = f"; did you mean {near[0]!r}?" if near else ";"
-    return f"{hint} known here: {', '.join(known)}"
-
-
-def _known_keys(loc: tuple[int | str, ...], model: type[BaseModel]) -> set[str]:
-    """Keys of the models that may stand at `loc`, found by following the fields' annotations."""
-    models = {model}
-    for part in loc:
-        fields = [found.model_fields[part] for found in models if part in found.model_fields]
-        inner = {found for field in fields for found in _models_in(field.annotation)}
-        models = inner or models
-    return {field.alias or name for found in models for name, field in found.model_fields.items()}
-
-
-def _models_in(annotation: Any) -> set[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return {annotation}
-    return {model for part in get_args(annotation) for model in _models_in(part)}

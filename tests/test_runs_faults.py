@@ -6,12 +6,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
-from swamp_rl.runs import Fault, Run, append_run, check_dataset, create_dataset, read_dataset, write_run
+from swamp_rl.runs import (
+    Fault,
+    Run,
+    append_run,
+    check_dataset,
+    create_dataset,
+    inspect_dataset,
+    read_dataset,
+    write_run,
+)
 from swamp_rl.runs.table import write_table
 from tests.conftest import circling, described
 
@@ -180,6 +189,21 @@ def test_a_parquet_file_cut_short_anywhere_is_one_fault(good: Path, part: float)
     (fault,) = check_dataset(good)
     assert fault.file == "run.parquet"
     assert "cut short" in fault.message
+
+
+@settings(derandomize=True)
+@given(st.floats(0.0, 0.9999), st.integers(1, 255))
+def test_a_changed_byte_of_a_parquet_file_never_passes_for_another_number(
+    good: Path, part: float, change: int
+) -> None:
+    write_table(good / "run.parquet", circling())
+    damaged = bytearray((good / "run.parquet").read_bytes())
+    damaged[int(part * len(damaged))] ^= change
+    (good / "run.parquet").write_bytes(damaged)
+    found = inspect_dataset(good)
+    if not found.faults:
+        for name, values in circling().items():
+            assert found.runs[0].columns.get(name, values).tobytes() == values.tobytes()
 
 
 @given(st.data())

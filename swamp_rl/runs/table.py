@@ -50,7 +50,7 @@ def _unreadable(path: Path, message: str) -> Table:
 
 
 def _read_parquet(path: Path) -> Table:
-    data = pa.parquet.ParquetFile(path).read()
+    data = pa.parquet.ParquetFile(path, page_checksum_verification=True).read()
     return _numbers(path.name, data, np.arange(1, data.num_rows + 1), [])
 
 
@@ -155,7 +155,7 @@ def write_table(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
     data = pa.table({name: pa.array(np.ascontiguousarray(values)) for name, values in columns.items()})
     with write_beside(path) as part:
         if kind == "parquet":
-            pa.parquet.write_table(data, part)
+            pa.parquet.write_table(data, part, write_page_checksum=True)
             return
         with part.open("wb") as lines:
             lines.write(_header(data.column_names))

@@ -1,0 +1,74 @@
+"""What pydantic refuses, in one line: the file, the key and what is allowed there."""
+
+import difflib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from swamp_rl.errors import UserError
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def validated(path: Path | str, model: type[Model], data: Mapping[str, Any]) -> Model:
+    """`data`, read from `path`, as a `model`; UserError by `explain` if it does not fit."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise explain(path, error, model) from error
+
+
+def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | None = None) -> UserError:
+    """One line for the first fault of a ValidationError: file, dotted key, what is allowed.
+
+    With `model`, an unknown key is answered with the nearest known one.
+    """
+    (key, message), *others = explanations(error, model)
+    more = f" (and {len(others)} more)" if others else ""
+    return UserError(f"{path}: {key + ': ' if key else ''}{message}{more}")
+
+
+def explanations(error: ValidationError, model: type[BaseModel] | None = None) -> list[tuple[str, str]]:
+    """The dotted key and the explanation of each fault in a ValidationError."""
+    return [_explanation(fault, model) for fault in error.errors(include_url=False)]
+
+
+def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[str, str]:
+    key = ".".join(str(part) for part in fault["loc"])
+    if fault["type"] == "extra_forbidden":
+        return key, f"unknown key{_suggestion(fault['loc'], model)}"
+    if fault["type"] == "missing":
+        return key, "is missing; add it"
+    message = fault["msg"].removeprefix("Value error, ").replace("\n", " ")
+    if fault["type"] == "value_error":
+        return key, message
+    value = repr(fault["input"])
+    return key, message[:1].lower() + message[1:] + (f", not {value}" if len(value) <= 60 else "")
+
+
+def _suggestion(loc: tuple[int | str, ...], model: type[BaseModel] | None) -> str:
+    known = sorted(_known_keys(loc[:-1], model)) if model else []
+    if not known:
+        return "; remove it or correct its name"
+    near = difflib.get_close_matches(str(loc[-1]), known, 1)
+    hint = f"; did you mean {near[0]!r}?" if near else ";"
+    return f"{hint} known here: {', '.join(known)}"
+
+
+def _known_keys(loc: tuple[int | str, ...], model: type[BaseModel]) -> set[str]:
+    """Keys of the models that may stand at `loc`, found by following the fields' annotations."""
+    models = {model}
+    for part in loc:
+        fields = [found.model_fields[part] for found in models if part in found.model_fields]
+        inner = {found for field in fields for found in _models_in(field.annotation)}
+        models = inner or models
+    return {field.alias or name for found in models for name, field in found.model_fields.items()}
+
+
+def _models_in(annotation: Any) -> set[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return {annotation}
+    return {model for part in get_args(annotation) for model in _models_in(part)}
