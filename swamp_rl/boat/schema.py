@@ -73,7 +73,8 @@ class Thruster(Part):
 
     Its azimuth [rad] is the direction of the force on the boat, positive to starboard. Bollard thrust [N] at
     throttle p is linear p + quadratic p |p|, with the astern pair for p < 0; a zero astern pair: it does not
-    reverse. A `fixed` one pushes along azimuth_min = azimuth_max.
+    reverse. A `fixed` one pushes along azimuth_min = azimuth_max. nozzle_area [m²] is the jet's, 0 where the
+    thruster has none: then it loses no momentum to the water's own way.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
@@ -90,6 +91,7 @@ class Thruster(Part):
     thrust_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")]
     astern_linear: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
     astern_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
+    nozzle_area: Annotated[float, NOT_NEGATIVE, Unit("m2")] = 0.0
 
     @model_validator(mode="after")
     def _can_be_built(self) -> Self:

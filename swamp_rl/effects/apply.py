@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.effects.declare import Effect
-from swamp_rl.effects.entries import ALL, EffectEntry
+from swamp_rl.effects.entries import ALL, EffectEntry, Selector
 
 COMBINE = {
     "add": lambda old, new: old + new,
@@ -27,8 +27,10 @@ def apply_effects(
         write_effect(record, entry.effect, entry.values, selected(entry.thruster, thruster_names))
 
 
-def selected(thruster: str | None, thruster_names: Sequence[str]) -> NDArray[np.bool_]:
+def selected(thruster: Selector, thruster_names: Sequence[str]) -> NDArray[np.bool_]:
     """(K,) which thrusters a selector means; None means all of them, as `all` does."""
+    if isinstance(thruster, tuple):
+        return np.array([name in thruster for name in thruster_names], dtype=bool)
     return np.array([thruster in (None, ALL, name) for name in thruster_names], dtype=bool)
 
 
@@ -51,3 +53,12 @@ def write_effect(
         if field.ndim == 2:
             value, where = value[:, None], boats[:, None] & thrusters
         np.copyto(field, COMBINE[effect.combine](field, value), where=where)
+    if effect.swaps:
+        exchange(record[effect.swaps], boats[:, None] & thrusters)
+
+
+def exchange(field: NDArray[Any], marked: NDArray[np.bool_]) -> None:
+    """Exchange the two marked numbers of each row of `field` (n, K), in place; rows without marks stay."""
+    rows = np.flatnonzero(marked.any(axis=1))
+    two = np.nonzero(marked[rows])[1].reshape(-1, 2)
+    field[rows[:, None], two] = field[rows[:, None], two[:, ::-1]]

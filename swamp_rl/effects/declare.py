@@ -48,7 +48,11 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Effect:
-    """A named departure. thruster: entries name one or `all`, and the fields have a column for each."""
+    """A named departure.
+
+    thruster: entries name one or `all`, and the fields have a column for each. swaps: entries name two, whose
+    numbers in this per-thruster field of the boat are exchanged; such an effect has no parameters.
+    """
 
     name: str
     parameters: tuple[Parameter, ...]
@@ -57,10 +61,16 @@ class Effect:
     description: str
     source: str
     thruster: bool = False
+    swaps: str = ""
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name; KeyError if there is none."""
         return {parameter.name: parameter for parameter in self.parameters}[name]
+
+    @property
+    def selects(self) -> bool:
+        """Whether entries have the key `thruster`."""
+        return self.thruster or bool(self.swaps)
 
     @property
     def parameter_names(self) -> tuple[str, ...]:
@@ -76,18 +86,19 @@ def declare(
     description: str,
     source: str,
     thruster: bool = False,
+    swaps: str = "",
 ) -> None:
     """Add an effect to LIBRARY; ValueError if the name is taken."""
     if name in LIBRARY:
         raise ValueError(f"effect {name!r} is declared twice")
-    LIBRARY[name] = Effect(name, parameters, acts_on, combine, description, source, thruster)
+    LIBRARY[name] = Effect(name, parameters, acts_on, combine, description, source, thruster, swaps)
 
 
 def neutral_fields() -> dict[str, tuple[float, bool]]:
     """Record fields of the library that have a neutral value: field -> (value, whether one per thruster).
 
-    A simulator's record starts from these, then takes the boat file's numbers; so an effect that needs a new
-    field gets it from its declaration alone.
+    A simulator's record starts from these, save where the boat file has the field: there its number counts.
+    So an effect that needs a new field gets it from its declaration alone.
     """
     return {
         parameter.field: (parameter.neutral, effect.thruster)

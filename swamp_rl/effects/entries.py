@@ -10,18 +10,19 @@ from swamp_rl.effects.declare import LIBRARY, Effect, Parameter
 from swamp_rl.errors import UserError
 
 ALL = "all"
+Selector = str | tuple[str, str] | None
 Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
 class EffectEntry:
-    """An effect with its numbers. thruster: a name, `all`, or None where the effect has no selector.
+    """An effect with its numbers. thruster: a name, `all`, two names where it swaps two, or None.
 
     values: parameter name -> number [its unit]; a parameter left out takes its neutral value.
     """
 
     effect: Effect
-    thruster: str | None
+    thruster: Selector
     values: Mapping[str, float] = field(hash=False)
 
 
@@ -43,9 +44,9 @@ def entry_list(entries: Any, where: str) -> list[Any]:
 def _entry(entry: Any, where: str, thruster_names: Sequence[str]) -> EffectEntry:
     effect, given = effect_and_keys(entry, where)
     where = f"{where} {effect.name}"
-    thruster = given.pop("thruster", None)
-    if effect.thruster:
-        check_thruster(thruster, where, thruster_names)
+    thruster = None
+    if effect.selects:
+        thruster = parse_selector(effect, given.pop("thruster", None), where, thruster_names)
     numbers = {name: parameter_number(effect.parameter(name), value, where) for name, value in given.items()}
     return EffectEntry(effect, thruster, complete(effect, numbers, where, float))
 
@@ -58,7 +59,7 @@ def effect_and_keys(entry: Any, where: str, also: Collection[str] = ()) -> tuple
     if not isinstance(name, str) or name not in LIBRARY:
         raise UserError(f"{where}: unknown effect {name!r}; {suggestion(name, LIBRARY)}")
     effect = LIBRARY[name]
-    known = [*effect.parameter_names, *(["thruster"] if effect.thruster else []), *also]
+    known = [*effect.parameter_names, *(["thruster"] if effect.selects else []), *also]
     given = {key: value for key, value in entry.items() if key != "effect"}
     for key in given:
         if key not in known:
@@ -70,6 +71,18 @@ def suggestion(name: Any, known: Collection[str]) -> str:
     """The nearest known name, if one is near, and all of them."""
     near = difflib.get_close_matches(str(name), list(known), 1)
     return (f"did you mean {near[0]!r}? " if near else "") + f"known here: {', '.join(known)}"
+
+
+def parse_selector(effect: Effect, given: Any, where: str, thruster_names: Sequence[str]) -> Selector:
+    """`given` as what the effect's key `thruster` may be; UserError otherwise."""
+    if not effect.swaps:
+        check_thruster(given, where, thruster_names)
+        return str(given)
+    if not isinstance(given, list | tuple) or len(given) != 2 or given[0] == given[1] or ALL in given:
+        raise UserError(f"{where}: thruster must be two of them such as [{', '.join(thruster_names[:2])}]")
+    for name in given:
+        check_thruster(name, where, thruster_names)
+    return str(given[0]), str(given[1])
 
 
 def check_thruster(name: Any, where: str, thruster_names: Sequence[str]) -> None:
@@ -104,7 +117,7 @@ def complete(
 
     UserError if nothing is given, or if one that must be given is not.
     """
-    if not given:
+    if effect.parameters and not given:
         raise UserError(f"{where}: gives no number; add {', '.join(effect.parameter_names)}")
     values = {}
     for parameter in effect.parameters:

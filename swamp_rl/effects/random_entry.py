@@ -18,7 +18,14 @@ from swamp_rl.effects.distributions import (
     option,
     parse_distribution,
 )
-from swamp_rl.effects.entries import check_thruster, complete, effect_and_keys, is_number, parameter_number
+from swamp_rl.effects.entries import (
+    Selector,
+    complete,
+    effect_and_keys,
+    is_number,
+    parameter_number,
+    parse_selector,
+)
 from swamp_rl.errors import UserError
 
 DISC = ("north", "east")
@@ -35,7 +42,7 @@ class Drawn:
     effect: Effect
     on: NDArray[np.bool_]
     which: NDArray[np.intp]
-    selectors: tuple[str | None, ...]
+    selectors: tuple[Selector, ...]
     values: dict[str, Array]
 
     def thrusters(self, thruster_names: Sequence[str]) -> NDArray[np.bool_]:
@@ -47,7 +54,8 @@ class Drawn:
         if not self.on[episode]:
             return None
         thruster = self.selectors[self.which[episode]]
-        names = {"effect": self.effect.name} | ({} if thruster is None else {"thruster": thruster})
+        named = list(thruster) if isinstance(thruster, tuple) else thruster
+        names = {"effect": self.effect.name} | ({} if thruster is None else {"thruster": named})
         return names | {name: float(values[episode]) for name, values in self.values.items()}
 
 
@@ -61,7 +69,7 @@ class RandomEntry:
     """
 
     effect: Effect
-    selectors: tuple[str | None, ...]
+    selectors: tuple[Selector, ...]
     values: Mapping[str, Distribution]
     disc: float | None
     probability: float
@@ -99,7 +107,9 @@ def parse_random_entry(entry: Any, where: str, thruster_names: Sequence[str]) ->
     effect, given = effect_and_keys(entry, where, ("probability", "disc") if has_disc else ("probability",))
     where = f"{where} {effect.name}"
     probability = _probability(given.pop("probability", 1.0), where)
-    selectors = _selectors(given.pop("thruster", None), where, thruster_names) if effect.thruster else (None,)
+    selectors: tuple[Selector, ...] = (None,)
+    if effect.selects:
+        selectors = _selectors(effect, given.pop("thruster", None), where, thruster_names)
     disc = _disc(effect, given, where) if "disc" in given else None
     values = {name: _bounded(effect.parameter(name), value, where) for name, value in given.items()}
     if disc is None:
@@ -117,15 +127,13 @@ def _probability(given: Any, where: str) -> float:
     return float(given)
 
 
-def _selectors(given: Any, where: str, thruster_names: Sequence[str]) -> tuple[str, ...]:
+def _selectors(effect: Effect, given: Any, where: str, thruster_names: Sequence[str]) -> tuple[Selector, ...]:
     names = [given]
     if isinstance(given, Mapping):
         names = given.get("choice", [])
         if len(given) != 1 or not isinstance(names, list) or not names:
             raise UserError(f"{where}: thruster must be a name, all, or {{choice: [names]}}, not {given!r}")
-    for name in names:
-        check_thruster(name, where, thruster_names)
-    return tuple(names)
+    return tuple(parse_selector(effect, name, where, thruster_names) for name in names)
 
 
 def _disc(effect: Effect, given: dict[str, Any], where: str) -> float:

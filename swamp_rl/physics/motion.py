@@ -7,28 +7,42 @@ from swamp_rl.physics.air_and_current import current_forces, wind_forces
 from swamp_rl.physics.compile import compiled
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.rigid_body import accelerations
-from swamp_rl.physics.thrusters import thruster_forces
+from swamp_rl.physics.thrusters import forces_under_way, thruster_forces
 
 # The motion is a tuple of six numbers: north, east [m], heading [rad], surge, sway [m/s], yaw rate [rad/s],
 # with surge and sway relative to the water.
 
 
 @compiled
-def water_velocity(p: Any) -> tuple[float, float]:
-    """Velocity north and east [m/s] of the water that the hull moves in.
+def current_at(time: float, p: Any) -> tuple[float, float]:
+    """Current north and east [m/s] at `time` [s]; it drifts linearly."""
+    return p.current_north + p.current_north_rate * time, p.current_east + p.current_east_rate * time
 
-    With the thesis's current model (a force) the water stands still and `current_forces` acts instead.
+
+@compiled
+def water_velocity(time: float, p: Any) -> tuple[float, float]:
+    """Velocity north and east [m/s] of the water that the hull moves in at `time` [s].
+
+    Water that gathers speed presses on a floating hull with just the force that takes the hull along, so the
+    motion relative to it stays that of still water. With the thesis's current model (a force) the water
+    stands still and `current_forces` acts instead.
     """
     if p.current_as_force != 0.0:
         return 0.0, 0.0
-    return p.current_north, p.current_east
+    return current_at(time, p)
+
+
+@compiled
+def wave_push(time: float, p: Any) -> float:
+    """Push [N] of one harmonic wave at `time` [s], towards where it goes."""
+    return p.wave_force * math.sin(2.0 * math.pi * p.wave_frequency * time + p.wave_phase)
 
 
 @compiled
 def external_forces(
-    cos: float, sin: float, u_ground: float, v_ground: float, wind: tuple[float, float], p: Any
+    cos: float, sin: float, u_ground: float, v_ground: float, time: float, wind: tuple[float, float], p: Any
 ) -> tuple[float, float, float]:
-    """Wind, current-as-a-force and steady push.
+    """Wind, current-as-a-force, waves and steady push at `time` [s].
 
     cos, sin: of the heading; wind: north and east component [m/s] of where it comes from.
     """
@@ -37,13 +51,19 @@ def external_forces(
         ahead = wind[0] * cos + wind[1] * sin + u_ground
         starboard = wind[1] * cos - wind[0] * sin + v_ground
         surge, sway, yaw = wind_forces(ahead, starboard, p)
-    if p.current_as_force != 0.0 and (p.current_north != 0.0 or p.current_east != 0.0):
-        ahead = u_ground - p.current_north * cos - p.current_east * sin
-        starboard = v_ground - p.current_east * cos + p.current_north * sin
-        x, y, n = current_forces(ahead, starboard, p)
-        surge, sway, yaw = surge + x, sway + y, yaw + n
-    surge += p.external_force_north * cos + p.external_force_east * sin
-    sway += p.external_force_east * cos - p.external_force_north * sin
+    if p.current_as_force != 0.0:
+        current = current_at(time, p)
+        if current[0] != 0.0 or current[1] != 0.0:
+            ahead = u_ground - current[0] * cos - current[1] * sin
+            starboard = v_ground - current[1] * cos + current[0] * sin
+            x, y, n = current_forces(ahead, starboard, p)
+            surge, sway, yaw = surge + x, sway + y, yaw + n
+    north, east = p.external_force_north, p.external_force_east
+    if p.wave_force != 0.0:
+        push = wave_push(time, p)
+        north, east = north - push * math.cos(p.wave_from), east - push * math.sin(p.wave_from)
+    surge += north * cos + east * sin
+    sway += east * cos - north * sin
     return surge, sway, yaw
 
 
@@ -52,22 +72,26 @@ def rates(
     motion: Any,
     jets: Any,
     moment: int,
+    time: float,
     wind: tuple[float, float],
     water: tuple[float, float],
     p: Any,
     tank: Any,
     scale: float,
 ) -> tuple[float, float, float, float, float, float]:
-    """Time derivatives of `motion`; jets[moment]: (K, 2) thruster forces [N]; wind: as in `external_forces`;
-    water: its velocity north and east [m/s]; scale: `resistance_scale(p)`.
+    """Time derivatives of `motion`; jets[moment]: (K, 2) thruster forces [N]; time [s] and wind: as in
+    `external_forces`; water: its velocity then; scale: `resistance_scale(p)`.
     """
     heading, u, v, r = motion[2], motion[3], motion[4], motion[5]
     cos, sin = math.cos(heading), math.sin(heading)
     u_ground = u + water[0] * cos + water[1] * sin
     v_ground = v + water[1] * cos - water[0] * sin
     x_hull, y_hull, n_hull = hull_forces(u, v, r, p, tank, scale)
-    x_jets, y_jets, n_jets = thruster_forces(jets, moment, p)
-    x_out, y_out, n_out = external_forces(cos, sin, u_ground, v_ground, wind, p)
+    if p.advance_loss != 0.0 or p.crossflow_loss != 0.0:
+        x_jets, y_jets, n_jets = forces_under_way(jets, moment, u, v, r, p)
+    else:
+        x_jets, y_jets, n_jets = thruster_forces(jets, moment, p)
+    x_out, y_out, n_out = external_forces(cos, sin, u_ground, v_ground, time, wind, p)
     u_dot, v_dot, r_dot = accelerations(
         u, v, r, x_hull + x_jets + x_out, y_hull + y_jets + y_out, n_hull + n_jets + n_out, p
     )
@@ -96,13 +120,21 @@ def moved(motion: Any, rate: Any, time: float) -> tuple[float, float, float, flo
 
 @compiled
 def runge_kutta_step(
-    motion: Any, h: float, jets: Any, wind: tuple[float, float], p: Any, tank: Any, scale: float
+    motion: Any, time: float, h: float, jets: Any, wind: tuple[float, float], p: Any, tank: Any, scale: float
 ) -> tuple[float, float, float, float, float, float]:
-    """One classical fourth-order step of h [s]; jets: (3, K, 2), the thruster forces at 0, h/2 and h."""
-    water = water_velocity(p)
-    k1 = rates(motion, jets, 0, wind, water, p, tank, scale)
-    k2 = rates(moved(motion, k1, 0.5 * h), jets, 1, wind, water, p, tank, scale)
-    k3 = rates(moved(motion, k2, 0.5 * h), jets, 1, wind, water, p, tank, scale)
-    k4 = rates(moved(motion, k3, h), jets, 2, wind, water, p, tank, scale)
-    middle = moved(moved(motion, k2, h / 3.0), k3, h / 3.0)
-    return moved(moved(middle, k1, h / 6.0), k4, h / 6.0)
+    """One classical fourth-order step of h [s] from `time` [s].
+
+    jets: (3, K, 2), the thruster forces at 0, h/2 and h.
+    """
+    middle, end = time + 0.5 * h, time + h
+    water = water_velocity(time, p)
+    k1 = rates(motion, jets, 0, time, wind, water, p, tank, scale)
+    if p.current_north_rate != 0.0 or p.current_east_rate != 0.0:
+        water = water_velocity(middle, p)
+    k2 = rates(moved(motion, k1, 0.5 * h), jets, 1, middle, wind, water, p, tank, scale)
+    k3 = rates(moved(motion, k2, 0.5 * h), jets, 1, middle, wind, water, p, tank, scale)
+    if p.current_north_rate != 0.0 or p.current_east_rate != 0.0:
+        water = water_velocity(end, p)
+    k4 = rates(moved(motion, k3, h), jets, 2, end, wind, water, p, tank, scale)
+    inner = moved(moved(motion, k2, h / 3.0), k3, h / 3.0)
+    return moved(moved(inner, k1, h / 6.0), k4, h / 6.0)

@@ -66,9 +66,9 @@ def resistance_factor(speed: float, depth_over_draught: float, tank: Any) -> flo
 
 @compiled
 def resistance_scale(p: Any) -> float:
-    """Scale from the tank's water and load to the boat's: density ratio, and load to the 2/3 (figure 4.29)."""
+    """Scale from the tank to the boat: density ratio, load to the 2/3 (figure 4.29), its own departure."""
     load = p.mass / p.reference_mass
-    return p.water_density / p.reference_density * math.exp(math.log(load) * (2.0 / 3.0))
+    return p.resistance_scale * p.water_density / p.reference_density * math.exp(math.log(load) * (2.0 / 3.0))
 
 
 @compiled

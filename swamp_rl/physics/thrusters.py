@@ -50,10 +50,11 @@ def thrust_deduction_factor(throttle: float, p: Any) -> float:
 
 @compiled
 def effective_thrust(throttle: float, k: int, p: Any) -> float:
-    """Thrust [N] of thruster k as it acts on the boat."""
+    """Thrust [N] of thruster k as it acts on the boat while it is new and the water passes it slowly."""
     if throttle == 0.0:
         return 0.0
-    return p.thruster_gain[k] * bollard_thrust(throttle, k, p) * thrust_deduction_factor(throttle, p)
+    gain = p.thrust_scale * p.thruster_gain[k]
+    return gain * bollard_thrust(throttle, k, p) * thrust_deduction_factor(throttle, p)
 
 
 @compiled
@@ -64,6 +65,41 @@ def jet_force(azimuth: float, throttle: float, k: int, p: Any) -> tuple[float, f
         return 0.0, 0.0
     direction = azimuth + p.azimuth_offset[k]
     return thrust * math.cos(direction), thrust * math.sin(direction)
+
+
+@compiled
+def supply(time: float, p: Any) -> float:
+    """Share of its thrust [1] that the boat's battery still gives after `time` [s]; it sags linearly."""
+    return max(1.0 - p.thrust_sag * time, 0.0)
+
+
+@compiled
+def alive(k: int, time: float, h: float, p: Any) -> float:
+    """Share of the h [s] from `time` that thruster k works, 1 before it fails and 0 after.
+
+    A share, so that the track does not jump when the failure moves from one integration step to the next.
+    """
+    if p.failure_time[k] >= time + h:
+        return 1.0
+    return max((p.failure_time[k] - time) / h, 0.0)
+
+
+@compiled
+def loss_under_way(x_force: float, y_force: float, u: float, v: float, r: float, k: int, p: Any) -> float:
+    """What is left [1] of the force of thruster k in water that passes it at u, v [m/s] and r [rad/s].
+
+    The jet gains less momentum the faster the water already runs along it, by V_a / V_o, and the hull's
+    crossflow takes exp(-c V_t^2) (Typhoon AUV, eq. 24). It neither turns round nor is drawn backwards.
+    """
+    thrust = math.sqrt(x_force * x_force + y_force * y_force)
+    if thrust == 0.0:
+        return 0.0
+    u_there, v_there = u - r * p.thruster_y[k], v + r * p.thruster_x[k]
+    along = (u_there * x_force + v_there * y_force) / thrust
+    across = (v_there * x_force - u_there * y_force) / thrust
+    jet_speed_inverse = math.sqrt(p.water_density * p.nozzle_area[k] / thrust)
+    advance = max(1.0 - p.advance_loss * along * jet_speed_inverse, 0.0)
+    return advance * math.exp(-p.crossflow_loss * across * across)
 
 
 @compiled
@@ -78,4 +114,19 @@ def thruster_forces(jets: Any, moment: int, p: Any) -> tuple[float, float, float
         surge += x_force
         sway += y_force
         yaw += p.thruster_x[k] * y_force - p.thruster_y[k] * x_force
+    return surge, sway, yaw
+
+
+@compiled
+def forces_under_way(
+    jets: Any, moment: int, u: float, v: float, r: float, p: Any
+) -> tuple[float, float, float]:
+    """As `thruster_forces`, less what the boat's way through the water takes at u, v [m/s], r [rad/s]."""
+    surge, sway, yaw = 0.0, 0.0, 0.0
+    for k in range(jets.shape[1]):
+        x_force, y_force = jets[moment, k, 0], jets[moment, k, 1]
+        left = loss_under_way(x_force, y_force, u, v, r, k, p)
+        surge += left * x_force
+        sway += left * y_force
+        yaw += left * (p.thruster_x[k] * y_force - p.thruster_y[k] * x_force)
     return surge, sway, yaw

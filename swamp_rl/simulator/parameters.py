@@ -13,7 +13,7 @@ from swamp_rl.simulator.state import NORTH, SURGE, YAW_RATE, state_size
 
 THRUSTER_FIELDS = (
     "x y azimuth_min azimuth_max azimuth_rate azimuth_time_constant azimuth_offset pump_time_constant "
-    "thrust_linear thrust_quadratic astern_linear astern_quadratic"
+    "thrust_linear thrust_quadratic astern_linear astern_quadratic nozzle_area"
 ).split()
 
 
@@ -60,9 +60,13 @@ def boat_fields(boat: Boat) -> dict[str, float]:
 
 
 def thruster_fields(boat: Boat) -> dict[str, list[float]]:
-    """The per-thruster numbers of the record that come from the boat file, by field name."""
+    """The per-thruster numbers of the record that come from the boat file, by field name.
+
+    `channel`: which thruster's command each one obeys, by place in the file.
+    """
     fields = {name: [float(getattr(t, name)) for t in boat.thrusters] for name in THRUSTER_FIELDS}
-    return {f"thruster_{name}" if name in ("x", "y") else name: values for name, values in fields.items()}
+    named = {f"thruster_{name}" if name in ("x", "y") else name: values for name, values in fields.items()}
+    return named | {"channel": [float(k) for k in range(len(boat.thrusters))]}
 
 
 @lru_cache(maxsize=64)

@@ -15,7 +15,7 @@ from swamp_rl.simulator.step import simulate
 
 Array = NDArray[np.float64]
 
-SUBSTEP = 0.1  # s, the longest Runge-Kutta step: under a centimetre of error over half a minute of hard steering
+SUBSTEP = 0.1  # s, the longest Runge-Kutta step: under a centimetre off after half a minute of hard steering
 VELOCITIES = ("surge", "sway", "yaw_rate")
 START_SPAN = 1.0  # s of track that a start velocity is estimated from, where none was measured
 
@@ -40,7 +40,7 @@ def fixed_thrusters(boat: Boat) -> list[str]:
 def first_velocity(run: Run) -> Array:
     """(3,) surge, sway [m/s over ground], yaw rate [rad/s] at the start.
 
-    Measured, where the run holds them; otherwise the slope at the start of a parabola through the first second.
+    Measured, where the run holds them; otherwise the slope of a parabola through the first second.
     """
     if all(name in run.columns for name in VELOCITIES):
         return run.stacked(VELOCITIES)[0]
@@ -65,7 +65,7 @@ def start_of(run: Run, boat: Boat, params: NDArray[Any], commands: Array) -> Arr
 
 
 def run_of(track: Array, time: Array, source: Run, boat: Boat) -> Run:
-    """A simulated track (T, S) as a run with the columns of the format; commands and levers kept from `source`."""
+    """A simulated track (T, S) as a run of the format; commands and levers kept from `source`."""
     heading = -np.mod(np.pi - track[:, HEADING], 2 * np.pi) + np.pi  # in (-pi, pi]
     columns = {"time": time, "north": track[:, 0], "east": track[:, 1], "heading": heading}
     columns |= dict(zip(VELOCITIES, track[:, SURGE : YAW_RATE + 1].T, strict=True))

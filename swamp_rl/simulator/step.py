@@ -10,7 +10,8 @@ from swamp_rl.physics.compile import compiled
 from swamp_rl.physics.motion import runge_kutta_step, water_velocity
 from swamp_rl.physics.noise import normal_pair
 from swamp_rl.physics.resistance import resistance_scale
-from swamp_rl.physics.thrusters import azimuth_after, jet_force, throttle_after
+from swamp_rl.physics.thrusters import alive, azimuth_after, jet_force, supply, throttle_after
+from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import (
     ACTUATORS,
     EAST,
@@ -24,12 +25,14 @@ from swamp_rl.simulator.state import (
     YAW_RATE,
 )
 
-CHUNK = 64  # boats that one task of the parallel loop steps, so that scratch memory is made once for all of them
+CHUNK = (
+    64  # boats that one task of the parallel loop steps, so that scratch memory is made once for all of them
+)
 
 
 @compiled
 def update_gusts(state: Any, seed: Any, dt: float, p: Any) -> None:
-    """Ornstein-Uhlenbeck gusts on the wind's speed and direction, exact over a step, stationary at the start."""
+    """Ornstein-Uhlenbeck gusts on the wind's speed and direction, exact over a step, stationary at once."""
     if p.gust_speed_std == 0.0 and p.gust_direction_std == 0.0:
         return
     step_number = int(round(state[TIME] / dt))
@@ -54,7 +57,8 @@ def wind_now(state: Any, p: Any) -> tuple[float, float]:
 def commanded(k: int, time: float, command: Any, p: Any) -> tuple[float, float]:
     """Azimuth [rad] and throttle [1] asked of thruster k, within its limits; a kick overrides the pilot."""
     thrusters = command.shape[0] // 2
-    azimuth, throttle = command[k], command[thrusters + k]
+    channel = int(p.channel[k])
+    azimuth, throttle = command[channel], command[thrusters + channel]
     if p.kick_time[k] <= time < p.kick_time[k] + p.kick_duration[k]:
         azimuth, throttle = p.kick_azimuth[k], p.kick_throttle[k]
     reverses = p.astern_linear[k] > 0.0 or p.astern_quadratic[k] > 0.0
@@ -64,20 +68,26 @@ def commanded(k: int, time: float, command: Any, p: Any) -> tuple[float, float]:
 
 @compiled
 def move_actuators(state: Any, command: Any, h: float, jets: Any, p: Any) -> None:
-    """Let the actuators follow the command for h [s]; fills jets (3, K, 2) with forces [N] at 0, h/2 and h."""
+    """Let the actuators follow the command for h [s]; fills jets (3, K, 2), forces [N] at 0, h/2 and h."""
     thrusters = jets.shape[1]
     for k in range(thrusters):
         azimuth_command, throttle_command = commanded(k, state[TIME], command, p)
         azimuth, throttle = state[ACTUATORS + k], state[ACTUATORS + thrusters + k]
         angle, level = azimuth, throttle
+        works = alive(k, state[TIME], h, p)
+        wears = works < 1.0 or p.thrust_sag != 0.0
         for i in range(3):
-            if i == 0 or angle != azimuth_command or level != throttle_command:
+            if i == 0 or angle != azimuth_command or level != throttle_command or wears:
                 time = 0.5 * h * i
                 angle = azimuth_after(
                     azimuth, azimuth_command, p.azimuth_time_constant[k], p.azimuth_rate[k], time
                 )
                 level = throttle_after(throttle, throttle_command, p.pump_time_constant[k], time)
-                jets[i, k, 0], jets[i, k, 1] = jet_force(angle, level, k, p)
+                x_force, y_force = jet_force(angle, level, k, p)
+                if wears:
+                    share = works * supply(state[TIME] + time, p)
+                    x_force, y_force = share * x_force, share * y_force
+                jets[i, k, 0], jets[i, k, 1] = x_force, y_force
             else:  # arrived: nothing moves any more
                 jets[i, k, 0], jets[i, k, 1] = jets[i - 1, k, 0], jets[i - 1, k, 1]
         state[ACTUATORS + k], state[ACTUATORS + thrusters + k] = angle, level
@@ -90,14 +100,15 @@ def step_boat(
     """Advance one boat by dt [s] in place.
 
     state: (S,), see `swamp_rl.simulator.state`; p: its parameter record; tank: `tank_table`;
-    command: (2K,) azimuths [rad] then throttles [1], held over the step; seed: of its gusts;
+    command: (2K,) azimuths [rad] then throttles [1], held over the step: what has arrived, so where commands
+    act late it comes from `delayed_command`; seed: of its gusts;
     jets: (3, K, 2) scratch.
     """
     h = dt / substeps
     scale = resistance_scale(p)
     update_gusts(state, seed, dt, p)
     wind = wind_now(state, p)
-    water_north, water_east = water_velocity(p)
+    water_north, water_east = water_velocity(state[TIME], p)
     cos, sin = math.cos(state[HEADING]), math.sin(state[HEADING])
     motion = (
         state[NORTH],
@@ -109,8 +120,9 @@ def step_boat(
     )
     for _ in range(substeps):
         move_actuators(state, command, h, jets, p)
-        motion = runge_kutta_step(motion, h, jets, wind, p, tank, scale)
+        motion = runge_kutta_step(motion, state[TIME], h, jets, wind, p, tank, scale)
         state[TIME] += h
+    water_north, water_east = water_velocity(state[TIME], p)
     cos, sin = math.cos(motion[2]), math.sin(motion[2])
     state[NORTH], state[EAST], state[HEADING] = motion[0], motion[1], motion[2]
     state[SURGE] = motion[3] + water_north * cos + water_east * sin
@@ -119,9 +131,7 @@ def step_boat(
 
 
 @compiled
-def step(
-    state: Any, params: Any, tank: Any, commands: Any, seeds: Any, dt: float, substeps: int
-) -> None:
+def step(state: Any, params: Any, tank: Any, commands: Any, seeds: Any, dt: float, substeps: int) -> None:
     """Advance n boats by dt [s] in place; state (n, S), params (n,), commands (n, 2K), seeds uint64 (n,)."""
     jets = np.empty((3, commands.shape[1] // 2, 2))
     for i in range(state.shape[0]):
@@ -141,10 +151,8 @@ def step_parallel(
 
 
 @compiled
-def simulate(
-    params: Any, tank: Any, start: Any, commands: Any, seeds: Any, dt: float, substeps: int
-) -> Any:
-    """Tracks of n boats under given commands.
+def simulate(params: Any, tank: Any, start: Any, commands: Any, seeds: Any, dt: float, substeps: int) -> Any:
+    """Tracks of n boats under given commands, which act late where `command_delay` says so.
 
     start: (n, S) states, not changed; commands: (n, T, 2K), each row held for dt [s].
     Returns (n, T + 1, S), the start first.
@@ -152,9 +160,11 @@ def simulate(
     boats, steps = commands.shape[0], commands.shape[1]
     track = np.empty((boats, steps + 1, start.shape[1]))
     jets = np.empty((3, commands.shape[2] // 2, 2))
+    arrived = np.empty(commands.shape[2])
     for i in range(boats):
         track[i, 0] = start[i]
         for j in range(steps):
             track[i, j + 1] = track[i, j]
-            step_boat(track[i, j + 1], params[i], tank, commands[i, j], seeds[i], dt, substeps, jets)
+            delayed_command(commands[i], j, params[i].command_delay / dt, arrived)
+            step_boat(track[i, j + 1], params[i], tank, arrived, seeds[i], dt, substeps, jets)
     return track
