@@ -1,0 +1,45 @@
+"""Logged runs as examples to learn from: what the pilot could see, and what the levers then did."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from swamp_rl.errors import UserError
+from swamp_rl.pilots.arrays import Array
+from swamp_rl.runs import Run
+
+POSE = ("north", "east", "cos_heading", "sin_heading")
+
+
+def choose_runs(
+    runs: Sequence[Run], count: int | None = None, outcomes: Sequence[str] = ("success",)
+) -> list[Run]:
+    """The first `count` runs (None: all) that ended in one of `outcomes`.
+
+    UserError where there are none, or fewer than `count`.
+    """
+    chosen = [run for run in runs if run.meta.outcome in outcomes]
+    wanted = " or ".join(outcomes)
+    if not chosen:
+        raise UserError(
+            f"none of {len(runs)} runs has the outcome {wanted}; record some, or allow another outcome"
+        )
+    if count is not None and len(chosen) < count:
+        raise UserError(
+            f"{count} runs with the outcome {wanted} are asked for, {len(chosen)} are there; record more"
+        )
+    return chosen[:count]
+
+
+def observed(run: Run, senses: Sequence[str]) -> Array:
+    """(T, d) the named observations, as far as a run's columns hold them; UserError for one they do not."""
+    columns = {
+        "cos_heading": lambda: np.cos(run.columns["heading"]),
+        "sin_heading": lambda: np.sin(run.columns["heading"]),
+    }
+    return np.column_stack([columns[n]() if n in columns else run.stacked((n,))[:, 0] for n in senses])
+
+
+def examples(runs: Sequence[Run], senses: Sequence[str]) -> tuple[list[Array], list[Array]]:
+    """Per run the observations (T, d) and levers (T, 2); UserError where a run lacks a column."""
+    return [observed(run, senses) for run in runs], [run.joypad for run in runs]

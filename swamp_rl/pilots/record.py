@@ -1,0 +1,188 @@
+"""Record runs of the scripted pilot as a dataset, by the writer that any other driven run goes through."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.errors import UserError
+from swamp_rl.files import folder_beside
+from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.pilots.scripted import Habits, ScriptedPilot
+from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, create_dataset
+
+AT_ONCE = 64
+"Boats driven side by side. Fixed, so that asking for more runs never changes the first ones."
+ATTEMPTS = 20
+"Episodes tried for each run asked for, before giving up."
+NOTES = (
+    "Driven by the scripted pilot, a programme that imitates how people drove; no person was at the joypad."
+)
+
+
+class Fleet(Protocol):
+    """The boats behind the environment."""
+
+    def drawn(self, i: int) -> dict[str, Any]:
+        """`effects` and `gust_seed` of the episode of boat i."""
+
+
+class Boats(Protocol):
+    """What recording asks of n boats: a gymnasium VectorEnv that starts a boat anew a step after its end."""
+
+    pose: Array
+    "north, east [m], heading [rad], (n, 3)"
+    velocity: Array
+    "surge, sway [m/s], yaw rate [rad/s], (n, 3)"
+    commands: Array
+    "what was asked of the thrusters, (n, 2K): azimuths [rad], then throttles [1]"
+    applied: Array
+    "what they did, as `commands`"
+    fleet: Fleet
+
+    def reset(self, *, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
+        """`options["episodes"]` (n,) are the episodes' seeds."""
+
+    def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
+        """Observation, reward, terminated, truncated, info."""
+
+    def close(self) -> None:
+        """Free what it holds."""
+
+
+MakeBoats = Callable[[int, tuple[str, ...]], Boats]
+"""Builds a batch of n boats that are observed by the given names."""
+
+
+def record_scripted(
+    make_boats: MakeBoats,
+    out: Path | str,
+    *,
+    boat: str | Path = "swamp",
+    course: str = "camogli",
+    count: int = 40,
+    failed: int = 3,
+    seed: int = 0,
+    step: float = 0.1,
+    habits: Habits | None = None,
+    format: Literal["parquet", "csv"] = "parquet",
+    tick: Callable[[int], None] = lambda good: None,
+) -> None:
+    """Write `count` successful runs into the dataset `out`, and the failed ones on the way, `failed` or more.
+
+    make_boats: builds boats of `boat` on `course` at `step` [s], disturbed as the runs are to be. Each run
+    holds the seed, the initial state and the disturbances of its episode. `tick` hears how many succeeded.
+    UserError where the folder holds something else, or the pilot hardly ever succeeds.
+    """
+    vehicle = load_boat(boat)
+    meta = DatasetMeta(
+        vehicle=str(boat),
+        mass=vehicle.mass,
+        draught=vehicle.draught,
+        water_density=vehicle.water_density,
+        sample_rate=1.0 / step,
+        source="scripted",
+        course=course,
+        notes=NOTES,
+    )
+    pilot = ScriptedPilot(seed, habits, step)
+    boats = make_boats(AT_ONCE, pilot.senses)
+    try:
+        with folder_beside(out, replaces="dataset.yaml") as part:
+            create_dataset(part, meta)
+            _fill(part, boats, pilot, vehicle, (count, failed), seed, format, tick)
+    finally:
+        boats.close()
+
+
+def _fill(
+    folder: Path,
+    boats: Boats,
+    pilot: ScriptedPilot,
+    vehicle: Boat,
+    wanted: tuple[int, int],
+    seed: int,
+    format: Literal["parquet", "csv"],
+    tick: Callable[[int], None],
+) -> None:
+    """Append runs until there are `wanted` good and failed ones."""
+    # Above any seed of an evaluation, so that no pilot is tried on what it learned from.
+    episodes = np.random.default_rng(seed)
+    good = bad = 0
+    pilot.reset(AT_ONCE)
+    for _ in range(1 + ATTEMPTS * sum(wanted) // AT_ONCE):
+        for run in drive_episodes(
+            boats, pilot, vehicle, episodes.integers(2**31, 2**32, AT_ONCE), pilot.step
+        ):
+            succeeded = run.meta.outcome == "success"
+            if succeeded and good == wanted[0]:
+                continue
+            number, good, bad = good + bad + 1, good + succeeded, bad + (not succeeded)
+            append_run(folder, Run(f"run-{number:03d}", run.columns, run.meta), format)
+            tick(good)
+            if good == wanted[0] and bad >= wanted[1]:
+                return
+        pilot.reset_boats(np.ones(AT_ONCE, dtype=bool))
+    raise UserError(
+        f"the scripted pilot drove {good} good and {bad} failed runs, not {wanted[0]} and {wanted[1]}; "
+        "ask for other numbers or disturbances"
+    )
+
+
+def drive_episodes(boats: Boats, pilot: Pilot, vehicle: Boat, seeds: Array, step: float) -> list[Run]:
+    """One episode per boat, each as a run named by its seed; the pilot must have been reset for them.
+
+    Row t holds the state at its time, the levers and commands that are held until the next row, and what the
+    actuators then did. The last row, where nothing more was decided, keeps the levers before it.
+    """
+    observation, _ = boats.reset(options={"episodes": seeds})
+    drawn = [boats.fleet.drawn(i) for i in range(len(seeds))]
+    rows: list[list[Array]] = []
+    runs: dict[int, Run] = {}
+    while len(runs) < len(seeds):
+        before = [boats.pose.copy(), boats.velocity.copy(), boats.applied.copy()]
+        levers = pilot.act(observation)
+        observation, _, terminated, truncated, info = boats.step(levers)
+        rows.append([*before, levers, boats.commands.copy()])
+        for i in np.flatnonzero(terminated | truncated).tolist():
+            if i not in runs:
+                last = [boats.pose[i], boats.velocity[i], boats.applied[i], levers[i], boats.commands[i]]
+                parts = [np.array([*(row[j][i] for row in rows), last[j]]) for j in range(5)]
+                meta = RunMeta(
+                    seed=int(seeds[i]), outcome=str(info["outcome"][i]), **_replayable(parts, drawn[i])
+                )
+                runs[i] = Run(f"episode-{seeds[i]}", _columns(parts, vehicle.thruster_names, step), meta)
+    return [runs[i] for i in range(len(seeds))]
+
+
+def _columns(parts: list[Array], thrusters: tuple[str, ...], step: float) -> dict[str, Array]:
+    """The columns of the run format from pose, velocity, applied, levers and commands, each (T, ·)."""
+    pose, velocity, applied, levers, commands = parts
+    named = {
+        "time": np.arange(len(pose)) * step,
+        "north": pose[:, 0],
+        "east": pose[:, 1],
+        "heading": np.pi - np.mod(np.pi - pose[:, 2], 2.0 * np.pi),
+        "surge": velocity[:, 0],
+        "sway": velocity[:, 1],
+        "yaw_rate": velocity[:, 2],
+        "joy_thrust": levers[:, 0],
+        "joy_angle": levers[:, 1],
+    }
+    channels = [f"{what}_{name}" for what in ("azimuth", "throttle") for name in thrusters]
+    named |= {channel: commands[:, j] for j, channel in enumerate(channels)}
+    return named | {f"applied_{channel}": applied[:, j] for j, channel in enumerate(channels)}
+
+
+def _replayable(parts: list[Array], drawn: dict[str, Any]) -> dict[str, Any]:
+    """What, beside the commands, a run is replayed from: its first state and what disturbed it."""
+    names = ("north", "east", "heading", "surge", "sway", "yaw_rate")
+    first = np.concatenate([parts[0][0], parts[1][0]]).tolist()
+    return {
+        "initial_state": dict(zip(names, first, strict=True)),
+        "disturbances": drawn["effects"],
+        "gust_seed": drawn["gust_seed"],
+    }

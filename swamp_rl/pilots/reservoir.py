@@ -1,0 +1,184 @@
+"""A pilot by reservoir computing, as at Camogli (thesis 7.3.3): an echo state network and its ridge readout.
+
+reservoirpy draws the reservoir and fits the readout. Driving needs only the matrices, in plain NumPy.
+"""
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.demonstrations import POSE, examples
+from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings, Share
+from swamp_rl.runs import Run
+
+POSITION = ("north", "east")
+ANGLES = ("cos_heading", "sin_heading", "gate_cos", "gate_sin")
+
+
+class ReservoirSettings(Settings):
+    """The defaults were chosen on recorded runs other than the main job's, evaluated on other episodes."""
+
+    senses: tuple[str, ...] = POSE
+    units: Count = 200
+    spectral_radius: NotNegative = 0.5
+    leak: tuple[Share, Share] = (0.05, 1.0)
+    "Range of the units' leak rates, log-uniform: memories from one step to some seconds."
+    connectivity: Share = 0.1
+    "Share of the units that a unit hears."
+    position_scaling: Positive = 4.0
+    "Input weights of a position that has been brought into [-1, 1]."
+    input_scaling: Positive = 1.5
+    "Input weights of everything else."
+    ridge: Positive = 3.0
+    noise: NotNegative = 0.0
+    "Standard deviation of noise on the scaled inputs while learning."
+    washout: int = 0
+    "Samples at the start of each run that the readout does not learn from."
+    seed: Seed = 0
+
+
+class ReservoirPilot:
+    """One reservoir for all boats, with a state (n, units) that is zero where a boat starts its run."""
+
+    kind: ClassVar[str] = "reservoir"
+
+    def __init__(self, senses: Sequence[str], weights: dict[str, Array]) -> None:
+        """weights: centre, scale (d,), W (units, units), Win (units, d), bias, leak (units,), Wout (units, 2)
+        and out (2,).
+
+        ValueError where their shapes do not agree.
+        """
+        self.senses = tuple(senses)
+        self._weights = {name: np.asarray(weights[name], dtype=np.float64) for name in _NAMES}
+        self._check_shapes()
+        w = self._weights
+        # Boats are rows, so matrices are kept transposed; the scaling of the inputs is folded into them.
+        self._recurrent = np.ascontiguousarray(w["W"].T)
+        self._input = np.ascontiguousarray((w["Win"] / w["scale"]).T)
+        self._constant = w["bias"] - (w["centre"] / w["scale"]) @ w["Win"].T
+        self.reset(0)
+
+    def reset(self, n: int) -> None:
+        """Begin with n boats, all states zero."""
+        self.state = np.zeros((n, len(self._constant)))
+
+    def reset_boats(self, mask: Array) -> None:
+        """Zero the states of the boats of `mask` (n,)."""
+        self.state[np.asarray(mask, dtype=bool)] = 0.0
+
+    def act(self, observation: Array) -> Array:
+        """Levers (n, 2) from the observation (n, d); advances the states by one step."""
+        drive = self.state @ self._recurrent
+        drive += observation @ self._input
+        drive += self._constant
+        np.tanh(drive, out=drive)
+        drive -= self.state
+        drive *= self._weights["leak"]
+        self.state += drive
+        levers = self.state @ self._weights["Wout"]
+        levers += self._weights["out"]
+        return np.minimum(np.maximum(levers, LOWEST), HIGHEST)
+
+    def settings(self) -> dict[str, Any]:
+        """The senses."""
+        return {"senses": list(self.senses)}
+
+    def weights(self) -> dict[str, Array]:
+        """As given at first."""
+        return self._weights
+
+    @classmethod
+    def build(cls, settings: dict[str, Any], weights: dict[str, Array]) -> "ReservoirPilot":
+        """The pilot of `settings()` and `weights()`."""
+        return cls(settings["senses"], weights)
+
+    def _check_shapes(self) -> None:
+        d, units = len(self.senses), len(self._weights["bias"])
+        shapes = ((d,), (d,), (units, units), (units, d), (units,), (units,), (units, 2), (2,))
+        for name, shape in zip(_NAMES, shapes, strict=True):
+            if self._weights[name].shape != shape:
+                raise ValueError(f"{name} has the shape {self._weights[name].shape}, {shape} is needed")
+
+
+_NAMES = ("centre", "scale", "W", "Win", "bias", "leak", "Wout", "out")
+
+
+def fit_reservoir(runs: Sequence[Run], settings: ReservoirSettings | None = None) -> ReservoirPilot:
+    """A pilot whose readout is fitted by ridge regression on `runs`; UserError where a run lacks a column."""
+    from reservoirpy.nodes import Ridge
+
+    settings = settings or ReservoirSettings()
+    seen, levers = examples(runs, settings.senses)
+    centre, scale = _scaling(seen, settings.senses)
+    rng = np.random.default_rng(settings.seed)
+    reservoir = reservoir_node(settings, rng)
+    states = []
+    for observation in seen:
+        inputs = (observation - centre) / scale
+        if reservoir.initialized:
+            reservoir.reset()
+        states.append(reservoir.run(inputs + settings.noise * rng.standard_normal(inputs.shape)))
+    readout = Ridge(ridge=settings.ridge)
+    readout.fit(states, levers, warmup=settings.washout, workers=1)
+    learned = {"Wout": readout.Wout, "out": readout.bias}
+    return ReservoirPilot(
+        settings.senses, {"centre": centre, "scale": scale, **_matrices(reservoir), **learned}
+    )
+
+
+def untrained_reservoir(
+    rng: np.random.Generator, settings: ReservoirSettings | None = None
+) -> ReservoirPilot:
+    """A pilot of the same size with a readout of zeros: for measuring its speed."""
+    settings = settings or ReservoirSettings()
+    d = len(settings.senses)
+    reservoir = reservoir_node(settings, rng)
+    reservoir.run(np.zeros((1, d)))
+    readout = {"Wout": np.zeros((settings.units, 2)), "out": np.zeros(2)}
+    neutral = {"centre": np.zeros(d), "scale": np.ones(d)}
+    return ReservoirPilot(settings.senses, {**neutral, **_matrices(reservoir), **readout})
+
+
+def reservoir_node(settings: ReservoirSettings, rng: np.random.Generator) -> Any:
+    """A reservoirpy Reservoir; every unit hears every input, and their leaks span a range of memories."""
+    from reservoirpy import mat_gen
+    from reservoirpy.nodes import Reservoir
+
+    low, high = np.log(np.maximum(settings.leak, 1e-6))
+    gains = [
+        settings.position_scaling if name in POSITION else settings.input_scaling for name in settings.senses
+    ]
+    return Reservoir(
+        units=settings.units,
+        lr=np.exp(rng.uniform(low, high, settings.units)),
+        sr=settings.spectral_radius,
+        input_scaling=np.array(gains),
+        input_connectivity=1.0,
+        rc_connectivity=settings.connectivity,
+        Win=mat_gen.uniform,
+        bias=mat_gen.uniform,
+        input_dim=len(settings.senses),
+        seed=rng,
+    )
+
+
+def _matrices(reservoir: Any) -> dict[str, Array]:
+    """The arrays of an initialised reservoirpy Reservoir, dense."""
+    dense = {name: getattr(reservoir, name) for name in ("W", "Win", "bias")}
+    dense = {name: value.toarray() if hasattr(value, "toarray") else value for name, value in dense.items()}
+    return {**dense, "bias": np.ravel(dense["bias"]), "leak": reservoir.lr}
+
+
+def _scaling(seen: Sequence[Array], senses: Sequence[str]) -> tuple[Array, Array]:
+    """Centre and scale (d,) that bring what was seen into [-1, 1], north and east by the same scale."""
+    everything = np.concatenate(seen)
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    centre, scale = 0.5 * (low + high), np.maximum(0.5 * (high - low), 1e-9)
+    position = np.isin(senses, POSITION)
+    if position.any():
+        scale[position] = scale[position].max()
+    angles = np.isin(senses, ANGLES)
+    centre[angles], scale[angles] = 0.0, 1.0
+    return centre, scale

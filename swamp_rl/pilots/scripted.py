@@ -1,0 +1,205 @@
+"""A scripted pilot that drives the way people drove at Camogli (thesis 7.3.3, figures 7.30 to 7.32, 7.35).
+
+Full throttle nearly always, steering almost only at nought or at its ends, a reaction delay, moments of
+hesitation, wrong guesses, and now and then a messy run. It is a programme: what it records is `scripted`.
+"""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from swamp_rl.pilots.arrays import Array, wrap
+from swamp_rl.pilots.settings import NotNegative, Positive, Range, Settings, Share
+
+
+class Habits(Settings):
+    """How the scripted people drive; each range is drawn from uniformly, once a run.
+
+    Angles in rad, times in s, distances in m, lever positions in [0, 1]. None of these is measured: they were
+    chosen so that the commands look like figure 7.35 and most runs succeed, as at the festival.
+    """
+
+    reaction: Range = (0.2, 0.35)
+    "Delay from seeing to acting."
+    dead_band: Range = (0.06, 0.15)
+    "Course error that is let be."
+    anticipation: Range = (0.5, 0.9)
+    "How far ahead the turning is foreseen."
+    drift_seen: Range = (0.5, 1.0)
+    "Share of the drift angle that is noticed."
+    aim_spread: NotNegative = 0.25
+    "How far off the middle of the gate the pilot aims, to either side."
+    swing: Range = (0.3, 0.5)
+    "How wide the S is: the point aimed at lies this share of the way before the gate."
+    gentle: Share = 0.1
+    "Share of runs by the few who manage the intermediate angles."
+    excursion: Range = (0.5, 0.8)
+    "Steering of those few, while the course error is small."
+    alarm: Positive = 0.35
+    "Course error at which those few too push the lever to its end."
+    guess_interval: Positive = 25.0
+    "Mean time between wrong guesses, which hold the lever the wrong way."
+    guess_duration: Range = (0.3, 0.7)
+    hesitation_interval: Positive = 30.0
+    "Mean time between moments off the throttle."
+    hesitation_duration: Range = (0.3, 1.0)
+    messy: Share = 0.15
+    "Share of messy runs: slower reactions and many wrong guesses."
+    messy_reaction: Range = (0.3, 0.5)
+    messy_guess_interval: Positive = 5.0
+
+
+SCHEDULE = 32
+"Slips drawn ahead for a run; past the last, the pilot makes no more of them."
+
+
+class ScriptedPilot:
+    """Bang-bang steering towards the next gate, going round for another try when the gate was missed.
+
+    Boat i draws its habits from the seed, i and the number of runs it has begun, so its behaviour does not
+    depend on how many others are driven beside it.
+    """
+
+    kind: ClassVar[str] = "scripted"
+    senses: tuple[str, ...] = (
+        "surge",
+        "sway",
+        "yaw_rate",
+        "gate_ahead",
+        "gate_starboard",
+        "gate_cos",
+        "gate_sin",
+    )
+
+    def __init__(self, seed: int, habits: Habits | None = None, step: float = 0.1) -> None:
+        """seed >= 0; step is the time between decisions [s]."""
+        self.seed = seed
+        self.habits = habits or Habits()
+        self.step = step
+        self._history = 1 + round(max(self.habits.reaction[1], self.habits.messy_reaction[1]) / step)
+        self.reset(0)
+
+    def reset(self, n: int) -> None:
+        """Begin again with n boats, each at its first run."""
+        self._runs = np.zeros(n, dtype=np.int64)
+        self._traits = np.zeros(n, dtype=_TRAITS)
+        self._time = np.zeros(n)
+        self._seen = np.zeros((n, self._history))
+        self._lever = np.zeros(n)
+        self._begin(np.arange(n))
+
+    def reset_boats(self, mask: Array) -> None:
+        """Draw new habits for the boats of `mask` (n,), which begin their next run."""
+        boats = np.flatnonzero(mask)
+        self._runs[boats] += 1
+        self._begin(boats)
+
+    def act(self, observation: Array) -> Array:
+        """Levers (n, 2), throttle and angle, from the observation (n, 7) in the order of `senses`."""
+        traits = self._traits
+        self._seen = np.roll(self._seen, 1, axis=1)
+        self._seen[:, 0] = _course_error(observation, traits)
+        error = self._seen[np.arange(len(self._seen)), np.minimum(traits["delay"], self._ticks())]
+        # Hysteresis: a thumb once on the lever stays until the bow is about right.
+        threshold = np.where(self._lever == 0.0, traits["dead_band"], 0.4 * traits["dead_band"])
+        self._lever = np.where(np.abs(error) > threshold, np.sign(error), 0.0)
+        guessing = self._within("guess")
+        wrong = np.where(self._lever == 0.0, traits["whim"], -self._lever)
+        gentle = np.where(np.abs(error) < self.habits.alarm, traits["excursion"], 1.0)
+        angle = np.where(guessing, wrong, self._lever) * gentle
+        throttle = np.where(self._within("hesitation"), 0.0, 1.0)
+        self._time += self.step
+        return np.stack([throttle, angle], axis=1)
+
+    def settings(self) -> dict[str, Any]:
+        """What is needed to build the same pilot again, as plain JSON."""
+        return {"seed": self.seed, "step": self.step, "habits": self.habits.model_dump(mode="json")}
+
+    def weights(self) -> dict[str, Array]:
+        """Nothing was learned."""
+        return {}
+
+    @classmethod
+    def build(cls, settings: dict[str, Any], weights: dict[str, Array]) -> "ScriptedPilot":
+        """The pilot of `settings` (from `settings()`)."""
+        return cls(settings["seed"], Habits(**settings["habits"]), settings["step"])
+
+    def _ticks(self) -> Array:
+        return np.round(self._time / self.step).astype(np.int64)
+
+    def _within(self, slip: str) -> Array:
+        begin, end = self._traits[f"{slip}_begin"], self._traits[f"{slip}_end"]
+        now = self._time[:, None]
+        return np.any((now >= begin) & (now < end), axis=1)
+
+    def _begin(self, boats: Array) -> None:
+        self._time[boats] = 0.0
+        self._seen[boats] = 0.0
+        self._lever[boats] = 0.0
+        for boat in boats:
+            rng = np.random.default_rng([self.seed, int(boat), int(self._runs[boat])])
+            self._traits[boat] = _draw_traits(self.habits, self.step, rng)
+
+
+_TRAITS = np.dtype(
+    [
+        ("delay", np.int64),
+        *((name, np.float64) for name in ("dead_band", "anticipation", "drift_seen", "aim", "swing")),
+        *((name, np.float64) for name in ("excursion", "whim")),
+        *((name, np.float64, (SCHEDULE,)) for name in ("guess_begin", "guess_end")),
+        *((name, np.float64, (SCHEDULE,)) for name in ("hesitation_begin", "hesitation_end")),
+    ]
+)
+
+
+def _draw_traits(habits: Habits, step: float, rng: np.random.Generator) -> Any:
+    """One run's habits: a record of `_TRAITS`."""
+    traits = np.zeros((), dtype=_TRAITS)
+    messy = rng.random() < habits.messy
+    gentle = rng.random() < habits.gentle
+    excursion = rng.uniform(*habits.excursion)
+    traits["delay"] = round(rng.uniform(*(habits.messy_reaction if messy else habits.reaction)) / step)
+    traits["dead_band"] = rng.uniform(*habits.dead_band)
+    traits["anticipation"] = rng.uniform(*habits.anticipation)
+    traits["drift_seen"] = rng.uniform(*habits.drift_seen)
+    traits["aim"] = rng.uniform(-habits.aim_spread, habits.aim_spread)
+    traits["swing"] = rng.uniform(*habits.swing)
+    traits["excursion"] = excursion if gentle else 1.0
+    traits["whim"] = rng.choice([-1.0, 1.0])
+    interval = habits.messy_guess_interval if messy else habits.guess_interval
+    _draw_slips(traits, "guess", interval, habits.guess_duration, rng)
+    _draw_slips(traits, "hesitation", habits.hesitation_interval, habits.hesitation_duration, rng)
+    return traits
+
+
+def _draw_slips(traits: Any, slip: str, interval: float, duration: Range, rng: np.random.Generator) -> None:
+    """A Poisson schedule of moments with the mean interval [s] and the range of durations [s]."""
+    begin = np.cumsum(rng.exponential(interval, SCHEDULE))
+    traits[f"{slip}_begin"] = begin
+    traits[f"{slip}_end"] = begin + rng.uniform(*duration, SCHEDULE)
+
+
+def _course_error(observation: Array, traits: Array) -> Array:
+    """How far to starboard the boat should turn, (n,) [rad], less what its turning will do by itself."""
+    surge, sway, yaw_rate, ahead, starboard, gate_cos, gate_sin = observation.T
+    along = -(ahead * gate_cos + starboard * gate_sin)
+    across = ahead * gate_sin - starboard * gate_cos
+    aim_along, aim_across = _aim(along, across, traits)
+    to_along, to_across = aim_along - along, aim_across - across
+    bearing = np.arctan2(
+        to_along * gate_sin + to_across * gate_cos, to_along * gate_cos - to_across * gate_sin
+    )
+    drift = np.where(surge > 0.3, np.arctan2(sway, np.maximum(surge, 0.3)), 0.0)
+    return wrap(bearing - traits["drift_seen"] * drift) - traits["anticipation"] * yaw_rate
+
+
+def _aim(along: Array, across: Array, traits: Array) -> tuple[Array, Array]:
+    """The point aimed at, in the gate's frame [m]: along its direction, and across, to starboard of it."""
+    to_go = np.maximum(-along - 1.5, 0.0)
+    aim_along = np.where(to_go > 0.0, -traits["swing"] * to_go, 1.5)
+    aim_across = traits["aim"]
+    # Beyond the gate, or too far aside to turn in: back, wide of the buoy on this side, for another try.
+    side = np.where(across < 0.0, -1.0, 1.0)
+    aside = np.abs(across) - 1.8
+    missed = ((aside > 0.0) & (along > -0.5 * aside)) | (along > 0.3)
+    return np.where(missed, -5.0, aim_along), np.where(missed, 5.0 * side, aim_across)

@@ -1,0 +1,59 @@
+"""Another pilot drives for the first seconds while the learned one watches; then it takes over (7.3.3)."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.pilot import Pilot
+
+
+class TakeoverPilot:
+    """Both pilots see the whole run, so that the second has a memory of it when it takes over."""
+
+    kind: ClassVar[str] = "takeover"
+
+    def __init__(self, first: Pilot, then: Pilot, seconds: float, step: float = 0.1) -> None:
+        """seconds: for how long `first` drives [s]; step: time between decisions [s]."""
+        self.first, self.then = first, then
+        self.seconds, self.step = seconds, step
+        self.senses = tuple(dict.fromkeys((*first.senses, *then.senses)))
+        self._first_senses = [self.senses.index(name) for name in first.senses]
+        self._then_senses = [self.senses.index(name) for name in then.senses]
+        self._ticks_of_first = round(seconds / step)
+        self.reset(0)
+
+    def reset(self, n: int) -> None:
+        """Begin with n boats, driven by the first pilot."""
+        self._tick = np.zeros(n, dtype=np.int64)
+        self.first.reset(n)
+        self.then.reset(n)
+
+    def reset_boats(self, mask: Array) -> None:
+        """The boats of `mask` (n,) begin again with the first pilot."""
+        self._tick[np.asarray(mask, dtype=bool)] = 0
+        self.first.reset_boats(mask)
+        self.then.reset_boats(mask)
+
+    def act(self, observation: Array) -> Array:
+        """Levers (n, 2) of whoever drives each boat, from the observation (n, d)."""
+        watched = self.then.act(observation[:, self._then_senses])
+        early = self._tick < self._ticks_of_first
+        self._tick += 1
+        if not early.any():
+            return watched
+        driven = self.first.act(observation[:, self._first_senses])
+        return np.where(early[:, None], driven, watched)
+
+    def settings(self) -> dict[str, Any]:
+        """Times, and kind and settings of the two pilots."""
+        pilots = {name: getattr(self, name) for name in ("first", "then")}
+        described = {
+            name: {"kind": pilot.kind, "settings": pilot.settings()} for name, pilot in pilots.items()
+        }
+        return {"seconds": self.seconds, "step": self.step, **described}
+
+    def weights(self) -> dict[str, Array]:
+        """Those of the two pilots, with `first.` and `then.` before their names."""
+        first, then = self.first.weights(), self.then.weights()
+        return {**{f"first.{k}": v for k, v in first.items()}, **{f"then.{k}": v for k, v in then.items()}}
