@@ -1,0 +1,57 @@
+"""Is what is left over sensor noise? White noise of the estimated size has no slow part beyond its share."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data import CHANNELS
+from swamp_rl.criticism.fit import Fit
+from swamp_rl.criticism.shooting import Shooting
+
+Array = NDArray[np.float64]
+
+SCALES = (1.0, 4.0)  # s over which residuals are averaged
+SIGMA_SLACK = 1.06  # share by which a variance estimated from differences may be too small
+LIMIT = 5.0  # standard deviations of a slow part's power, over all channels and scales
+
+
+@dataclass(frozen=True)
+class Adequacy:
+    """excess: (scales, 6) standard deviations by which the power of averaged residuals exceeds white noise's."""
+
+    excess: Array
+
+    @property
+    def worst(self) -> float:
+        """Largest excess."""
+        return float(np.nanmax(self.excess))
+
+    @property
+    def adequate(self) -> bool:
+        """Whether nothing but noise is left."""
+        return self.worst < LIMIT
+
+    @property
+    def channel(self) -> str:
+        """Where most is left."""
+        return CHANNELS[int(np.nanargmax(np.nanmax(self.excess, axis=0)))]
+
+
+def adequacy(problem: Shooting, at: Fit) -> Adequacy:
+    """Of a fit's residuals."""
+    residual = at.residual.reshape(at.residual.shape[0], -1, len(CHANNELS))
+    seen = problem.windows.weight > 0
+    excess = np.full((len(SCALES), len(CHANNELS)), np.nan)
+    for s, scale in enumerate(SCALES):
+        block = max(2, round(scale / problem.dt))
+        steps = residual.shape[1] // block * block
+        sums = residual[:, :steps].reshape(len(residual), -1, block, len(CHANNELS)).sum(axis=2)
+        counts = seen[:, :steps].reshape(len(residual), -1, block, len(CHANNELS)).sum(axis=2)
+        for c in range(len(CHANNELS)):
+            full = counts[..., c] >= block // 2
+            if full.sum() < 4:
+                continue
+            power = sums[..., c][full] ** 2 / counts[..., c][full] / SIGMA_SLACK
+            excess[s, c] = (power.mean() - 1.0) * np.sqrt(len(power) / 2.0)
+    return Adequacy(excess)

@@ -1,0 +1,117 @@
+"""Measured runs as arrays on one uniform grid, gaps marked, ready to be compared with rollouts."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Dataset, Run
+from swamp_rl.simulator.replay import fixed_thrusters, sample_step
+
+Array = NDArray[np.float64]
+
+CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
+UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
+SHORTEST = 10.0  # s of one run, below which it cannot carry a window
+LEAST = 20.0  # s of all runs together
+GRID_TOLERANCE = 0.3  # of a sample step, how far a row may lie from the grid
+
+
+@dataclass(frozen=True)
+class Trials:
+    """R runs of up to T samples of one boat.
+
+    dt: sample step [s]; commands: (R, T, 2K), held where a row is missing; measured: (R, T, 6) in the order of
+    CHANNELS (SI, rad, heading unwrapped), NaN where there is none; lengths: (R,) samples of each run.
+    """
+
+    boat: Boat
+    dt: float
+    names: tuple[str, ...]
+    commands: Array
+    measured: Array
+    lengths: NDArray[np.int64]
+
+    @property
+    def present(self) -> tuple[str, ...]:
+        """Channels that some run holds."""
+        found = np.isfinite(self.measured).any(axis=(0, 1))
+        return tuple(name for name, here in zip(CHANNELS, found, strict=True) if here)
+
+    def subset(self, runs: list[int]) -> "Trials":
+        """The trials of those runs alone."""
+        return Trials(
+            self.boat,
+            self.dt,
+            tuple(self.names[run] for run in runs),
+            self.commands[runs],
+            self.measured[runs],
+            self.lengths[runs],
+        )
+
+
+def trials_of(dataset: Dataset, boat: Boat) -> Trials:
+    """A dataset on a uniform grid; UserError where there is too little to compare, saying what is missing."""
+    runs = [run for run in dataset.runs if run.duration >= SHORTEST]
+    total = sum(run.duration for run in runs)
+    if not runs or total < LEAST:
+        raise UserError(
+            f"{dataset.folder}: {total:.0f} s in runs of at least {SHORTEST:.0f} s; a diagnosis needs {LEAST:.0f} s "
+            "or more, better five runs of a minute with turns both ways and several speeds; record more"
+        )
+    dt = float(np.median([sample_step(run) for run in runs]))
+    placed = [_on_grid(run, boat, dt, str(dataset.folder)) for run in runs]
+    longest = max(len(commands) for commands, _ in placed)
+    commands = np.zeros((len(runs), longest, placed[0][0].shape[1]))
+    measured = np.full((len(runs), longest, len(CHANNELS)), np.nan)
+    for index, (command, track) in enumerate(placed):
+        commands[index, : len(command)] = command
+        commands[index, len(command) :] = command[-1]
+        measured[index, : len(track)] = track
+    lengths = np.array([len(track) for _, track in placed])
+    trials = Trials(boat, dt, tuple(run.name for run in runs), commands, measured, lengths)
+    refuse_unexciting(trials, str(dataset.folder))
+    return trials
+
+
+def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array]:
+    place = (run.time - run.time[0]) / dt
+    index = np.rint(place).astype(int)
+    off = np.abs(place - index)
+    if off.max() > GRID_TOLERANCE or len(np.unique(index)) < len(index):
+        row = int(off.argmax()) + 1
+        raise UserError(
+            f"{folder}: run {run.name}, row {row}: time {run.time[row - 1]:.3f} s does not fit the sample step of "
+            f"{dt:.4f} s; resample the run to a fixed rate (missing rows are fine)"
+        )
+    commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
+    track = np.full((index[-1] + 1, len(CHANNELS)), np.nan)
+    for column, name in enumerate(CHANNELS):
+        if name in run.columns:
+            values = run.columns[name]
+            track[index, column] = np.unwrap(values) if name == "heading" else values
+    held = np.searchsorted(index, np.arange(index[-1] + 1), side="right") - 1
+    return commands[held], track
+
+
+def refuse_unexciting(trials: Trials, folder: str) -> None:
+    """UserError naming the motion that is missing, if nothing was commanded or the boat never moved."""
+    thrusters = trials.commands.shape[2] // 2
+    inside = [trials.commands[run, :length] for run, length in enumerate(trials.lengths)]
+    commands = np.concatenate(inside)
+    if not (np.abs(commands[:, thrusters:]) > 0.02).any():
+        raise UserError(f"{folder}: no thruster ever runs; nothing about the boat can be told from drifting alone")
+    travelled = 0.0
+    turned = 0.0
+    for run, length in enumerate(trials.lengths):
+        track = trials.measured[run, :length]
+        track = track[np.isfinite(track[:, 0])]
+        travelled = max(travelled, float(np.hypot(*np.ptp(track[:, :2], axis=0))))
+        turned = max(turned, float(np.ptp(track[:, 2])))
+    if travelled < 1.0 and turned < 0.5:
+        raise UserError(
+            f"{folder}: the boat moves {travelled:.2f} m and turns {np.degrees(turned):.0f} degrees at most; "
+            "record runs ahead at two speeds and turns to both sides"
+        )

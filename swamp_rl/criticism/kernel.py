@@ -1,0 +1,68 @@
+"""Rollouts of many windows at once: each boat of the batch starts somewhere in some run."""
+
+from typing import Any
+
+import numba
+import numpy as np
+
+from swamp_rl.physics.compile import compiled
+from swamp_rl.simulator.delay import delayed_command
+from swamp_rl.simulator.step import step_boat
+
+CHUNK = 16
+
+
+@compiled(parallel=True)
+def roll(
+    params: Any,
+    tank: Any,
+    start: Any,
+    commands: Any,
+    run: Any,
+    first: Any,
+    steps: Any,
+    seeds: Any,
+    dt: float,
+    substeps: int,
+    track: Any,
+) -> None:
+    """Fill track (n, T + 1, 6) with the rigid motion of n boats, the start first.
+
+    params: (n,) records; start: (n, S) states; commands: (R, samples, 2K); run, first, steps: (n,) which run's
+    commands, from which sample on, for how many steps of dt [s]; what lies beyond repeats the last.
+    """
+    boats = start.shape[0]
+    for chunk in numba.prange((boats + CHUNK - 1) // CHUNK):
+        jets = np.empty((3, commands.shape[2] // 2, 2))
+        state = np.empty(start.shape[1])
+        arrived = np.empty(commands.shape[2])
+        for i in range(chunk * CHUNK, min((chunk + 1) * CHUNK, boats)):
+            state[:] = start[i]
+            track[i, 0] = state[:6]
+            for j in range(track.shape[1] - 1):
+                if j < steps[i]:
+                    delayed_command(commands[run[i]], first[i] + j, params[i].command_delay / dt, arrived)
+                    step_boat(state, params[i], tank, arrived, seeds[i], dt, substeps, jets)
+                track[i, j + 1] = state[:6]
+
+
+@compiled(parallel=True)
+def roll_actuators(
+    params: Any, tank: Any, start: Any, commands: Any, run: Any, seeds: Any, dt: float, substeps: int, states: Any
+) -> None:
+    """Fill states (n, T, S - 6) with time and actuators of whole runs, the hull held at rest.
+
+    What the actuators do depends on the commands alone, so a window's start can be given them without knowing
+    how the boat moved there.
+    """
+    boats = start.shape[0]
+    for i in numba.prange(boats):
+        jets = np.empty((3, commands.shape[2] // 2, 2))
+        state = np.empty(start.shape[1])
+        arrived = np.empty(commands.shape[2])
+        state[:] = start[i]
+        for j in range(states.shape[1]):
+            states[i, j] = state[6:]
+            delayed_command(commands[run[i]], j, params[i].command_delay / dt, arrived)
+            step_boat(state, params[i], tank, arrived, seeds[i], dt, substeps, jets)
+            state[:6] = start[i, :6]

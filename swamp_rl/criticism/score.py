@@ -1,0 +1,125 @@
+"""The score test: what each further candidate would explain, told from one Jacobian without refitting."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.candidates import Atom, Hypothesis
+from swamp_rl.criticism.fit import Fit, bounded_step, normal_equations
+from swamp_rl.criticism.shooting import Shooting
+
+Array = NDArray[np.float64]
+
+BATCH = 24  # points of a grid rolled out at once
+
+
+@dataclass(frozen=True)
+class Prospect:
+    """An atom beside a hypothesis: the joint start (p,), the chi2 it promises, and how well it can be seen.
+
+    seen: (p_atom,) information about each of the atom's numbers alone, times its typical size squared: below
+    about 10 the data cannot show it.
+    """
+
+    hypothesis: Hypothesis
+    atom: Atom
+    x: Array
+    promised: float
+    seen: float
+
+
+def prospects(problem: Shooting, at: Fit, atoms: Sequence[Atom]) -> list[Prospect]:
+    """Prospects of every atom beside `at`, the most promising first; those that the data cannot see are last."""
+    own = {atom.label for atom in at.hypothesis.atoms}
+    by_x = problem.parameter_jacobian(
+        at.hypothesis, at.x, at.states, problem.predict(at.hypothesis, at.x[None], at.states[None])[0]
+    )
+    found = [_prospect(problem, at, atom, by_x) for atom in atoms if atom.label not in own]
+    return sorted(found, key=lambda one: one.promised)
+
+
+def _prospect(problem: Shooting, at: Fit, atom: Atom, by_x: Array) -> Prospect:
+    hypothesis = at.hypothesis.with_atom(atom)
+    place = _columns_of(hypothesis, atom)
+    starts = list(atom.starts)
+    if atom.grid:
+        starts.append(atom.grid[_best_of_grid(problem, at, atom, hypothesis, place, by_x)])
+    best: Prospect | None = None
+    for start in starts:
+        tried = _newton(problem, at, atom, hypothesis, place, by_x, np.array(start, dtype=float))
+        if best is None or tried.promised < best.promised:
+            best = tried
+    assert best is not None
+    return best
+
+
+def _columns_of(hypothesis: Hypothesis, atom: Atom) -> NDArray[np.bool_]:
+    """(p,) which numbers are the atom's."""
+    return np.array([one.label == atom.label for one in hypothesis.atoms for _ in one.specs], dtype=bool)
+
+
+def _joint(place: NDArray[np.bool_], old: Array, new: Array) -> Array:
+    """(V, p) from the old numbers (p_old,) and the atom's (V, p_atom)."""
+    x = np.empty((len(new), len(place)))
+    x[:, ~place] = old
+    x[:, place] = new
+    return x
+
+
+def _best_of_grid(
+    problem: Shooting, at: Fit, atom: Atom, hypothesis: Hypothesis, place: NDArray[np.bool_], by_x: Array
+) -> int:
+    points = np.array(atom.grid)
+    losses = []
+    for start in range(0, len(points), BATCH):
+        x = _joint(place, at.x, points[start : start + BATCH])
+        states = np.broadcast_to(at.states, (len(x), *at.states.shape))
+        left = problem.residuals(problem.predict(hypothesis, x, states))
+        losses += [_loss_after(at, by_x, residual) for residual in left]
+    return int(np.argmin(losses))
+
+
+def _loss_after(at: Fit, by_x: Array, residual: Array) -> float:
+    normal = normal_equations(at.states_jacobian, by_x, residual)
+    loss = float(normal.free.sum())
+    if at.hypothesis.size:
+        H, g = normal.information.sum(axis=0), normal.gradient.sum(axis=0)
+        loss -= float(g @ np.linalg.lstsq(H, g, rcond=1e-10)[0])
+    return loss
+
+
+def _newton(
+    problem: Shooting,
+    at: Fit,
+    atom: Atom,
+    hypothesis: Hypothesis,
+    place: NDArray[np.bool_],
+    by_x: Array,
+    start: Array,
+) -> Prospect:
+    step = np.array([spec.difference for spec in atom.specs])
+    high = np.array([spec.high for spec in atom.specs])
+    step = np.where(start + step > high, -step, step)
+    new = np.vstack([start[None], start + np.diag(step)]) if len(step) else start[None]
+    x = _joint(place, at.x, new)
+    prediction = problem.predict(hypothesis, x, np.broadcast_to(at.states, (len(x), *at.states.shape)))
+    residual = problem.residuals(prediction[0])
+    slopes = np.zeros((*residual.shape, len(place)))
+    slopes[..., ~place] = by_x
+    if len(step):
+        change = (prediction[1:] - prediction[0]) * problem.windows.weight / step[:, None, None, None]
+        slopes[..., place] = np.moveaxis(change.reshape(len(step), *residual.shape), 0, -1)
+    normal = normal_equations(at.states_jacobian, slopes, residual)
+    mean, precision = hypothesis.prior()
+    H = normal.information.sum(axis=0) + np.diag(precision)
+    g = normal.gradient.sum(axis=0) - precision * (x[0] - mean)
+    moved = bounded_step(H, g, x[0], *hypothesis.bounds())
+    loss = float(normal.free.sum() + precision @ (x[0] - mean) ** 2 - 2 * g @ moved + moved @ H @ moved)
+    scale = np.array([spec.scale for spec in atom.specs])
+    own = np.diag(normal.information.sum(axis=0))[place] * scale**2
+    changed = float(((problem.residuals(prediction[0]) - at.residual) ** 2).sum())
+    seen = float(own.max()) if len(own) else changed
+    loss = loss if np.isfinite(loss) else np.inf
+    return Prospect(hypothesis, atom, x[0] + moved, loss, max(seen, changed))

@@ -1,0 +1,146 @@
+"""The simplest set of causes that leaves only noise: a beam search up a ladder of complexity."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from swamp_rl.criticism.adequacy import adequacy
+from swamp_rl.criticism.candidates import NUISANCE, Atom, Hypothesis
+from swamp_rl.criticism.fit import Fit, fit
+from swamp_rl.criticism.ladder import RUNGS, Ladder
+from swamp_rl.criticism.score import Prospect, prospects
+
+MOST = 3  # atoms together, the hull's coefficients counted as one
+BEAM = 5  # sets of causes that a further one is sought beside
+SHORTLIST = 10  # sets that are fitted at each depth
+CLIMBERS = 4  # of them, those that are followed to longer windows
+SEEN = 10.0  # least information about a candidate, in squared typical sizes over variance
+GAP = 9.0  # of penalised chi2 within which two names cannot be told apart
+LAST = len(RUNGS) - 1
+
+
+def cost(hypothesis: Hypothesis) -> float:
+    """Chi2 that a hypothesis must earn: for choosing among some sixty candidates and for its numbers."""
+    return sum(24.0 if a.effect.name == NUISANCE else 10.0 + 4.0 * a.size for a in hypothesis.atoms)
+
+
+def score(made: Fit) -> float:
+    """Chi2 and cost, less is better."""
+    return made.chi2 + cost(made.hypothesis)
+
+
+@dataclass(frozen=True)
+class Search:
+    """What was found: the winner by rung, its rivals on the deepest rung used, and everything that was tried.
+
+    rung: the longest windows on which the winner is adequate, or the middle ones where it is on none.
+    first: prospects beside nothing, in order, on the shortest windows; unseen: labels the data cannot show.
+    """
+
+    winner: Fit
+    adequate: bool
+    rung: int
+    rivals: list[Fit]
+    tried: list[Fit]
+    first: list[Prospect]
+    unseen: list[str]
+
+
+def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None) -> Search:
+    """Climb from nothing to `MOST` atoms, until what is left is noise and nothing more is to be gained."""
+    every = [*atoms, *([hull] if hull else [])]
+    nothing = _climb(ladder, Hypothesis(), np.zeros(0))
+    first = prospects(ladder.problems[0], ladder.fit(0, Hypothesis(), np.zeros(0)), every)
+    unseen = [one.atom.label for one in first if one.seen < SEEN]
+    every = [atom for atom in every if atom.label not in unseen]
+    tried: dict[str, Fit] = {}
+    best = nothing
+    beam = [ladder.fit(0, Hypothesis(), np.zeros(0))]
+    for depth in range(MOST):
+        if _is_enough(ladder, best, every):
+            break
+        fitted = _extend(ladder, beam, every, first if depth == 0 else None)
+        if not fitted:
+            break
+        tried |= {one.hypothesis.label: one for one in fitted}
+        beam = fitted[:BEAM]
+        climbed = sorted((_climb(ladder, one.hypothesis, one.x) for one in _climbers(fitted)), key=score)
+        if score(climbed[0]) < score(best):
+            best = climbed[0]
+    return _concluded(ladder, best, list(tried.values()), first, unseen)
+
+
+def _climb(ladder: Ladder, hypothesis: Hypothesis, x: np.ndarray) -> Fit:
+    """The fit on the middle rung, by way of the shortest."""
+    ladder.fit(0, hypothesis, x)
+    return ladder.fit(1, hypothesis, x)
+
+
+def _climbers(fitted: list[Fit]) -> list[Fit]:
+    best = score(fitted[0])
+    return [one for one in fitted[:CLIMBERS] if score(one) < 1.5 * best + 100.0]
+
+
+def needed(atom: Atom) -> float:
+    """Fall of chi2 that makes an atom worth adding."""
+    return cost(Hypothesis((atom,))) + 8.0
+
+
+def _is_enough(ladder: Ladder, at: Fit, atoms: Sequence[Atom]) -> bool:
+    """Whether only noise is left on the middle windows and no further atom promises anything."""
+    if not adequacy(ladder.problems[1], at).adequate:
+        return False
+    here = ladder.fit(1, at.hypothesis, at.x)
+    return not any(
+        here.chi2 - one.promised > needed(one.atom) and _holds(ladder, one, here)
+        for one in prospects(ladder.problems[1], here, atoms)
+    )
+
+
+def _holds(ladder: Ladder, prospect: Prospect, here: Fit) -> bool:
+    """Whether a promise is kept by a true fit from there."""
+    made = fit(ladder.problems[1], prospect.hypothesis, prospect.x, here.states, 4)
+    return here.chi2 - made.chi2 > needed(prospect.atom)
+
+
+def _extend(
+    ladder: Ladder, beam: list[Fit], atoms: Sequence[Atom], known: list[Prospect] | None
+) -> list[Fit]:
+    """Fits, on the shortest windows, of the most promising sets with one atom more, best first."""
+    found: dict[str, Prospect] = {}
+    for at in beam:
+        ahead = known if known is not None else prospects(ladder.problems[0], at, atoms)
+        for one in ahead:
+            label = one.hypothesis.label
+            if one.seen >= SEEN and (label not in found or one.promised < found[label].promised):
+                found[label] = one
+    chosen = sorted(found.values(), key=lambda one: one.promised + cost(one.hypothesis))[:SHORTLIST]
+    return sorted((ladder.fit(0, one.hypothesis, one.x) for one in chosen), key=score)
+
+
+def _concluded(
+    ladder: Ladder, best: Fit, tried: list[Fit], first: list[Prospect], unseen: list[str]
+) -> Search:
+    rung = 1
+    adequate = adequacy(ladder.problems[1], best).adequate
+    if adequate:
+        whole = ladder.fit(LAST, best.hypothesis, best.x)
+        if adequacy(ladder.problems[LAST], whole).adequate:
+            best, rung = whole, LAST
+    rivals = []
+    near = score(ladder.fit(1, best.hypothesis, best.x)) + 60.0
+    for one in tried if adequate else []:
+        if one.hypothesis.label == best.hypothesis.label or score(one) > near + 200.0:
+            continue
+        made = _climb(ladder, one.hypothesis, one.x)
+        if score(made) > near:
+            continue
+        made = ladder.fit(rung, one.hypothesis, one.x)
+        rivals.append(made)
+    if rivals and score(min(rivals, key=score)) < score(best):
+        rivals.append(best)
+        best = min(rivals, key=score)
+        rivals = [one for one in rivals if one is not best]
+    rivals = [one for one in rivals if score(one) < score(best) + GAP]
+    return Search(best, adequate, rung, sorted(rivals, key=score), tried, first, unseen)

@@ -1,0 +1,199 @@
+"""Multiple shooting: windows of runs, each from an initial state of its own, predicted by rollouts."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.candidates import Hypothesis
+from swamp_rl.criticism.data import Trials
+from swamp_rl.criticism.kernel import roll, roll_actuators
+from swamp_rl.sensors import observe
+from swamp_rl.simulator import initial_state, tank
+from swamp_rl.simulator.state import ACTUATORS
+
+Array = NDArray[np.float64]
+
+SUBSTEP, SUBSTEP_OF_RUNS = 0.1, 0.05  # s, the longest Runge-Kutta step; whole runs magnify its error
+PAD = 2.0  # s simulated before a window's first sample, so that delays see what went before
+SETTLING = 3.0  # s at a run's start that are not compared: how the actuators stood there is not recorded
+GUESS_SPAN = 1.0  # s to either side that a first guess of a state is smoothed over
+STATE_STEP = np.array([1e-3, 1e-3, 1e-4, 1e-4, 1e-4, 1e-4])
+
+
+@dataclass(frozen=True)
+class Windows:
+    """W windows: run, first sample simulated, steps from there; measured and weight (W, T + 1, 6)."""
+
+    run: NDArray[np.int64]
+    first: NDArray[np.int64]
+    steps: NDArray[np.int64]
+    measured: Array
+    weight: Array
+    pad: int
+
+    @property
+    def count(self) -> int:
+        """W."""
+        return len(self.run)
+
+
+def cut(trials: Trials, weight: Array, seconds: float) -> Windows:
+    """Windows of about `seconds` without overlap; inf: one window a run.
+
+    A run is cut in a power of two, so that longer windows start where some shorter ones do.
+    """
+    pad = math.ceil(PAD / trials.dt)
+    settling = max(pad, math.ceil(SETTLING / trials.dt))
+    rows: list[tuple[int, int, int]] = []
+    for run, length in enumerate(trials.lengths):
+        available = int(length) - settling
+        pieces = 2 ** max(0, round(math.log2(available * trials.dt / seconds))) if math.isfinite(seconds) else 1
+        edges = np.linspace(settling, length, pieces + 1).round().astype(int)
+        rows += [(run, a - pad, b - 1 - (a - pad)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    run_of, first, steps = (np.array(column) for column in zip(*rows, strict=True))
+    longest = int(steps.max())
+    measured = np.zeros((len(rows), longest + 1, 6))
+    weights = np.zeros_like(measured)
+    for w, (run, start, count) in enumerate(rows):
+        part = slice(start + pad, start + count + 1)
+        measured[w, pad : count + 1] = trials.measured[run, part]
+        weights[w, pad : count + 1] = weight[run, part]
+    return Windows(run_of, first, steps, np.nan_to_num(measured), weights, pad)
+
+
+def wrap(angle: Array) -> Array:
+    """Angles [rad] to within half a turn of zero."""
+    return angle - 2 * np.pi * np.round(angle / (2 * np.pi))
+
+
+class Shooting:
+    """The comparison of trials with rollouts, cut in windows of one length.
+
+    Holds what every fit shares: windows, commands, the tank, and the actuators' states under the boat file.
+    """
+
+    def __init__(self, trials: Trials, weight: Array, seconds: float) -> None:
+        self.trials = trials
+        self.boat = trials.boat
+        self.windows = cut(trials, weight, seconds)
+        self.seconds = seconds
+        self.weight = weight
+        self.tank = tank(trials.boat)
+        self.dt = trials.dt
+        self.substeps = max(1, math.ceil(trials.dt / (SUBSTEP if math.isfinite(seconds) else SUBSTEP_OF_RUNS) - 1e-9))
+        self.samples = int((self.windows.weight > 0).sum())
+
+    @cached_property
+    def plain_actuators(self) -> Array:
+        """(W, S - 6) time and actuators at the windows' starts, as the boat file has it."""
+        return self.actuators(Hypothesis(), np.zeros((1, 0)))[0]
+
+    def actuators(self, hypothesis: Hypothesis, x: Array) -> Array:
+        """(V, W, S - 6) time and actuators at the windows' starts for each row of x (V, p)."""
+        runs, variants = len(self.trials.lengths), len(x)
+        records = np.repeat(hypothesis.records(self.boat, x), runs)
+        start = initial_state(records, np.zeros((len(records), 3)))
+        start[:, ACTUATORS:] = np.tile(self._first_actuators(start.shape[1] - ACTUATORS), (variants, 1))
+        run = np.tile(np.arange(runs), variants)
+        last = int(self.windows.first.max()) + 1
+        states = np.empty((len(records), last, start.shape[1] - 6))
+        seeds = np.zeros(len(records), np.uint64)
+        roll_actuators(records, self.tank, start, self.trials.commands, run, seeds, self.dt, self.substeps, states)
+        picked = states.reshape(variants, runs, last, -1)[:, self.windows.run, self.windows.first]
+        return np.ascontiguousarray(picked)
+
+    def _first_actuators(self, width: int) -> Array:
+        """(R, width) actuators where the first command wants them."""
+        first = np.zeros((len(self.trials.lengths), width))
+        commands = self.trials.commands[:, 0]
+        first[:, : commands.shape[1]] = commands
+        return first
+
+    def predict(self, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
+        """(V, W, T + 1, 6) what the sensors would say, for x (V, p) and rigid states (V, W, 6) at the starts."""
+        win, variants = self.windows, len(x)
+        records = hypothesis.records(self.boat, x)
+        if hypothesis.moves_actuators:
+            rows, place = np.unique(x, axis=0, return_inverse=True)
+            actuators = self.actuators(hypothesis, rows)[place.reshape(-1)]
+        else:
+            actuators = np.broadcast_to(self.plain_actuators, (variants, *self.plain_actuators.shape))
+        start = np.concatenate([states, actuators], axis=2).reshape(variants * win.count, -1)
+        track = np.empty((len(start), int(win.steps.max()) + 1, 6))
+        batch = np.repeat(records, win.count)
+        run, first, steps = (np.tile(a, variants) for a in (win.run, win.first, win.steps))
+        seeds = np.zeros(len(start), np.uint64)
+        roll(
+            batch, self.tank, start, self.trials.commands, run, first, steps, seeds, self.dt, self.substeps, track
+        )
+        track = observe(track, batch, self.dt)
+        return track.reshape(variants, win.count, *track.shape[1:])
+
+    def residuals(self, prediction: Array) -> Array:
+        """(..., W, M) measured less predicted in standard deviations, 0 where nothing was measured."""
+        difference = self.windows.measured - prediction
+        difference[..., 2] = wrap(difference[..., 2])
+        difference *= self.windows.weight
+        return difference.reshape(*difference.shape[:-2], -1)
+
+    def state_jacobian(self, hypothesis: Hypothesis, x: Array, states: Array, base: Array) -> Array:
+        """(W, M, 6) of the weighted prediction by the initial states; a shift of position just shifts the track."""
+        moved = np.repeat(states[None], 4, axis=0)
+        for i, column in enumerate((2, 3, 4, 5)):
+            moved[i, :, column] += STATE_STEP[column]
+        prediction = self.predict(hypothesis, np.repeat(x[None], 4, axis=0), moved)
+        jacobian = np.zeros((*base.shape, 6))
+        jacobian[..., 0, 0] = 1.0
+        jacobian[..., 1, 1] = 1.0
+        for i, column in enumerate((2, 3, 4, 5)):
+            jacobian[..., column] = (prediction[i] - base) / STATE_STEP[column]
+        jacobian *= self.windows.weight[..., None]
+        return jacobian.reshape(self.windows.count, -1, 6)
+
+    def parameter_jacobian(self, hypothesis: Hypothesis, x: Array, states: Array, base: Array) -> Array:
+        """(W, M, p) of the weighted prediction by x, one-sided differences that stay within the bounds."""
+        size = hypothesis.size
+        if size == 0:
+            return np.zeros((self.windows.count, base[0].size, 0))
+        _, high = hypothesis.bounds()
+        step = np.array([s.difference for s in hypothesis.specs])
+        step = np.where(x + step > high, -step, step)
+        prediction = self.predict(hypothesis, x + np.diag(step), np.repeat(states[None], size, axis=0))
+        jacobian = (prediction - base) * self.windows.weight / step[:, None, None, None]
+        return np.moveaxis(jacobian.reshape(size, self.windows.count, -1), 0, -1)
+
+    def guess(self) -> Array:
+        """(W, 6) states at the starts, smoothed from what was measured about them."""
+        return np.array(
+            [self._guess(run, first) for run, first in zip(self.windows.run, self.windows.first, strict=True)]
+        )
+
+    def _guess(self, run: int, first: int) -> Array:
+        track, weight = self.trials.measured[run], self.weight[run]
+        span = max(2, round(GUESS_SPAN / self.dt))
+        near = np.arange(max(0, first - span), min(int(self.trials.lengths[run]), first + span + 1))
+        state = np.zeros(6)
+        rates = np.zeros(3)
+        for channel in range(3):
+            state[channel], rates[channel] = _level_and_slope(near - first, track[near, channel], weight[near, channel])
+        rates /= self.dt
+        cos, sin = math.cos(state[2]), math.sin(state[2])
+        state[3:] = (rates[0] * cos + rates[1] * sin, rates[1] * cos - rates[0] * sin, rates[2])
+        for channel in range(3, 6):
+            if (weight[near, channel] > 0).sum() >= 3:
+                state[channel] = _level_and_slope(near - first, track[near, channel], weight[near, channel])[0]
+        return state
+
+
+def _level_and_slope(place: NDArray[np.int64], values: Array, weight: Array) -> tuple[float, float]:
+    """Value and slope at place 0 of a parabola through the samples that have weight."""
+    good = weight > 0
+    if not good.any():
+        return 0.0, 0.0
+    degree = min(2, int(good.sum()) - 1)
+    fitted = np.polynomial.polynomial.polyfit(place[good], values[good], degree)
+    return float(fitted[0]), float(fitted[1]) if degree else 0.0
