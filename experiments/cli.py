@@ -82,13 +82,23 @@ def record_scripted_runs(
     out: Annotated[Path, typer.Option(help="The new folder of runs.")],
     course: Annotated[str, typer.Option(help="A name in configs/courses, or a course file.")] = "camogli",
     boat: BoatOption = "swamp",
+    disturbances: Annotated[
+        str | None, typer.Option(help="A name in configs/disturbances, or a file of them; none by default.")
+    ] = None,
     count: Annotated[int, typer.Option(min=1, help="How many successful runs.")] = 40,
     seed: Annotated[int, typer.Option(min=0, help="Another seed, other runs.")] = 0,
 ) -> None:
     """Record runs of the scripted pilot, which drives the way people do, failed ones included."""
+    from envs.batched import GatesVectorEnv
     from swamp_rl.pilots.record import record_scripted
+    from swamp_rl.runs import read_dataset
 
-    record_scripted(course=course, boat=boat, count=count, seed=seed, out=out)
+    def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
+        return GatesVectorEnv(n, boat, course, disturbances, senses)
+
+    record_scripted(boats, out, boat=boat, course=course, count=count, seed=seed)
+    recorded = read_dataset(out)
+    typer.echo(f"{out}: {len(recorded.runs)} runs, {len(recorded.successful)} of them successful")
 
 
 @app.command()
