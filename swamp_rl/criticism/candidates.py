@@ -16,7 +16,11 @@ from swamp_rl.simulator import parameters
 Array = NDArray[np.float64]
 Values = dict[str, Any]
 
-NOT_CAUSES = ("gusts", "thruster_kick", "waves")  # random or acted by somebody else: disturbances, not the boat
+NOT_CAUSES = (
+    "gusts",
+    "thruster_kick",
+    "waves",
+)  # random or acted by somebody else: disturbances, not the boat
 NUISANCE = "hull_coefficients"
 NUISANCE_SD = 0.12  # a regression's linear derivative against the boat's, one standard deviation
 HULL_LIMIT = 1.6
@@ -172,7 +176,11 @@ class Hypothesis:
 
 def entries_of(atom: Atom, x: Array) -> list[EffectEntry]:
     """One atom as effect entries; x: (..., p)."""
-    values = atom.values(x) if atom.values is not dict else dict(zip(atom.names, np.moveaxis(x, -1, 0), strict=True))
+    values = (
+        atom.values(x)
+        if atom.values is not dict
+        else dict(zip(atom.names, np.moveaxis(x, -1, 0), strict=True))
+    )
     thruster = atom.selectors if atom.effect.swaps else atom.selectors[0] if atom.selectors else None
     return [EffectEntry(atom.effect, thruster, values)]  # type: ignore[arg-type]
 
@@ -205,7 +213,10 @@ def plain(effect: Effect, boat: Boat) -> list[Atom]:
     given = SPECS.get(effect.name) or tuple(guessed(effect, name) for name in effect.parameter_names)
     specs = tuple(clipped(s, effect, n) for s, n in zip(given, effect.parameter_names, strict=True))
     starts = tuple(itertools.product(*(s.starts for s in specs)))
-    return [Atom(effect, chosen, specs, starts, names=effect.parameter_names) for chosen in selectors(effect, boat)]
+    return [
+        Atom(effect, chosen, specs, starts, names=effect.parameter_names)
+        for chosen in selectors(effect, boat)
+    ]
 
 
 def guessed(effect: Effect, name: str) -> Spec:
@@ -221,7 +232,7 @@ def selectors(effect: Effect, boat: Boat) -> list[tuple[str, ...]]:
         return list(itertools.combinations(boat.thruster_names, 2))
     if not effect.thruster:
         return [()]
-    each = [(name,) for name in boat.thruster_names]
+    each: list[tuple[str, ...]] = [(name,) for name in boat.thruster_names]
     return [*each, ("all",)] if effect.name == "azimuth_offset" and len(each) > 1 else each
 
 

@@ -1,13 +1,15 @@
 """Measured runs as arrays on one uniform grid, gaps marked, ready to be compared with rollouts."""
 
+import os
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
-from swamp_rl.runs import Dataset, Run
+from swamp_rl.runs import Run, inspect_dataset
 from swamp_rl.simulator.replay import fixed_thrusters, sample_step
 
 Array = NDArray[np.float64]
@@ -37,7 +39,7 @@ class Trials:
     @property
     def present(self) -> tuple[str, ...]:
         """Channels that some run holds."""
-        found = np.isfinite(self.measured).any(axis=(0, 1))
+        found = np.isfinite(self.measured).any(axis=(0, 1)).tolist()
         return tuple(name for name, here in zip(CHANNELS, found, strict=True) if here)
 
     def subset(self, runs: list[int]) -> "Trials":
@@ -52,17 +54,31 @@ class Trials:
         )
 
 
-def trials_of(dataset: Dataset, boat: Boat) -> Trials:
-    """A dataset on a uniform grid; UserError where there is too little to compare, saying what is missing."""
-    runs = [run for run in dataset.runs if run.duration >= SHORTEST]
+def read_trials(folder: Path | str, boat: Boat) -> Trials:
+    """A folder of measured runs on a uniform grid.
+
+    Rows may be missing: gaps are marked, nothing is filled in. UserError for any other fault of the folder,
+    and where there is too little to compare, saying what is missing.
+    """
+    folder = Path(folder)
+    found = inspect_dataset(folder)
+    faults = [fault for fault in found.faults if fault.column != "time"]
+    if faults:
+        raise UserError(f"{folder}{os.sep}{faults[0]}")
+    return trials_of(found.runs, boat, str(folder))
+
+
+def trials_of(every: list[Run], boat: Boat, folder: str) -> Trials:
+    """Runs on a uniform grid; `folder` begins every message. UserError."""
+    runs = [run for run in every if run.duration >= SHORTEST]
     total = sum(run.duration for run in runs)
     if not runs or total < LEAST:
         raise UserError(
-            f"{dataset.folder}: {total:.0f} s in runs of at least {SHORTEST:.0f} s; a diagnosis needs {LEAST:.0f} s "
-            "or more, better five runs of a minute with turns both ways and several speeds; record more"
+            f"{folder}: {total:.0f} s in runs of at least {SHORTEST:.0f} s; a diagnosis needs {LEAST:.0f} s or "
+            "more, better five runs of a minute with turns both ways and several speeds; record more"
         )
     dt = float(np.median([sample_step(run) for run in runs]))
-    placed = [_on_grid(run, boat, dt, str(dataset.folder)) for run in runs]
+    placed = [_on_grid(run, boat, dt, folder) for run in runs]
     longest = max(len(commands) for commands, _ in placed)
     commands = np.zeros((len(runs), longest, placed[0][0].shape[1]))
     measured = np.full((len(runs), longest, len(CHANNELS)), np.nan)
@@ -72,7 +88,7 @@ def trials_of(dataset: Dataset, boat: Boat) -> Trials:
         measured[index, : len(track)] = track
     lengths = np.array([len(track) for _, track in placed])
     trials = Trials(boat, dt, tuple(run.name for run in runs), commands, measured, lengths)
-    refuse_unexciting(trials, str(dataset.folder))
+    refuse_unexciting(trials, folder)
     return trials
 
 
@@ -80,7 +96,7 @@ def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array
     place = (run.time - run.time[0]) / dt
     index = np.rint(place).astype(int)
     off = np.abs(place - index)
-    if off.max() > GRID_TOLERANCE or len(np.unique(index)) < len(index):
+    if off.max() > GRID_TOLERANCE or (np.diff(index) <= 0).any():
         row = int(off.argmax()) + 1
         raise UserError(
             f"{folder}: run {run.name}, row {row}: time {run.time[row - 1]:.3f} s does not fit the sample step of "
@@ -102,7 +118,9 @@ def refuse_unexciting(trials: Trials, folder: str) -> None:
     inside = [trials.commands[run, :length] for run, length in enumerate(trials.lengths)]
     commands = np.concatenate(inside)
     if not (np.abs(commands[:, thrusters:]) > 0.02).any():
-        raise UserError(f"{folder}: no thruster ever runs; nothing about the boat can be told from drifting alone")
+        raise UserError(
+            f"{folder}: no thruster ever runs; nothing about the boat can be told from drifting alone"
+        )
     travelled = 0.0
     turned = 0.0
     for run, length in enumerate(trials.lengths):

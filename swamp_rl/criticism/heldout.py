@@ -32,6 +32,23 @@ def heldout_loss(problem: Shooting, at: Fit) -> Array:
     return loss
 
 
+def heldout_numbers(problem: Shooting, at: Fit) -> Array:
+    """(R, p) the numbers that all runs but each one would give; those of the fit where there is one run."""
+    windows = problem.windows.run
+    runs = len(problem.trials.lengths)
+    if runs == 1 or at.hypothesis.size == 0:
+        return np.repeat(at.x[None], runs, axis=0)
+    mean, precision = at.hypothesis.prior()
+    numbers = np.empty((runs, at.hypothesis.size))
+    low, high = at.hypothesis.bounds()
+    for run in range(runs):
+        others = windows != run
+        H = at.normal.information[others].sum(axis=0) + np.diag(precision)
+        g = at.normal.gradient[others].sum(axis=0) - precision * (at.x - mean)
+        numbers[run] = np.clip(at.x + inverse(H) @ g, low, high)
+    return numbers
+
+
 def bootstrap_interval(gains: Array, share: float, rng: np.random.Generator) -> tuple[float, float]:
     """Interval of the sum of per-block gains (B,), each end leaving out half of 1 - share."""
     picks = rng.integers(0, len(gains), (RESAMPLES, len(gains)))

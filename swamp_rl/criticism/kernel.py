@@ -48,7 +48,15 @@ def roll(
 
 @compiled(parallel=True)
 def roll_actuators(
-    params: Any, tank: Any, start: Any, commands: Any, run: Any, seeds: Any, dt: float, substeps: int, states: Any
+    params: Any,
+    tank: Any,
+    start: Any,
+    commands: Any,
+    run: Any,
+    seeds: Any,
+    dt: float,
+    substeps: int,
+    states: Any,
 ) -> None:
     """Fill states (n, T, S - 6) with time and actuators of whole runs, the hull held at rest.
 

@@ -1,5 +1,7 @@
 """The sensors' noise, told from the data alone, and samples that no noise explains."""
 
+import warnings
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,8 +24,9 @@ def noise_levels(trials: Trials) -> Array:
     root mean square of what lies within four of it.
     """
     sigmas = np.full(len(CHANNELS), np.nan)
+    fresh = np.where(held_samples(trials.measured), np.nan, trials.measured)
     for channel in range(len(CHANNELS)):
-        differences = np.concatenate([np.diff(run[:, channel], 3) for run in trials.measured])
+        differences = np.concatenate([third_differences(run[:, channel]) for run in fresh])
         differences = differences[np.isfinite(differences)]
         if len(differences) == 0:
             continue
@@ -34,13 +37,25 @@ def noise_levels(trials: Trials) -> Array:
     return sigmas
 
 
+def third_differences(values: Array) -> Array:
+    """Of samples in a row (T,); where a sensor is slower than the grid, of its own samples."""
+    if np.isfinite(values).mean() < 0.6:
+        values = values[np.isfinite(values)]
+    return np.diff(values, 3)
+
+
 def weights(trials: Trials, sigmas: Array) -> Array:
-    """(R, T, 6) 1/sigma, 0 where there is no sample or an outlier."""
-    filled = np.where(np.isfinite(trials.measured), trials.measured, 0.0)
-    good = np.isfinite(trials.measured) & ~outliers(trials.measured, sigmas)
-    scale = np.where(np.isfinite(sigmas), sigmas, 1.0)
-    assert filled.shape == good.shape
-    return good / scale
+    """(R, T, 6) 1/sigma, 0 where there is no sample, a repeated one or an outlier."""
+    held = held_samples(trials.measured)
+    good = np.isfinite(trials.measured) & ~held & ~outliers(trials.measured, sigmas)
+    return good / np.where(np.isfinite(sigmas), sigmas, 1.0)
+
+
+def held_samples(measured: Array) -> NDArray[np.bool_]:
+    """(R, T, 6) samples that only repeat the one before to the last bit: a sensor that had nothing new to say."""
+    held = np.zeros(measured.shape, dtype=bool)
+    held[:, 1:] = measured[:, 1:] == measured[:, :-1]
+    return held
 
 
 def outliers(measured: Array, sigmas: Array) -> NDArray[np.bool_]:
@@ -48,10 +63,7 @@ def outliers(measured: Array, sigmas: Array) -> NDArray[np.bool_]:
     half = NEIGHBOURS // 2
     padded = np.pad(measured, ((0, 0), (half, half), (0, 0)), constant_values=np.nan)
     views = np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS, axis=1)
-    with np.errstate(all="ignore"):
-        import warnings
-
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)
-            middle = np.nanmedian(views, axis=-1)
-        return np.abs(measured - middle) > OUTLIER * sigmas
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of windows without any sample
+        middle = np.nanmedian(views, axis=-1)
+    return np.abs(measured - middle) > OUTLIER * sigmas

@@ -51,7 +51,9 @@ def cut(trials: Trials, weight: Array, seconds: float) -> Windows:
     rows: list[tuple[int, int, int]] = []
     for run, length in enumerate(trials.lengths):
         available = int(length) - settling
-        pieces = 2 ** max(0, round(math.log2(available * trials.dt / seconds))) if math.isfinite(seconds) else 1
+        pieces = (
+            2 ** max(0, round(math.log2(available * trials.dt / seconds))) if math.isfinite(seconds) else 1
+        )
         edges = np.linspace(settling, length, pieces + 1).round().astype(int)
         rows += [(run, a - pad, b - 1 - (a - pad)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
     run_of, first, steps = (np.array(column) for column in zip(*rows, strict=True))
@@ -76,15 +78,17 @@ class Shooting:
     Holds what every fit shares: windows, commands, the tank, and the actuators' states under the boat file.
     """
 
-    def __init__(self, trials: Trials, weight: Array, seconds: float) -> None:
+    def __init__(self, trials: Trials, weight: Array, seconds: float, windows: Windows | None = None) -> None:
         self.trials = trials
         self.boat = trials.boat
-        self.windows = cut(trials, weight, seconds)
+        self.windows = cut(trials, weight, seconds) if windows is None else windows
         self.seconds = seconds
         self.weight = weight
         self.tank = tank(trials.boat)
         self.dt = trials.dt
-        self.substeps = max(1, math.ceil(trials.dt / (SUBSTEP if math.isfinite(seconds) else SUBSTEP_OF_RUNS) - 1e-9))
+        self.substeps = max(
+            1, math.ceil(trials.dt / (SUBSTEP if math.isfinite(seconds) else SUBSTEP_OF_RUNS) - 1e-9)
+        )
         self.samples = int((self.windows.weight > 0).sum())
 
     @cached_property
@@ -102,7 +106,9 @@ class Shooting:
         last = int(self.windows.first.max()) + 1
         states = np.empty((len(records), last, start.shape[1] - 6))
         seeds = np.zeros(len(records), np.uint64)
-        roll_actuators(records, self.tank, start, self.trials.commands, run, seeds, self.dt, self.substeps, states)
+        roll_actuators(
+            records, self.tank, start, self.trials.commands, run, seeds, self.dt, self.substeps, states
+        )
         picked = states.reshape(variants, runs, last, -1)[:, self.windows.run, self.windows.first]
         return np.ascontiguousarray(picked)
 
@@ -128,7 +134,17 @@ class Shooting:
         run, first, steps = (np.tile(a, variants) for a in (win.run, win.first, win.steps))
         seeds = np.zeros(len(start), np.uint64)
         roll(
-            batch, self.tank, start, self.trials.commands, run, first, steps, seeds, self.dt, self.substeps, track
+            batch,
+            self.tank,
+            start,
+            self.trials.commands,
+            run,
+            first,
+            steps,
+            seeds,
+            self.dt,
+            self.substeps,
+            track,
         )
         track = observe(track, batch, self.dt)
         return track.reshape(variants, win.count, *track.shape[1:])
@@ -179,13 +195,17 @@ class Shooting:
         state = np.zeros(6)
         rates = np.zeros(3)
         for channel in range(3):
-            state[channel], rates[channel] = _level_and_slope(near - first, track[near, channel], weight[near, channel])
+            state[channel], rates[channel] = _level_and_slope(
+                near - first, track[near, channel], weight[near, channel]
+            )
         rates /= self.dt
         cos, sin = math.cos(state[2]), math.sin(state[2])
         state[3:] = (rates[0] * cos + rates[1] * sin, rates[1] * cos - rates[0] * sin, rates[2])
         for channel in range(3, 6):
             if (weight[near, channel] > 0).sum() >= 3:
-                state[channel] = _level_and_slope(near - first, track[near, channel], weight[near, channel])[0]
+                state[channel] = _level_and_slope(near - first, track[near, channel], weight[near, channel])[
+                    0
+                ]
         return state
 
 

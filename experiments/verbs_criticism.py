@@ -1,0 +1,33 @@
+"""`swamp-rl diagnose`: what a simulated boat gets wrong about measured runs."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def diagnose(
+    dataset: Annotated[Path, typer.Argument(help="A folder of measured runs with its dataset.yaml.")],
+    out: Annotated[Path, typer.Option(help="The folder to write.")],
+    boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",
+    holdout: Annotated[
+        Path | None, typer.Option(help="Runs to measure the gain on; else each run in turn is held out.")
+    ] = None,
+) -> None:
+    """Name what the simulation gets wrong, extend the boat by it, and measure the gain."""
+    from swamp_rl.criticism.diagnose import diagnose as examine
+
+    found = examine(dataset, boat, out, holdout)
+    typer.echo(f"verdict: {found.verdict}")
+    for cause in found.causes:
+        on = f" {cause.thruster}" if cause.thruster else ""
+        numbers = ", ".join(
+            f"{name} {p.value:.4g} ± {p.standard_error:.2g} {p.unit}" for name, p in cause.parameters.items()
+        )
+        typer.echo(f"  {cause.effect}{on}: {numbers}")
+    for names in found.indistinguishable:
+        typer.echo(f"  cannot be told apart: {'; '.join(names)}")
+    if found.separating_trial:
+        trial = found.separating_trial
+        typer.echo(f"  would tell them apart: {trial.manoeuvre} ({trial.separation:.1f} standard errors)")
+    typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")

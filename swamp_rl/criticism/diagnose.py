@@ -1,0 +1,157 @@
+"""From measured runs and a boat file to a diagnosis: what is wrong, by how much, and what it gains to add it."""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.adequacy import adequacy
+from swamp_rl.criticism.candidates import Hypothesis, candidates, hull_nuisance
+from swamp_rl.criticism.data import CHANNELS, Trials, read_trials
+from swamp_rl.criticism.estimate import causes_of
+from swamp_rl.criticism.extend import write_extended
+from swamp_rl.criticism.fit import Fit
+from swamp_rl.criticism.gain import HORIZONS, change, errors_at
+from swamp_rl.criticism.heldout import bootstrap_interval, heldout_loss, heldout_numbers
+from swamp_rl.criticism.ladder import Ladder, ladder_of
+from swamp_rl.criticism.noise import noise_levels, weights
+from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, Paired, Verdict
+from swamp_rl.criticism.search import Search, search
+from swamp_rl.files import folder_beside
+
+Array = NDArray[np.float64]
+
+RESULT = "diagnosis.json"
+LISTED = 20  # candidates in the report
+QUANTITIES = {
+    "position_rmse_m": [0, 1],
+    "heading_rmse_rad": [2],
+    "surge_rmse_m_s": [3],
+    "sway_rmse_m_s": [4],
+    "yaw_rate_rmse_rad_s": [5],
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A diagnosis with what it was reached from."""
+
+    diagnosis: Diagnosis
+    trials: Trials
+    ladder: Ladder
+    search: Search
+
+
+def diagnose(
+    dataset: Path, boat: str | Path, out: Path, holdout: Path | None = None, seed: int = 0
+) -> Diagnosis:
+    """Diagnose a folder of runs against a boat file; writes diagnosis.json and extended_boat.yaml into `out`.
+
+    holdout: a folder of runs that the gain is measured on, the runs themselves held out in turn where there
+    is none. UserError for data that cannot carry a diagnosis.
+    """
+    model = load_boat(boat)
+    trials = read_trials(dataset, model)
+    other = read_trials(holdout, model) if holdout else None
+    with folder_beside(out, RESULT) as folder:
+        finding = examine(trials, other, np.random.default_rng(seed))
+        winner = finding.search.winner
+        write_extended(folder / "extended_boat.yaml", boat, winner.hypothesis, winner.x)
+        (folder / RESULT).write_text(finding.diagnosis.model_dump_json(indent=2) + "\n", encoding="utf-8")
+    return finding.diagnosis
+
+
+def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> Finding:
+    """The diagnosis of trials in memory; `other`: trials to measure the gain on."""
+    began = time.perf_counter()
+    sigmas = noise_levels(trials)
+    weight = weights(trials, sigmas)
+    ladder = ladder_of(trials, weight)
+    duration = float(trials.lengths.max() * trials.dt)
+    found = search(ladder, candidates(trials.boat, duration), hull_nuisance())
+    measure = adequacy(ladder.problems[found.rung], found.winner)
+    diagnosis = Diagnosis(
+        verdict=verdict_of(found),
+        causes=causes_of(found.winner),
+        indistinguishable=_sets(found),
+        contrasts=[],
+        separating_trial=None,
+        leftover=[],
+        candidates=_candidates(ladder, found, rng),
+        unseen=found.unseen,
+        gain=_gains(trials, weight, other, ladder, found, rng),
+        noise={n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)},
+        adequacy={"worst_excess": measure.worst, "channel": measure.channel, "adequate": found.adequate},
+        elapsed_s=time.perf_counter() - began,
+    )
+    return Finding(diagnosis, trials, ladder, found)
+
+
+def verdict_of(found: Search) -> Verdict:
+    """One of four."""
+    if not found.adequate:
+        return "unexplained"
+    if not found.winner.hypothesis.atoms and not found.rivals:
+        return "nothing_wrong"
+    return "indistinguishable" if found.rivals else "cause"
+
+
+def names_of(hypothesis: Hypothesis) -> str:
+    """Effects of a hypothesis, joined by plus signs."""
+    return " + ".join(atom.effect.name for atom in hypothesis.atoms) or "nothing"
+
+
+def _sets(found: Search) -> list[list[str]]:
+    if not found.rivals:
+        return []
+    return [[one.hypothesis.label for one in (found.winner, *found.rivals)]]
+
+
+def _candidates(ladder: Ladder, found: Search, rng: np.random.Generator) -> list[Candidate]:
+    problem = ladder.problems[0]
+    nothing = ladder.fit(0, Hypothesis(), np.zeros(0))
+    fits: list[Fit] = [nothing, *found.tried]
+    listed = []
+    for one in fits:
+        loss = heldout_loss(problem, one)
+        gains = nothing.loss - loss
+        low, high = bootstrap_interval(gains, 0.95, rng)
+        per_sample = float(loss.sum()) / problem.samples
+        listed.append(
+            Candidate(
+                effect=one.hypothesis.label,
+                held_out_score=per_sample,
+                gain=float(gains.sum()),
+                gain_ci=(low, high),
+            )
+        )
+    return sorted(listed, key=lambda one: one.held_out_score)[:LISTED]
+
+
+def _gains(
+    trials: Trials,
+    weight: Array,
+    other: Trials | None,
+    ladder: Ladder,
+    found: Search,
+    rng: np.random.Generator,
+) -> list[Gain]:
+    winner = found.winner
+    if other is None:
+        numbers = heldout_numbers(ladder.problems[found.rung], winner)
+        judged, its_weight = trials, weight
+    else:
+        judged, its_weight = other, weights(other, noise_levels(other))
+        numbers = np.repeat(winner.x[None], len(other.lengths), axis=0)
+    none = np.zeros((len(judged.lengths), 0))
+    gains = []
+    for horizon in HORIZONS:
+        before = errors_at(judged, its_weight, horizon, Hypothesis(), none)
+        after = errors_at(judged, its_weight, horizon, winner.hypothesis, numbers)
+        changes = {name: change(before[:, c], after[:, c], rng) for name, c in QUANTITIES.items()}
+        kept = {n: Paired(before=c.before, after=c.after, ci95=c.ci95) for n, c in changes.items() if c}
+        gains.append(Gain(horizon_s=horizon, **kept))
+    return gains

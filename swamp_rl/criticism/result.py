@@ -1,0 +1,102 @@
+"""What `diagnosis.json` holds; `Diagnosis.model_json_schema()` is its published schema."""
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict
+
+Verdict = Literal["nothing_wrong", "cause", "indistinguishable", "unexplained"]
+
+
+class Part(BaseModel):
+    """A section without unknown keys."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class Estimate(Part):
+    """A fitted number. standard_error: one standard deviation, in `unit`."""
+
+    value: float
+    standard_error: float
+    unit: str
+
+
+class Cause(Part):
+    """An effect that explains the misfit. thruster: a name, `all`, or two names; none where it has no selector."""
+
+    effect: str
+    thruster: str | list[str] | None = None
+    parameters: dict[str, Estimate]
+
+
+class Candidate(Part):
+    """A set of effects that was tried, on the shortest windows.
+
+    held_out_score: chi2 a sample on runs held out; gain: how much lower than with nothing added, in chi2.
+    """
+
+    effect: str
+    held_out_score: float
+    gain: float
+    gain_ci: tuple[float, float]
+
+
+class Contrast(Part):
+    """How alike two explanations act. angle: between their sensitivity directions [rad], nuisances projected out."""
+
+    effects: list[str]
+    angle: float
+    evidence: float
+    mutual_refit: float
+
+
+class Trial(Part):
+    """The manoeuvre that would tell rivals apart, and by how many standard errors."""
+
+    manoeuvre: str
+    separation: float
+    duration_s: float
+
+
+class Leftover(Part):
+    """Where structure remains: a residual force, and the variable that explains most of it."""
+
+    force: Literal["surge", "sway", "yaw"]
+    variable: str
+    explained: float
+
+
+class Paired(Part):
+    """Root mean square error before and after; ci95: of before less after, paired."""
+
+    before: float
+    after: float
+    ci95: tuple[float, float]
+
+
+class Gain(Part):
+    """Errors at the end of a horizon on held-out runs; a quantity that was not measured is absent (null)."""
+
+    horizon_s: float
+    position_rmse_m: Paired | None = None
+    heading_rmse_rad: Paired | None = None
+    surge_rmse_m_s: Paired | None = None
+    sway_rmse_m_s: Paired | None = None
+    yaw_rate_rmse_rad_s: Paired | None = None
+
+
+class Diagnosis(Part):
+    """The answer. noise: standard deviation by channel (SI, rad); unseen: candidates that these data cannot show."""
+
+    verdict: Verdict
+    causes: list[Cause]
+    indistinguishable: list[list[str]]
+    contrasts: list[Contrast]
+    separating_trial: Trial | None
+    leftover: list[Leftover]
+    candidates: list[Candidate]
+    unseen: list[str]
+    gain: list[Gain]
+    noise: dict[str, float]
+    adequacy: dict[str, Any]
+    elapsed_s: float
