@@ -86,17 +86,21 @@ def record_scripted_runs(
         str | None, typer.Option(help="A name in configs/disturbances, or a file of them; none by default.")
     ] = None,
     count: Annotated[int, typer.Option(min=1, help="How many successful runs.")] = 40,
+    failed: Annotated[int, typer.Option(min=0, help="How many failed ones at least, kept and marked.")] = 3,
     seed: Annotated[int, typer.Option(min=0, help="Another seed, other runs.")] = 0,
 ) -> None:
-    """Record runs of the scripted pilot, which drives the way people do, failed ones included."""
+    """Record runs of the scripted pilot, which drives the way people do."""
     from envs.batched import GatesVectorEnv
     from swamp_rl.pilots.record import record_scripted
     from swamp_rl.runs import read_dataset
 
+    if out.exists():
+        raise UserError(f"{out}: already exists; runs are recorded into a new folder, name another")
+
     def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
         return GatesVectorEnv(n, boat, course, disturbances, senses)
 
-    record_scripted(boats, out, boat=boat, course=course, count=count, seed=seed)
+    record_scripted(boats, out, boat=boat, course=course, count=count, failed=failed, seed=seed)
     recorded = read_dataset(out)
     typer.echo(f"{out}: {len(recorded.runs)} runs, {len(recorded.successful)} of them successful")
 

@@ -14,7 +14,7 @@ import pytest
 from experiments import cli
 from swamp_rl import __version__
 from swamp_rl.boat import load_boat
-from swamp_rl.runs import Run, RunMeta, append_run, read_run, write_run
+from swamp_rl.runs import Run, RunMeta, append_run, read_dataset, read_run, write_run
 from swamp_rl.simulator import replay
 from tests.conftest import circling
 
@@ -216,6 +216,22 @@ def test_a_file_that_cannot_grow_is_one_line_and_leaves_nothing(folder: Path, tm
     # Matplotlib may say before that it cannot keep its list of fonts.
     assert called.stderr.splitlines()[-1].startswith(f"swamp-rl: {out}/tracks.png: File too large; ")
     assert list(out.iterdir()) == []
+
+
+def test_recorded_runs_are_scripted_sound_and_the_same_for_the_same_seed(call: Call) -> None:
+    words = ["record-scripted", "--count", "3", "--failed", "0", "--seed", "4", "--out"]
+    assert all(call(*words, name)[0] == 0 for name in ("a", "b"))
+    one, other = read_dataset("a"), read_dataset("b")
+    assert one.meta.source == "scripted"
+    assert len(one.successful) == 3
+    assert [run.columns["north"].tobytes() for run in one.runs] == [
+        run.columns["north"].tobytes() for run in other.runs
+    ]
+
+
+def test_recording_never_replaces_a_folder(call: Call, folder: Path) -> None:
+    assert_complains(call("record-scripted", "--out", folder), "already exists")
+    assert len(read_dataset(folder).runs) == 2
 
 
 def raising(error: BaseException) -> Callable[..., None]:
