@@ -166,8 +166,9 @@ def world_of(boat: Boat, course: Course, step: float) -> NDArray[np.void]:
     driven = [boat.thruster_names.index(name) for name in boat.joypad.thrusters]
     world["lever_middle"][0, driven] = 0.5 * (low_azimuth + high_azimuth)
     world["lever_swing"][0, driven] = 0.5 * (high_azimuth - low_azimuth)
-    world["lever_idle"][0, driven] = low_throttle
-    world["lever_gain"][0, driven] = high_throttle - low_throttle
+    full = np.array([boat.thrusters[k].throttle_max for k in driven])  # 1, or the propeller's revolutions
+    world["lever_idle"][0, driven] = low_throttle * full
+    world["lever_gain"][0, driven] = (high_throttle - low_throttle) * full
     return world
 
 

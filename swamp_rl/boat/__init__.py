@@ -1,7 +1,8 @@
 """The boat file: what a boat is, each number with its unit, provenance and source."""
 
 from swamp_rl.boat.load import load_boat
+from swamp_rl.boat.propeller_rudder import PropellerRudder
 from swamp_rl.boat.quantity import Provenance
 from swamp_rl.boat.schema import Boat, Thruster
 
-__all__ = ["Boat", "Provenance", "Thruster", "load_boat"]
+__all__ = ["Boat", "PropellerRudder", "Provenance", "Thruster", "load_boat"]

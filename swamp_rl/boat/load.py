@@ -11,10 +11,13 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 from swamp_rl.boat.merge import Key, is_quantity, leaves, merge
 from swamp_rl.boat.quantity import Provenance, units
 from swamp_rl.boat.resolve import TEMPLATE, resolved
-from swamp_rl.boat.schema import Boat
-from swamp_rl.effects import parse_effects
+from swamp_rl.boat.resistance import DRIFT, TABLE, DriftResistance
+from swamp_rl.boat.schema import JET, PROPELLER, Boat
+from swamp_rl.effects import EffectEntry, parse_effects
 from swamp_rl.errors import UserError
 from swamp_rl.files import explain, find_config, read_yaml
+
+TAGS = (JET, PROPELLER, TABLE, DRIFT)
 
 
 def load_boat(name_or_path: str | Path) -> Boat:
@@ -39,9 +42,19 @@ def load_boat(name_or_path: str | Path) -> Boat:
         for path, data in chain
         for entry in parse_effects(data.get("effects", []), str(path), boat.thruster_names)
     ]
+    _refuse_untested_depth(boat, effects, asked)
     boat = boat.model_copy(update={"effects": tuple(effects)})
     boat.provenance.update(_provenance(boat, origins))
     return boat
+
+
+def _refuse_untested_depth(boat: Boat, effects: list[EffectEntry], path: Path) -> None:
+    shallow = any(entry.effect.name == "shallow_water" for entry in effects)
+    if shallow and isinstance(boat.resistance, DriftResistance):
+        raise UserError(
+            f"{path}: effects: shallow_water needs the resistance of a towing tank at several depths, but this "
+            "boat has coefficients for deep water; remove the effect"
+        )
 
 
 def _chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:
@@ -93,13 +106,14 @@ def _readable(error: ValidationError, raw: Mapping[str, Any]) -> ValidationError
     """The same faults in YAML's words, with thrusters by name in place of their number."""
     details: list[InitErrorDetails] = []
     for fault in error.errors():
-        loc = fault["loc"]
+        loc = tuple(part for part in fault["loc"] if part not in TAGS)
         if len(loc) > 1 and loc[0] == "thrusters" and isinstance(loc[1], int):
             thruster = raw["thrusters"][loc[1]]
             name = thruster.get("name") if isinstance(thruster, Mapping) else None
             loc = ("thrusters", name if isinstance(name, str) else loc[1], *loc[2:])
         message = re.sub("a valid dictionary or instance of [A-Za-z]+", "a mapping of keys", fault["msg"])
         message = message.replace("a valid tuple", "a list").replace("Tuple", "The list")
+        message = message.replace("'azimuth' or 'fixed'", "'azimuth', 'fixed' or 'propeller_rudder'")
         kind = PydanticCustomError(fault["type"], "{message}", {"message": message})
         details.append(InitErrorDetails(type=kind, loc=loc, input=fault["input"]))
     return ValidationError.from_exception_data(error.title, details)

@@ -1,24 +1,17 @@
 """What a boat file may hold. Once loaded, all numbers are plain floats in SI units, angles in radians."""
 
 import math
-from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, InstanceOf, PrivateAttr, field_validator, model_validator
+from pydantic import Discriminator, Field, InstanceOf, PrivateAttr, Tag, model_validator
 
+from swamp_rl.boat.part import ANGLE, FRACTION, FROM_LIST, NAME, NOT_NEGATIVE, NOT_POSITIVE, POSITIVE, Part
+from swamp_rl.boat.propeller_rudder import PropellerRudder
 from swamp_rl.boat.quantity import Provenance, Unit
+from swamp_rl.boat.resistance import Resistance
 from swamp_rl.effects import EffectEntry
 
-POSITIVE, NOT_NEGATIVE, NOT_POSITIVE = Field(gt=0), Field(ge=0), Field(le=0)
-FRACTION = Field(ge=0, le=1)
-ANGLE = Field(ge=-2 * math.pi, le=2 * math.pi)
-FROM_LIST = Field(strict=False)  # YAML has lists, a frozen model holds tuples
-
-
-class Part(BaseModel):
-    """A strict, frozen section of a boat file."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+JET, PROPELLER = "a jet", "a propeller with its rudder"  # tags of the two kinds, never seen in a message
 
 
 class Hull(Part):
@@ -37,37 +30,6 @@ class Hull(Part):
     c_rn: Annotated[float, Unit("1")]
 
 
-class ResistanceCurve(Part):
-    """Resistance [N] against speed [m/s], as towed at one ratio of water depth to draught."""
-
-    h_over_t: Annotated[float, POSITIVE, Unit("1")]
-    speed: Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, Unit("m/s")]
-    resistance: Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, Unit("N")]
-
-    @model_validator(mode="after")
-    def _is_a_curve(self) -> Self:
-        if len(self.speed) != len(self.resistance) or len(self.speed) < 2:
-            raise ValueError("needs two or more speeds and as many resistances")
-        if not increasing(self.speed):
-            raise ValueError("the speeds must increase from each to the next")
-        return self
-
-
-class Resistance(Part):
-    """The towing tank's results, with the mass [kg] and water density [kg/m³] they hold for."""
-
-    reference_mass: Annotated[float, POSITIVE, Unit("kg")]
-    reference_density: Annotated[float, POSITIVE, Unit("kg/m3")]
-    table: Annotated[tuple[ResistanceCurve, ...], Field(strict=False, min_length=1)]
-
-    @field_validator("table")
-    @classmethod
-    def _depths_increase(cls, table: tuple[ResistanceCurve, ...]) -> tuple[ResistanceCurve, ...]:
-        if not increasing([curve.h_over_t for curve in table]):
-            raise ValueError("h_over_t must increase from each curve to the next")
-        return table
-
-
 class Thruster(Part):
     """One thruster, at x forward and y starboard of midship [m].
 
@@ -77,7 +39,7 @@ class Thruster(Part):
     thruster has none: then it loses no momentum to the water's own way.
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+    name: Annotated[str, NAME]
     kind: Literal["azimuth", "fixed"]
     x: Annotated[float, Unit("m")]
     y: Annotated[float, Unit("m")]
@@ -95,8 +57,6 @@ class Thruster(Part):
 
     @model_validator(mode="after")
     def _can_be_built(self) -> Self:
-        if self.name == "all":
-            raise ValueError("a thruster cannot be named 'all': effects use it for all of them")
         if self.thrust_linear + self.thrust_quadratic == 0:
             raise ValueError("thrust_linear and thrust_quadratic are both 0: it would never push")
         if self.kind == "fixed" and self.azimuth_min != self.azimuth_max:
@@ -111,6 +71,37 @@ class Thruster(Part):
     def reverses(self) -> bool:
         """Whether throttles down to -1 are allowed."""
         return self.astern_linear + self.astern_quadratic > 0
+
+    @property
+    def throttle_min(self) -> float:
+        """The lowest command [1]."""
+        return -1.0 if self.reverses else 0.0
+
+    @property
+    def throttle_max(self) -> float:
+        """The highest command [1]."""
+        return 1.0
+
+    @property
+    def command_columns(self) -> tuple[str | None, str]:
+        """Columns of a run that hold its commands, the first None where it does not turn."""
+        return f"azimuth_{self.name}" if self.kind == "azimuth" else None, f"throttle_{self.name}"
+
+    def thrust_curve(self, water_density: float) -> tuple[float, float]:
+        """Linear and quadratic coefficient of the thrust at rest [N] against the command."""
+        return self.thrust_linear, self.thrust_quadratic
+
+
+def kind_of_thruster(given: Any) -> str:
+    """Which model an item of `thrusters`, in a file or loaded, is of."""
+    kind = given.get("kind") if isinstance(given, dict) else getattr(given, "kind", None)
+    return PROPELLER if kind == "propeller_rudder" else JET
+
+
+AnyThruster = Annotated[
+    Annotated[Thruster, Tag(JET)] | Annotated[PropellerRudder, Tag(PROPELLER)],
+    Discriminator(kind_of_thruster),
+]
 
 
 class ThrustDeduction(Part):
@@ -156,7 +147,10 @@ class Current(Part):
 
 
 class Joypad(Part):
-    """What a pilot's levers command: ends of the throttle [1] and azimuth [rad] of the named thrusters."""
+    """What a pilot's levers command: ends of the throttle [1] and azimuth [rad] of the named thrusters.
+
+    For a propeller with a rudder: shares of its highest revolutions, and rudder angles.
+    """
 
     thrusters: Annotated[tuple[str, ...], Field(strict=False, min_length=1)]
     throttle: Annotated[tuple[float, float], FROM_LIST, Unit("1")]
@@ -174,7 +168,7 @@ class Joypad(Part):
 class Boat(Part):
     """A boat file: particulars, hull, resistance, thrusters, what wind and current meet, and its effects.
 
-    Added masses are the hydrodynamic derivatives, hence negative or zero. x_g is forward of midship.
+    thrust_deduction: of the jets; a propeller has its own. Added masses are the hydrodynamic derivatives, hence negative or zero. x_g is forward of midship.
     """
 
     name: Annotated[str, Field(min_length=1)]
@@ -190,8 +184,8 @@ class Boat(Part):
     water_density: Annotated[float, POSITIVE, Unit("kg/m3")]
     hull: Hull
     resistance: Resistance
-    thrusters: Annotated[tuple[Thruster, ...], Field(strict=False, min_length=1)]
-    thrust_deduction: ThrustDeduction
+    thrusters: Annotated[tuple[AnyThruster, ...], Field(strict=False, min_length=1)]
+    thrust_deduction: ThrustDeduction | None = None
     wind: Wind
     current: Current
     joypad: Joypad
@@ -225,6 +219,12 @@ class Boat(Part):
         names = self.thruster_names
         if len(set(names)) < len(names):
             raise ValueError(f"thruster names must differ, but are {', '.join(names)}")
+        if "all" in names:
+            raise ValueError(
+                "thrusters.all: a thruster cannot be named 'all': effects use it for all of them"
+            )
+        if self.thrust_deduction is None and any(isinstance(item, Thruster) for item in self.thrusters):
+            raise ValueError("thrust_deduction: is missing; add it")
         for thruster in self.thrusters:
             if abs(thruster.x) > self.length or abs(thruster.y) > self.breadth:
                 raise ValueError(
@@ -234,8 +234,3 @@ class Boat(Part):
         if not set(joypad) <= set(names) or len(set(joypad)) < len(joypad):
             raise ValueError(f"joypad.thrusters must be different names out of {', '.join(names)}")
         return self
-
-
-def increasing(values: tuple[float, ...] | list[float]) -> bool:
-    """Whether each value is above the one before."""
-    return all(low < high for low, high in pairwise(values))

@@ -20,8 +20,7 @@ COSTS = ("time", "path_length", "command_change", "energy")
 
 def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
     """Columns (n,): seed, success, outcome, time [s], path_length [m], command_change [1], energy [J]."""
-    linear = np.array([thruster.thrust_linear for thruster in boat.thrusters])
-    quadratic = np.array([thruster.thrust_quadratic for thruster in boat.thrusters])
+    linear, quadratic = np.array([item.thrust_curve(boat.water_density) for item in boat.thrusters]).T
     power = jet_power(bollard_thrust(rollout.throttle, linear, quadratic), boat.water_density).sum(axis=-1)
     episodes = range(len(rollout.seeds))
     return {

@@ -10,9 +10,11 @@ import shutil
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
+import numba.extending
+import numpy as np
 from numba import config
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -51,3 +53,22 @@ def compiled(function: F | None = None, *, parallel: bool = False) -> F:
         return cast(F, numba.njit(cache=True, parallel=parallel, error_model="numpy")(function))
     finally:
         config.CACHE_DIR = before
+
+
+def by_field(field: str, present: F, absent: F) -> F:
+    """One function of two: `present` where the boat's record, one of the arguments, has the field, else `absent`.
+
+    The choice falls when a caller is compiled, so the other one costs nothing.
+    """
+
+    def chosen(*given: Any) -> Any:
+        record = next(item for item in given if isinstance(item, np.void))
+        return (present if field in (record.dtype.names or ()) else absent)(*given)
+
+    # Not strict: numba would want one spelling of the arguments, and a wrapper for it costs time.
+    @numba.extending.overload(chosen, strict=False)
+    def choose(*given: Any) -> Any:
+        record = next(item for item in given if isinstance(item, numba.types.Record))
+        return (present if field in record.fields else absent).py_func  # type: ignore[attr-defined]
+
+    return cast(F, chosen)

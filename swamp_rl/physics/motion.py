@@ -6,8 +6,8 @@ from typing import Any
 from swamp_rl.physics.air_and_current import current_forces, wind_forces
 from swamp_rl.physics.compile import compiled
 from swamp_rl.physics.hull import hull_forces
+from swamp_rl.physics.propulsion import propulsion_forces, propulsion_under_way
 from swamp_rl.physics.rigid_body import accelerations
-from swamp_rl.physics.thrusters import forces_under_way, thruster_forces
 
 # The motion is a tuple of six numbers: north, east [m], heading [rad], surge, sway [m/s], yaw rate [rad/s],
 # with surge and sway relative to the water.
@@ -79,7 +79,7 @@ def rates(
     tank: Any,
     scale: float,
 ) -> tuple[float, float, float, float, float, float]:
-    """Time derivatives of `motion`; jets[moment]: (K, 2) thruster forces [N]; time [s] and wind: as in
+    """Time derivatives of `motion`; jets[moment]: (K, 2) by `actuator_output`; time [s] and wind: as in
     `external_forces`; water: its velocity then; scale: `resistance_scale(p)`.
     """
     heading, u, v, r = motion[2], motion[3], motion[4], motion[5]
@@ -88,9 +88,9 @@ def rates(
     v_ground = v + water[1] * cos - water[0] * sin
     x_hull, y_hull, n_hull = hull_forces(u, v, r, p, tank, scale)
     if p.advance_loss != 0.0 or p.crossflow_loss != 0.0:
-        x_jets, y_jets, n_jets = forces_under_way(jets, moment, u, v, r, p)
+        x_jets, y_jets, n_jets = propulsion_under_way(jets, moment, u, v, r, p)
     else:
-        x_jets, y_jets, n_jets = thruster_forces(jets, moment, p)
+        x_jets, y_jets, n_jets = propulsion_forces(jets, moment, u, v, r, p)
     x_out, y_out, n_out = external_forces(cos, sin, u_ground, v_ground, time, wind, p)
     u_dot, v_dot, r_dot = accelerations(
         u, v, r, x_hull + x_jets + x_out, y_hull + y_jets + y_out, n_hull + n_jets + n_out, p
@@ -124,7 +124,7 @@ def runge_kutta_step(
 ) -> tuple[float, float, float, float, float, float]:
     """One classical fourth-order step of h [s] from `time` [s].
 
-    jets: (3, K, 2), the thruster forces at 0, h/2 and h.
+    jets: (3, K, 2), the outputs at 0, h/2 and h.
     """
     middle, end = time + 0.5 * h, time + h
     water = water_velocity(time, p)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.compile import by_field, compiled
 
 # Columns of one row of a tank table: knot speed [m/s], cubic coefficients (highest power first), depth h/T.
 SPEED, CUBIC, QUADRATIC, LINEAR, CONSTANT, DEPTH = range(6)
@@ -72,7 +72,22 @@ def resistance_scale(p: Any) -> float:
 
 
 @compiled
-def surge_resistance(u: float, v: float, p: Any, tank: Any, scale: float) -> float:
+def resistance_of_tank(u: float, v: float, p: Any, tank: Any, scale: float) -> float:
     """Surge force [N] of the resistance, -k(U) u U; the double-ended hull resists astern as ahead."""
     speed = math.sqrt(u * u + v * v)
     return -scale * resistance_factor(speed, p.depth_over_draught, tank) * u * speed
+
+
+@compiled
+def resistance_by_drift(u: float, v: float, p: Any, tank: Any, scale: float) -> float:
+    """Surge force [N] by published coefficients, ½ρLd X'_0 u U (Yoshimura 2009).
+
+    X'_0 is linear in the drift angle, from ahead to astern.
+    """
+    speed = math.sqrt(u * u + v * v)
+    drift = abs(math.atan2(v, u)) / math.pi
+    x_0 = p.x_0_ahead + (p.x_0_astern - p.x_0_ahead) * drift
+    return scale * 0.5 * p.water_density * p.length * p.draught * x_0 * u * speed
+
+
+surge_resistance = by_field("x_0_ahead", resistance_by_drift, resistance_of_tank)

@@ -4,7 +4,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from swamp_rl.boat import Boat
+from swamp_rl.boat import Boat, PropellerRudder
 
 REQUIRED = ("time", "north", "east", "heading")
 _TURN = 2.0 * math.pi
@@ -40,6 +40,14 @@ FIXED = {
 }
 
 
+WIDEST = {  # of any boat's command
+    "azimuth": Span("rad", -_TURN, _TURN),
+    "throttle": Span("1", -1.0, 1.0),
+    "rudder": Span("rad", -0.5 * math.pi, 0.5 * math.pi),
+    "propeller": Span("rps"),
+}
+
+
 class UnknownThrusterError(ValueError):
     """A command column names a thruster that the boat does not have."""
 
@@ -54,34 +62,36 @@ def span_of(column: str, boat: Boat | None) -> Span | None:
     match = _COMMAND.fullmatch(column)
     if match is None:
         return None
-    if match["kind"] == "rudder":
-        return Span("rad", -math.pi, math.pi)
-    if match["kind"] == "propeller":
-        return Span("rps")
     if boat is None:
-        return Span("rad", -_TURN, _TURN) if match["kind"] == "azimuth" else Span("1", -1.0, 1.0)
+        return WIDEST[match["kind"]]
     return _thruster_span(match["kind"], match["name"], match["applied"] is not None, boat)
 
 
 def _thruster_span(kind: str, name: str, applied: bool, boat: Boat) -> Span:
-    named = [thruster for thruster in boat.thrusters if thruster.name == name]
-    if not named or (kind == "azimuth" and named[0].kind != "azimuth"):
+    named = [found for found in boat.thrusters if f"{kind}_{name}" in found.command_columns]
+    if not named:
         raise UnknownThrusterError(
-            f"boat {boat.name} has no {'azimuth ' if kind == 'azimuth' else ''}thruster {name!r} "
-            f"(it has {', '.join(boat.thruster_names)}); correct the column, or vehicle in dataset.yaml"
+            f"boat {boat.name} has no thruster {name!r} with a {kind} (it has {', '.join(boat.thruster_names)}); "
+            "correct the column, or vehicle in dataset.yaml"
         )
-    if kind == "throttle":
-        return Span("1", -1.0 if named[0].reverses else 0.0, 1.0)
+    thruster = named[0]
+    if kind in ("throttle", "propeller"):
+        return Span(WIDEST[kind].unit, thruster.throttle_min, thruster.throttle_max)
     # What the actuator did may pass the limits of what may be commanded: a mounting error turns it further.
-    return Span("rad", -_TURN, _TURN) if applied else Span("rad", named[0].azimuth_min, named[0].azimuth_max)
+    if applied:
+        return WIDEST[kind]
+    if isinstance(thruster, PropellerRudder):
+        return Span("rad", -thruster.rudder_max, thruster.rudder_max)
+    return Span("rad", thruster.azimuth_min, thruster.azimuth_max)
+
+
+def _command_columns(boat: Boat) -> list[str]:
+    return [name for thruster in boat.thrusters for name in thruster.command_columns if name is not None]
 
 
 def missing_columns(columns: list[str], boat: Boat | None) -> list[str]:
     """Columns a run must have and does not: the required, and the rest of a half-recorded set of commands."""
     missing = [name for name in REQUIRED if name not in columns]
-    if boat is None:
-        return missing
-    azimuths = [f"azimuth_{found.name}" for found in boat.thrusters if found.kind == "azimuth"]
-    commands = azimuths + [f"throttle_{name}" for name in boat.thruster_names]
+    commands = _command_columns(boat) if boat is not None else []
     commanded = any(name in columns for name in commands)
     return missing + [name for name in commands if commanded and name not in columns]

@@ -46,13 +46,22 @@ class Run:
         return float(np.hypot(np.diff(self.columns["north"]), np.diff(self.columns["east"])).sum())
 
     def commands(self, thrusters: Iterable[str], fixed: Iterable[str] = ()) -> Array:
-        """(T, 2K) azimuths [rad], then throttles, ordered as `thrusters`; a `fixed` one has azimuth 0."""
+        """(T, 2K) azimuths or rudder angles [rad], then throttles or revolutions, ordered as `thrusters`.
+
+        A `fixed` one has azimuth 0. A name with a column `propeller_` is a propeller with its rudder.
+        """
         thrusters, fixed = tuple(thrusters), tuple(fixed)
-        throttles = self.stacked([f"throttle_{name}" for name in thrusters])
-        azimuths = np.zeros_like(throttles)
+        propellers = {name for name in thrusters if f"propeller_{name}" in self.columns}
+        levels = [f"{'propeller' if name in propellers else 'throttle'}_{name}" for name in thrusters]
+        throttles = self.stacked(levels)
+        angles = np.zeros_like(throttles)
         turning = [index for index, name in enumerate(thrusters) if name not in fixed]
-        azimuths[:, turning] = self.stacked([f"azimuth_{thrusters[index]}" for index in turning])
-        return np.hstack([azimuths, throttles])
+        names = [
+            f"{'rudder' if thrusters[index] in propellers else 'azimuth'}_{thrusters[index]}"
+            for index in turning
+        ]
+        angles[:, turning] = self.stacked(names)
+        return np.hstack([angles, throttles])
 
     def stacked(self, names: Iterable[str]) -> Array:
         """(T, len(names)) columns side by side; UserError naming the first that the run does not have."""

@@ -6,13 +6,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.boat import Boat
+from swamp_rl.boat import Boat, PropellerRudder, Thruster
+from swamp_rl.boat.resistance import DriftResistance
+from swamp_rl.boat.schema import ThrustDeduction
 from swamp_rl.effects import apply_effects, neutral_fields
 from swamp_rl.physics.resistance import tank_table
 from swamp_rl.simulator.state import NORTH, SURGE, YAW_RATE, state_size
 
-THRUSTER_FIELDS = (
-    "x y azimuth_min azimuth_max azimuth_rate azimuth_time_constant azimuth_offset pump_time_constant "
+JET_FIELDS = (
+    "azimuth_min azimuth_max azimuth_rate azimuth_time_constant azimuth_offset pump_time_constant "
     "thrust_linear thrust_quadratic astern_linear astern_quadratic nozzle_area"
 ).split()
 
@@ -29,8 +31,7 @@ def boat_fields(boat: Boat) -> dict[str, float]:
         "added_mass_sway": boat.added_mass_sway,
         "added_inertia_yaw": boat.added_inertia_yaw,
         "water_density": boat.water_density,
-        "reference_mass": boat.resistance.reference_mass,
-        "reference_density": boat.resistance.reference_density,
+        **resistance_fields(boat),
         "x_vr": boat.hull.x_vr,
         "y_v": boat.hull.y_v,
         "y_r": boat.hull.y_r,
@@ -39,10 +40,7 @@ def boat_fields(boat: Boat) -> dict[str, float]:
         "c_d": float(boat.hull.c_d),
         "c_ry": boat.hull.c_ry,
         "c_rn": boat.hull.c_rn,
-        "deduction_throttle_low": boat.thrust_deduction.throttle_low,
-        "deduction_factor_low": boat.thrust_deduction.factor_low,
-        "deduction_throttle_high": boat.thrust_deduction.throttle_high,
-        "deduction_factor_high": boat.thrust_deduction.factor_high,
+        **deduction_fields(boat),
         "air_density": boat.wind.air_density,
         "air_frontal_area": boat.wind.frontal_area,
         "air_lateral_area": boat.wind.lateral_area,
@@ -59,14 +57,79 @@ def boat_fields(boat: Boat) -> dict[str, float]:
     }
 
 
-def thruster_fields(boat: Boat) -> dict[str, list[float]]:
+def resistance_fields(boat: Boat) -> dict[str, float]:
+    """What the resistance refers to, and its coefficients, where no tank was towed."""
+    given = boat.resistance
+    if isinstance(given, DriftResistance):
+        own = {"reference_mass": boat.mass, "reference_density": boat.water_density}
+        return own | {"x_0_ahead": given.x_0_ahead, "x_0_astern": given.x_0_astern}
+    return {"reference_mass": given.reference_mass, "reference_density": given.reference_density}
+
+
+def deduction_fields(boat: Boat) -> dict[str, float]:
+    """The thrust deduction of the jets; none where there are none."""
+    given = boat.thrust_deduction or ThrustDeduction(
+        throttle_low=0.0, factor_low=1.0, throttle_high=1.0, factor_high=1.0
+    )
+    return {f"deduction_{name}": value for name, value in given}
+
+
+def thruster_fields(boat: Boat) -> dict[str, list[Any]]:
     """The per-thruster numbers of the record that come from the boat file, by field name.
 
     `channel`: which thruster's command each one obeys, by place in the file.
     """
-    fields = {name: [float(getattr(t, name)) for t in boat.thrusters] for name in THRUSTER_FIELDS}
-    named = {f"thruster_{name}" if name in ("x", "y") else name: values for name, values in fields.items()}
-    return named | {"channel": [float(k) for k in range(len(boat.thrusters))]}
+    rows = [propeller_row(t) if isinstance(t, PropellerRudder) else jet_row(t) for t in boat.thrusters]
+    names = dict.fromkeys(name for row in rows for name in row)
+    lengths = {name: len(row[name]) for row in rows for name in row if isinstance(row[name], tuple)}
+    absent = {name: (0.0,) * lengths[name] if name in lengths else 0.0 for name in names}
+    fields = {name: [row.get(name, absent[name]) for row in rows] for name in names}
+    return fields | {"channel": [float(k) for k in range(len(rows))]}
+
+
+def jet_row(thruster: Thruster) -> dict[str, Any]:
+    """What the record holds of one jet."""
+    row = {name: float(getattr(thruster, name)) for name in JET_FIELDS}
+    return {"thruster_x": thruster.x, "thruster_y": thruster.y} | row
+
+
+def propeller_row(actuator: PropellerRudder) -> dict[str, Any]:
+    """What the record holds of one propeller with its rudder, whose angle takes the place of an azimuth."""
+    propeller, rudder = actuator.propeller, actuator.rudder
+    return dict.fromkeys(JET_FIELDS, 0.0) | {
+        "thruster_x": actuator.x,
+        "thruster_y": actuator.y,
+        "azimuth_min": -actuator.rudder_max,
+        "azimuth_max": actuator.rudder_max,
+        "azimuth_rate": actuator.rudder_rate,
+        "azimuth_time_constant": actuator.rudder_time_constant,
+        "pump_time_constant": actuator.revolutions_time_constant,
+        "revolutions_max": actuator.revolutions_max,
+        "revolutions_max_astern": actuator.revolutions_max_astern,
+        "propeller_diameter": propeller.diameter,
+        "pitch_ratio": propeller.pitch_ratio,
+        "propeller_deduction": propeller.thrust_deduction,
+        "wake_zero": propeller.wake_zero,
+        "wake_tau": propeller.wake_tau,
+        "wake_c_p": propeller.wake_c_p,
+        "x_wake": propeller.x_wake,
+        "k_t": propeller.k_t,
+        "astern_thrust": propeller.astern_thrust,
+        "propeller_side_force": propeller.side_force,
+        "propeller_yaw_moment": propeller.yaw_moment,
+        "rudder_area": rudder.area,
+        "rudder_aspect_ratio": rudder.aspect_ratio,
+        "rudder_deduction": rudder.thrust_deduction,
+        "rudder_a_h": rudder.a_h,
+        "rudder_x_h": rudder.x_h,
+        "rudder_flow_lever": rudder.flow_lever,
+        "rudder_gamma_p": rudder.gamma_p,
+        "rudder_gamma_n": rudder.gamma_n,
+        "rudder_epsilon": rudder.epsilon,
+        "rudder_k_x": rudder.k_x,
+        "rudder_k_x_astern": rudder.k_x_astern,
+        "rudder_c_pr": rudder.c_pr,
+    }
 
 
 @lru_cache(maxsize=64)
@@ -80,8 +143,10 @@ def _nominal(boat: Boat) -> NDArray[Any]:
             columns[field] = [neutral] * len(boat.thrusters)
         else:
             scalars[field] = neutral
-    count = (len(boat.thrusters),)
-    dtype = np.dtype([(f, np.float64) for f in scalars] + [(f, np.float64, count) for f in columns])
+    dtype = np.dtype(
+        [(field, np.float64) for field in scalars]
+        + [(field, np.float64, np.shape(values)) for field, values in columns.items()]
+    )
     record = np.zeros(1, dtype)
     for field, value in (scalars | columns).items():
         record[field] = value
@@ -99,7 +164,12 @@ def parameters(boat: Boat, n: int = 1) -> NDArray[Any]:
 
 @lru_cache(maxsize=64)
 def tank(boat: Boat) -> NDArray[np.float64]:
-    """The boat's towing-tank curves as the compiled functions read them; shared by all boats of a batch."""
+    """The boat's towing-tank curves as the compiled functions read them; shared by all boats of a batch.
+
+    Zeros, which nothing reads, for a boat whose resistance comes as coefficients.
+    """
+    if isinstance(boat.resistance, DriftResistance):
+        return np.zeros((1, 1, 6))
     curves = [
         (curve.h_over_t, np.array(curve.speed, dtype=float), np.array(curve.resistance, dtype=float))
         for curve in boat.resistance.table

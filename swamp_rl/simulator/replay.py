@@ -57,8 +57,8 @@ def first_velocity(run: Run) -> Array:
 def start_of(run: Run, boat: Boat, params: NDArray[Any], commands: Array) -> Array:
     """(1, S) state at the run's first row; actuators as applied where recorded, else as commanded there."""
     state = initial_state(params, run.pose[:1], first_velocity(run)[None])
-    for k, name in enumerate(boat.thruster_names):
-        for column, index in ((f"azimuth_{name}", k), (f"throttle_{name}", len(boat.thrusters) + k)):
+    for k, thruster in enumerate(boat.thrusters):
+        for column, index in zip(thruster.command_columns, (k, len(boat.thrusters) + k), strict=True):
             applied = run.columns.get(f"applied_{column}")
             state[0, ACTUATORS + index] = commands[0, index] if applied is None else applied[0]
     return state
@@ -69,11 +69,12 @@ def run_of(track: Array, time: Array, source: Run, boat: Boat) -> Run:
     heading = -np.mod(np.pi - track[:, HEADING], 2 * np.pi) + np.pi  # in (-pi, pi]
     columns = {"time": time, "north": track[:, 0], "east": track[:, 1], "heading": heading}
     columns |= dict(zip(VELOCITIES, track[:, SURGE : YAW_RATE + 1].T, strict=True))
-    kept = ("azimuth_", "throttle_", "joy_")
+    kept = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_")
     columns |= {name: values for name, values in source.columns.items() if name.startswith(kept)}
-    for k, name in enumerate(boat.thruster_names):
-        columns[f"applied_azimuth_{name}"] = track[:, ACTUATORS + k]
-        columns[f"applied_throttle_{name}"] = track[:, ACTUATORS + len(boat.thrusters) + k]
+    for k, thruster in enumerate(boat.thrusters):
+        angle, level = thruster.command_columns
+        columns[f"applied_{angle or f'azimuth_{thruster.name}'}"] = track[:, ACTUATORS + k]
+        columns[f"applied_{level}"] = track[:, ACTUATORS + len(boat.thrusters) + k]
     return Run(source.name, columns)
 
 
@@ -83,6 +84,7 @@ def replay(boat: Boat, run: Run) -> Run:
     A row's command is held until the next row. UserError where the run holds no commands of this boat.
     """
     dt = sample_step(run)
+    run.stacked(thruster.command_columns[1] for thruster in boat.thrusters)  # refuses another boat's run
     commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
     params = parameters(boat)
     start = start_of(run, boat, params, commands)

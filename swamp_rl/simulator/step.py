@@ -9,8 +9,9 @@ import numpy as np
 from swamp_rl.physics.compile import compiled
 from swamp_rl.physics.motion import runge_kutta_step, water_velocity
 from swamp_rl.physics.noise import normal_pair
+from swamp_rl.physics.propulsion import actuator_output, throttle_limits, worn
 from swamp_rl.physics.resistance import resistance_scale
-from swamp_rl.physics.thrusters import alive, azimuth_after, jet_force, supply, throttle_after
+from swamp_rl.physics.thrusters import alive, azimuth_after, supply, throttle_after
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import (
     ACTUATORS,
@@ -55,20 +56,23 @@ def wind_now(state: Any, p: Any) -> tuple[float, float]:
 
 @compiled
 def commanded(k: int, time: float, command: Any, p: Any) -> tuple[float, float]:
-    """Azimuth [rad] and throttle [1] asked of thruster k, within its limits; a kick overrides the pilot."""
+    """Azimuth or rudder [rad] and throttle [1] or revolutions [rps] asked of thruster k, within its limits.
+
+    A kick overrides the pilot.
+    """
     thrusters = command.shape[0] // 2
     channel = int(p.channel[k])
     azimuth, throttle = command[channel], command[thrusters + channel]
+    low, high = throttle_limits(k, p)
     if p.kick_time[k] <= time < p.kick_time[k] + p.kick_duration[k]:
-        azimuth, throttle = p.kick_azimuth[k], p.kick_throttle[k]
-    reverses = p.astern_linear[k] > 0.0 or p.astern_quadratic[k] > 0.0
+        azimuth, throttle = p.kick_azimuth[k], p.kick_throttle[k] * high
     azimuth = min(max(azimuth, p.azimuth_min[k]), p.azimuth_max[k])
-    return azimuth, min(max(throttle, -1.0 if reverses else 0.0), 1.0)
+    return azimuth, min(max(throttle, low), high)
 
 
 @compiled
 def move_actuators(state: Any, command: Any, h: float, jets: Any, p: Any) -> None:
-    """Let the actuators follow the command for h [s]; fills jets (3, K, 2), forces [N] at 0, h/2 and h."""
+    """Let the actuators follow the command for h [s]; jets (3, K, 2) takes their outputs at 0, h/2 and h."""
     thrusters = jets.shape[1]
     for k in range(thrusters):
         azimuth_command, throttle_command = commanded(k, state[TIME], command, p)
@@ -83,11 +87,10 @@ def move_actuators(state: Any, command: Any, h: float, jets: Any, p: Any) -> Non
                     azimuth, azimuth_command, p.azimuth_time_constant[k], p.azimuth_rate[k], time
                 )
                 level = throttle_after(throttle, throttle_command, p.pump_time_constant[k], time)
-                x_force, y_force = jet_force(angle, level, k, p)
+                first, second = actuator_output(angle, level, k, p)
                 if wears:
-                    share = works * supply(state[TIME] + time, p)
-                    x_force, y_force = share * x_force, share * y_force
-                jets[i, k, 0], jets[i, k, 1] = x_force, y_force
+                    first, second = worn(first, second, works * supply(state[TIME] + time, p), k, p)
+                jets[i, k, 0], jets[i, k, 1] = first, second
             else:  # arrived: nothing moves any more
                 jets[i, k, 0], jets[i, k, 1] = jets[i - 1, k, 0], jets[i - 1, k, 1]
         state[ACTUATORS + k], state[ACTUATORS + thrusters + k] = angle, level

@@ -1,0 +1,17 @@
+"""What every section of a boat file is made of: the strict model, and the limits that its numbers share."""
+
+import math
+
+from pydantic import BaseModel, ConfigDict, Field
+
+POSITIVE, NOT_NEGATIVE, NOT_POSITIVE = Field(gt=0), Field(ge=0), Field(le=0)
+FRACTION = Field(ge=0, le=1)
+ANGLE = Field(ge=-2 * math.pi, le=2 * math.pi)
+FROM_LIST = Field(strict=False)  # YAML has lists, a frozen model holds tuples
+NAME = Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")
+
+
+class Part(BaseModel):
+    """A strict, frozen section of a boat file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)

@@ -1,0 +1,52 @@
+"""Forces of a rudder in the race of a propeller (MMG form; Miyauchi 2022, after Yoshimura and Kitagawa)."""
+
+import math
+from typing import Any
+
+from swamp_rl.physics.compile import compiled
+
+
+@compiled
+def inflow_ahead(n: float, u: float, wake: float, thrust: float, k: int, p: Any) -> float:
+    """u_R [m/s], the flow along the boat at the rudder; wake: `wake_factor`; thrust [N]: of the open propeller.
+
+    A propeller that drives the boat ahead makes a race over the share eta of the rudder's height
+    (Yoshimura); else Kitagawa's form, and the water's own speed for a boat that goes astern.
+    """
+    diameter = p.propeller_diameter[k]
+    eta = diameter / math.sqrt(p.rudder_area[k] * p.rudder_aspect_ratio[k])
+    race = 8.0 * abs(thrust) / (math.pi * p.water_density * diameter * diameter)  # 8 K_T (n D)^2 / pi
+    if n >= 0.0 and thrust > 0.0:
+        at_propeller = u * wake
+        kappa = p.rudder_k_x[k] / p.rudder_epsilon[k]
+        inside = at_propeller + kappa * (math.sqrt(at_propeller * at_propeller + race) - at_propeller)
+        mixed = eta * inside * inside + (1.0 - eta) * at_propeller * at_propeller
+        return p.rudder_epsilon[k] * math.sqrt(mixed)
+    if u < 0.0:
+        return u
+    outside = u * p.rudder_epsilon[k] * wake
+    inside = outside + math.copysign(p.rudder_k_x_astern[k] * math.sqrt(race), n)
+    square = eta * inside * abs(inside) + (1.0 - eta) * outside * outside + p.rudder_c_pr[k] * u * u
+    return math.copysign(math.sqrt(abs(square)), square)
+
+
+@compiled
+def inflow_across(v: float, r: float, k: int, p: Any) -> float:
+    """v_R [m/s], the flow across at the rudder, straightened by the hull; it comes from starboard if positive."""
+    gamma = p.rudder_gamma_p[k] if v + p.thruster_x[k] * r >= 0.0 else p.rudder_gamma_n[k]
+    return -gamma * (v + p.rudder_flow_lever[k] * p.length * r)
+
+
+@compiled
+def rudder_forces(
+    angle: float, u_rudder: float, v_rudder: float, k: int, p: Any
+) -> tuple[float, float, float]:
+    """Surge, sway force [N] and yaw moment [N m] of the rudder at `angle` [rad] in that flow [m/s]."""
+    attack = angle - math.atan2(v_rudder, u_rudder)
+    aspect = p.rudder_aspect_ratio[k]
+    pressure = 0.5 * p.water_density * (u_rudder * u_rudder + v_rudder * v_rudder)
+    normal = pressure * p.rudder_area[k] * 6.13 * aspect / (2.25 + aspect) * math.sin(attack)
+    surge = -(1.0 - p.rudder_deduction[k]) * normal * math.sin(angle)
+    sway = -(1.0 + p.rudder_a_h[k]) * normal * math.cos(angle)
+    lever = p.thruster_x[k] + p.rudder_a_h[k] * p.rudder_x_h[k] * p.length
+    return surge, sway, -lever * normal * math.cos(angle)
