@@ -1,5 +1,8 @@
 """Replaying a run's commands gives back a run that the simulator made, and says what it cannot replay."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -19,10 +22,11 @@ def turning_commands() -> Array:
 
 def recorded() -> Run:
     command = turning_commands()
-    states = track(BOAT, command[:-1], pose=(1.0, 2.0, 3.0), velocity=(0.5, -0.1, 0.2), substeps=substeps_of(0.1))
+    start = {"pose": (1.0, 2.0, 3.0), "velocity": (0.5, -0.1, 0.2)}
+    states = track(BOAT, command[:-1], **start, substeps=substeps_of(0.1))
     names = [f"{kind}_{name}" for kind in ("azimuth", "throttle") for name in BOAT.thruster_names]
     columns = dict(zip(names, command.T, strict=True))
-    return run_of(states, 0.1 * np.arange(len(states)), Run("turn", columns), BOAT)
+    return run_of(states, states[:, :6], 0.1 * np.arange(len(states)), Run("turn", columns), BOAT)
 
 
 def test_a_simulated_run_is_replayed_to_the_rounding_of_its_wrapped_heading() -> None:
@@ -37,7 +41,7 @@ def test_headings_are_written_between_minus_pi_and_pi() -> None:
     assert np.all(heading > -np.pi) and np.all(heading <= np.pi)
     turn = np.zeros((3, 17))
     turn[:, HEADING] = [np.pi, -np.pi, 3 * np.pi + 0.1]
-    written = run_of(turn, np.arange(3.0), Run("turn", {}), BOAT).columns["heading"]
+    written = run_of(turn, turn[:, :6], np.arange(3.0), Run("turn", {}), BOAT).columns["heading"]
     assert np.allclose(written, [np.pi, np.pi, -np.pi + 0.1])
 
 
@@ -59,3 +63,17 @@ def test_a_run_of_one_row_is_refused() -> None:
     run = recorded()
     with pytest.raises(UserError, match="two or more"):
         replay(BOAT, Run("turn", {name: values[:1] for name, values in run.columns.items()}))
+
+
+def test_a_replay_with_sensor_effects_starts_where_the_measurements_do(tmp_path: Path) -> None:
+    effects = [
+        {"effect": "heading_bias", "bias": 0.1},
+        {"effect": "position_delay", "delay": 0.5},
+        {"effect": "position_lever_arm", "x": 0.4, "y": 0.1},
+    ]
+    (tmp_path / "off.yaml").write_text(json.dumps({"extends": "swamp", "effects": effects}))
+    run = recorded()
+    again = replay(load_boat(tmp_path / "off.yaml"), run)
+    for name in ("north", "east", "heading", "surge"):
+        assert again.columns[name][0] == pytest.approx(run.columns[name][0], abs=1e-9), name
+    assert abs(again.columns["north"][50] - run.columns["north"][50]) > 0.05

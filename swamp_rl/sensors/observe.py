@@ -52,12 +52,11 @@ def positions_before(position: Array, start: Array, rows: float, dt: float) -> A
 def true_pose(pose: Array, velocity: Array, params: NDArray[Any]) -> Array:
     """Poses (n, 3) of midship from measured ones (n, 3) and velocities (n, 3): surge, sway, yaw rate.
 
-    The inverse of `observe` for a boat that has kept its velocity for the delay.
+    The inverse of the first row of `observe`.
     """
     true = pose.copy()
     true[:, 2] -= params["heading_bias"]
-    then = true[:, 2] - velocity[:, 2] * params["position_delay"]
-    true[:, :2] -= antenna_offset(then, params)
+    true[:, :2] -= antenna_offset(true[:, 2], params)
     cos, sin = np.cos(true[:, 2]), np.sin(true[:, 2])
     over_ground = np.stack(
         [velocity[:, 0] * cos - velocity[:, 1] * sin, velocity[:, 0] * sin + velocity[:, 1] * cos], axis=1

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
+from swamp_rl.sensors import CHANNELS, observe, true_pose
 from swamp_rl.simulator.parameters import initial_state, parameters, tank
-from swamp_rl.simulator.state import ACTUATORS, HEADING, SURGE, YAW_RATE
+from swamp_rl.simulator.state import ACTUATORS
 from swamp_rl.simulator.step import simulate
 
 Array = NDArray[np.float64]
@@ -56,7 +57,8 @@ def first_velocity(run: Run) -> Array:
 
 def start_of(run: Run, boat: Boat, params: NDArray[Any], commands: Array) -> Array:
     """(1, S) state at the run's first row; actuators as applied where recorded, else as commanded there."""
-    state = initial_state(params, run.pose[:1], first_velocity(run)[None])
+    velocity = first_velocity(run)[None]
+    state = initial_state(params, true_pose(run.pose[:1], velocity, params), velocity)
     for k, thruster in enumerate(boat.thrusters):
         for column, index in zip(thruster.command_columns, (k, len(boat.thrusters) + k), strict=True):
             applied = run.columns.get(f"applied_{column}")
@@ -64,11 +66,10 @@ def start_of(run: Run, boat: Boat, params: NDArray[Any], commands: Array) -> Arr
     return state
 
 
-def run_of(track: Array, time: Array, source: Run, boat: Boat) -> Run:
-    """A simulated track (T, S) as a run of the format; commands and levers kept from `source`."""
-    heading = -np.mod(np.pi - track[:, HEADING], 2 * np.pi) + np.pi  # in (-pi, pi]
-    columns = {"time": time, "north": track[:, 0], "east": track[:, 1], "heading": heading}
-    columns |= dict(zip(VELOCITIES, track[:, SURGE : YAW_RATE + 1].T, strict=True))
+def run_of(track: Array, measured: Array, time: Array, source: Run, boat: Boat) -> Run:
+    """A simulated track (T, S), measured as (T, 6), as a run; commands and levers kept from `source`."""
+    columns = {"time": time} | dict(zip(CHANNELS, measured.T, strict=True))
+    columns["heading"] = np.pi - np.mod(np.pi - columns["heading"], 2 * np.pi)  # in (-pi, pi]
     kept = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_")
     columns |= {name: values for name, values in source.columns.items() if name.startswith(kept)}
     for k, thruster in enumerate(boat.thrusters):
@@ -89,5 +90,5 @@ def replay(boat: Boat, run: Run) -> Run:
     params = parameters(boat)
     start = start_of(run, boat, params, commands)
     seeds = np.zeros(1, np.uint64)
-    track = simulate(params, tank(boat), start, commands[None, :-1], seeds, dt, substeps_of(dt))[0]
-    return run_of(track, run.time, run, boat)
+    track = simulate(params, tank(boat), start, commands[None, :-1], seeds, dt, substeps_of(dt))
+    return run_of(track[0], observe(track, params, dt)[0], run.time, run, boat)
