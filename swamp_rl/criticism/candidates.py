@@ -21,6 +21,7 @@ NOT_CAUSES = (
     "thruster_kick",
     "waves",
 )  # random or acted by somebody else: disturbances, not the boat
+LAGS = ("azimuth_lag", "pump_lag")
 NUISANCE = "hull_coefficients"
 NUISANCE_SD = 0.12  # a regression's linear derivative against the boat's, one standard deviation
 HULL_LIMIT = 1.6
@@ -111,8 +112,8 @@ class Atom:
 
     @property
     def moves_actuators(self) -> bool:
-        """Whether the actuators' own course changes with it."""
-        return self.effect.acts_on in ("actuator", "command")
+        """Whether the actuators' own course changes with it, not only what they push."""
+        return self.effect.acts_on == "command" or self.effect.name in LAGS
 
 
 @dataclass(frozen=True)
@@ -246,7 +247,7 @@ def _wind(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
 def _failure(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
     spec = SPECS["thruster_failure"][0]
     spec = Spec(spec.scale, 0.0, duration, (), spec.step)
-    grid = tuple((float(t),) for t in np.arange(0.0, duration, max(1.0, duration / 60.0)))
+    grid = tuple((float(t),) for t in np.arange(0.0, duration, max(2.0, duration / 30.0)))
     return [Atom(effect, (name,), (spec,), (), grid, ("time",)) for name in boat.thruster_names]
 
 

@@ -17,9 +17,11 @@ from swamp_rl.criticism.fit import Fit
 from swamp_rl.criticism.gain import HORIZONS, change, errors_at
 from swamp_rl.criticism.heldout import bootstrap_interval, heldout_loss, heldout_numbers
 from swamp_rl.criticism.ladder import Ladder, ladder_of
+from swamp_rl.criticism.leftover import Forces, leftovers, missing_forces
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, Paired, Verdict
-from swamp_rl.criticism.search import Search, search
+from swamp_rl.criticism.rivals import contrast, separating_trial
+from swamp_rl.criticism.search import Search, score, search
 from swamp_rl.files import folder_beside
 
 Array = NDArray[np.float64]
@@ -41,8 +43,10 @@ class Finding:
 
     diagnosis: Diagnosis
     trials: Trials
+    weight: Array
     ladder: Ladder
     search: Search
+    forces: Forces
 
 
 def diagnose(
@@ -56,10 +60,13 @@ def diagnose(
     model = load_boat(boat)
     trials = read_trials(dataset, model)
     other = read_trials(holdout, model) if holdout else None
+    from swamp_rl.criticism.report import write_report
+
     with folder_beside(out, RESULT) as folder:
         finding = examine(trials, other, np.random.default_rng(seed))
         winner = finding.search.winner
         write_extended(folder / "extended_boat.yaml", boat, winner.hypothesis, winner.x)
+        write_report(folder, finding)
         (folder / RESULT).write_text(finding.diagnosis.model_dump_json(indent=2) + "\n", encoding="utf-8")
     return finding.diagnosis
 
@@ -73,13 +80,22 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
     duration = float(trials.lengths.max() * trials.dt)
     found = search(ladder, candidates(trials.boat, duration), hull_nuisance())
     measure = adequacy(ladder.problems[found.rung], found.winner)
+    forces = missing_forces(trials, weight, found.winner.hypothesis, found.winner.x)
+
+    def apart(rival: Fit) -> float:
+        return score(rival) - score(found.winner)
+
     diagnosis = Diagnosis(
         verdict=verdict_of(found),
         causes=causes_of(found.winner),
         indistinguishable=_sets(found),
-        contrasts=[],
-        separating_trial=None,
-        leftover=[],
+        contrasts=[
+            contrast(ladder.problems[found.rung], found.winner, one, apart(one)) for one in found.rivals
+        ],
+        separating_trial=separating_trial(trials, sigmas, found.winner, found.rivals)
+        if found.rivals
+        else None,
+        leftover=[] if found.adequate else leftovers(forces),
         candidates=_candidates(ladder, found, rng),
         unseen=found.unseen,
         gain=_gains(trials, weight, other, ladder, found, rng),
@@ -87,7 +103,7 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
         adequacy={"worst_excess": measure.worst, "channel": measure.channel, "adequate": found.adequate},
         elapsed_s=time.perf_counter() - began,
     )
-    return Finding(diagnosis, trials, ladder, found)
+    return Finding(diagnosis, trials, weight, ladder, found, forces)
 
 
 def verdict_of(found: Search) -> Verdict:

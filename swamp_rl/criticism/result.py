@@ -61,7 +61,7 @@ class Trial(Part):
 class Leftover(Part):
     """Where structure remains: a residual force, and the variable that explains most of it."""
 
-    force: Literal["surge", "sway", "yaw"]
+    force: Literal["surge", "sway", "yaw", "north", "east"]
     variable: str
     explained: float
 
