@@ -10,8 +10,8 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from swamp_rl.boat.merge import Key, is_quantity, leaves, merge
 from swamp_rl.boat.quantity import Provenance, units
-from swamp_rl.boat.resolve import TEMPLATE, resolved
 from swamp_rl.boat.resistance import DRIFT, TABLE, DriftResistance
+from swamp_rl.boat.resolve import TEMPLATE, resolved
 from swamp_rl.boat.schema import JET, PROPELLER, Boat
 from swamp_rl.effects import EffectEntry, parse_effects
 from swamp_rl.errors import UserError
@@ -52,8 +52,8 @@ def _refuse_untested_depth(boat: Boat, effects: list[EffectEntry], path: Path) -
     shallow = any(entry.effect.name == "shallow_water" for entry in effects)
     if shallow and isinstance(boat.resistance, DriftResistance):
         raise UserError(
-            f"{path}: effects: shallow_water needs the resistance of a towing tank at several depths, but this "
-            "boat has coefficients for deep water; remove the effect"
+            f"{path}: effects: shallow_water needs the resistance of a towing tank at several depths, but "
+            "this boat has coefficients for deep water; remove the effect"
         )
 
 

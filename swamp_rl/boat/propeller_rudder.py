@@ -16,9 +16,9 @@ Coefficients = Annotated[tuple[float, ...], FROM_LIST, Unit("1")]
 class Propeller(Part):
     """A propeller of fixed pitch.
 
-    k_t: thrust coefficients (3) in powers of J. wake_zero, wake_tau, wake_c_p: w_P0, τ and C_P of the wake, felt
-    at x_wake lengths forward of midship. astern_thrust: C0 to C3 (4) of Hachii; side_force, yaw_moment: A0 to A7
-    and B0 to B7 (8), Hachii's astern and Ueno's for sternway.
+    k_t: thrust coefficients (3) in powers of J. wake_zero, wake_tau, wake_c_p: w_P0, τ and C_P of the wake,
+    felt at x_wake lengths forward of midship. astern_thrust: C0 to C3 (4) of Hachii; side_force,
+    yaw_moment: A0 to A7 and B0 to B7 (8), Hachii's astern and Ueno's for sternway.
     """
 
     diameter: Annotated[float, POSITIVE, Unit("m")]
@@ -47,9 +47,9 @@ class Propeller(Part):
 class Rudder(Part):
     """A rudder at x forward of midship [m].
 
-    a_h, x_h: how much of its force the hull repeats, and where [lengths forward of midship]; flow_lever (l'_R),
-    gamma_p and gamma_n (stern moving to starboard, to port): of the flow straightened by the hull; epsilon, k_x,
-    k_x_astern, c_pr: of the propeller's race, the last two for one that turns astern.
+    a_h, x_h: how much of its force the hull repeats, and where [lengths forward of midship]; flow_lever
+    (l'_R), gamma_p and gamma_n (stern moving to starboard, to port): of the flow straightened by the hull;
+    epsilon, k_x, k_x_astern, c_pr: of the propeller's race, the last two for one that turns astern.
     """
 
     x: Annotated[float, Unit("m")]
@@ -70,8 +70,8 @@ class Rudder(Part):
 class PropellerRudder(Part):
     """One propeller with the rudder behind it, on the centre line.
 
-    Commanded by the rudder's angle [rad], positive turning the bow to starboard, which follows within its rate
-    and time constant, and by revolutions [rps], negative astern.
+    Commanded by the rudder's angle [rad], positive turning the bow to starboard, which follows within its
+    rate and time constant, and by revolutions [rps], negative astern.
     """
 
     name: Annotated[str, NAME]

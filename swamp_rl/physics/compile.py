@@ -56,7 +56,7 @@ def compiled(function: F | None = None, *, parallel: bool = False) -> F:
 
 
 def by_field(field: str, present: F, absent: F) -> F:
-    """One function of two: `present` where the boat's record, one of the arguments, has the field, else `absent`.
+    """One of two functions: `present` where the boat's record, an argument, has the field, else `absent`.
 
     The choice falls when a caller is compiled, so the other one costs nothing.
     """

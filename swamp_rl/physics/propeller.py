@@ -1,4 +1,4 @@
-"""Forces of a fixed-pitch propeller in all four quadrants (MMG form; Miyauchi 2022, after Hachii and Ueno)."""
+"""Forces of a fixed-pitch propeller in four quadrants (MMG form; Miyauchi 2022, after Hachii and Ueno)."""
 
 import math
 from typing import Any
@@ -44,7 +44,7 @@ def astern_thrust(n: float, u: float, k: int, p: Any) -> float:
 
 @compiled
 def side_factor(n: float, u: float, k: int, coefficients: Any, p: Any) -> float:
-    """(n D)^2 [m^2/s^2] times the coefficient of the side force or of the yaw moment that the propeller makes.
+    """(n D)^2 [m^2/s^2] times the coefficient of the side force or the yaw moment that the propeller makes.
 
     None ahead; Hachii's for a propeller turning astern, Ueno's (on its pitch) for a boat that goes astern.
     """

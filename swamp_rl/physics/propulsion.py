@@ -1,7 +1,7 @@
 """Forces of all that drives the boat, jets or propellers with rudders.
 
-Only the records of boats with a propeller have its fields, so which functions serve a boat is decided when they
-are compiled: a boat with jets alone runs the very code of `swamp_rl.physics.thrusters`.
+Only the records of boats with a propeller have its fields, so which functions serve a boat is decided when
+they are compiled: a boat with jets alone runs the very code of `swamp_rl.physics.thrusters`.
 """
 
 import math
@@ -98,8 +98,8 @@ def limits_of_either(k: int, p: Any) -> tuple[float, float]:
 # Lowest and highest command of thruster k: throttle [1] of a jet, revolutions [rps] of a propeller.
 throttle_limits = by_field(MARK, limits_of_either, jet_limits)
 
-# What thruster k hands on to `propulsion_forces`: a jet's force [N] along x and y, or, where the force hangs on
-# the boat's own speed, the rudder's angle [rad] and the revolutions [rps].
+# What thruster k hands on to `propulsion_forces`: a jet's force [N] along x and y, or, where the force hangs
+# on the boat's own speed, the rudder's angle [rad] and the revolutions [rps].
 actuator_output = by_field(MARK, output_of_either, jet_force)
 
 # An output of thruster k that gives only a share [1] of its thrust.

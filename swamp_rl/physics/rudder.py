@@ -8,11 +8,13 @@ from swamp_rl.physics.compile import compiled
 
 @compiled
 def inflow_ahead(n: float, u: float, wake: float, thrust: float, k: int, p: Any) -> float:
-    """u_R [m/s], the flow along the boat at the rudder; wake: `wake_factor`; thrust [N]: of the open propeller.
+    """u_R [m/s], the flow along the boat at the rudder; wake: `wake_factor`; thrust [N]: open propeller's.
 
     A propeller that drives the boat ahead makes a race over the share eta of the rudder's height
-    (Yoshimura); else Kitagawa's form, and the water's own speed for a boat that goes astern.
+    (Yoshimura); else Kitagawa's form. For a boat that goes astern the water's own speed.
     """
+    if u < 0.0:
+        return u
     diameter = p.propeller_diameter[k]
     eta = diameter / math.sqrt(p.rudder_area[k] * p.rudder_aspect_ratio[k])
     race = 8.0 * abs(thrust) / (math.pi * p.water_density * diameter * diameter)  # 8 K_T (n D)^2 / pi
@@ -22,8 +24,6 @@ def inflow_ahead(n: float, u: float, wake: float, thrust: float, k: int, p: Any)
         inside = at_propeller + kappa * (math.sqrt(at_propeller * at_propeller + race) - at_propeller)
         mixed = eta * inside * inside + (1.0 - eta) * at_propeller * at_propeller
         return p.rudder_epsilon[k] * math.sqrt(mixed)
-    if u < 0.0:
-        return u
     outside = u * p.rudder_epsilon[k] * wake
     inside = outside + math.copysign(p.rudder_k_x_astern[k] * math.sqrt(race), n)
     square = eta * inside * abs(inside) + (1.0 - eta) * outside * outside + p.rudder_c_pr[k] * u * u
@@ -32,7 +32,7 @@ def inflow_ahead(n: float, u: float, wake: float, thrust: float, k: int, p: Any)
 
 @compiled
 def inflow_across(v: float, r: float, k: int, p: Any) -> float:
-    """v_R [m/s], the flow across at the rudder, straightened by the hull; it comes from starboard if positive."""
+    """v_R [m/s], the flow across at the rudder, to starboard, straightened by the hull."""
     gamma = p.rudder_gamma_p[k] if v + p.thruster_x[k] * r >= 0.0 else p.rudder_gamma_n[k]
     return -gamma * (v + p.rudder_flow_lever[k] * p.length * r)
 
