@@ -12,6 +12,8 @@ Array = NDArray[np.float64]
 
 ENOUGH = 0.3  # a step that lowers chi2 by less ends the fit
 DAMPINGS = (0.0, 1.0, 4.0, 16.0, 64.0)  # steps tried are shorter than one reach (below) over this
+STRAY, ROUNDS = 1.35, 6  # times the median loss that marks a stray window, steps it is given of its own
+WORSE = 10.0  # chi2 by which a step makes a window worse before it is given steps of its own
 STATE_REACH = np.array([0.5, 0.5, 0.2, 0.2, 0.2, 0.2])  # m, m, rad, m/s, m/s, rad/s
 
 
@@ -35,7 +37,7 @@ class Normal:
         return np.linalg.solve(self.states_information, wanted[..., None])[..., 0]
 
 
-def normal_equations(states: Array, slopes: Array, residual: Array, damping: float = 0.0) -> Normal:
+def normal_equations(states: Array, slopes: Array, residual: Array, damping: float | Array = 0.0) -> Normal:
     """From Jacobians by initial states (W, M, 6) and by parameters (W, M, p), and residuals (W, M)."""
     transposed = np.swapaxes(states, 1, 2)
     A = transposed @ states
@@ -114,6 +116,34 @@ def bounded_step(H: Array, g: Array, x: Array, low: Array, high: Array) -> Array
     return step
 
 
+def settle(
+    problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, rounds: int
+) -> tuple[Array, Array, Array]:
+    """States (W, 6), prediction and residual at their best under a given x (p,): every window for itself."""
+    states = states.copy()
+    base = problem.predict(hypothesis, x[None], states[None])[0]
+    residual = problem.residuals(base)
+    damping = np.zeros(len(states))
+    for _ in range(rounds):
+        by_state = problem.state_jacobian(hypothesis, x, states, base)
+        none = np.zeros((*residual.shape, 0))
+        tried = states + normal_equations(by_state, none, residual, damping[:, None]).shift(np.zeros(0))
+        prediction = problem.predict(hypothesis, x[None], tried[None])[0]
+        left = problem.residuals(prediction)
+        better = (left**2).sum(axis=1) < (residual**2).sum(axis=1)
+        states[better], base[better], residual[better] = tried[better], prediction[better], left[better]
+        damping = np.where(better, damping / 3.0, 4.0 * damping + 1.0)
+    return states, base, residual
+
+
+def stray_windows(problem: Shooting, residual: Array) -> NDArray[np.bool_]:
+    """(W,) windows that fit far worse than the others: their initial state went astray."""
+    seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)), 1)
+    share = (residual**2).sum(axis=1) / seen
+    stray = share > STRAY * np.median(share)
+    return stray if stray.sum() <= len(stray) // 3 else np.zeros_like(stray)
+
+
 def fit(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, steps: int = 8) -> Fit:
     """The hypothesis fitted from x (p,) and states (W, 6), in at most `steps` steps (Levenberg, Marquardt)."""
     x, states = np.array(x, dtype=float), np.array(states, dtype=float)
@@ -148,11 +178,19 @@ def fit(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, step
             moved = states + normal.shift(step)
             prediction = problem.predict(hypothesis, (x + step)[None], moved[None])[0]
             left = problem.residuals(prediction)
+            worse = (left**2).sum(axis=1) > here.loss + WORSE
+            if worse.any() and worse.sum() <= len(worse) // 3:
+                found = settle(problem.part(worse), hypothesis, x + step, moved[worse], ROUNDS)
+                moved[worse], prediction[worse], left[worse] = found
             total = float((left**2).sum()) + prior_penalty(hypothesis, x + step)
             if total < here.chi2:
                 gain = here.chi2 - total
                 start = max(0, number - 2)
                 x, states, base, residual = x + step, moved, prediction, left
+                stray = stray_windows(problem, residual)
+                if stray.any():
+                    found = settle(problem.part(stray), hypothesis, x, states[stray], ROUNDS)
+                    states[stray], base[stray], residual[stray] = found
                 break
         if gain < ENOUGH:
             break

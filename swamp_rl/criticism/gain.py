@@ -58,7 +58,9 @@ def _restarts(trials: Trials, horizon: float) -> Windows | None:
     if len(first) == 0:
         return None
     nothing = np.zeros((len(first), steps + 1, len(CHANNELS)))
-    return Windows(np.zeros(len(first), int), first, np.full(len(first), steps), nothing, nothing, 0)
+    return Windows(
+        np.zeros(len(first), int), first, np.full(len(first), steps), nothing, nothing, 0, steps + 1
+    )
 
 
 def change(before: Array, after: Array, rng: np.random.Generator) -> Change | None:

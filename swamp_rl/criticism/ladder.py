@@ -13,7 +13,9 @@ from swamp_rl.criticism.shooting import Shooting
 Array = NDArray[np.float64]
 
 RUNGS = (5.0, 20.0, np.inf)  # s
-STEPS = (4, 6, 6)
+STEPS = (4, 5, 5)
+PATIENCE = 16  # steps on a longer rung for what fits well on the shorter one
+GOOD = 1.1  # chi2 a sample that counts as fitting well
 
 
 @dataclass
@@ -24,7 +26,7 @@ class Ladder:
     guesses: list[Array]
     fits: dict[tuple[int, str], Fit] = field(default_factory=dict)
 
-    def fit(self, rung: int, hypothesis: Hypothesis, x: Array, steps: int | None = None) -> Fit:
+    def fit(self, rung: int, hypothesis: Hypothesis, x: Array) -> Fit:
         """The hypothesis at its best on that rung, begun from x and, where there is one, from the rung below."""
         key = (rung, hypothesis.label)
         if key in self.fits and self.fits[key].chi2 < np.inf:
@@ -33,7 +35,8 @@ class Ladder:
         if below is not None:
             x = below.x
         states = self.guesses[rung] if below is None else self.carried(below, rung)
-        made = fit(self.problems[rung], hypothesis, x, states, STEPS[rung] if steps is None else steps)
+        good = below is not None and below.chi2 < GOOD * self.problems[rung - 1].samples
+        made = fit(self.problems[rung], hypothesis, x, states, PATIENCE if good else STEPS[rung])
         self.fits[key] = made
         return made
 

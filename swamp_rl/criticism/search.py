@@ -14,6 +14,7 @@ from swamp_rl.criticism.score import Prospect, prospects
 MOST = 3  # atoms together, the hull's coefficients counted as one
 BEAM = 5  # sets of causes that a further one is sought beside
 SHORTLIST = 10  # sets that are fitted at each depth
+FIRST = 3  # of them, those fitted before any other
 CLIMBERS = 4  # of them, those that are followed to longer windows
 SEEN = 10.0  # least information about a candidate, in squared typical sizes over variance
 GAP = 9.0  # of penalised chi2 within which two names cannot be told apart
@@ -65,7 +66,9 @@ def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None) -> Search:
             break
         tried |= {one.hypothesis.label: one for one in fitted}
         beam = fitted[:BEAM]
-        climbed = sorted((_climb(ladder, one.hypothesis, one.x) for one in _climbers(fitted)), key=score)
+        climbed = sorted(
+            (_climb(ladder, one.hypothesis, one.x) for one in _climbers(ladder, fitted)), key=score
+        )
         if score(climbed[0]) < score(best):
             best = climbed[0]
     return _concluded(ladder, best, list(tried.values()), first, unseen)
@@ -77,9 +80,10 @@ def _climb(ladder: Ladder, hypothesis: Hypothesis, x: np.ndarray) -> Fit:
     return ladder.fit(1, hypothesis, x)
 
 
-def _climbers(fitted: list[Fit]) -> list[Fit]:
+def _climbers(ladder: Ladder, fitted: list[Fit]) -> list[Fit]:
     best = score(fitted[0])
-    return [one for one in fitted[:CLIMBERS] if score(one) < 1.5 * best + 100.0]
+    room = 100.0 if adequacy(ladder.problems[0], fitted[0]).adequate else 0.5 * best + 100.0
+    return [one for one in fitted[:CLIMBERS] if score(one) < best + room]
 
 
 def needed(atom: Atom) -> float:
@@ -107,7 +111,10 @@ def _holds(ladder: Ladder, prospect: Prospect, here: Fit) -> bool:
 def _extend(
     ladder: Ladder, beam: list[Fit], atoms: Sequence[Atom], known: list[Prospect] | None
 ) -> list[Fit]:
-    """Fits, on the shortest windows, of the most promising sets with one atom more, best first."""
+    """Fits, on the shortest windows, of the most promising sets with one atom more, best first.
+
+    Where one of the first few leaves only noise, those that promise far less are not fitted at all.
+    """
     found: dict[str, Prospect] = {}
     for at in beam:
         ahead = known if known is not None else prospects(ladder.problems[0], at, atoms)
@@ -116,7 +123,15 @@ def _extend(
             if one.seen >= SEEN and (label not in found or one.promised < found[label].promised):
                 found[label] = one
     chosen = sorted(found.values(), key=lambda one: one.promised + cost(one.hypothesis))[:SHORTLIST]
-    return sorted((ladder.fit(0, one.hypothesis, one.x) for one in chosen), key=score)
+    fitted = [ladder.fit(0, one.hypothesis, one.x) for one in chosen[:FIRST]]
+    best = min(fitted, key=score, default=None)
+    limit = np.inf
+    if best is not None and adequacy(ladder.problems[0], best).adequate:
+        limit = score(best) + 300.0 + 0.2 * max(at.chi2 - best.chi2 for at in beam)
+    for one in chosen[FIRST:]:
+        if one.promised + cost(one.hypothesis) < limit:
+            fitted.append(ladder.fit(0, one.hypothesis, one.x))
+    return sorted(fitted, key=score)
 
 
 def _concluded(

@@ -20,13 +20,14 @@ Array = NDArray[np.float64]
 SUBSTEP, SUBSTEP_OF_RUNS = 0.1, 0.05  # s, the longest Runge-Kutta step; whole runs magnify its error
 PAD = 2.0  # s simulated before a window's first sample, so that delays see what went before
 SETTLING = 3.0  # s at a run's start that are not compared: how the actuators stood there is not recorded
-GUESS_SPAN = 1.0  # s to either side that a first guess of a state is smoothed over
+GUESS_SPAN, LONGEST_SPAN = 1.0, 2.0  # s to either side that a first guess of a state is smoothed over
+CLEAN_POSITION = 0.1  # m of noise up to which the short span will do
 STATE_STEP = np.array([1e-3, 1e-3, 1e-4, 1e-4, 1e-4, 1e-4])
 
 
 @dataclass(frozen=True)
 class Windows:
-    """W windows: run, first sample simulated, steps from there; measured and weight (W, T + 1, 6)."""
+    """W windows: run, first sample simulated, steps from there; measured and weight (W, rows, 6)."""
 
     run: NDArray[np.int64]
     first: NDArray[np.int64]
@@ -34,6 +35,7 @@ class Windows:
     measured: Array
     weight: Array
     pad: int
+    rows: int
 
     @property
     def count(self) -> int:
@@ -64,7 +66,7 @@ def cut(trials: Trials, weight: Array, seconds: float) -> Windows:
         part = slice(start + pad, start + count + 1)
         measured[w, pad : count + 1] = trials.measured[run, part]
         weights[w, pad : count + 1] = weight[run, part]
-    return Windows(run_of, first, steps, np.nan_to_num(measured), weights, pad)
+    return Windows(run_of, first, steps, np.nan_to_num(measured), weights, pad, longest + 1)
 
 
 def wrap(angle: Array) -> Array:
@@ -95,6 +97,22 @@ class Shooting:
     def plain_actuators(self) -> Array:
         """(W, S - 6) time and actuators at the windows' starts, as the boat file has it."""
         return self.actuators(Hypothesis(), np.zeros((1, 0)))[0]
+
+    def part(self, chosen: NDArray[np.bool_]) -> "Shooting":
+        """The comparison on some of its windows (W,) alone."""
+        win = self.windows
+        windows = Windows(
+            win.run[chosen],
+            win.first[chosen],
+            win.steps[chosen],
+            win.measured[chosen],
+            win.weight[chosen],
+            win.pad,
+            win.measured.shape[1],
+        )
+        made = Shooting(self.trials, self.weight, self.seconds, windows)
+        made.plain_actuators = self.plain_actuators[chosen]
+        return made
 
     def actuators(self, hypothesis: Hypothesis, x: Array) -> Array:
         """(V, W, S - 6) time and actuators at the windows' starts for each row of x (V, p)."""
@@ -129,7 +147,7 @@ class Shooting:
         else:
             actuators = np.broadcast_to(self.plain_actuators, (variants, *self.plain_actuators.shape))
         start = np.concatenate([states, actuators], axis=2).reshape(variants * win.count, -1)
-        track = np.empty((len(start), int(win.steps.max()) + 1, 6))
+        track = np.empty((len(start), win.rows, 6))
         batch = np.repeat(records, win.count)
         run, first, steps = (np.tile(a, variants) for a in (win.run, win.first, win.steps))
         seeds = np.zeros(len(start), np.uint64)
@@ -151,7 +169,10 @@ class Shooting:
 
     def residuals(self, prediction: Array) -> Array:
         """(..., W, M) measured less predicted in standard deviations, 0 where nothing was measured."""
-        difference = self.windows.measured - prediction
+        with np.errstate(invalid="ignore"):
+            return self._residuals(self.windows.measured - prediction)
+
+    def _residuals(self, difference: Array) -> Array:
         difference[..., 2] = wrap(difference[..., 2])
         difference *= self.windows.weight
         return difference.reshape(*difference.shape[:-2], -1)
@@ -190,7 +211,10 @@ class Shooting:
 
     def _guess(self, run: int, first: int) -> Array:
         track, weight = self.trials.measured[run], self.weight[run]
-        span = max(2, round(GUESS_SPAN / self.dt))
+        known = weight[:, :1].max()
+        # the longer, the noisier the positions: the error of a slope falls with the span to the power 3/2
+        longer = (1.0 / max(known, 1e-6) / CLEAN_POSITION) ** (2 / 3) if track.shape[0] else 1.0
+        span = max(2, round(min(max(GUESS_SPAN * longer, GUESS_SPAN), LONGEST_SPAN) / self.dt))
         near = np.arange(max(0, first - span), min(int(self.trials.lengths[run]), first + span + 1))
         state = np.zeros(6)
         rates = np.zeros(3)

@@ -1,0 +1,150 @@
+"""Model criticism on small trials with a known truth; the truth is only ever in the data."""
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates, hull_nuisance
+from swamp_rl.criticism.data import CHANNELS, Trials, trials_of
+from swamp_rl.criticism.extend import write_extended
+from swamp_rl.criticism.fit import fit
+from swamp_rl.criticism.heldout import heldout_loss
+from swamp_rl.criticism.ladder import ladder_of
+from swamp_rl.criticism.leftover import missing_forces
+from swamp_rl.criticism.noise import noise_levels, weights
+from swamp_rl.criticism.result import Diagnosis
+from swamp_rl.criticism.search import search
+from swamp_rl.criticism.shooting import Shooting
+from swamp_rl.effects import apply_effects, parse_effects
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run
+from swamp_rl.sensors import observe
+from swamp_rl.simulator import initial_state, parameters, simulate, tank
+
+SIGMA = np.array([0.05, 0.05, 0.009, 0.03, 0.03, 0.005])
+DT = 0.1
+SECONDS = 40.0
+
+
+def commands(run: int) -> np.ndarray:
+    """(T, 8) of one of three manoeuvres: zig-zag, circle with changing speed, differential thrust."""
+    time = np.arange(round(SECONDS / DT)) * DT
+    rows = np.zeros((len(time), 8))
+    if run == 0:
+        swing = 0.5 * np.sign(np.sin(2 * np.pi * time / 9.0))
+        rows[:, :4] = np.outer(swing, [1, 1, -1, -1])
+        rows[:, 4:] = 0.8
+    elif run == 1:
+        rows[:, :4] = [0.4, 0.4, -0.2, -0.2]
+        rows[:, 4:] = (0.6 + 0.3 * np.sin(2 * np.pi * time / 17.0))[:, None]
+    else:
+        beat = 0.3 * np.sin(2 * np.pi * time / 11.0)
+        rows[:, 4:] = 0.6 + np.outer(beat, [1, -1, 1, -1])
+    return rows
+
+
+def trials(effects: list[dict[str, Any]], seed: int = 0, velocities: bool = True) -> Trials:
+    """Three runs of 40 s with noise, of a boat that has those effects."""
+    rng = np.random.default_rng(seed)
+    boat = load_boat("swamp")
+    record = parameters(boat, 3)
+    apply_effects(record, parse_effects(effects, "test", boat.thruster_names), boat.thruster_names)
+    given = np.array([commands(run) for run in range(3)])
+    pose = np.array([[0.0, 0.0, 0.5], [5.0, -3.0, 2.5], [-4.0, 8.0, -2.0]])
+    start = initial_state(record, pose)
+    track = simulate(record, tank(boat), start, given[:, :-1].copy(), np.zeros(3, np.uint64), DT, 2)
+    measured = observe(track, record, DT) + SIGMA * rng.standard_normal((3, given.shape[1], 6))
+    if not velocities:
+        measured[..., 3:5] = np.nan
+    return Trials(boat, DT, ("a", "b", "c"), given, measured, np.full(3, given.shape[1]))
+
+
+def searched(found: Trials) -> Any:
+    """The search over every candidate."""
+    weight = weights(found, noise_levels(found))
+    return search(ladder_of(found, weight), candidates(found.boat, SECONDS), hull_nuisance())
+
+
+def test_the_noise_is_told_from_the_data_alone() -> None:
+    assert noise_levels(trials([])) == pytest.approx(SIGMA, rel=0.1)
+
+
+def test_an_outlier_and_a_repeated_sample_have_no_weight() -> None:
+    found = trials([])
+    found.measured[0, 100, 0] += 3.0
+    found.measured[1, 50, 2] = found.measured[1, 49, 2]
+    weight = weights(found, noise_levels(found))
+    assert weight[0, 100, 0] == 0.0
+    assert weight[1, 50, 2] == 0.0
+    assert (weight > 0).mean() > 0.99
+
+
+def test_a_gain_is_recovered_within_its_standard_error() -> None:
+    found = trials([{"effect": "thruster_gain", "thruster": "bs", "gain": 0.8}])
+    problem = Shooting(found, weights(found, noise_levels(found)), 10.0)
+    atom = by_label(candidates(found.boat, SECONDS))["thruster_gain bs"]
+    made = fit(problem, Hypothesis((atom,)), np.array([1.0]), problem.guess())
+    error = float(np.sqrt(made.covariance[0, 0]))
+    assert error < 0.01
+    assert abs(made.x[0] - 0.8) < 4.0 * error
+    assert made.chi2 / problem.samples == pytest.approx(1.0, abs=0.1)
+    assert heldout_loss(problem, made).sum() >= made.loss.sum()
+
+
+def test_nothing_is_found_wrong_with_clean_data() -> None:
+    found = searched(trials([], seed=3))
+    assert found.adequate
+    assert found.winner.hypothesis.label == "nothing"
+
+
+def test_wind_is_named_and_not_a_current_or_a_push() -> None:
+    found = searched(trials([{"effect": "wind", "speed": 4.0, "from": 1.0}], seed=4))
+    assert found.adequate
+    assert found.winner.hypothesis.label == "wind"
+    assert np.hypot(*found.winner.x) == pytest.approx(4.0, rel=0.05)
+
+
+def test_two_swapped_channels_are_named() -> None:
+    found = searched(trials([{"effect": "channel_swap", "thruster": ["bs", "sp"]}], seed=5))
+    assert found.winner.hypothesis.label == "channel_swap bs sp"
+
+
+def test_a_missing_push_shows_as_a_force_of_its_size() -> None:
+    found = trials([{"effect": "external_force", "north": 1.5, "east": -0.8}], seed=6)
+    forces = missing_forces(found, weights(found, noise_levels(found)), Hypothesis(), np.zeros(0))
+    assert np.median(forces.force[:, 3]) == pytest.approx(1.5, abs=0.3)
+    assert np.median(forces.force[:, 4]) == pytest.approx(-0.8, abs=0.3)
+
+
+def test_the_extended_boat_can_be_loaded_and_holds_the_effect(tmp_path: Any) -> None:
+    boat = load_boat("swamp")
+    atom = by_label(candidates(boat, 60.0))["channel_swap bs sp"]
+    lag = by_label(candidates(boat, 60.0))["azimuth_lag"]
+    write_extended(tmp_path / "boat.yaml", "swamp", Hypothesis((lag, atom)), np.array([0.4]))
+    effects = load_boat(tmp_path / "boat.yaml").effects
+    assert [entry.effect.name for entry in effects] == ["azimuth_lag", "channel_swap"]
+    assert effects[0].values == {"time_constant": 0.4}
+    assert effects[1].thruster == ("bs", "sp")
+
+
+def test_too_little_data_is_refused_with_what_is_missing() -> None:
+    time = np.arange(50) * DT
+    boat = load_boat("swamp")
+    columns = {name: np.zeros(50) for name in ("north", "east", "heading")}
+    for name in boat.thruster_names:
+        columns |= {f"azimuth_{name}": np.zeros(50), f"throttle_{name}": np.zeros(50)}
+    with pytest.raises(UserError, match="needs 20 s or more"):
+        trials_of([Run("short", {"time": time, **columns})], boat, "folder")
+    long = {name: np.zeros(400) for name in columns} | {"time": np.arange(400) * DT}
+    with pytest.raises(UserError, match="no thruster ever runs"):
+        trials_of([Run("still", long)], boat, "folder")
+
+
+def test_the_schema_names_the_four_verdicts() -> None:
+    schema = json.dumps(Diagnosis.model_json_schema())
+    for verdict in ("nothing_wrong", "cause", "indistinguishable", "unexplained"):
+        assert verdict in schema
+    assert len(CHANNELS) == 6
