@@ -75,7 +75,8 @@ def tracks(path: Path, course: Course, rows: Sequence[Sequence[Panel]], title: s
 
 def commands(path: Path, runs: Mapping[str, Run], title: str) -> None:
     """PNG of the levers over time: one row for each pilot, throttle to the left, angle to the right."""
-    end = max(run.duration for run in runs.values())
+    arrived = [run for run in runs.values() if run.meta.outcome == "success"]
+    end = max(run.duration for run in arrived or runs.values())
     with _figure(path, 9.0, 1.45 * len(runs) + 1.0) as figure:
         grid = figure.subplots(len(runs), 2, squeeze=False, sharex=True)
         for i, (name, run) in enumerate(runs.items()):
@@ -94,8 +95,16 @@ def commands(path: Path, runs: Mapping[str, Run], title: str) -> None:
         figure.suptitle(title, fontsize=11, fontweight="bold")
 
 
-def success_rates(path: Path, rates: Mapping[str, Mapping[str, Mapping[str, Any]]], title: str) -> None:
-    """PNG of success rates with their intervals: `rates[pilot][level]` is a `summary` of episodes."""
+def success_rates(
+    path: Path,
+    rates: Mapping[str, Mapping[str, Mapping[str, Any]]],
+    targets: Mapping[str, Mapping[str, float]],
+    title: str,
+) -> None:
+    """PNG of success rates with their intervals: `rates[pilot][level]` is a `summary` of episodes.
+
+    targets: the rates that were to be reached, likewise, where there are any.
+    """
     levels = list(next(iter(rates.values())))
     with _figure(path, 8.0, 3.4) as figure:
         axes = figure.subplots()
@@ -108,6 +117,8 @@ def success_rates(path: Path, rates: Mapping[str, Mapping[str, Mapping[str, Any]
                 [v - low for v, (low, _) in zip(value, ends, strict=True)],
                 [high - v for v, (_, high) in zip(value, ends, strict=True)],
             ]
+            asked = [100 * targets.get(pilot, {}).get(level, math.nan) for level in levels]
+            axes.plot(at, asked, "_", color="#222222", ms=13, mew=1.2, label="_" if i else "target", zorder=1)
             axes.errorbar(at, value, yerr=error, fmt="o", ms=5, capsize=3, lw=1.4, label=pilot)
         axes.set(xticks=range(len(levels)), ylabel="success [%]", ylim=(0, 104))
         axes.set_xticklabels(levels)
@@ -152,9 +163,10 @@ def _figure(path: Path, width: float, height: float) -> Iterator[Any]:
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(width, height), layout="constrained")
+        figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.06))
         FigureCanvasAgg(figure)
         yield figure
         figure.savefig(path)

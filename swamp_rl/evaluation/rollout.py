@@ -93,9 +93,9 @@ class Rollout:
 
 
 def drive(
-    pilot: Pilot, make_boats: MakeBoats, seeds: Array, tick: Callable[[int], None] = lambda running: None
+    pilot: Pilot, make_boats: MakeBoats, seeds: Array, tick: Callable[[int], None] = lambda ended: None
 ) -> Rollout:
-    """One episode for each of `seeds` (n,), all in one batch; `tick` hears each step how many still run."""
+    """One episode for each of `seeds` (n,), all in one batch; `tick` hears each step how many have ended."""
     boats = make_boats(len(seeds), pilot.senses)
     try:
         return _drive(pilot, boats, np.asarray(seeds), tick)
@@ -121,6 +121,6 @@ def _drive(pilot: Pilot, boats: Boats, seeds: Array, tick: Callable[[int], None]
         ended = running & (terminated | truncated)
         outcome[ended] = info["outcome"][ended] if ended.any() else ""
         running &= ~ended
-        tick(int(running.sum()))
+        tick(n - int(running.sum()))
     by_episode = [np.stack(values, axis=1) for values in (pose, commands, throttle)]
     return Rollout(seeds, steps, outcome.astype(str), *by_episode)

@@ -41,15 +41,16 @@ def paired_difference(
     `a` and `b` (n,) hold one number per episode, in the same order of seeds; pairs in which either is NaN
     (a time to the finish in a failed episode, say) are left out. Episodes are resampled in pairs, so what
     the episodes have in common cancels. With no pair left the interval is NaN and its n is 0.
-    ValueError where the shapes differ.
+    resamples: how many, in hundreds. ValueError where the shapes differ.
     """
     difference = _differences(a, b)
     n = len(difference)
     if n == 0:
         return Interval(float("nan"), float("nan"), float("nan"), 0)
-    means = np.array([difference[rng.integers(0, n, n)].mean() for _ in range(resamples)])
+    picks = (rng.integers(0, n, (100, n), dtype=np.int32) for _ in range(resamples // 100))
+    means = [difference[pick].mean(axis=1) for pick in picks]
     tail = (1.0 - confidence) / 2.0
-    low, high = np.quantile(means, (tail, 1.0 - tail))
+    low, high = np.quantile(np.concatenate(means), (tail, 1.0 - tail))
     return Interval(float(difference.mean()), float(low), float(high), n)
 
 

@@ -1,0 +1,184 @@
+"""The report of an experiment: `results.json` told in words, tables and pictures."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from swamp_rl.evaluation import COSTS
+
+Results = Mapping[str, Any]
+
+COST_NAMES = {
+    "time": ("time [s]", "{:.1f}"),
+    "path_length": ("path [m]", "{:.1f}"),
+    "command_change": ("change of command per step [1]", "{:.4f}"),
+    "energy": ("energy of the jets [J]", "{:.0f}"),
+}
+TARGETS: dict[str, tuple[str, Callable[[float], str]]] = {
+    "success": ("success at least {}", lambda rate: f"{100 * rate:.1f} %"),
+    "smoothness": ("change of command below the data's {}", lambda change: f"{change:.4f}"),
+}
+
+
+def report(results: Results) -> str:
+    """The report as Markdown; its pictures lie in `figures/` beside it."""
+    parts = [_opening, _success, _targets, _training, _tracks, _commands, _costs, _differences, _again]
+    return "\n\n".join(part(results) for part in parts) + "\n"
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table, first column to the left, the others to the right."""
+    lines = [head, [":--", *["--:"] * (len(head) - 1)], *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def rate(summary: Mapping[str, Any]) -> str:
+    """A success rate with its interval, in percent."""
+    low, high = summary["wilson_95"]
+    return f"{100 * summary['success_rate']:.1f} ({100 * low:.1f}–{100 * high:.1f})"
+
+
+def _levels(results: Results) -> list[str]:
+    return list(results["evaluation"]["levels"])
+
+
+def _opening(results: Results) -> str:
+    data, reached = results["data"], sum(target["reached"] for target in results["targets"])
+    return (
+        f"# {results['name']}: what the pilots learned\n\n"
+        f"Boat `{results['boat']}` on the course `{results['course']}`. There were {data['successful']} "
+        f"successful runs to learn from ({data['source']}, {data['minutes']:.0f} minutes). Then every pilot "
+        f"was tried in the same {results['evaluation']['episodes']} seeded episodes at each level of "
+        "disturbance. "
+        f"**{reached} of {len(results['targets'])} targets were reached.**"
+    )
+
+
+def _success(results: Results) -> str:
+    rows = [
+        [name, *(rate(pilot["levels"][level]) for level in _levels(results))]
+        for name, pilot in results["pilots"].items()
+    ]
+    return (
+        "## How often they arrive\n\n"
+        "Both gates passed in the right direction, no buoy touched, within the bounds and the time limit. "
+        "Percent, with Wilson's 95 % interval.\n\n"
+        + table(["pilot", *_levels(results)], rows)
+        + "\n\n![Success rates](figures/success.png)"
+    )
+
+
+def _targets(results: Results) -> str:
+    if not results["targets"]:
+        return "## Targets\n\nThe experiment sets none."
+    rows = []
+    for target in results["targets"]:
+        asked, form = TARGETS[target["what"]]
+        measured = "never arrived" if target["measured"] is None else form(target["measured"])
+        needed = asked.format(form(target["needed"]))
+        verdict = "reached" if target["reached"] else "**not reached**"
+        rows.append([f"{target['pilot']}, {target['level']}", needed, measured, verdict])
+    return "## Targets\n\n" + table(["pilot, level", "needed", "measured", "target"], rows)
+
+
+def _training(results: Results) -> str:
+    data = results["data"]
+    learners = [
+        f"* **{name}**: {pilot['learned_from']}"
+        for name, pilot in results["pilots"].items()
+        if pilot["learned_from"]
+    ]
+    failed = data["runs"] - data["successful"]
+    return (
+        "## What they learned from\n\n"
+        f"There are {data['runs']} runs, {failed} of which failed. Failed runs are kept and marked, and no "
+        "pilot learns from them.\n\n"
+        + "\n".join(learners)
+        + "\n\n![Training tracks](figures/training_tracks.png)"
+    )
+
+
+def _tracks(results: Results) -> str:
+    return (
+        "## Where they went\n\n"
+        f"The first {results['evaluation']['shown']} episodes of each pilot at each level.\n\n"
+        "![Tracks](figures/tracks.png)"
+    )
+
+
+def _commands(results: Results) -> str:
+    data, levels = results["data"], _levels(results)
+    rows = []
+    for name, pilot in results["pilots"].items():
+        changes = [pilot["levels"][level]["mean_of_successes"]["command_change"] for level in levels]
+        rows.append([name, *(_number("command_change", change) for change in changes)])
+    return (
+        "## How they hold the levers\n\n"
+        f"Above, a run of the data ({data['source']}); below it, each learned pilot in one episode at the "
+        f"level `{levels[0]}`, the same for all.\n\n![Commands](figures/commands.png)\n\n"
+        f"In the data the levers change by **{data['command_change']:.4f}** a step (throttle and angle "
+        "together, each as a share of full lever; a still hand would have 0). In the successful episodes it "
+        "is:\n\n" + table(["pilot", *levels], rows)
+    )
+
+
+def _costs(results: Results) -> str:
+    rows = []
+    for level in _levels(results):
+        for name, pilot in results["pilots"].items():
+            costs = pilot["levels"][level]["mean_of_successes"]
+            rows.append([f"{name}, {level}", *(_number(cost, costs[cost]) for cost in COSTS)])
+    return (
+        "## What it costs to arrive\n\n"
+        "Means over the successful episodes. The energy is what the jets leave in the water as motion, about "
+        "a quarter of what the motors draw.\n\n"
+        + table(["pilot, level", *(COST_NAMES[cost][0] for cost in COSTS)], rows)
+    )
+
+
+def _differences(results: Results) -> str:
+    shown = ("time", "command_change")
+    rows = []
+    for found in results["differences"]:
+        spans = [_span(what, found[what]) for what in ("success", *shown)]
+        rows.append([f"{found['a']} − {found['b']}, {found['level']}", *spans])
+    return (
+        "## Pilot against pilot\n\n"
+        "Paired over the shared episodes, with 95 % bootstrap intervals: success over all episodes, costs "
+        "over those in which both arrived. `results.json` has path and energy too.\n\n"
+        + table(["difference", "success [%]", *(COST_NAMES[cost][0] for cost in shown)], rows)
+    )
+
+
+def _again(results: Results) -> str:
+    measured = results["measured"]
+    return (
+        "## To look at, and to do again\n\n"
+        "* `rerun demo.rrd` shows the run of the data and the learned pilots racing each other.\n"
+        "* `episodes.parquet` has a row for each episode of each pilot.\n"
+        "* `pilots/` holds the pilots, `config/` the experiment with every option written out and copies of "
+        "the files it names, `versions.json` the versions.\n"
+        "* `swamp-rl run config/experiment.yaml` does it again.\n\n"
+        f"It took {measured['total_seconds']:.0f} s ({_stages(measured['seconds'])}) and at most "
+        f"{measured['peak_memory_gb']:.1f} GB."
+    )
+
+
+def _stages(seconds: Mapping[str, float]) -> str:
+    """Seconds by the first word of the stages' names."""
+    sums: dict[str, float] = {}
+    for name, value in seconds.items():
+        word = name.split()[0]
+        sums[word] = sums.get(word, 0.0) + value
+    return ", ".join(f"{word} {value:.0f} s" for word, value in sums.items())
+
+
+def _number(cost: str, value: float | None) -> str:
+    return "–" if value is None else COST_NAMES[cost][1].format(value)
+
+
+def _span(what: str, interval: Mapping[str, Any]) -> str:
+    if interval["n"] == 0:
+        return "–"
+    scale, form = (100.0, "{:+.1f}") if what == "success" else (1.0, COST_NAMES[what][1].replace(":", ":+"))
+    value, low, high = (form.format(scale * interval[end]) for end in ("value", "low", "high"))
+    return f"{value} ({low} to {high})"

@@ -1,0 +1,208 @@
+"""What an experiment file holds, read strictly, with `extends:` and with overrides from the command line."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import find_config, read_yaml, validated
+from swamp_rl.pilots.settings import Settings, settings_from
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+Seed = Annotated[int, Field(ge=0, lt=2**31)]
+Count = Annotated[int, Field(ge=1)]
+Rate = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
+LEARN_FROM_RUNS = ("reservoir", "cloning")
+
+
+class Part(BaseModel):
+    """A strict, frozen section of an experiment file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Record(Part):
+    """Runs of the scripted pilot to be recorded: `good` ones, and all that fail meanwhile, at least `failed`.
+
+    disturbances: the level they are driven at, None for none.
+    """
+
+    good: Count = 40
+    failed: Annotated[int, Field(ge=0)] = 3
+    disturbances: str | None = None
+    seed: Seed = 0
+
+
+class Data(Part):
+    """What the pilots learn from: the dataset in `folder`, or one recorded now into the results."""
+
+    folder: str | None = None
+    record: Record = Record()
+
+
+class ScriptedSettings(Settings):
+    """Of the scripted pilot: another seed, other habits and slips."""
+
+    seed: Seed = 0
+
+
+class PilotPlan(Part):
+    """A pilot to be trained and evaluated.
+
+    runs: how many of the successful runs it learns from (None is all). takeover: for so long [s] the scripted
+    pilot drives before it. disturbances: the level it trains in. options: of its training, by the names that
+    its kind gives them; once loaded, every one of them.
+    """
+
+    kind: Literal["scripted", "reservoir", "cloning", "ppo"]
+    runs: Count | None = None
+    takeover: Annotated[float, Field(ge=0.0)] = 0.0
+    disturbances: str | None = None
+    options: dict[str, Any] = {}
+
+    @model_validator(mode="after")
+    def _asks_for_what_its_kind_has(self) -> Self:
+        if self.runs is not None and self.kind not in LEARN_FROM_RUNS:
+            raise ValueError(f"runs: {self.kind} does not learn from runs; drop the key")
+        if self.disturbances is not None and self.kind != "ppo":
+            raise ValueError(f"disturbances: {self.kind} does not train among them; drop the key")
+        if self.takeover > 0.0 and self.kind == "scripted":
+            raise ValueError("takeover: it would take over from itself; drop the key")
+        return self
+
+
+class Evaluation(Part):
+    """The same `episodes` for every pilot at every level; `shown` of them are drawn in the report."""
+
+    levels: Annotated[tuple[str, ...], Field(strict=False, min_length=1)]
+    episodes: Count
+    seed: Seed
+    shown: Count = 30
+
+    @model_validator(mode="after")
+    def _levels_differ(self) -> Self:
+        names = [Path(level).stem for level in self.levels]
+        if len(set(names)) < len(names):
+            raise ValueError("levels: two have the same name; name each once")
+        return self
+
+
+class Targets(Part):
+    """To be reached: success rates by pilot and level, and the pilots to be smoother than the data."""
+
+    success: dict[str, dict[str, Rate]] = {}
+    smoother_than_data: Annotated[tuple[str, ...], Field(strict=False)] = ()
+
+
+class Experiment(Part):
+    """One experiment, whole. boat, course and levels are names in `configs/` or paths; step in s."""
+
+    name: Name
+    description: str = ""
+    boat: str
+    course: str
+    step: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1
+    data: Data = Data()
+    pilots: Annotated[dict[Name, PilotPlan], Field(min_length=1)]
+    evaluation: Evaluation
+    targets: Targets = Targets()
+
+    @model_validator(mode="after")
+    def _targets_name_what_is_there(self) -> Self:
+        levels = {Path(level).stem for level in self.evaluation.levels}
+        asked = [*self.targets.success, *self.targets.smoother_than_data]
+        unknown = [f"pilot {name!r}" for name in asked if name not in self.pilots]
+        unknown += [
+            f"level {level!r}" for by in self.targets.success.values() for level in by if level not in levels
+        ]
+        if unknown:
+            raise ValueError(
+                f"targets: no {unknown[0]} in this experiment; name one that is evaluated, or drop it"
+            )
+        return self
+
+
+def load_experiment(name_or_path: str | Path, overrides: Iterable[str] = ()) -> Experiment:
+    """The experiment of a file, given by path or by its bare name in configs/experiments.
+
+    An `extends:` in the file names another whose keys it overrides; `overrides` are `key=value` with a dotted
+    key and a YAML value, and come last. UserError names the file and the key of the first fault.
+    """
+    path = find_config("experiments", name_or_path)
+    data = _extended(path, ())
+    for override in overrides:
+        data = merged(data, _parsed(override))
+    return _with_all_options(path, validated(path, Experiment, data))
+
+
+def settings_kind(kind: str) -> type[Settings]:
+    """The settings that pilots of a kind are trained with."""
+    from swamp_rl.pilots.cloning import CloningSettings
+    from swamp_rl.pilots.ppo import PPOSettings
+    from swamp_rl.pilots.reservoir import ReservoirSettings
+
+    kinds: dict[str, type[Settings]] = {
+        "scripted": ScriptedSettings,
+        "reservoir": ReservoirSettings,
+        "cloning": CloningSettings,
+        "ppo": PPOSettings,
+    }
+    return kinds[kind]
+
+
+def _with_all_options(path: Path, experiment: Experiment) -> Experiment:
+    """The experiment with every option of its pilots written out; UserError for an unknown or wrong one."""
+    pilots = {}
+    for name, plan in experiment.pilots.items():
+        settings = settings_from(f"{path}: pilots.{name}.options", settings_kind(plan.kind), plan.options)
+        pilots[name] = plan.model_copy(update={"options": settings.model_dump(mode="json")})
+    return experiment.model_copy(update={"pilots": pilots})
+
+
+def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """`below` with the keys of `above` over it, mapping into mapping; other values replace those below."""
+    result = dict(below)
+    for key, value in above.items():
+        under = result.get(key)
+        if isinstance(under, Mapping) and isinstance(value, Mapping):
+            value = merged(under, value)
+        result[key] = value
+    return result
+
+
+def _extended(path: Path, seen: tuple[Path, ...]) -> dict[str, Any]:
+    if path.resolve() in seen:
+        raise UserError(f"{path}: extends itself by way of {seen[-1].name}; end the circle")
+    data = read_yaml(path)
+    base = data.pop("extends", None)
+    if base is None:
+        return data
+    if not isinstance(base, str):
+        raise UserError(f"{path}: extends must name another experiment, not {base!r}")
+    beside = path.parent / base
+    found = (
+        beside
+        if beside.suffix in (".yaml", ".yml") and beside.is_file()
+        else find_config("experiments", base)
+    )
+    return merged(_extended(found, (*seen, path.resolve())), data)
+
+
+def _parsed(override: str) -> dict[str, Any]:
+    key, equals, text = override.partition("=")
+    if not equals or not all(key.split(".")):
+        raise UserError(
+            f"--set {override}: must be key=value, with a dotted key such as evaluation.episodes=100"
+        )
+    try:
+        value = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise UserError(f"--set {override}: the value is malformed YAML; put it in quotes") from error
+    for part in reversed(key.split(".")):
+        value = {part: value}
+    return value
