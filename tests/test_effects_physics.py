@@ -93,12 +93,12 @@ def coast(seconds: float = 10.0) -> Array:
 
 
 def times(run: Array) -> Array:
-    return DT * np.arange(len(run))
+    return np.asarray(DT * np.arange(len(run)), dtype=np.float64)
 
 
 def thrust_at(throttle: float) -> float:
     """Of all four thrusters together, as the reference has it: 12.2 p² and 1 - t from 0.30 to 0.75."""
-    return 4.0 * 12.2 * throttle**2 * np.interp(throttle, [0.3, 1.0], [0.30, 0.75])
+    return float(4.0 * 12.2 * throttle**2 * np.interp(throttle, [0.3, 1.0], [0.30, 0.75]))
 
 
 @pytest.mark.parametrize("name", LIBRARY)
