@@ -133,12 +133,13 @@ def test_the_extended_boat_can_be_loaded_and_holds_the_effect(tmp_path: Any) -> 
 def test_too_little_data_is_refused_with_what_is_missing() -> None:
     time = np.arange(50) * DT
     boat = load_boat("swamp")
-    columns = {name: np.zeros(50) for name in ("north", "east", "heading")}
+    columns: dict[str, Any] = {name: np.zeros(50) for name in ("north", "east", "heading")}
     for name in boat.thruster_names:
         columns |= {f"azimuth_{name}": np.zeros(50), f"throttle_{name}": np.zeros(50)}
     with pytest.raises(UserError, match="needs 20 s or more"):
-        trials_of([Run("short", {"time": time, **columns})], boat, "folder")
-    long = {name: np.zeros(400) for name in columns} | {"time": np.arange(400) * DT}
+        trials_of([Run("short", columns | {"time": time})], boat, "folder")
+    long: dict[str, Any] = {name: np.zeros(400) for name in columns}
+    long["time"] = np.arange(400) * DT
     with pytest.raises(UserError, match="no thruster ever runs"):
         trials_of([Run("still", long)], boat, "folder")
 

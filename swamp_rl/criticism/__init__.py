@@ -1,1 +1,3 @@
-"""Model criticism: where a simulated boat departs from measured runs, the named cause, and the gain of adding it."""
+"""Model criticism: where a simulated boat departs from measured runs, the named cause, and the gain of
+adding it.
+"""

@@ -18,7 +18,9 @@ LIMIT = 5.0  # standard deviations of a slow part's power, over all channels and
 
 @dataclass(frozen=True)
 class Adequacy:
-    """excess: (scales, 6) standard deviations by which the power of averaged residuals exceeds white noise's."""
+    """excess: (scales, 6) standard deviations by which the power of averaged residuals exceeds white
+    noise's.
+    """
 
     excess: Array
 

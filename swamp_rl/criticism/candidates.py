@@ -29,7 +29,9 @@ HULL_LIMIT = 1.6
 
 @dataclass(frozen=True)
 class Spec:
-    """How a fit moves one number: typical size, least and most, step of its finite difference, where to start."""
+    """How a fit moves one number: typical size, least and most, step of its finite difference, where to
+    start.
+    """
 
     scale: float
     low: float
@@ -88,8 +90,9 @@ SPECS: dict[str, tuple[Spec, ...]] = {
 class Atom:
     """One candidate: an effect, on the thrusters it names, with the numbers x (p,) that a fit may move.
 
-    values: x -> the effect's parameters; back: the derivative-free inverse is never needed.
-    starts: points (p,) that a fit is begun from; grid: points that are only looked at, the best being polished.
+    values: x -> the effect's parameters.
+    starts: points (p,) that a fit is begun from; grid: points that are only looked at, the best being
+    polished.
     """
 
     effect: Effect
@@ -143,7 +146,9 @@ class Hypothesis:
         return any(atom.moves_actuators for atom in self.atoms)
 
     def with_atom(self, atom: Atom) -> "Hypothesis":
-        """This hypothesis and one more atom, effects in an order of their own so that equal sets are equal."""
+        """This hypothesis and one more atom, effects in an order of their own so that equal sets are
+        equal.
+        """
         return Hypothesis(tuple(sorted((*self.atoms, atom), key=lambda one: one.label)))
 
     def without(self, label: str) -> "Hypothesis":
@@ -155,7 +160,9 @@ class Hypothesis:
         return np.array([s.low for s in self.specs]), np.array([s.high for s in self.specs])
 
     def prior(self) -> tuple[Array, Array]:
-        """(p,) prior mean and (p,) precision, 0 where there is none; the mean is 1: scales of coefficients."""
+        """(p,) prior mean and (p,) precision, 0 where there is none; the mean is 1: scales of
+        coefficients.
+        """
         precision = np.array([0.0 if s.prior is None else s.prior**-2 for s in self.specs])
         return np.ones(self.size), precision
 
@@ -270,7 +277,9 @@ SPECIAL: dict[str, Callable[[Effect, Boat, float], list[Atom]]] = {
 
 
 def hull_nuisance() -> Atom | None:
-    """The linear derivatives' scales, each with a prior about 1; None where the library has no such effect."""
+    """The linear derivatives' scales, each with a prior about 1; None where the library has no such
+    effect.
+    """
     effect = LIBRARY.get(NUISANCE)
     if effect is None:
         return None

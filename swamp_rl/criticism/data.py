@@ -25,7 +25,8 @@ GRID_TOLERANCE = 0.3  # of a sample step, how far a row may lie from the grid
 class Trials:
     """R runs of up to T samples of one boat.
 
-    dt: sample step [s]; commands: (R, T, 2K), held where a row is missing; measured: (R, T, 6) in the order of
+    dt: sample step [s]; commands: (R, T, 2K), held where a row is missing; measured: (R, T, 6) in the
+    order of
     CHANNELS (SI, rad, heading unwrapped), NaN where there is none; lengths: (R,) samples of each run.
     """
 
@@ -39,8 +40,8 @@ class Trials:
     @property
     def present(self) -> tuple[str, ...]:
         """Channels that some run holds."""
-        found = np.isfinite(self.measured).any(axis=(0, 1)).tolist()
-        return tuple(name for name, here in zip(CHANNELS, found, strict=True) if here)
+        here = np.isfinite(self.measured).any(axis=(0, 1))
+        return tuple(CHANNELS[channel] for channel in np.flatnonzero(here))
 
     def subset(self, runs: list[int]) -> "Trials":
         """The trials of those runs alone."""
@@ -74,8 +75,9 @@ def trials_of(every: list[Run], boat: Boat, folder: str) -> Trials:
     total = sum(run.duration for run in runs)
     if not runs or total < LEAST:
         raise UserError(
-            f"{folder}: {total:.0f} s in runs of at least {SHORTEST:.0f} s; a diagnosis needs {LEAST:.0f} s or "
-            "more, better five runs of a minute with turns both ways and several speeds; record more"
+            f"{folder}: {total:.0f} s in runs of at least {SHORTEST:.0f} s; a diagnosis "
+            f"needs {LEAST:.0f} s or more, better five runs of a minute with turns both ways and "
+            "several speeds; record more"
         )
     dt = float(np.median([sample_step(run) for run in runs]))
     placed = [_on_grid(run, boat, dt, folder) for run in runs]
@@ -99,8 +101,8 @@ def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array
     if off.max() > GRID_TOLERANCE or (np.diff(index) <= 0).any():
         row = int(off.argmax()) + 1
         raise UserError(
-            f"{folder}: run {run.name}, row {row}: time {run.time[row - 1]:.3f} s does not fit the sample step of "
-            f"{dt:.4f} s; resample the run to a fixed rate (missing rows are fine)"
+            f"{folder}: run {run.name}, row {row}: time {run.time[row - 1]:.3f} s does not fit the sample "
+            f"step of {dt:.4f} s; resample the run to a fixed rate (missing rows are fine)"
         )
     commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
     track = np.full((index[-1] + 1, len(CHANNELS)), np.nan)

@@ -1,4 +1,6 @@
-"""From measured runs and a boat file to a diagnosis: what is wrong, by how much, and what it gains to add it."""
+"""From measured runs and a boat file to a diagnosis: what is wrong, by how much, and what it gains to
+add it.
+"""
 
 import time
 from dataclasses import dataclass

@@ -42,7 +42,9 @@ def _cause(atom: Atom, x: Array, covariance: Array) -> Cause:
 
 
 def _slopes(atom: Atom, x: Array, values: dict[str, float]) -> dict[str, Array]:
-    """Of each of the effect's parameters by the fitted numbers: the identity, save where they are a vector's."""
+    """Of each of the effect's parameters by the fitted numbers: the identity, save where they are a
+    vector's.
+    """
     slopes = {name: np.zeros(len(x)) for name in values}
     for i, spec in enumerate(atom.specs):
         moved = x.copy()

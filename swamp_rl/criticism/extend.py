@@ -24,7 +24,9 @@ def effect_mappings(hypothesis: Hypothesis, x: NDArray[np.float64]) -> list[dict
 
 
 def write_extended(path: Path, boat: str | Path, hypothesis: Hypothesis, x: NDArray[np.float64]) -> None:
-    """Write a boat file at `path` that extends `boat`, given by name or by path, with the hypothesis's effects."""
+    """Write a boat file at `path` that extends `boat`, given by name or by path, with the hypothesis's
+    effects.
+    """
     given = Path(boat)
     is_name = given.suffix == "" and len(given.parts) == 1
     extends = str(boat) if is_name else os.path.relpath(given, path.parent)

@@ -34,7 +34,7 @@ class Normal:
     def shift(self, step: Array) -> Array:
         """(W, 6) change of the initial states that goes with a step (p,) of the parameters."""
         wanted = self.states_gradient - self.cross @ step
-        return np.linalg.solve(self.states_information, wanted[..., None])[..., 0]
+        return np.asarray(np.linalg.solve(self.states_information, wanted[..., None])[..., 0], dtype=float)
 
 
 def normal_equations(states: Array, slopes: Array, residual: Array, damping: float | Array = 0.0) -> Normal:
@@ -86,8 +86,8 @@ class Fit:
 
 def inverse(H: Array) -> Array:
     """Inverse of an information matrix (p, p), scaled; directions without information get a huge variance."""
-    if not len(H):
-        return H
+    if not len(H) or not np.isfinite(H).all():
+        return np.full_like(H, np.inf)
     scale = np.sqrt(np.maximum(np.diag(H), 1e-30))
     values, vectors = np.linalg.eigh(H / np.outer(scale, scale))
     return (vectors / np.maximum(values, 1e-12)) @ vectors.T / np.outer(scale, scale)
@@ -101,8 +101,10 @@ def prior_penalty(hypothesis: Hypothesis, x: Array) -> float:
 
 def bounded_step(H: Array, g: Array, x: Array, low: Array, high: Array) -> Array:
     """Newton's step (p,) for information H and gradient g, along the bounds where it would leave them."""
-    free = np.ones(len(x), dtype=bool)
     step = np.zeros(len(x))
+    if not (np.isfinite(H).all() and np.isfinite(g).all()):  # a rollout has run away
+        return step
+    free = np.ones(len(x), dtype=bool)
     while free.any():
         rest = g - H @ np.where(free, 0.0, step)
         scale = np.sqrt(np.maximum(np.diag(H)[free], 1e-30))
@@ -145,7 +147,9 @@ def stray_windows(problem: Shooting, residual: Array) -> NDArray[np.bool_]:
 
 
 def fit(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, steps: int = 8) -> Fit:
-    """The hypothesis fitted from x (p,) and states (W, 6), in at most `steps` steps (Levenberg, Marquardt)."""
+    """The hypothesis fitted from x (p,) and states (W, 6), in at most `steps` steps (Levenberg,
+    Marquardt).
+    """
     x, states = np.array(x, dtype=float), np.array(states, dtype=float)
     low, high = hypothesis.bounds()
     mean, precision = hypothesis.prior()

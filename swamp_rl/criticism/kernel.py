@@ -28,7 +28,8 @@ def roll(
 ) -> None:
     """Fill track (n, T + 1, 6) with the rigid motion of n boats, the start first.
 
-    params: (n,) records; start: (n, S) states; commands: (R, samples, 2K); run, first, steps: (n,) which run's
+    params: (n,) records; start: (n, S) states; commands: (R, samples, 2K); run, first, steps: (n,)
+    which run's
     commands, from which sample on, for how many steps of dt [s]; what lies beyond repeats the last.
     """
     boats = start.shape[0]

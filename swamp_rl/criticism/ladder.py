@@ -27,7 +27,9 @@ class Ladder:
     fits: dict[tuple[int, str], Fit] = field(default_factory=dict)
 
     def fit(self, rung: int, hypothesis: Hypothesis, x: Array) -> Fit:
-        """The hypothesis at its best on that rung, begun from x and, where there is one, from the rung below."""
+        """The hypothesis at its best on that rung, begun from x and, where there is one, from the rung
+        below.
+        """
         key = (rung, hypothesis.label)
         if key in self.fits and self.fits[key].chi2 < np.inf:
             return self.fits[key]
@@ -41,7 +43,9 @@ class Ladder:
         return made
 
     def carried(self, below: Fit, rung: int) -> Array:
-        """(W, 6) states at this rung's starts, from the fit of the rung below where a window began there too."""
+        """(W, 6) states at this rung's starts, from the fit of the rung below where a window began
+        there too.
+        """
         states = self.guesses[rung].copy()
         shorter, longer = self.problems[rung - 1].windows, self.problems[rung].windows
         starts = {(r, f): i for i, (r, f) in enumerate(zip(shorter.run, shorter.first, strict=True))}

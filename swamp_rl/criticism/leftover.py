@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Trials
-from swamp_rl.criticism.fit import fit
-from swamp_rl.criticism.result import Leftover
+from swamp_rl.criticism.fit import normal_equations, settle
+from swamp_rl.criticism.result import Force, Leftover
 from swamp_rl.criticism.shooting import Shooting, wrap
 from swamp_rl.simulator import parameters
 
@@ -16,13 +16,15 @@ Array = NDArray[np.float64]
 
 WINDOW, WINDOW_WITHOUT_VELOCITY = 2.5, 5.0  # s
 BINS = 6
+ROUNDS = 8  # steps that each window's initial state is given
 SHOWN = 0.15  # share of a force's variance that a variable must explain, on other runs, to be named
-FORCES = ("surge", "sway", "yaw", "north", "east")
+FORCES: tuple[Force, ...] = ("surge", "sway", "yaw", "north", "east")
 
 
 @dataclass(frozen=True)
 class Forces:
-    """Missing forces at n instants: force (n, 5) in the order of FORCES [N, N m], error (n, 5) their standard errors.
+    """Missing forces at n instants: force (n, 5) in the order of FORCES [N, N m], error (n, 5) their
+    standard errors.
 
     run: (n,); variables: what the boat did there, by name (n,).
     """
@@ -42,10 +44,11 @@ def missing_forces(trials: Trials, weight: Array, hypothesis: Hypothesis, x: Arr
     """
     seconds = WINDOW if "surge" in trials.present else WINDOW_WITHOUT_VELOCITY
     problem = Shooting(trials, weight, seconds)
-    made = fit(problem, _Fixed(hypothesis, x), np.zeros(0), problem.guess(), 6)
-    track = problem.predict(hypothesis, x[None], made.states[None])[0]
+    states, track, residual = settle(problem, hypothesis, x, problem.guess(), ROUNDS)
+    by_state = problem.state_jacobian(hypothesis, x, states, track)
+    none = np.zeros((*residual.shape, 0))
     win = problem.windows
-    covariance = np.linalg.inv(made.normal.states_information)
+    covariance = np.linalg.inv(normal_equations(by_state, none, residual).states_information)
     sd = np.sqrt(np.maximum(np.einsum("wii->wi", covariance), 0.0))
     record = parameters(trials.boat)[0]
     inertia = np.array(
@@ -71,24 +74,6 @@ def missing_forces(trials: Trials, weight: Array, hypothesis: Hypothesis, x: Arr
         places.append((w + 1, win.first[w + 1] + win.pad))
     at = np.array([track[w, win.pad] for w, _ in places])
     return Forces(np.array(forces), np.array(errors), np.array(runs), _variables(trials, at, runs, places))
-
-
-class _Fixed(Hypothesis):
-    """A hypothesis whose numbers are not fitted any more."""
-
-    def __init__(self, hypothesis: Hypothesis, x: Array) -> None:
-        super().__init__(())
-        object.__setattr__(self, "_inner", (hypothesis, x))
-
-    @property
-    def moves_actuators(self) -> bool:
-        """As the hypothesis does."""
-        return self._inner[0].moves_actuators  # type: ignore[attr-defined, no-any-return]
-
-    def records(self, boat, x):  # type: ignore[no-untyped-def]
-        """With the numbers that are held."""
-        hypothesis, held = self._inner  # type: ignore[attr-defined]
-        return hypothesis.records(boat, np.repeat(held[None], len(x), axis=0))
 
 
 def _variables(trials: Trials, at: Array, runs: list[int], places: list[tuple[int, int]]) -> dict[str, Array]:
@@ -141,5 +126,6 @@ def leftovers(forces: Forces) -> list[Leftover]:
         best = max(shares, key=lambda variable: shares[variable])
         significance = float(np.mean((forces.force[:, c] / np.maximum(forces.error[:, c], 1e-9)) ** 2))
         if shares[best] > SHOWN and significance > 1.5:
-            found.append(Leftover(force=name, variable=best, explained=shares[best]))  # type: ignore[arg-type]
+            found.append(Leftover(force=name, variable=best, explained=shares[best]))
+            ignore[arg - type]
     return sorted(found, key=lambda one: -one.explained)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.simulator import parameters
 
 Array = NDArray[np.float64]
 
@@ -16,8 +17,8 @@ PERIOD = 12.0  # s of a zig-zag
 def manoeuvres(boat: Boat, dt: float) -> dict[str, Array]:
     """Commands (T, 2K) by name, for the thrusters that the boat has and the angles that they reach."""
     time = np.arange(round(LENGTH / dt)) * dt
-    low = np.array([thruster.azimuth_min for thruster in boat.thrusters])
-    high = np.array([thruster.azimuth_max for thruster in boat.thrusters])
+    record = parameters(boat)[0]
+    low, high = record["azimuth_min"], record["azimuth_max"]
     side = np.sign([thruster.x for thruster in boat.thrusters])
     starboard = np.sign([thruster.y for thruster in boat.thrusters])
     count = len(boat.thrusters)

@@ -9,7 +9,8 @@ from swamp_rl.criticism.data import CHANNELS, Trials
 
 Array = NDArray[np.float64]
 
-# What a channel's sigma is never taken to be below: data without noise still differ from a rollout by the integration step.
+# What a channel's sigma is never taken to be below: data without noise still differ from a rollout by
+# the integration step.
 FLOOR = np.array([2e-3, 2e-3, 5e-4, 1e-3, 1e-3, 5e-4])
 GAIN_OF_THIRD_DIFFERENCE = np.sqrt(20.0)  # of white noise: 1 + 9 + 9 + 1
 CLIP = 4.0  # sigmas beyond which a third difference is a jump of the boat's, or an outlier
@@ -52,7 +53,9 @@ def weights(trials: Trials, sigmas: Array) -> Array:
 
 
 def held_samples(measured: Array) -> NDArray[np.bool_]:
-    """(R, T, 6) samples that only repeat the one before to the last bit: a sensor that had nothing new to say."""
+    """(R, T, 6) samples that only repeat the one before to the last bit: a sensor that had nothing new
+    to say.
+    """
     held = np.zeros(measured.shape, dtype=bool)
     held[:, 1:] = measured[:, 1:] == measured[:, :-1]
     return held

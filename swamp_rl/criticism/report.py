@@ -19,7 +19,7 @@ SENTENCE = {
     "nothing_wrong": "What the simulation misses is what the sensors' noise explains.",
     "cause": "The misfit has a name.",
     "indistinguishable": "Several explanations fit these data equally well.",
-    "unexplained": "Structure remains that no known effect explains; any cause below is a part of it at most.",
+    "unexplained": "Structure remains that no known effect explains; a cause below is part of it at most.",
 }
 
 
@@ -99,7 +99,10 @@ def page(finding: "Finding", figures: dict[str, bytes]) -> str:
     parts.append("<h2>Candidates</h2>" + table(("effect", "held-out chi2 a sample", "gain", "95 %"), rows5))
     if found.unseen:
         parts.append(f"<p>These data cannot show: {html.escape(', '.join(found.unseen))}.</p>")
-    style = "body{font:16px sans-serif;max-width:60em;margin:2em auto}td,th{padding:.2em .8em;text-align:left}img{max-width:100%}"
+    style = (
+        "body{font:16px sans-serif;max-width:60em;margin:2em auto}"
+        "td,th{padding:.2em .8em;text-align:left}img{max-width:100%}"
+    )
     head = f'<meta charset="utf-8"><title>Diagnosis</title><style>{style}</style>'
     return f"<!doctype html><html lang=en><head>{head}</head><body>{''.join(parts)}</body></html>\n"
 

@@ -4,6 +4,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
+Force = Literal["surge", "sway", "yaw", "north", "east"]
 Verdict = Literal["nothing_wrong", "cause", "indistinguishable", "unexplained"]
 
 
@@ -22,7 +23,9 @@ class Estimate(Part):
 
 
 class Cause(Part):
-    """An effect that explains the misfit. thruster: a name, `all`, or two names; none where it has no selector."""
+    """An effect that explains the misfit. thruster: a name, `all`, or two names; none where it has no
+    selector.
+    """
 
     effect: str
     thruster: str | list[str] | None = None
@@ -42,7 +45,9 @@ class Candidate(Part):
 
 
 class Contrast(Part):
-    """How alike two explanations act. angle: between their sensitivity directions [rad], nuisances projected out."""
+    """How alike two explanations act. angle: between their sensitivity directions [rad], nuisances
+    projected out.
+    """
 
     effects: list[str]
     angle: float
@@ -61,7 +66,7 @@ class Trial(Part):
 class Leftover(Part):
     """Where structure remains: a residual force, and the variable that explains most of it."""
 
-    force: Literal["surge", "sway", "yaw", "north", "east"]
+    force: Force
     variable: str
     explained: float
 
@@ -86,7 +91,9 @@ class Gain(Part):
 
 
 class Diagnosis(Part):
-    """The answer. noise: standard deviation by channel (SI, rad); unseen: candidates that these data cannot show."""
+    """The answer. noise: standard deviation by channel (SI, rad); unseen: candidates that these data
+    cannot show.
+    """
 
     verdict: Verdict
     causes: list[Cause]

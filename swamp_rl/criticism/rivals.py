@@ -44,7 +44,9 @@ def angle_between(problem: Shooting, one: Fit, other: Fit) -> float:
 
 
 def refit(problem: Shooting, truth: Fit, other: Fit) -> float:
-    """Chi2 that `other`, fitted to the noise-free track of `truth`, cannot explain: what data of this kind can tell."""
+    """Chi2 that `other`, fitted to the noise-free track of `truth`, cannot explain: what data of this
+    kind can tell.
+    """
     track = problem.predict(truth.hypothesis, truth.x[None], truth.states[None])[0]
     synthetic = Shooting(
         problem.trials, problem.weight, problem.seconds, replace(problem.windows, measured=track)
@@ -75,7 +77,9 @@ def separating_trial(trials: Trials, sigmas: Array, winner: Fit, rivals: list[Fi
 
 
 def _separations(problem: Shooting, rival: Fit, states: Array) -> Array:
-    """(W,) standard errors between the truth and a rival that may still move as far as the old data let it."""
+    """(W,) standard errors between the truth and a rival that may still move as far as the old data let
+    it.
+    """
     base = problem.predict(rival.hypothesis, rival.x[None], states[None])[0]
     residual = problem.residuals(base)
     by_state = problem.state_jacobian(rival.hypothesis, rival.x, states, base)

@@ -31,7 +31,9 @@ class Prospect:
 
 
 def prospects(problem: Shooting, at: Fit, atoms: Sequence[Atom]) -> list[Prospect]:
-    """Prospects of every atom beside `at`, the most promising first; those that the data cannot see are last."""
+    """Prospects of every atom beside `at`, the most promising first; those that the data cannot see are
+    last.
+    """
     own = {atom.label for atom in at.hypothesis.atoms}
     by_x = problem.parameter_jacobian(
         at.hypothesis, at.x, at.states, problem.predict(at.hypothesis, at.x[None], at.states[None])[0]
@@ -84,6 +86,8 @@ def _best_of_grid(
 def _loss_after(at: Fit, by_x: Array, residual: Array) -> float:
     normal = normal_equations(at.states_jacobian, by_x, residual)
     loss = float(normal.free.sum())
+    if not np.isfinite(loss):
+        return np.inf
     if at.hypothesis.size:
         H, g = normal.information.sum(axis=0), normal.gradient.sum(axis=0)
         loss -= float(g @ np.linalg.lstsq(H, g, rcond=1e-10)[0])
@@ -122,4 +126,6 @@ def _newton(
     changed = float(((problem.residuals(prediction[0]) - at.residual) ** 2).sum())
     seen = float(own.max()) if len(own) else changed
     loss = loss if np.isfinite(loss) else np.inf
+    seen = seen if np.isfinite(seen) else 0.0
+    changed = changed if np.isfinite(changed) else 0.0
     return Prospect(hypothesis, atom, x[0] + moved, loss, max(seen, changed))

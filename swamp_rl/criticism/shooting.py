@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +57,7 @@ def cut(trials: Trials, weight: Array, seconds: float) -> Windows:
             2 ** max(0, round(math.log2(available * trials.dt / seconds))) if math.isfinite(seconds) else 1
         )
         edges = np.linspace(settling, length, pieces + 1).round().astype(int)
-        rows += [(run, a - pad, b - 1 - (a - pad)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        rows += [(run, a - pad, b - 1 - (a - pad)) for a, b in pairwise(edges)]
     run_of, first, steps = (np.array(column) for column in zip(*rows, strict=True))
     longest = int(steps.max())
     measured = np.zeros((len(rows), longest + 1, 6))
@@ -138,7 +138,9 @@ class Shooting:
         return first
 
     def predict(self, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
-        """(V, W, T + 1, 6) what the sensors would say, for x (V, p) and rigid states (V, W, 6) at the starts."""
+        """(V, W, T + 1, 6) what the sensors would say, for x (V, p) and rigid states (V, W, 6) at the
+        starts.
+        """
         win, variants = self.windows, len(x)
         records = hypothesis.records(self.boat, x)
         if hypothesis.moves_actuators:
@@ -178,7 +180,9 @@ class Shooting:
         return difference.reshape(*difference.shape[:-2], -1)
 
     def state_jacobian(self, hypothesis: Hypothesis, x: Array, states: Array, base: Array) -> Array:
-        """(W, M, 6) of the weighted prediction by the initial states; a shift of position just shifts the track."""
+        """(W, M, 6) of the weighted prediction by the initial states; a shift of position just shifts
+        the track.
+        """
         moved = np.repeat(states[None], 4, axis=0)
         for i, column in enumerate((2, 3, 4, 5)):
             moved[i, :, column] += STATE_STEP[column]
