@@ -127,5 +127,5 @@ def leftovers(forces: Forces) -> list[Leftover]:
         significance = float(np.mean((forces.force[:, c] / np.maximum(forces.error[:, c], 1e-9)) ** 2))
         if shares[best] > SHOWN and significance > 1.5:
             found.append(Leftover(force=name, variable=best, explained=shares[best]))
-            ignore[arg - type]
+
     return sorted(found, key=lambda one: -one.explained)
