@@ -1,8 +1,8 @@
 """Write the measured tables of README.md and its picture from a folder of results and a benchmark's JSON.
 
-    swamp-rl run configs/experiments/camogli.yaml
-    swamp-rl bench --out bench.json
-    python benchmarks/update_readme.py results/camogli bench.json
+swamp-rl run configs/experiments/camogli.yaml
+swamp-rl bench --out bench.json
+python benchmarks/update_readme.py results/camogli bench.json
 """
 
 import json
@@ -21,16 +21,19 @@ def results_table(results: dict[str, Any]) -> str:
     """Success by pilot and level, then what the job took."""
     levels = results["evaluation"]["levels"]
     rows = [
-        [name, *(rate(pilot["levels"][level]) for level in levels)] for name, pilot in results["pilots"].items()
+        [name, *(rate(pilot["levels"][level]) for level in levels)]
+        for name, pilot in results["pilots"].items()
     ]
     targets, measured = results["targets"], results["measured"]
     missed = [f"{t['what']}: {t['measured']:.3f} of {t['needed']:.3f}" for t in targets if not t["reached"]]
     reached = f"{len(targets) - len(missed)} of {len(targets)} targets reached"
     return (
         f"{table(['pilot', *levels], rows)}\n\n"
-        f"Success in {results['evaluation']['episodes']} seeded episodes, with Wilson 95 % intervals; {reached}"
+        f"Success in {results['evaluation']['episodes']} seeded episodes, with Wilson 95 % intervals; "
+        f"{reached}"
         + (f" (not: {'; '.join(missed)})" if missed else "")
-        + f". The job took {measured['total_seconds'] / 60:.1f} minutes and {measured['peak_memory_gb']:.1f} GB."
+        + f". The job took {measured['total_seconds'] / 60:.1f} minutes and "
+        f"{measured['peak_memory_gb']:.1f} GB."
     )
 
 

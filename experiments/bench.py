@@ -13,11 +13,11 @@ from swamp_rl.files import write_beside
 
 BATCH = 4096
 ROUNDS = 7
-"""Every figure is the median of this many turns; the turns of all of them alternate, so that a slow moment of the
-machine slows what it is compared with too."""
+"""Every figure is the median of this many turns; the turns of all of them alternate, so that a slow moment of
+the machine slows what it is compared with too."""
 TURN = 0.4  # s
 
-# Everything that pushes the boat, at once: the severe level's disturbances, a shallow bottom and a steady force.
+# Everything that pushes the boat, at once: the severe level, a shallow bottom and a steady force.
 ALL_FORCES: list[dict[str, Any]] = [
     {"effect": "current", "disc": 0.4},
     {"effect": "wind", "speed": {"uniform": [1.0, 7.0]}, "from": {"uniform": [-3.14, 3.14]}},
@@ -38,7 +38,7 @@ ALL_FORCES: list[dict[str, Any]] = [
 
 
 def single_stepper(environment_id: str, **options: Any) -> Callable[[], int]:
-    """A function that takes 200 steps of one `gymnasium.make` environment, resets included; returns their number."""
+    """A function that takes 200 steps of one environment, resets included, and returns their number."""
     import gymnasium
 
     environment = gymnasium.make(environment_id, **options)
@@ -57,7 +57,7 @@ def single_stepper(environment_id: str, **options: Any) -> Callable[[], int]:
 
 
 def batch_stepper(boats: int) -> tuple[Callable[[], int], float]:
-    """A function that takes 5 steps of a batch of boats with all forces on, and the batch's bytes per boat."""
+    """A function that takes 5 steps of a batch with all forces on, and the batch's bytes per boat."""
     import gymnasium
 
     environment: Any = gymnasium.make_vec("swamp/Gates-v0", num_envs=boats, disturbances=ALL_FORCES)
@@ -94,7 +94,7 @@ def memory_of(owner: Any) -> float:
 
 
 def decision_maker() -> Callable[[], int]:
-    """A function that takes 200 decisions of a reservoir pilot for one boat; its readout does not matter for speed."""
+    """A function that takes 200 decisions for one boat; a reservoir's readout does not matter for speed."""
     from swamp_rl.pilots.reservoir import untrained_reservoir
 
     pilot = untrained_reservoir(np.random.default_rng(0))

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 
 def commands(bow: float, stern: float, throttle: tuple[float, float, float, float], steps: int) -> Array:
-    """(steps, 8) commands of SWAMP's bs, bp, ss, sp, held: bow and stern azimuth in degrees, throttles [1]."""
+    """(steps, 8) held commands of SWAMP's bs, bp, ss, sp: bow and stern azimuth in degrees, throttles [1]."""
     angles = np.radians([bow, bow, stern, stern])
     return np.tile(np.concatenate([angles, throttle]), (steps, 1))
 

@@ -103,7 +103,12 @@ def test_a_kick_of_a_stern_thruster_acts_only_in_its_window() -> None:
     params = parameters(BOAT)
     kick = {
         name: np.where(np.arange(4) == 2, value, params[name][0])
-        for name, value in [("kick_time", 4.0), ("kick_duration", 2.0), ("kick_throttle", 1.0), ("kick_azimuth", 1.5)]
+        for name, value in {
+            "kick_time": 4.0,
+            "kick_duration": 2.0,
+            "kick_throttle": 1.0,
+            "kick_azimuth": 1.5,
+        }.items()
     }
     calm, kicked = track(BOAT, command), track(BOAT, command, **kick)
     assert np.array_equal(calm[:41, :6], kicked[:41, :6])
@@ -128,7 +133,8 @@ def test_gusts_have_the_stated_spread_and_memory() -> None:
 def test_the_counted_noise_is_uniform_and_normal() -> None:
     uniforms = np.array([uniform(np.uint64(7), i) for i in range(20_000)])
     normals = np.array([normal_pair(np.uint64(9), i) for i in range(10_000)])
-    assert uniforms.mean() == pytest.approx(0.5, abs=0.01) and uniforms.var() == pytest.approx(1 / 12, abs=0.003)
+    assert uniforms.mean() == pytest.approx(0.5, abs=0.01)
+    assert uniforms.var() == pytest.approx(1 / 12, abs=0.003)
     assert np.abs(normals.mean(axis=0)).max() < 0.03 and normals.std(axis=0) == pytest.approx(1, abs=0.03)
     assert abs(np.corrcoef(normals.T)[0, 1]) < 0.03
 
@@ -136,5 +142,5 @@ def test_the_counted_noise_is_uniform_and_normal() -> None:
 def test_the_thesis_current_model_is_a_force_and_stands_alone() -> None:
     command = commands(0, 0, (0,) * 4, 200)
     pushed = track(BOAT, command, current_north=0.3, current_as_force=1.0)
-    assert 0.0 < pushed[-1, SURGE] and pushed[-1, NORTH] > 0.0
+    assert pushed[-1, SURGE] > 0.0 and pushed[-1, NORTH] > 0.0
     assert np.array_equal(track(BOAT, command, current_as_force=1.0), track(BOAT, command))

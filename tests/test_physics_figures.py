@@ -65,10 +65,10 @@ def test_the_steady_diameter_at_60_degrees_is_that_of_the_reference(boat: Boat) 
 
 
 def zigzag_first_overshoot(boat: Boat, throttle: float) -> float:
-    """20/20 zig-zag in degrees, all four thrusters together (bow +, stern -), from steady straight running."""
+    """20/20 zig-zag in degrees, bow azimuth +, stern -, from steady straight running."""
     limit = np.radians(20.0)
     state = track(boat, commands(0, 0, (throttle,) * 4, 600))[-1:].copy()
-    state[:, :HEADING + 1] = 0.0
+    state[:, : HEADING + 1] = 0.0
     side, headings = 1.0, []
     for _ in range(600):
         azimuth = 20.0 * side

@@ -47,9 +47,7 @@ def test_motion_in_a_uniform_current_is_the_still_water_motion_carried_along(see
     command, north, east = lively_commands(seed), 0.31, -0.22
     still = track(BOAT, command)
     # at rest relative to the moving water at the start, as the other is in still water
-    drifting = track(
-        BOAT, command, velocity=(north, east, 0.0), current_north=north, current_east=east
-    )
+    drifting = track(BOAT, command, velocity=(north, east, 0.0), current_north=north, current_east=east)
     time = 0.1 * np.arange(len(command) + 1)
     assert np.allclose(drifting[:, NORTH] - north * time, still[:, NORTH], rtol=0, atol=1e-9)
     assert np.allclose(drifting[:, EAST] - east * time, still[:, EAST], rtol=0, atol=1e-9)
@@ -154,9 +152,10 @@ def test_the_closed_form_of_the_cross_flow_equals_quadrature(a: float, b: float)
     root = [-a / b] if abs(b) > 1e-9 and abs(a / b) < LENGTH / 2 else None
 
     def integral(power: int) -> float:
-        return quad(
-            lambda x: abs(a + b * x) * (a + b * x) * x**power, -LENGTH / 2, LENGTH / 2, points=root
-        )[0]
+        def density(x: float) -> float:
+            return abs(a + b * x) * (a + b * x) * x**power
+
+        return quad(density, -LENGTH / 2, LENGTH / 2, points=root)[0]
 
     force, moment = crossflow_integrals(a, b, LENGTH)
     assert force == pytest.approx(integral(0), abs=1e-9)

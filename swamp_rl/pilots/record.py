@@ -24,7 +24,7 @@ NOTES = (
 
 
 class Fleet(Protocol):
-    """The boats behind the environment."""
+    """What recording asks of the boats behind the environment."""
 
     def drawn(self, i: int) -> dict[str, Any]:
         """`effects` and `gust_seed` of the episode of boat i."""
@@ -33,15 +33,25 @@ class Fleet(Protocol):
 class Boats(Protocol):
     """What recording asks of n boats: a gymnasium VectorEnv that starts a boat anew a step after its end."""
 
-    pose: Array
-    "north, east [m], heading [rad], (n, 3)"
-    velocity: Array
-    "surge, sway [m/s], yaw rate [rad/s], (n, 3)"
-    commands: Array
-    "what was asked of the thrusters, (n, 2K): azimuths [rad], then throttles [1]"
-    applied: Array
-    "what they did, as `commands`"
-    fleet: Fleet
+    @property
+    def pose(self) -> Array:
+        """North, east [m], heading [rad], (n, 3)."""
+
+    @property
+    def velocity(self) -> Array:
+        """Surge, sway [m/s], yaw rate [rad/s], (n, 3)."""
+
+    @property
+    def commands(self) -> Array:
+        """What was asked of the thrusters, (n, 2K): azimuths [rad], then throttles [1]."""
+
+    @property
+    def applied(self) -> Array:
+        """What they did, as `commands`."""
+
+    @property
+    def fleet(self) -> Fleet:
+        """The boats behind the environment."""
 
     def reset(self, *, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
         """`options["episodes"]` (n,) are the episodes' seeds."""

@@ -14,9 +14,18 @@ from swamp_rl.physics.resistance import tank_table
 from swamp_rl.simulator.state import NORTH, SURGE, YAW_RATE, state_size
 
 JET_FIELDS = (
-    "azimuth_min azimuth_max azimuth_rate azimuth_time_constant azimuth_offset pump_time_constant "
-    "thrust_linear thrust_quadratic astern_linear astern_quadratic nozzle_area"
-).split()
+    "azimuth_min",
+    "azimuth_max",
+    "azimuth_rate",
+    "azimuth_time_constant",
+    "azimuth_offset",
+    "pump_time_constant",
+    "thrust_linear",
+    "thrust_quadratic",
+    "astern_linear",
+    "astern_quadratic",
+    "nozzle_area",
+)
 
 
 def boat_fields(boat: Boat) -> dict[str, float]:

@@ -36,7 +36,7 @@ def update_gusts(state: Any, seed: Any, dt: float, p: Any) -> None:
     """Ornstein-Uhlenbeck gusts on the wind's speed and direction, exact over a step, stationary at once."""
     if p.gust_speed_std == 0.0 and p.gust_direction_std == 0.0:
         return
-    step_number = int(round(state[TIME] / dt))
+    step_number = round(state[TIME] / dt)
     first, second = normal_pair(seed, step_number)
     keep = math.exp(-dt / p.gust_time_constant) if step_number > 0 else 0.0
     fresh = math.sqrt(1.0 - keep * keep)
