@@ -9,7 +9,7 @@ from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import normal_equations, settle
 from swamp_rl.criticism.result import Force, Leftover
-from swamp_rl.criticism.shooting import Shooting, wrap
+from swamp_rl.criticism.shooting import Shooting, cut, wrap
 from swamp_rl.simulator import parameters
 
 Array = NDArray[np.float64]
@@ -40,10 +40,11 @@ def missing_forces(trials: Trials, weight: Array, hypothesis: Hypothesis, x: Arr
 
     A force that the model lacks makes each window's fitted motion bend the wrong way; the state at the next
     window's start then lies off the last one's end by the missing acceleration times a window's length. No
-    noisy signal is differentiated. x: (p,) numbers of the hypothesis.
+    noisy signal is differentiated. The hull's own damping over a window hides a part, up to a third, of a
+    steady force. x: (p,) numbers of the hypothesis.
     """
     seconds = WINDOW if "surge" in trials.present else WINDOW_WITHOUT_VELOCITY
-    problem = Shooting(trials, weight, seconds)
+    problem = Shooting(trials, weight, seconds, cut(trials, weight, seconds, before=0.0))
     states, track, residual = settle(problem, hypothesis, x, problem.guess(), ROUNDS)
     by_state = problem.state_jacobian(hypothesis, x, states, track)
     none = np.zeros((*residual.shape, 0))

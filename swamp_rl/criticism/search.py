@@ -1,5 +1,6 @@
 """The simplest set of causes that leaves only noise: a beam search up a ladder of complexity."""
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,6 +12,7 @@ from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.ladder import RUNGS, Ladder
 from swamp_rl.criticism.score import Prospect, prospects
 
+PATIENCE = 30.0  # s after which no further depth is begun
 MOST = 3  # atoms together, the hull's coefficients counted as one
 BEAM = 5  # sets of causes that a further one is sought beside
 SHORTLIST = 10  # sets that are fitted at each depth
@@ -58,8 +60,9 @@ def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None) -> Search:
     tried: dict[str, Fit] = {}
     best = nothing
     beam = [ladder.fit(0, Hypothesis(), np.zeros(0))]
+    began = time.perf_counter()
     for depth in range(MOST):
-        if _is_enough(ladder, best, every):
+        if time.perf_counter() - began > PATIENCE or _is_enough(ladder, best, every):
             break
         fitted = _extend(ladder, beam, every, first if depth == 0 else None)
         if not fitted:

@@ -43,12 +43,12 @@ class Windows:
         return len(self.run)
 
 
-def cut(trials: Trials, weight: Array, seconds: float) -> Windows:
-    """Windows of about `seconds` without overlap; inf: one window a run.
+def cut(trials: Trials, weight: Array, seconds: float, before: float = PAD) -> Windows:
+    """Windows of about `seconds` without overlap; inf: one window a run; simulated from `before` [s] earlier.
 
     A run is cut in a power of two, so that longer windows start where some shorter ones do.
     """
-    pad = math.ceil(PAD / trials.dt)
+    pad = math.ceil(before / trials.dt)
     settling = max(pad, math.ceil(SETTLING / trials.dt))
     rows: list[tuple[int, int, int]] = []
     for run, length in enumerate(trials.lengths):
