@@ -24,8 +24,8 @@ from swamp_rl.course import Course, buoy_table, gate_table, load_course
 from swamp_rl.effects import load_disturbances
 from swamp_rl.errors import UserError
 from swamp_rl.simulator import tank
-from swamp_rl.simulator.replay import substeps_of
 from swamp_rl.simulator.state import ACTUATORS, NORTH, SURGE, YAW_RATE
+from swamp_rl.simulator.step import substeps_of
 
 Disturbances = str | Path | Sequence[Mapping[str, Any]] | None
 

@@ -7,8 +7,8 @@ from swamp_rl.boat import load_boat
 from swamp_rl.physics.noise import normal_pair, uniform
 from swamp_rl.physics.thrusters import azimuth_after
 from swamp_rl.simulator import initial_state, parameters, simulate, step, step_parallel, tank
-from swamp_rl.simulator.replay import substeps_of
 from swamp_rl.simulator.state import GUST_SPEED, HEADING, NORTH, SURGE
+from swamp_rl.simulator.step import substeps_of
 from tests.boats import commands, track
 
 BOAT = load_boat("swamp")

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from swamp_rl.physics.compile import by_field, compiled
 
@@ -21,6 +20,8 @@ def tank_table(
     curves: (h/T, speeds [m/s], resistances [N]) with h/T increasing. Returns shape (depths, knots, 6): a
     monotone cubic (PCHIP) of R/U^2 in U for each depth, constant outside the tested speeds.
     """
+    from scipy.interpolate import PchipInterpolator  # half a second that only a first boat should pay
+
     knots = max(len(speeds) for _, speeds, _ in curves)
     table = np.zeros((len(curves), knots, 6))
     table[:, :, SPEED] = np.inf

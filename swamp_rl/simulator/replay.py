@@ -12,18 +12,12 @@ from swamp_rl.runs import Run
 from swamp_rl.sensors import CHANNELS, observe, true_pose
 from swamp_rl.simulator.parameters import initial_state, parameters, tank
 from swamp_rl.simulator.state import ACTUATORS
-from swamp_rl.simulator.step import simulate
+from swamp_rl.simulator.step import simulate, substeps_of
 
 Array = NDArray[np.float64]
 
-SUBSTEP = 0.1  # s, the longest Runge-Kutta step: under a centimetre off after half a minute of hard steering
 VELOCITIES = ("surge", "sway", "yaw_rate")
 START_SPAN = 1.0  # s of track that a start velocity is estimated from, where none was measured
-
-
-def substeps_of(dt: float) -> int:
-    """Runge-Kutta steps that a control step of dt [s] is divided into."""
-    return max(1, math.ceil(dt / SUBSTEP - 1e-9))
 
 
 def sample_step(run: Run) -> float:

@@ -9,9 +9,9 @@ from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from swamp_rl.simulator.parameters import initial_state, parameters, tank
-from swamp_rl.simulator.replay import VELOCITIES, fixed_thrusters, sample_step, substeps_of
+from swamp_rl.simulator.replay import VELOCITIES, fixed_thrusters, sample_step
 from swamp_rl.simulator.state import ACTUATORS
-from swamp_rl.simulator.step import step
+from swamp_rl.simulator.step import step, substeps_of
 
 Array = NDArray[np.float64]
 
