@@ -1,6 +1,7 @@
 """Which runs the report shows: tracks, commands, success rates, and the race recorded for rerun."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,16 @@ from swamp_rl.demo.recording import write_demo
 from swamp_rl.runs import Dataset, Run
 
 
+@dataclass(frozen=True)
+class Race:
+    """Who is shown side by side: the data's pilot first, then the learned ones at `level`, by name."""
+
+    level: str
+    runs: dict[str, Run]
+
+
 def draw_figures(
-    scene: Scene, dataset: Dataset, tried: Tried, results: Mapping[str, Any], folder: Path
+    scene: Scene, dataset: Dataset, tried: Tried, race: Race, results: Mapping[str, Any], folder: Path
 ) -> None:
     """The PNGs of the report, into `folder`."""
     folder.mkdir()
@@ -25,25 +34,28 @@ def draw_figures(
         for name in scene.experiment.pilots
     ]
     figures.tracks(folder / "tracks.png", scene.course, rows, "The pilots, without and with disturbances")
-    figures.commands(folder / "commands.png", race(scene, dataset, tried), "The levers")
+    figures.commands(folder / "commands.png", race.runs, "The levers")
     rates = {name: pilot["levels"] for name, pilot in results["pilots"].items()}
     asked = scene.experiment.targets.success
     figures.success_rates(folder / "success.png", rates, asked, "Success, with Wilson's 95 % interval")
 
 
-def write_race(scene: Scene, dataset: Dataset, tried: Tried, path: Path) -> None:
-    """The race as a rerun recording."""
-    write_demo(path, scene.course, race(scene, dataset, tried), scene.boat.length, scene.boat.breadth)
+def choose_race(scene: Scene, dataset: Dataset, tried: Tried) -> Race:
+    """A run of the data, of middling duration, and the learned pilots in one episode at the data's level.
 
-
-def race(scene: Scene, dataset: Dataset, tried: Tried) -> dict[str, Run]:
-    """By name: a run of the data, of middling duration, and those of the learned pilots in one episode.
-
-    The episode is the first at the first level in which the most of them succeed.
+    Where that level is unknown or not evaluated it is the first. The episode is the first in which most arrive.
     """
-    good = sorted(dataset.successful, key=lambda run: run.duration)
-    level = next(iter(scene.levels))
+    data = scene.experiment.data
+    recorded_at = Path(data.record.disturbances or "").stem if data.folder is None else ""
+    level = recorded_at if recorded_at in scene.levels else next(iter(scene.levels))
     learned = [name for name, plan in scene.experiment.pilots.items() if plan.kind != "scripted"]
     shown = list(zip(*(tried.shown[name, level] for name in learned), strict=True))
     best = max(shown, key=lambda runs: sum(run.meta.outcome == "success" for run in runs), default=())
-    return {dataset.meta.source: good[len(good) // 2]} | dict(zip(learned, best, strict=False))
+    good = sorted(dataset.successful, key=lambda run: run.duration)
+    runs = {dataset.meta.source: good[len(good) // 2]} | dict(zip(learned, best, strict=False))
+    return Race(level, runs)
+
+
+def write_race(scene: Scene, race: Race, path: Path) -> None:
+    """The race as a rerun recording."""
+    write_demo(path, scene.course, race.runs, scene.boat.length, scene.boat.breadth)

@@ -114,7 +114,7 @@ def _commands(results: Results) -> str:
     return (
         "## How they hold the levers\n\n"
         f"Above, a run of the data ({data['source']}); below it, each learned pilot in one episode at the "
-        f"level `{levels[0]}`, the same for all.\n\n![Commands](figures/commands.png)\n\n"
+        f"level `{results['race']['level']}`, the same for all.\n\n![Commands](figures/commands.png)\n\n"
         f"In the data the levers change by **{data['command_change']:.4f}** a step (throttle and angle "
         "together, each as a share of full lever; a still hand would have 0). In the successful episodes it "
         "is:\n\n" + table(["pilot", *levels], rows)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from experiments.learn import get_data, train_pilots
-from experiments.pictures import draw_figures, write_race
+from experiments.pictures import choose_race, draw_figures, write_race
 from experiments.progress import Stages, peak_memory, stages
 from experiments.report import rate, report
 from experiments.results import gather
@@ -50,8 +50,10 @@ def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any
     with progress.stage("compare and draw"):
         write_episodes(folder / "episodes.parquet", tried.tables)
         results = gather(scene, dataset, tried.tables)
-        draw_figures(scene, dataset, tried, results, folder / "figures")
-        write_race(scene, dataset, tried, folder / "demo.rrd")
+        race = choose_race(scene, dataset, tried)
+        results["race"] = {"level": race.level, "runs": {who: run.name for who, run in race.runs.items()}}
+        draw_figures(scene, dataset, tried, race, results, folder / "figures")
+        write_race(scene, race, folder / "demo.rrd")
     results["measured"] = {
         "seconds": {name: round(value, 2) for name, value in progress.seconds.items()},
         "total_seconds": round(sum(progress.seconds.values()), 1),
