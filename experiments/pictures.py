@@ -43,7 +43,7 @@ def draw_figures(
 def choose_race(scene: Scene, dataset: Dataset, tried: Tried) -> Race:
     """A run of the data, of middling duration, and the learned pilots in one episode at the data's level.
 
-    Where that level is unknown or not evaluated it is the first. The episode is the first in which most arrive.
+    Where that is unknown or not evaluated, it is the first. The episode is the first in which most arrive.
     """
     data = scene.experiment.data
     recorded_at = Path(data.record.disturbances or "").stem if data.folder is None else ""
