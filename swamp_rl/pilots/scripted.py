@@ -198,8 +198,9 @@ def _aim(along: Array, across: Array, traits: Array) -> tuple[Array, Array]:
     to_go = np.maximum(-along - 1.5, 0.0)
     aim_along = np.where(to_go > 0.0, -traits["swing"] * to_go, 1.5)
     aim_across = traits["aim"]
-    # Beyond the gate, or too far aside to turn in: back, wide of the buoy on this side, for another try.
+    # Beyond the gate, or too far aside to turn in: back on this side for another try, by a turning circle
+    # (about 8 m across) from the gate's middle line.
     side = np.where(across < 0.0, -1.0, 1.0)
     aside = np.abs(across) - 1.8
     missed = ((aside > 0.0) & (along > -0.5 * aside)) | (along > 0.3)
-    return np.where(missed, -5.0, aim_along), np.where(missed, 5.0 * side, aim_across)
+    return np.where(missed, -5.0, aim_along), np.where(missed, 8.0 * side, aim_across)

@@ -1,0 +1,88 @@
+"""Networks as pilots: the same in NumPy as in torch, cloned from runs or learned by trying."""
+
+import numpy as np
+import pytest
+import torch
+
+from envs.batched import GatesVectorEnv
+from envs.sb3 import GatesVecEnv
+from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
+from swamp_rl.pilots.demonstrations import observed
+from swamp_rl.pilots.network import NetworkPilot, layers_of
+from swamp_rl.pilots.ppo import PPOSettings, train_ppo
+from tests.test_reservoir import RUNS, wandering
+
+POSE = ("north", "east", "cos_heading", "sin_heading")
+
+
+def test_levers_are_those_of_the_torch_network_within_the_levers_ways() -> None:
+    torch.manual_seed(0)
+    network = torch.nn.Sequential(torch.nn.Linear(4, 16), torch.nn.Tanh(), torch.nn.Linear(16, 2))
+    mean, scale = np.array([1.0, 2.0, 0.0, 0.0]), np.array([5.0, 4.0, 1.0, 1.0])
+    pilot = NetworkPilot("cloning", POSE, {"mean": mean, "scale": scale, **layers_of(network)})
+    seen = np.random.default_rng(0).uniform(-9.0, 9.0, size=(200, 4))
+    with torch.no_grad():
+        expected = network(torch.tensor((seen - mean) / scale, dtype=torch.float32)).numpy()
+    assert (np.abs(expected) < 1.0).any() and (expected[:, 0] < 0.0).any()
+    np.testing.assert_allclose(pilot.act(seen), np.clip(expected, [0.0, -1.0], [1.0, 1.0]), atol=1e-6)
+
+
+def test_weights_that_do_not_fit_each_other_are_refused() -> None:
+    good = layers_of([torch.nn.Linear(4, 2)]) | {"mean": np.zeros(4), "scale": np.ones(4)}
+    NetworkPilot("cloning", POSE, good)
+    with pytest.raises(ValueError, match="weight_0 has the shape"):
+        NetworkPilot("cloning", POSE[:3], good | {"mean": np.zeros(3), "scale": np.ones(3)})
+    with pytest.raises(ValueError, match="two outputs"):
+        NetworkPilot("cloning", POSE, good | layers_of([torch.nn.Linear(4, 3)]))
+
+
+def test_cloning_learns_what_the_levers_did_on_runs_it_has_not_seen() -> None:
+    quick = CloningSettings(senses=POSE, epochs=40, batch_size=64, hidden=(32, 32))
+    now = [wandering(seed, lag=0) for seed in range(8)]
+    heard: list[float] = []
+    pilot = fit_cloning(now, quick, heard.append)
+    unseen = wandering(99, lag=0)
+    error = pilot.act(observed(unseen, POSE)) - unseen.joypad
+    assert np.sqrt(np.mean(error**2, axis=0)).max() < 0.2 * unseen.joypad[:, 1].std()
+    np.testing.assert_allclose(heard, np.arange(1, 41) / 40)
+
+
+def test_cloning_with_the_same_seed_gives_the_same_pilot_and_leaves_torch_s_chance_alone() -> None:
+    quick = CloningSettings(senses=POSE, epochs=2, noise=0.1)
+    torch.manual_seed(7)
+    first = fit_cloning(RUNS, quick).weights()
+    drawn = torch.rand(1)
+    second = fit_cloning(RUNS, quick).weights()
+    other = fit_cloning(RUNS, quick.model_copy(update={"seed": 1})).weights()
+    for name in first:
+        np.testing.assert_array_equal(first[name], second[name])
+    assert (first["weight_0"] != other["weight_0"]).any()
+    torch.manual_seed(7)
+    assert torch.rand(1) == drawn
+
+
+def learned(seed: int) -> tuple[NetworkPilot, list[float]]:
+    settings = PPOSettings(boats=8, steps=1024, horizon=64, batch_size=128, epochs=2, seed=seed)
+    boats = GatesVectorEnv(8, observation=settings.senses, autoreset_mode="SameStep")
+    heard: list[float] = []
+    return train_ppo(GatesVecEnv(boats), settings, heard.append), heard
+
+
+def test_ppo_learns_the_same_from_the_same_seed_and_tells_how_far_it_is() -> None:
+    (first, heard), (second, _), (other, _) = learned(0), learned(0), learned(1)
+    assert heard[-1] == 1.0 and np.all(np.diff(heard) > 0.0)
+    for name, value in first.weights().items():
+        np.testing.assert_array_equal(value, second.weights()[name])
+    seen = np.random.default_rng(0).normal(size=(20, len(first.senses)))
+    assert np.isfinite(first.act(seen)).all()
+    assert (first.act(seen) != other.act(seen)).any()
+
+
+def test_ppo_leaves_torch_with_the_threads_it_had() -> None:
+    before = torch.get_num_threads()
+    torch.set_num_threads(2)
+    try:
+        learned(0)
+        assert torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(before)

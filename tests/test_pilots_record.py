@@ -1,0 +1,93 @@
+"""Recorded runs hold what is needed to learn from them and to replay them exactly."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from envs.batched import GatesVectorEnv
+from swamp_rl.boat import load_boat
+from swamp_rl.effects import apply_effects, parse_effects
+from swamp_rl.errors import UserError
+from swamp_rl.pilots.record import record_scripted
+from swamp_rl.pilots.scripted import Habits
+from swamp_rl.runs import Dataset, check_dataset, read_dataset
+from swamp_rl.simulator import initial_state, parameters, simulate, tank
+from swamp_rl.simulator.replay import replay
+from swamp_rl.simulator.state import ACTUATORS
+from swamp_rl.simulator.step import substeps_of
+
+BOAT = load_boat("swamp")
+
+
+def boats_at(level: str):
+    return lambda n, senses: GatesVectorEnv(n, disturbances=level, observation=senses)
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    folder = tmp_path_factory.mktemp("recorded") / "data"
+    record_scripted(boats_at("standard"), folder, count=6, failed=2, seed=4)
+    assert check_dataset(folder) == []
+    return read_dataset(folder)
+
+
+def test_as_many_good_runs_as_asked_are_kept_and_the_failed_ones_are_marked(recorded: Dataset) -> None:
+    outcomes = [run.meta.outcome for run in recorded.runs]
+    assert outcomes.count("success") == 6
+    assert len(outcomes) - 6 >= 2
+    assert set(outcomes) <= {"success", "buoy", "out_of_bounds", "timeout"}
+    assert recorded.meta.source == "scripted"
+    assert "no person" in str(recorded.meta.notes)
+
+
+def test_a_recorded_run_replays_exactly_from_its_seed_state_and_disturbances(recorded: Dataset) -> None:
+    assert any(entry["effect"] == "gusts" for entry in recorded.runs[0].meta.disturbances)
+    for run in recorded.runs[:3]:
+        p = parameters(BOAT)
+        apply_effects(
+            p, parse_effects(run.meta.disturbances, run.name, BOAT.thruster_names), BOAT.thruster_names
+        )
+        start = np.array([[run.meta.initial_state[name] for name in ("north", "east", "heading")]])
+        speed = np.array([[run.meta.initial_state[name] for name in ("surge", "sway", "yaw_rate")]])
+        commands = run.commands(BOAT.thruster_names)[None, :-1]
+        gusts = np.array([run.meta.model_dump()["gust_seed"]], dtype=np.uint64)
+        track = simulate(
+            p, tank(BOAT), initial_state(p, start, speed), commands, gusts, 0.1, substeps_of(0.1)
+        )[0]
+        np.testing.assert_allclose(track[:, :2], run.pose[:, :2], atol=1e-9)
+        np.testing.assert_allclose(track[:, 3:6], run.stacked(("surge", "sway", "yaw_rate")), atol=1e-9)
+        applied = [
+            f"applied_{what}_{name}" for what in ("azimuth", "throttle") for name in BOAT.thruster_names
+        ]
+        np.testing.assert_allclose(track[:, ACTUATORS:], run.stacked(applied), atol=1e-9)
+
+
+def test_without_disturbances_the_boat_file_alone_predicts_a_recorded_run(tmp_path: Path) -> None:
+    record_scripted(boats_at("calm"), tmp_path / "calm", count=1, failed=0)
+    run = read_dataset(tmp_path / "calm").runs[0]
+    np.testing.assert_allclose(replay(BOAT, run).pose[:, :2], run.pose[:, :2], atol=1e-9)
+
+
+def test_commands_are_the_joypad_s_on_the_bow_thrusters(recorded: Dataset) -> None:
+    for run in recorded.runs:
+        thrust, angle = run.joypad.T
+        for name in ("bs", "bp"):
+            np.testing.assert_allclose(run.columns[f"azimuth_{name}"], 0.5 * np.pi * angle)
+            np.testing.assert_allclose(run.columns[f"throttle_{name}"], thrust)
+        for name in ("ss", "sp"):
+            assert (run.columns[f"throttle_{name}"] == 0.0).all()
+
+
+def test_asking_for_more_runs_does_not_change_the_first(recorded: Dataset, tmp_path: Path) -> None:
+    record_scripted(boats_at("standard"), tmp_path / "more", count=3, failed=0, seed=4)
+    for few, many in zip(read_dataset(tmp_path / "more").runs, recorded.runs, strict=False):
+        assert few.meta.seed == many.meta.seed
+        np.testing.assert_array_equal(few.pose, many.pose)
+
+
+def test_a_pilot_that_never_succeeds_ends_in_an_error_and_leaves_no_dataset(tmp_path: Path) -> None:
+    asleep = Habits(hesitation_interval=1e-3, hesitation_duration=(1e6, 1e6))
+    with pytest.raises(UserError, match="0 good"):
+        record_scripted(boats_at("calm"), tmp_path / "none", count=1, failed=0, habits=asleep)
+    assert list(tmp_path.iterdir()) == []
