@@ -75,7 +75,7 @@ def train(scene: Scene, dataset: Dataset, plan: PilotPlan, tick: Tick) -> Pilot:
     runs = choose_runs(dataset.runs, plan.runs)
     if plan.kind == "reservoir":
         return fit_reservoir(runs, settings)
-    return fit_cloning(runs, settings, lambda epoch: tick(epoch / settings.epochs))
+    return fit_cloning(runs, settings, tick)
 
 
 def _by_trying(scene: Scene, plan: PilotPlan, settings: PPOSettings, tick: Tick) -> Pilot:
