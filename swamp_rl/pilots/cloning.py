@@ -16,8 +16,8 @@ from swamp_rl.runs import Run
 class CloningSettings(Settings):
     """What is sensed, how large the network is and how it is trained (AdamW, mean squared error).
 
-    The defaults were chosen on episodes from seed 1000000 on, which the main job does not evaluate. A clone that
-    senses surge and sway as well does worse: from the motion it learns what the levers have just done.
+    The defaults were chosen on episodes from seed 1000000 on, which the main job does not evaluate. A clone
+    that senses surge and sway as well does worse: from the motion it learns what the levers have just done.
     """
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, "yaw_rate")
