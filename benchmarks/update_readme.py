@@ -25,15 +25,23 @@ def results_table(results: dict[str, Any]) -> str:
         for name, pilot in results["pilots"].items()
     ]
     targets, measured = results["targets"], results["measured"]
-    missed = [f"{t['what']}: {t['measured']:.3f} of {t['needed']:.3f}" for t in targets if not t["reached"]]
+    missed = [missed_target(target) for target in targets if not target["reached"]]
     reached = f"{len(targets) - len(missed)} of {len(targets)} targets reached"
     return (
         f"{table(['pilot', *levels], rows)}\n\n"
-        f"Success in {results['evaluation']['episodes']} seeded episodes, with Wilson 95 % intervals; "
+        f"Success in percent of {results['evaluation']['episodes']} seeded episodes, Wilson 95 % intervals; "
         f"{reached}"
         + (f" (not: {'; '.join(missed)})" if missed else "")
         + f". The job took {measured['total_seconds'] / 60:.1f} minutes and "
         f"{measured['peak_memory_gb']:.1f} GB."
+    )
+
+
+def missed_target(target: dict[str, Any]) -> str:
+    """Which figure was not reached, and what was measured in its place."""
+    measured = "nothing" if target["measured"] is None else f"{target['measured']:.3f}"
+    return (
+        f"{target['what']} of {target['pilot']}, {target['level']}: {measured}, needed {target['needed']:.3f}"
     )
 
 
