@@ -68,12 +68,20 @@ def simulate(
     ],
     out: Annotated[Path, typer.Option(help="The .csv or .parquet file to write.")],
     boat: BoatOption = "swamp",
+    window: Annotated[
+        float | None, typer.Option(help="Start anew from the measured state every so many seconds.")
+    ] = None,
 ) -> None:
     """Replay a run's commands from its first state through the simulator."""
     from swamp_rl.boat import load_boat
     from swamp_rl.runs import read_run, write_run
     from swamp_rl.simulator.replay import replay
 
+    if window is not None:
+        from experiments.verbs_criticism import simulate_windows
+
+        simulate_windows(commands, out, boat, window)
+        return
     simulated = replay(load_boat(boat), read_run(commands))
     write_run(out, simulated)
     typer.echo(f"{out}: {simulated.duration:.1f} s, {simulated.path_length:.1f} m")

@@ -1,4 +1,4 @@
-"""`swamp-rl diagnose`: what a simulated boat gets wrong about measured runs."""
+"""`swamp-rl diagnose` and `simulate --window`: what a simulated boat gets wrong about measured runs."""
 
 from pathlib import Path
 from typing import Annotated
@@ -31,3 +31,21 @@ def diagnose(
         trial = found.separating_trial
         typer.echo(f"  would tell them apart: {trial.manoeuvre} ({trial.separation:.1f} standard errors)")
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
+
+
+def simulate_windows(commands: Path, out: Path, boat: str, seconds: float) -> None:
+    """`simulate --window`: the replay restarted every `seconds`, and by how much it missed at their ends."""
+    import numpy as np
+
+    from swamp_rl.boat import load_boat
+    from swamp_rl.runs import read_run, write_run
+    from swamp_rl.simulator.restarts import replay_restarted
+
+    found = replay_restarted(load_boat(boat), read_run(commands), seconds)
+    write_run(out, found.run)
+    position, heading = np.sqrt(np.mean(found.miss**2, axis=0))
+    typer.echo(
+        f"{out}: {found.run.duration:.1f} s, restarted every {seconds:g} s; error at the end of "
+        f"{len(found.miss)} window{'s' * (len(found.miss) > 1)} (root mean square): {position:.3g} m, "
+        f"{np.degrees(heading):.3g} degrees"
+    )

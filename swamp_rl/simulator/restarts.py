@@ -1,0 +1,118 @@
+"""Replay of a run's commands, restarted from the measured state at even intervals."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run
+from swamp_rl.sensors import observe, true_pose
+from swamp_rl.simulator.delay import delayed_command
+from swamp_rl.simulator.parameters import parameters, tank
+from swamp_rl.simulator.replay import VELOCITIES, fixed_thrusters, run_of, sample_step, start_of
+from swamp_rl.simulator.state import YAW_RATE
+from swamp_rl.simulator.step import step, substeps_of
+
+Array = NDArray[np.float64]
+
+WINDOW = "window"
+"""Column of a restarted replay: the number of the window, from 1 on, that a row belongs to."""
+SPAN = 1.0  # s to either side of a restart over which a velocity that was not measured is read off the track
+
+
+@dataclass(frozen=True)
+class Restarted:
+    """A replay restarted every so often.
+
+    run: in the run format; each window begins with the measured state. miss: (n, 2) position [m] and heading
+    [rad] by which each whole window has missed at its end, where the next one starts.
+    """
+
+    run: Run
+    miss: Array
+
+
+def replay_restarted(boat: Boat, run: Run, seconds: float) -> Restarted:
+    """What `boat` predicts for the run's commands, started anew from the measured state every `seconds`.
+
+    The actuators go on as the commands had them; only the hull is put back. The last window may be shorter.
+    Velocities come from the run where it holds all three, else from a parabola through the track about the
+    restart. UserError where the run is shorter than a window, the window shorter than two samples, or a
+    command of this boat is missing.
+    """
+    dt = sample_step(run)
+    steps = _steps(run, seconds, dt)
+    run.stacked(thruster.command_columns[1] for thruster in boat.thrusters)  # refuses another boat's run
+    commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
+    starts = np.arange(0, len(run.time) - 1, steps)
+    params = parameters(boat)
+    velocity = _velocities(run, starts)
+    pose = true_pose(run.pose[starts], velocity, np.repeat(params, len(starts)))
+    state = start_of(run, boat, params, commands)
+    tracks = []
+    for first, rigid in zip(starts, np.hstack([pose, velocity]), strict=True):
+        state[0, : YAW_RATE + 1] = rigid
+        rows = range(first, min(first + steps, len(run.time) - 1))
+        tracks.append(_sailed(boat, params, state, commands, rows, dt))
+    seen = [observe(track[None], params, dt)[0] for track in tracks]
+    simulated = run_of(_joined(tracks), _joined(seen), run.time, run, boat)
+    simulated.columns[WINDOW] = 1.0 + np.minimum(np.arange(len(run.time)) // steps, len(starts) - 1)
+    ends = np.array([track[-1, :3] for track in seen if len(track) == steps + 1])
+    return Restarted(simulated, _miss(run, ends, steps))
+
+
+def _sailed(
+    boat: Boat, params: NDArray[Any], state: Array, commands: Array, rows: range, dt: float
+) -> Array:
+    """(n + 1, S) states over n rows of commands (T, 2K), from `state` (1, S), which ends as the last."""
+    track = [state[0].copy()]
+    arrived = np.empty(commands.shape[1])
+    seeds = np.zeros(1, np.uint64)
+    for row in rows:
+        delayed_command(commands, row, float(params["command_delay"][0]) / dt, arrived)
+        step(state, params, tank(boat), arrived[None], seeds, dt, substeps_of(dt))
+        track.append(state[0].copy())
+    return np.array(track)
+
+
+def _joined(windows: list[Array]) -> Array:
+    """Windows one after the other, each without its end, which is where the next begins; the last whole."""
+    return np.concatenate([*(window[:-1] for window in windows[:-1]), windows[-1]])
+
+
+def _steps(run: Run, seconds: float, dt: float) -> int:
+    steps = round(seconds / dt) if math.isfinite(seconds) else 0
+    if steps < 2:
+        raise UserError(f"--window {seconds:g}: must be at least two samples of the run, {2 * dt:g} s")
+    if steps > len(run.time) - 1:
+        raise UserError(
+            f"run {run.name}: {run.duration:.6g} s long, too short for windows of {seconds:g} s; "
+            "give a shorter --window"
+        )
+    return steps
+
+
+def _velocities(run: Run, starts: NDArray[np.int64]) -> Array:
+    """(n, 3) surge, sway [m/s], yaw rate [rad/s] at the rows `starts`."""
+    if all(name in run.columns for name in VELOCITIES):
+        return run.stacked(VELOCITIES)[starts]
+    pose = run.pose
+    pose[:, 2] = np.unwrap(pose[:, 2])
+    found = np.empty((len(starts), 3))
+    for i, start in enumerate(starts):
+        near = np.abs(run.time - run.time[start]) <= SPAN + 1e-9
+        time = run.time[near] - run.time[start]
+        north, east, turn = np.polyfit(time, pose[near], min(2, len(time) - 1))[-2]
+        cos, sin = math.cos(pose[start, 2]), math.sin(pose[start, 2])
+        found[i] = north * cos + east * sin, east * cos - north * sin, turn
+    return found
+
+
+def _miss(run: Run, ends: Array, steps: int) -> Array:
+    apart = ends - run.pose[steps * np.arange(1, len(ends) + 1)]
+    apart[:, 2] -= 2.0 * np.pi * np.round(apart[:, 2] / (2.0 * np.pi))
+    return np.stack([np.hypot(apart[:, 0], apart[:, 1]), np.abs(apart[:, 2])], axis=1)
