@@ -56,7 +56,7 @@ def replay_restarted(boat: Boat, run: Run, seconds: float) -> Restarted:
     tracks = []
     for first, rigid in zip(starts, np.hstack([pose, velocity]), strict=True):
         state[0, : YAW_RATE + 1] = rigid
-        rows = range(first, min(first + steps, len(run.time) - 1))
+        rows = range(int(first), min(int(first) + steps, len(run.time) - 1))
         tracks.append(_sailed(boat, params, state, commands, rows, dt))
     seen = [observe(track[None], params, dt)[0] for track in tracks]
     simulated = run_of(_joined(tracks), _joined(seen), run.time, run, boat)
@@ -65,9 +65,7 @@ def replay_restarted(boat: Boat, run: Run, seconds: float) -> Restarted:
     return Restarted(simulated, _miss(run, ends, steps))
 
 
-def _sailed(
-    boat: Boat, params: NDArray[Any], state: Array, commands: Array, rows: range, dt: float
-) -> Array:
+def _sailed(boat: Boat, params: NDArray[Any], state: Array, commands: Array, rows: range, dt: float) -> Array:
     """(n + 1, S) states over n rows of commands (T, 2K), from `state` (1, S), which ends as the last."""
     track = [state[0].copy()]
     arrived = np.empty(commands.shape[1])
