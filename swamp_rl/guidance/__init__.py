@@ -1,0 +1,1 @@
+"""Guidance: where to steer next, as plain functions of what is measured."""
