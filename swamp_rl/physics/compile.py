@@ -19,7 +19,14 @@ from numba import config
 
 F = TypeVar("F", bound=Callable[..., object])
 
-COMPILED_FOLDERS = ("swamp_rl/physics", "swamp_rl/simulator", "swamp_rl/course", "swamp_rl/criticism", "envs")
+COMPILED_FOLDERS = (
+    "swamp_rl/physics",
+    "swamp_rl/simulator",
+    "swamp_rl/course",
+    "swamp_rl/allocation",
+    "swamp_rl/criticism",
+    "envs",
+)
 KEPT_CACHES = 4
 
 

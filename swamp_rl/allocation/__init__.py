@@ -1,0 +1,8 @@
+"""Thrust allocation: a wanted force and moment shared out among jets with limits, and what they can hold."""
+
+from swamp_rl.allocation.allocate import Allocation, allocate
+from swamp_rl.allocation.attainable import force_region, largest_multiple
+from swamp_rl.allocation.jets import Jets, jets_of
+from swamp_rl.allocation.problem import Wish
+
+__all__ = ["Allocation", "Jets", "Wish", "allocate", "force_region", "jets_of", "largest_multiple"]
