@@ -16,12 +16,12 @@ from swamp_rl.criticism.data import CHANNELS, Trials, read_trials
 from swamp_rl.criticism.estimate import causes_of
 from swamp_rl.criticism.extend import write_extended
 from swamp_rl.criticism.fit import Fit
-from swamp_rl.criticism.gain import HORIZONS, change, errors_at
+from swamp_rl.criticism.gain import gains
 from swamp_rl.criticism.heldout import bootstrap_interval, heldout_loss, heldout_numbers
 from swamp_rl.criticism.ladder import Ladder, ladder_of
 from swamp_rl.criticism.leftover import Forces, leftovers, missing_forces
 from swamp_rl.criticism.noise import noise_levels, weights
-from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, Paired, Verdict
+from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, Verdict
 from swamp_rl.criticism.rivals import contrast, separating_trial
 from swamp_rl.criticism.search import Search, score, search
 from swamp_rl.files import folder_beside
@@ -30,13 +30,6 @@ Array = NDArray[np.float64]
 
 RESULT = "diagnosis.json"
 LISTED = 20  # candidates in the report
-QUANTITIES = {
-    "position_rmse_m": [0, 1],
-    "heading_rmse_rad": [2],
-    "surge_rmse_m_s": [3],
-    "sway_rmse_m_s": [4],
-    "yaw_rate_rmse_rad_s": [5],
-}
 
 
 @dataclass(frozen=True)
@@ -164,12 +157,4 @@ def _gains(
     else:
         judged, its_weight = other, weights(other, noise_levels(other))
         numbers = np.repeat(winner.x[None], len(other.lengths), axis=0)
-    none = np.zeros((len(judged.lengths), 0))
-    gains = []
-    for horizon in HORIZONS:
-        before = errors_at(judged, its_weight, horizon, Hypothesis(), none)
-        after = errors_at(judged, its_weight, horizon, winner.hypothesis, numbers)
-        changes = {name: change(before[:, c], after[:, c], rng) for name, c in QUANTITIES.items()}
-        kept = {n: Paired(before=c.before, after=c.after, ci95=c.ci95) for n, c in changes.items() if c}
-        gains.append(Gain(horizon_s=horizon, **kept))
-    return gains
+    return gains(judged, its_weight, winner.hypothesis, numbers, rng)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from swamp_rl.criticism.candidates import Hypothesis
+from swamp_rl.criticism.gain import QUANTITIES
 from swamp_rl.criticism.leftover import missing_forces
 
 if TYPE_CHECKING:
@@ -143,7 +144,7 @@ def draw_tracks(figure: Any, finding: "Finding") -> None:
 def draw_errors(figure: Any, finding: "Finding") -> None:
     """Root mean square errors against the horizon, before and after, and the sensors' noise."""
     gains = finding.diagnosis.gain
-    names = [name for name in type(gains[0]).model_fields if name != "horizon_s" and getattr(gains[0], name)]
+    names = [name for name in QUANTITIES if getattr(gains[0], name)]
     axes = figure.subplots(1, len(names), squeeze=False)[0]
     noise = finding.diagnosis.noise
     for ax, name in zip(axes, names, strict=True):

@@ -80,9 +80,14 @@ class Paired(Part):
 
 
 class Gain(Part):
-    """Errors at the end of a horizon on held-out runs; a quantity that was not measured is absent (null)."""
+    """Errors at the end of a horizon on held-out runs; a quantity that was not measured is absent (null).
+
+    restarts: how many predictions; blocks: what the intervals resample, since neighbours are not independent.
+    """
 
     horizon_s: float
+    restarts: int
+    blocks: str
     position_rmse_m: Paired | None = None
     heading_rmse_rad: Paired | None = None
     surge_rmse_m_s: Paired | None = None
