@@ -107,6 +107,20 @@ class Fleet:
         """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""
         look_all(self.boats, chosen, self._shared[2], self.places, observations)
 
+    def hold(self, thrusters: Sequence[str], azimuth: float, throttle: float) -> None:
+        """Command thrusters that the levers do not drive, of all boats, from the next step on.
+
+        azimuth [rad], or the rudder's angle; throttle [1], a share of the highest. An effect that kicks the
+        same thruster still overrides it. ValueError for a thruster that the levers drive.
+        """
+        world = self._shared[0]
+        for name in thrusters:
+            if name in self.boat.joypad.thrusters:
+                raise ValueError(f"thruster {name} obeys the levers")
+            k = self.boat.thruster_names.index(name)
+            world["lever_middle"][0, k] = azimuth
+            world["lever_idle"][0, k] = throttle * self.boat.thrusters[k].throttle_max
+
     @property
     def pose(self) -> NDArray[np.float64]:
         """North, east [m] and heading [rad, not wrapped], (n, 3), a view."""

@@ -50,9 +50,9 @@ def write_beside(path: Path | str) -> Iterator[Path]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield part
-        _flush(part)
+        flush(part)
         os.replace(part, path)
-        _flush(path.parent)
+        flush(path.parent)
     except OSError as error:
         raise os_error(error, path) from error
     finally:
@@ -76,12 +76,12 @@ def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Pat
         part.mkdir(parents=True)
         yield part
         for file in sorted(part.rglob("*"), reverse=True):
-            _flush(file)
-        _flush(part)
+            flush(file)
+        flush(part)
         if path.exists():
             os.replace(path, old)
         os.replace(part, path)
-        _flush(path.parent)
+        flush(path.parent)
     except OSError as error:
         raise os_error(error, path) from error
     finally:
@@ -103,7 +103,8 @@ def _refuse_to_replace(path: Path, replaces: str | None) -> None:
         )
 
 
-def _flush(path: Path) -> None:
+def flush(path: Path) -> None:
+    """Have the operating system put a file, or a folder's list of names, on the disk."""
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)

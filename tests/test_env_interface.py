@@ -142,3 +142,13 @@ def test_actions_of_another_shape_are_refused(actions: Any) -> None:
 def test_options_of_a_reset_that_make_no_sense_are_refused(options: dict[str, Any]) -> None:
     with pytest.raises(UserError, match="reset"):
         GatesVectorEnv(2).reset(options=options)
+
+
+def test_thrusters_that_the_levers_do_not_drive_can_be_held_and_the_others_not() -> None:
+    env = GatesEnv()
+    env.reset(seed=0)
+    env.fleet.hold(("ss",), -1.0, 0.5)
+    env.step(np.array([0.8, 0.0]))
+    assert env.fleet.commands[0].tolist() == [0.0, 0.0, -1.0, 0.0, 0.8, 0.8, 0.5, 0.0]
+    with pytest.raises(ValueError, match="bs obeys the levers"):
+        env.fleet.hold(("bs",), 0.0, 0.0)

@@ -4,7 +4,7 @@ from swamp_rl.runs.dataset import Dataset, check_dataset, inspect_dataset, read_
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
-from swamp_rl.runs.writer import append_run, create_dataset, write_run
+from swamp_rl.runs.writer import adopt_run, append_run, create_dataset, write_run
 
 __all__ = [
     "Dataset",
@@ -12,6 +12,7 @@ __all__ = [
     "Fault",
     "Run",
     "RunMeta",
+    "adopt_run",
     "append_run",
     "check_dataset",
     "create_dataset",

@@ -8,12 +8,12 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
-from swamp_rl.files import os_error, write_yaml
+from swamp_rl.files import flush, os_error, write_yaml
 from swamp_rl.runs.check import check_table
 from swamp_rl.runs.dataset import META, boat_of, read_meta
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
-from swamp_rl.runs.table import FORMATS, Table, write_table
+from swamp_rl.runs.table import FORMATS, Table, read_table, write_table
 
 
 def create_dataset(folder: Path | str, meta: DatasetMeta) -> None:
@@ -37,18 +37,41 @@ def append_run(folder: Path | str, run: Run, format: Literal["parquet", "csv"] =
     leaves the dataset as it was and a file that `check_dataset` reports as not listed. A run with a fault is
     refused with UserError.
     """
-    folder = Path(folder)
+    path = Path(folder) / f"{run.name}.{format}"
+    extended = _listing(path, run)
+    write_table(path, run.columns)
+    _write_meta(path.parent, extended)
+    return path
+
+
+def adopt_run(folder: Path | str, table: Path, run: RunMeta) -> Path:
+    """Take the finished CSV `table`, written elsewhere on the same disk, into a dataset; return its new path.
+
+    It keeps its name and its bytes: it is checked, renamed into the folder, and listed. UserError as
+    `append_run`; what is refused stays where it was.
+    """
+    path = Path(folder) / table.name
+    read = read_table(table)
+    if read.faults:
+        raise UserError(f"{table.parent}{os.sep}{read.faults[0]}")
+    extended = _listing(path, Run(table.stem, read.columns, run))
+    os.replace(table, path)
+    flush(path.parent)
+    _write_meta(path.parent, extended)
+    return path
+
+
+def _listing(path: Path, run: Run) -> DatasetMeta:
+    """The `dataset.yaml` of path's folder with `run` added; UserError for a name taken or a run at fault."""
+    folder = path.parent
     meta = read_meta(folder)
-    path = folder / f"{run.name}.{format}"
     taken = [found.name for found in folder.iterdir()] + [str(listed.file) for listed in meta.runs]
     if any(f"{run.name}.{kind}" in taken for kind in FORMATS):
         raise UserError(f"{folder / run.name}: this run already exists; name the new one otherwise")
     entry = RunMeta.model_validate({**run.meta.model_dump(), "file": path.name, "rows": len(run.time)})
     extended = DatasetMeta.model_validate({**meta.model_dump(), "runs": [*meta.runs, entry]})
     _refuse_faults(path, run, boat_of(folder, meta), meta.sample_rate)
-    write_table(path, run.columns)
-    _write_meta(folder, extended)
-    return path
+    return extended
 
 
 def write_run(path: Path | str, run: Run) -> None:

@@ -1,0 +1,70 @@
+"""What a page may say to the recorder, and nothing else."""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from swamp_rl.errors import UserError
+
+LARGEST = 1024  # bytes of a message; the longest that a page sends has under 200
+NICKNAME_LENGTH = 24
+
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+Signed = Annotated[float, Field(ge=-1.0, le=1.0)]
+Turns = Annotated[float, Field(ge=-2.0, le=2.0)]
+
+
+class _Message(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Command(_Message):
+    """Where the levers stand; the stern's azimuth is in quarter turns clockwise from the bow.
+
+    live: False when the page has lost the person's attention, which stops the thrusters at once.
+    """
+
+    type: Literal["command"]
+    throttle: Share
+    angle: Signed
+    stern_throttle: Share = 0.0
+    stern_azimuth: Turns = 0.0
+    live: bool = True
+
+
+class Act(_Message):
+    """A button: what to do with the run, or with the helm and the seat."""
+
+    type: Literal["act"]
+    act: Literal["accept", "discard", "retry", "helm", "seat"]
+
+
+class Choose(_Message):
+    """Who drives the next run, and in what: names that the recorder offers, but the nickname is free."""
+
+    type: Literal["choose"]
+    nickname: Annotated[str, Field(max_length=NICKNAME_LENGTH)] | None = None
+    level: Annotated[str, Field(max_length=100)] | None = None
+    pilot: Annotated[str, Field(max_length=100)] | None = None
+
+
+Message = Command | Act | Choose
+_ANY: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="type")])
+
+
+def parse(text: str | bytes) -> Message:
+    """The message in `text`; UserError, in one line and without repeating the text, if it is none."""
+    if len(text) > LARGEST:
+        raise UserError(f"a message of {len(text)} bytes; {LARGEST} are allowed")
+    try:
+        return _ANY.validate_json(text)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False, include_context=False)[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise UserError(f"malformed message: {where + ': ' if where else ''}{first['msg']}"[:200]) from error
+
+
+def clean_nickname(name: str) -> str:
+    """The printable part of a nickname, single-spaced; `anonymous` if nothing is left."""
+    printable = "".join(letter if letter.isprintable() else " " for letter in name)
+    return " ".join(printable.split())[:NICKNAME_LENGTH] or "anonymous"

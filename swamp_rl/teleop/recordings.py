@@ -1,0 +1,123 @@
+"""The dataset that a recorder fills: each run listed as soon as it is accepted, none lost to a crash."""
+
+import fcntl
+import re
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import os_error
+from swamp_rl.runs import DatasetMeta, Run, RunMeta, adopt_run, create_dataset, read_run
+from swamp_rl.runs.dataset import META, read_meta
+from swamp_rl.teleop.journal import Journal, cut_torn_row, read_description, write_description
+
+UNFINISHED = "unfinished"
+INTERRUPTED = "interrupted"
+"Outcome of a run that was never accepted, because its recorder was stopped."
+BOARD = 8
+"Places on the leaderboard."
+SAME = ("vehicle", "course", "sample_rate", "source")
+"What a dataset and those who add to it must agree on."
+
+
+class Recordings:
+    """A folder of runs with one writer; runs that a killed recorder left are taken in when it is opened."""
+
+    def __init__(self, folder: Path, meta: DatasetMeta, report: Callable[[str], None]) -> None:
+        """UserError where the folder holds another kind of runs, or another recorder writes there."""
+        self.folder, self.unfinished = folder, folder / UNFINISHED
+        try:
+            if not (folder / META).exists():
+                create_dataset(folder, meta)
+            self.unfinished.mkdir(exist_ok=True)
+            self._lock = (self.unfinished / ".lock").open("w")
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise UserError(f"{folder}: another recorder writes there; stop it or name another") from error
+        except OSError as error:
+            raise os_error(error, folder) from error
+        self._refuse_another_kind(meta)
+        for description in sorted(self.unfinished.glob("*.json")):
+            self._recover(description, report)
+        self._count_and_board()
+
+    def begin(self, columns: Sequence[str], about: Mapping[str, Any]) -> Journal:
+        """A journal under the next free name."""
+        taken = [path.stem for path in (*self.folder.iterdir(), *self.unfinished.iterdir())]
+        numbers = [int(found[1]) for name in taken if (found := re.fullmatch(r"run-(\d+)", name))]
+        return Journal(self.unfinished, f"run-{max(numbers, default=0) + 1:04d}", columns, about)
+
+    def accept(self, journal: Journal, about: Mapping[str, Any]) -> str:
+        """Take a finished run into the dataset, on the disk when this returns; its name."""
+        journal.close()
+        write_description(journal.description, {**about, "accepted": True})
+        self._adopt(journal.table, about)
+        journal.description.unlink()
+        self.count += 1
+        self._rank(journal.table.stem, about)
+        return journal.table.stem
+
+    def read(self, name: str) -> Run:
+        """The run of that name; UserError if the dataset lists none."""
+        for listed in read_meta(self.folder).runs:
+            if listed.file is not None and Path(listed.file).stem == name:
+                return read_run(self.folder / listed.file)
+        raise UserError(f"there is no run {name[:40]!r}")
+
+    def close(self) -> None:
+        """Let others write."""
+        self._lock.close()
+
+    def _refuse_another_kind(self, meta: DatasetMeta) -> None:
+        there = read_meta(self.folder)
+        for key in SAME:
+            if getattr(there, key) != getattr(meta, key):
+                raise UserError(
+                    f"{self.folder / META}: {key} is {getattr(there, key)}, but {getattr(meta, key)} "
+                    "is to be recorded; name another folder"
+                )
+
+    def _recover(self, description: Path, report: Callable[[str], None]) -> None:
+        """Finish what a killed recorder began: list what it had accepted, mark the rest as interrupted."""
+        table = description.with_suffix(".csv")
+        about = read_description(description)
+        if not table.exists():
+            table = self._called_back(table)
+        accepted = about.pop("accepted", False)
+        if not accepted:
+            about["outcome"] = INTERRUPTED
+        try:
+            if table.exists() and cut_torn_row(table) >= 2:
+                self._adopt(table, about)
+                report(
+                    f"{table.stem}: {'accepted' if accepted else 'never finished'}, taken into the dataset"
+                )
+            table.unlink(missing_ok=True)
+            description.unlink()
+        except UserError as error:
+            report(f"{table}: left as it is; {error}")
+
+    def _called_back(self, table: Path) -> Path:
+        """A run renamed but not yet listed when its recorder was killed, put back; else just its path."""
+        moved = self.folder / table.name
+        if moved.exists() and all(run.file != moved.name for run in read_meta(self.folder).runs):
+            moved.rename(table)
+        return table
+
+    def _adopt(self, table: Path, about: Mapping[str, Any]) -> None:
+        adopt_run(self.folder, table, RunMeta.model_validate(dict(about)))
+
+    def _count_and_board(self) -> None:
+        runs = read_meta(self.folder).runs
+        self.count = sum(run.outcome != INTERRUPTED for run in runs)
+        self.board: list[dict[str, Any]] = []
+        for run in runs:
+            self._rank(Path(str(run.file)).stem, run.model_dump())
+
+    def _rank(self, name: str, about: Mapping[str, Any]) -> None:
+        """Put a successful run on the board, the fastest first, if it is fast enough."""
+        if about.get("outcome") != "success" or not isinstance(about.get("seconds"), float):
+            return
+        entry = {key: about.get(key) for key in ("nickname", "seconds", "level", "helm")}
+        self.board = sorted([*self.board, {"run": name} | entry], key=lambda row: row["seconds"])[:BOARD]

@@ -1,0 +1,108 @@
+"""Rows of a driven run, and the way back: the same run sailed again from what was stored, bit for bit."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.effects import apply_effects, parse_effects
+from swamp_rl.runs import Run
+from swamp_rl.simulator import parameters, tank
+from swamp_rl.simulator.replay import fixed_thrusters
+from swamp_rl.simulator.state import ACTUATORS, HEADING, NORTH, TIME, YAW_RATE, state_size
+from swamp_rl.simulator.step import step as sail
+from swamp_rl.simulator.step import substeps_of
+from swamp_rl.teleop.afloat import Array, Instant, Levers
+
+MOTION = ("north", "east", "heading", "surge", "sway", "yaw_rate")
+LEVERS = ("joy_thrust", "joy_angle")
+WIND = ("wind_speed", "wind_from")
+WITH_PILOT = ("driver", "pilot_thrust", "pilot_angle")
+"Where a pilot was aboard: who drove, 0 the person and 1 the pilot, and what the pilot wanted."
+
+
+def columns_of(boat: Boat, with_pilot: bool) -> list[str]:
+    """The columns of a run in their order."""
+    commands = [name for name in _channels(boat) if name is not None]
+    applied = [f"applied_{name}" for name in commands]
+    return ["time", *MOTION, *LEVERS, *commands, *applied, *WIND, *(WITH_PILOT if with_pilot else ())]
+
+
+def row_of(
+    boat: Boat,
+    instant: Instant,
+    levers: Levers,
+    wind: tuple[float, float],
+    pilot: tuple[float, float, float] | None,
+) -> list[float]:
+    """One row in the order of `columns_of`; wind: north and east of where it comes from [m/s]."""
+    state = instant.state
+    motion = state[NORTH : YAW_RATE + 1].copy()
+    motion[2] = wrapped(motion[2])
+    turning = [k for k, name in enumerate(_channels(boat)) if name is not None]
+    return [
+        float(state[TIME]),
+        *motion.tolist(),
+        *levers,
+        *instant.commands[turning].tolist(),
+        *state[ACTUATORS:][turning].tolist(),
+        math.hypot(*wind),
+        math.atan2(wind[1], wind[0]),
+        *(pilot or ()),
+    ]
+
+
+def wrapped(heading: Any) -> Any:
+    """The heading [rad] in (-pi, pi]."""
+    return np.pi - np.mod(np.pi - heading, 2.0 * np.pi)
+
+
+def initial_state(boat: Boat, state: Array) -> dict[str, float]:
+    """The whole state (S,) by name: full turns, gusts and all actuators are not in the first row."""
+    return dict(zip(_state_names(boat), state.tolist(), strict=True))
+
+
+def sailed_again(run: Run, boat: Boat) -> Array:
+    """Tracks (T, S) from the run's initial state under its commands, disturbed as it was.
+
+    Exactly what the recorder sailed: the same compiled step from the same numbers.
+    """
+    params = parameters(boat)
+    effects = parse_effects(run.meta.disturbances or [], run.name, boat.thruster_names)
+    apply_effects(params, effects, boat.thruster_names)
+    start = run.meta.initial_state or {}
+    state = np.array([[start[name] for name in _state_names(boat)]])
+    seed = np.array([run.meta.model_dump().get("gust_seed", 0)], dtype=np.uint64)
+    commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
+    step = 1.0 / round(1.0 / float(np.median(np.diff(run.time))), 6)
+    track = np.empty((len(commands), state_size(len(boat.thrusters))))
+    for row, command in enumerate(commands):
+        track[row] = state[0]
+        sail(state, params, tank(boat), command[None], seed, step, substeps_of(step))
+    return track
+
+
+def largest_difference(run: Run, boat: Boat | str) -> float:
+    """How far the run sailed again is from the recorded one, over motion and actuators; nought if exact."""
+    boat = load_boat(boat) if isinstance(boat, str) else boat
+    track = sailed_again(run, boat)
+    track[:, HEADING] = wrapped(track[:, HEADING])
+    names = [*MOTION, *(f"applied_{name}" for name in _channels(boat) if name is not None)]
+    places = [
+        *range(NORTH, YAW_RATE + 1),
+        *(ACTUATORS + k for k, name in enumerate(_channels(boat)) if name is not None),
+    ]
+    return float(np.abs(track[:, places] - run.stacked(names)).max())
+
+
+def _channels(boat: Boat) -> Sequence[str | None]:
+    """Column of each of the 2K commands: angles, None where one does not turn, then throttles."""
+    angles, levels = zip(*(thruster.command_columns for thruster in boat.thrusters), strict=True)
+    return [*angles, *levels]
+
+
+def _state_names(boat: Boat) -> list[str]:
+    channels = [name or f"azimuth_{k}" for k, name in enumerate(_channels(boat))]
+    return [*MOTION, "time", "gust_speed", "gust_direction", *(f"applied_{name}" for name in channels)]

@@ -1,0 +1,243 @@
+"""The game: a boat waits at the start, is driven through the gates, and its run is kept or not."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from swamp_rl.errors import UserError
+from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.teleop.afloat import IDLE, Afloat, Array, Instant, Levers, MakeEnv
+from swamp_rl.teleop.journal import Journal
+from swamp_rl.teleop.messages import Choose, Command, clean_nickname
+from swamp_rl.teleop.recordings import Recordings
+from swamp_rl.teleop.rows import columns_of, initial_state, row_of
+
+DEAD_MAN = 0.25  # s without a command, until the thrusters stop
+READY, APPROACH, RUN, ENDED, SAVING = "ready", "approach", "run", "ended", "saving"
+UNDER_WAY = (APPROACH, RUN)
+PERSON, PILOT = "person", "pilot"
+BEHIND = 0.5
+"How far [s] the boat may lag behind the clock; what a stalled machine lost beyond is not made up for."
+
+
+class Session:
+    """One boat, one run at a time; every `now` is the server's clock [s].
+
+    READY until a lever moves; APPROACH to the first gate; RUN from the step that passes it, each step in a
+    journal; ENDED at the last gate, or as a failure, until the run is accepted, discarded or tried again.
+    """
+
+    def __init__(
+        self,
+        make_env: MakeEnv,
+        recordings: Recordings,
+        levels: Sequence[str],
+        seeds: np.random.Generator,
+        pilots: Mapping[str, Pilot] | None = None,
+        dead_man: float = DEAD_MAN,
+    ) -> None:
+        """levels: names that `make_env` knows, the first one chosen; pilots: by name, likewise."""
+        self._make_env, self._seeds, self._dead_man = make_env, seeds, dead_man
+        self.recordings, self.levels, self.pilots = recordings, tuple(levels), dict(pilots or {})
+        self.level, self.nickname, self.pilot = self.levels[0], "anonymous", next(iter(self.pilots), None)
+        senses = dict.fromkeys(name for pilot in self.pilots.values() for name in pilot.senses)
+        self._senses = tuple(senses) or ("north", "east")
+        self._afloat: dict[str, Afloat] = {}
+        self._heard = -math.inf
+        self._asked, self._stern = IDLE, IDLE
+        self._in_force: tuple[Levers, Levers] = (IDLE, IDLE)
+        self._foreseen: tuple[Levers, Levers] | None = None
+        self.journal: Journal | None = None
+        self.renew()
+
+    def renew(self, seed: int | None = None) -> None:
+        """Put the boat at a start: that of `seed`, or a new one."""
+        if self.level not in self._afloat:
+            self._afloat[self.level] = Afloat(self._make_env(self.level, self._senses))
+        self.boat = self._afloat[self.level]
+        # Above any seed of an evaluation, so that no pilot is tried on what it learned from.
+        self.boat.begin(int(self._seeds.integers(2**31, 2**32)) if seed is None else seed)
+        self.phase, self.helm, self.began = READY, PERSON, 0.0
+        self.rows = self.kicks = self.corrections = 0
+        self.drivers: set[str] = set()
+        self._last_driver: str | None = None
+        if self.pilot is not None:
+            self.pilots[self.pilot].reset(1)
+        self._decide()
+
+    # --- what the person does ---
+
+    def command(self, message: Command, now: float) -> None:
+        """Move the levers; the first thrust casts off."""
+        self.advance(now)
+        self._heard = now if message.live else -math.inf
+        self._asked = (message.throttle, message.angle)
+        self._stern = (message.stern_throttle, message.stern_azimuth) if self.boat.stern else IDLE
+        if self.phase == READY and message.live and (message.throttle > 0.0 or self.helm == PILOT):
+            self.phase, self.began = APPROACH, now
+        self._foresee(now)
+
+    def lose(self) -> None:
+        """Nobody is at the levers any more."""
+        self._heard = -math.inf
+
+    def change_helm(self, now: float) -> None:
+        """Give the helm to the pilot, or back; UserError where there is none."""
+        if self.pilot is None:
+            raise UserError("no pilot is aboard; start the recorder with --pilot MODEL")
+        self.advance(now)
+        self.helm = PERSON if self.helm == PILOT else PILOT
+        self._foresee(now)
+
+    def choose(self, message: Choose) -> None:
+        """Nickname at any time; level and pilot only between runs. UserError for what is not offered."""
+        if message.nickname is not None:
+            self.nickname = clean_nickname(message.nickname)
+        if message.level is None and message.pilot is None:
+            return
+        if self.phase != READY:
+            raise UserError("level and pilot are chosen before a run")
+        if message.level is not None and message.level not in self.levels:
+            raise UserError("there is no such level")
+        if message.pilot is not None and message.pilot not in self.pilots:
+            raise UserError("there is no such pilot")
+        self.level = message.level or self.level
+        self.pilot = message.pilot or self.pilot
+        self.renew()
+
+    def drop(self, again: bool) -> None:
+        """Discard the run, at any time; `again` tries the same start and weather once more."""
+        if self.phase == SAVING:
+            raise UserError("the run is being saved")
+        if self.journal is not None:
+            self.journal.remove()
+            self.journal = None
+        self.renew(self.boat.seed if again else None)
+
+    def accept(self) -> Callable[[], str]:
+        """What saves the ended run and returns its name: slow, so for any thread; then call `accepted`."""
+        if self.phase != ENDED or self.journal is None:
+            raise UserError("there is no ended run to accept")
+        self.phase = SAVING
+        journal, about = self.journal, self.about()
+        return lambda: self.recordings.accept(journal, about)
+
+    def accepted(self) -> None:
+        """The run is saved; on to the next."""
+        self.journal = None
+        self.renew()
+
+    def not_accepted(self) -> None:
+        """The run could not be saved; it may be tried again, or discarded."""
+        self.phase = ENDED
+
+    # --- what the clock does ---
+
+    def advance(self, now: float) -> None:
+        """Sail the control steps that have ended by `now`, and foresee the present one."""
+        if self.phase in UNDER_WAY:
+            self.began = max(self.began, now - BEHIND)
+        while self.phase in UNDER_WAY and now >= self.began + self.boat.step:
+            self._foresee(self.began + self.boat.step)
+            self._end_step()
+            self.began += self.boat.step
+        self._foresee(now)
+
+    def stopped(self, now: float) -> bool:
+        """Whether the dead-man holds the thrusters."""
+        return now - self._heard > self._dead_man
+
+    def state(self, now: float) -> Array:
+        """(S,) the boat at `now`, between two control steps too."""
+        if self.phase not in UNDER_WAY:
+            return self.boat.now.state
+        return self.boat.at(min(max((now - self.began) / self.boat.step, 0.0), 1.0))
+
+    @property
+    def levers(self) -> Levers:
+        """Throttle and angle in force."""
+        return self._in_force[0]
+
+    @property
+    def outcome(self) -> str | None:
+        """How the run ended; None while it has not."""
+        return self.boat.outcome
+
+    def _foresee(self, now: float) -> None:
+        idle = self.stopped(now)
+        driven = self._decided if self.helm == PILOT else self._asked
+        in_force = (IDLE, IDLE) if idle else (driven, self._stern)
+        if self.phase in UNDER_WAY and in_force != self._foreseen:
+            self.boat.foresee(*in_force)
+            self._foreseen = in_force
+        self._in_force = in_force
+
+    def _end_step(self) -> None:
+        before, after = self.boat.go_on()
+        first = min(1, len(self.boat.fleet.course.gates) - 1)
+        if self.journal is None and after.passed >= first:
+            self.phase = RUN
+            about = {**self.about(), "initial_state": initial_state(self.boat.fleet.boat, before.state)}
+            self._about_start = about["initial_state"]
+            self.journal = self.recordings.begin(self._columns(), about)
+        if self.journal is not None:
+            self._note_driver()
+            self._write(before)
+        if self.boat.outcome is not None:
+            if self.journal is not None:
+                self._write(Instant(after.state, before.commands, after.passed))
+                self.journal.describe(self.about())
+            self.phase = ENDED
+        else:
+            self._decide()
+
+    def _note_driver(self) -> None:
+        self.drivers.add(self.helm)
+        self.corrections += self._last_driver == PILOT and self.helm == PERSON
+        self._last_driver = self.helm
+        self.kicks += self._in_force[1][0] > 0.0
+
+    def _write(self, instant: Instant) -> None:
+        assert self.journal is not None
+        pilot = None
+        if self.pilot is not None:
+            pilot = (float(self.helm == PILOT), *self._decided)
+        wind = self.boat.weather(instant.state)[:2]
+        self.journal.append(row_of(self.boat.fleet.boat, instant, self.levers, wind, pilot))
+        self.rows += 1
+
+    def _decide(self) -> None:
+        """Let the pilot, who watches even when it does not drive, decide on the step that begins."""
+        self._decided: Levers = IDLE
+        self._foreseen = None
+        if self.pilot is not None:
+            pilot = self.pilots[self.pilot]
+            places = [self._senses.index(name) for name in pilot.senses]
+            throttle, angle = pilot.act(self.boat.observation[None, places])[0]
+            self._decided = float(np.clip(throttle, 0.0, 1.0)), float(np.clip(angle, -1.0, 1.0))
+
+    def _columns(self) -> list[str]:
+        return columns_of(self.boat.fleet.boat, self.pilot is not None)
+
+    def about(self) -> dict[str, Any]:
+        """The run's description, as its entry in `dataset.yaml`."""
+        drivers = "both" if len(self.drivers) > 1 else next(iter(self.drivers), self.helm)
+        about: dict[str, Any] = {
+            "seed": self.boat.seed,
+            "disturbances": self.boat.drawn["effects"],
+            "gust_seed": self.boat.drawn["gust_seed"],
+            "nickname": self.nickname,
+            "level": self.level,
+            "helm": drivers,
+        }
+        if self.journal is not None:
+            about["initial_state"] = self._about_start
+        if self.outcome is not None:
+            about |= {"outcome": self.outcome, "seconds": round((self.rows - 1) * self.boat.step, 6)}
+        if self.kicks:
+            about["kicked_steps"] = self.kicks
+        if self.pilot is not None:
+            about |= {"pilot": self.pilot, "corrections": self.corrections}
+        return about

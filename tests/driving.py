@@ -1,0 +1,78 @@
+"""A person at the levers, as a rule: what the tests of the recorder drive with."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from envs.single import GatesEnv
+from swamp_rl.boat import load_boat
+from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.runs import DatasetMeta
+from swamp_rl.simulator.state import EAST, HEADING, NORTH, YAW_RATE
+from swamp_rl.teleop.messages import Command
+from swamp_rl.teleop.recordings import Recordings
+from swamp_rl.teleop.session import Session
+
+BOAT = load_boat("swamp")
+
+
+def meta(**changes: object) -> DatasetMeta:
+    """What the tests record: runs of a programme, so never called human."""
+    return DatasetMeta(
+        vehicle="swamp",
+        mass=BOAT.mass,
+        draught=BOAT.draught,
+        water_density=BOAT.water_density,
+        sample_rate=10.0,
+        source="scripted",
+        course="camogli",
+        notes="Driven by a test.",
+    ).model_copy(update=changes)
+
+
+def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:
+    return GatesEnv(disturbances=level, observation=senses)
+
+
+def recordings(folder: Path) -> Recordings:
+    return Recordings(folder, meta(), lambda line: None)
+
+
+def session(
+    folder: Path, level: str = "calm", pilots: dict[str, Pilot] | None = None, seed: int = 1
+) -> Session:
+    levels = (level, *(name for name in ("calm", "standard", "severe") if name != level))
+    return Session(make_env, recordings(folder), levels, np.random.default_rng(seed), pilots)
+
+
+def aim(north: float, east: float, heading: float, yaw_rate: float, passed: int) -> float:
+    """The angle lever that takes the boat through the gates of Camogli."""
+    gate = ((8.0, 0.0), (22.0, 8.0))[min(passed, 1)]
+    ahead = 0.45 * max(gate[0] - north - 1.5, 0.0)
+    target = gate[0] - ahead if ahead > 0.0 else gate[0] + 2.0
+    error = math.atan2(gate[1] - east, target - north) - heading
+    error = math.remainder(error, 2.0 * math.pi) - 0.7 * yaw_rate
+    return max(-1.0, min(1.0, 2.0 * error))
+
+
+def command(session: Session, throttle: float = 1.0, **others: float) -> Command:
+    """The levers of someone who looks at the boat."""
+    state = session.boat.now.state
+    angle = aim(state[NORTH], state[EAST], state[HEADING], state[YAW_RATE], session.boat.now.passed)
+    return Command(type="command", throttle=throttle, angle=angle, **others)
+
+
+def drive(session: Session, start: float = 0.0, seconds: float = 90.0) -> float:
+    """Drive until the run has ended, 25 commands a second; the clock then."""
+    now = start
+    while session.phase not in ("ended", "saving") and now < start + seconds:
+        session.command(command(session), now)
+        now += 0.04
+    return now
+
+
+def accept(session: Session) -> str:
+    name = session.accept()()
+    session.accepted()
+    return name
