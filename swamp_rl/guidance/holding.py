@@ -1,0 +1,117 @@
+"""Whether, and at which heading, the working jets can hold station in current and wind; else why not."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.allocation import Jets, largest_multiple
+from swamp_rl.boat import Boat
+from swamp_rl.physics.hull import hull_forces
+from swamp_rl.physics.motion import external_forces, water_velocity
+from swamp_rl.physics.resistance import resistance_scale
+from swamp_rl.simulator import parameters, tank
+
+Array = NDArray[np.float64]
+
+RESERVE = 1.1  # multiple of the steady force that must be there: a tenth is left to steer with
+HEADINGS = 72
+HALVINGS = 40
+
+
+@dataclass(frozen=True)
+class Holding:
+    """One heading's balance: needed (3,) force [N] and moment [N m], margin: how many times it can be had."""
+
+    heading: float
+    needed: Array
+    margin: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the jets can hold it with something left to steer with."""
+        return self.margin >= RESERVE
+
+    @property
+    def reason(self) -> str:
+        """One line for the person who must decide."""
+        x, y, n = self.needed
+        need = f"{x:+.1f} N ahead, {y:+.1f} N to starboard and {n:+.2f} N m are needed"
+        at = f"at heading {math.degrees(self.heading):.0f} deg"
+        if self.holds:
+            return f"can hold {at}: {need}, the jets give {self.margin:.1f} times that"
+        if not self.needed.any():
+            return "cannot hold: one jet, with neither current nor wind to lie against, cannot steer"
+        if self.margin == 0.0:
+            return f"cannot hold {at}: {need}, and the jets have no force along that line"
+        return f"cannot hold {at}: {need}, the jets give {self.margin:.2f} times that, {RESERVE:g} is asked"
+
+
+def steady_force(boat: Boat, heading: float, time: float = 0.0) -> Array:
+    """(3,) what the jets must give for the boat to lie still over ground at `heading` [rad].
+
+    The opposite of what current, wind and steady pushes of the boat's effects do to it; gusts at their mean.
+    """
+    return _steady(parameters(boat)[0], tank(boat), heading, time)
+
+
+def _steady(p: Any, curves: Array, heading: float, time: float) -> Array:
+    cos, sin = math.cos(heading), math.sin(heading)
+    north, east = water_velocity(time, p)
+    u, v = -(north * cos + east * sin), -(east * cos - north * sin)
+    hull = hull_forces(u, v, 0.0, p, curves, resistance_scale(p))
+    wind = (float(p["wind_speed"] * np.cos(p["wind_from"])), float(p["wind_speed"] * np.sin(p["wind_from"])))
+    outside = external_forces(cos, sin, 0.0, 0.0, time, wind, p)
+    return -(np.array(hull) + np.array(outside))
+
+
+def holding_at(boat: Boat, jets: Jets, heading: float) -> Holding:
+    """The balance at one heading [rad]."""
+    needed = steady_force(boat, heading)
+    return Holding(heading, needed, largest_multiple(jets, needed))
+
+
+def best_holding(boat: Boat, jets: Jets) -> Holding:
+    """The heading with the greatest margin.
+
+    One jet alone can only hold where the force that is needed passes through its own place: such headings are
+    found as roots, the others by trying every five degrees.
+    """
+    tried = np.arange(HEADINGS) * 2.0 * math.pi / HEADINGS
+    if int(jets.works.sum()) != 1:
+        return max((holding_at(boat, jets, float(heading)) for heading in tried), key=lambda one: one.margin)
+    k = int(np.flatnonzero(jets.works)[0])
+    found = [_through(boat, jets, k, heading) for heading in _roots(boat, jets, k, tried)]
+    none = Holding(0.0, steady_force(boat, 0.0), 0.0)
+    return max(found, key=lambda one: one.margin, default=none)
+
+
+def moment_left(boat: Boat, jets: Jets, k: int, heading: float) -> float:
+    """Moment [N m] that is missing at `heading` when jet k alone gives the force that is needed."""
+    x, y, n = steady_force(boat, heading)
+    return float(n - (jets.x[k] * y - jets.y[k] * x))
+
+
+def _roots(boat: Boat, jets: Jets, k: int, tried: Array) -> list[float]:
+    """Headings [rad] at which jet k alone is in balance, by bisection between those tried."""
+    left = [moment_left(boat, jets, k, float(heading)) for heading in tried]
+    found = []
+    for i, heading in enumerate(tried):
+        low, high = float(heading), float(heading) + 2.0 * math.pi / len(tried)
+        if left[i] == 0.0 or left[i] * left[(i + 1) % len(tried)] >= 0.0:
+            continue
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            if moment_left(boat, jets, k, middle) * left[i] > 0.0:
+                low = middle
+            else:
+                high = middle
+        found.append(0.5 * (low + high))
+    return found
+
+
+def _through(boat: Boat, jets: Jets, k: int, heading: float) -> Holding:
+    needed = steady_force(boat, heading)
+    return Holding(heading, needed, float(jets.thrust_max[k]) / max(math.hypot(*needed[:2]), 1e-9))

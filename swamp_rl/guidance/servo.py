@@ -1,0 +1,52 @@
+"""The inner loop on velocities (thesis 6.4): forces that bring surge, sway and yaw rate to what is wanted."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+
+Array = NDArray[np.float64]
+
+DAMPING = 1.0  # of both poles: no overshoot of the linear loop
+BANDWIDTH = (0.8, 0.8, 1.2)  # rad/s of surge, sway, yaw
+
+
+def inertia_of(boat: Boat) -> Array:
+    """(3,) mass, mass and moment of inertia with the water's: surge, sway [kg], yaw [kg m2]."""
+    return np.array(
+        [
+            boat.mass - boat.added_mass_surge,
+            boat.mass - boat.added_mass_sway,
+            boat.inertia_z + boat.mass * boat.x_g**2 - boat.added_inertia_yaw,
+        ]
+    )
+
+
+@dataclass
+class VelocityServo:
+    """Proportional and integral control of three velocities, each placed as a pair of poles.
+
+    On the plant m dv/dt = force + steady push the loop is s^2 + 2 ζ ω s + ω^2 = 0, so with ω (3,) =
+    `bandwidth` [rad/s] the push is forgotten. inertia: (3,); memory: (3,) the integral [N, N, N m].
+    """
+
+    inertia: Array
+    bandwidth: Array = field(default_factory=lambda: np.array(BANDWIDTH))
+    damping: float = DAMPING
+    memory: Array = field(default_factory=lambda: np.zeros(3))
+
+    def force(self, wanted: Array, actual: Array) -> Array:
+        """(3,) surge, sway force [N] and yaw moment [N m] for wanted and actual velocities (3,)."""
+        gain = 2.0 * self.damping * self.bandwidth * self.inertia
+        return gain * (wanted - actual) + self.memory
+
+    def learn(self, wanted: Array, actual: Array, asked: Array, achieved: Array, dt: float) -> None:
+        """Let dt [s] pass for the integral.
+
+        It follows what was achieved of the force asked (3,), so that it does not wind up at the jets' limits.
+        """
+        towards = self.bandwidth**2 * self.inertia * (wanted - actual)
+        lost = self.bandwidth / (2.0 * self.damping) * (achieved - asked)
+        self.memory = self.memory + dt * (towards + lost)

@@ -1,0 +1,61 @@
+"""Station keeping with two jets or more: a position loop outside the velocity loop (thesis 6.4, 6.5)."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.allocation import Jets, Wish, allocate
+from swamp_rl.guidance.heading import wrapped
+from swamp_rl.guidance.loop import Seen
+from swamp_rl.guidance.servo import VelocityServo
+
+Array = NDArray[np.float64]
+
+POSITION_GAIN, HEADING_GAIN = 0.25, 0.4  # 1/s, a third of the inner loop's bandwidth
+SPEED_LIMIT, TURN_LIMIT = 0.3, 0.3  # m/s, rad/s at which the boat returns at most
+WISH = Wish(change=0.05)
+
+
+class Station(NamedTuple):
+    """Where to stay [m] and where the bow shall point [rad]."""
+
+    north: float
+    east: float
+    heading: float
+
+
+class StationKeeper:
+    """Brings the boat back to its station and holds it there against steady pushes, which it learns."""
+
+    def __init__(self, jets: Jets, servo: VelocityServo, station: Station, wish: Wish = WISH) -> None:
+        self.jets = jets
+        self.servo = servo
+        self.station = station
+        self.wish = wish
+        self.before = np.zeros((len(jets.names), 2))
+
+    def act(self, seen: Seen, dt: float) -> Array:
+        """(2K,) azimuths [rad] then throttles [1]."""
+        wanted, actual = self.velocity_wanted(seen), seen.velocity
+        asked = self.servo.force(wanted, actual)
+        found = allocate(self.jets, asked, seen.azimuth, dt, self.wish, self.before)
+        self.servo.learn(wanted, actual, asked, found.achieved, dt)
+        self.before = found.forces
+        return found.commands
+
+    def velocity_wanted(self, seen: Seen) -> Array:
+        """(3,) surge, sway [m/s over ground], yaw rate [rad/s] back to the station, never too fast."""
+        north = POSITION_GAIN * (self.station.north - seen.north)
+        east = POSITION_GAIN * (self.station.east - seen.east)
+        slower = min(1.0, SPEED_LIMIT / max(math.hypot(north, east), 1e-9))
+        cos, sin = math.cos(seen.heading), math.sin(seen.heading)
+        turning = HEADING_GAIN * wrapped(self.station.heading - seen.heading)
+        return np.array(
+            [
+                slower * (north * cos + east * sin),
+                slower * (east * cos - north * sin),
+                min(max(turning, -TURN_LIMIT), TURN_LIMIT),
+            ]
+        )
