@@ -1,0 +1,255 @@
+"""The misfit as pictures: tracks, errors by horizon, and the forces that the model lacks."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.candidates import Hypothesis
+from swamp_rl.criticism.data import CHANNELS, Trials
+from swamp_rl.criticism.gain import QUANTITIES, errors_at, restarted
+from swamp_rl.criticism.leftover import Forces, missing_forces
+from swamp_rl.criticism.result import Diagnosis
+from swamp_rl.criticism.shooting import SETTLING
+
+if TYPE_CHECKING:
+    from swamp_rl.criticism.diagnose import Finding
+
+Array = NDArray[np.float64]
+
+SHOWN_RUNS = 6
+WINDOW = 10.0  # s between restarts of the tracks that are drawn
+BINS = 7
+PERFECT = 4  # times that a perfect simulation is tried
+MEASURED, BEFORE, AFTER = "#a9b2ba", "#c0392b", "#1f6fb2"
+DEGREES = 180.0 / math.pi
+# title, unit, factor from SI, channel whose noise is drawn
+SHOWN = {
+    "position_rmse_m": ("position", "m", 1.0, "north"),
+    "heading_rmse_rad": ("heading", "degrees", DEGREES, "heading"),
+    "surge_rmse_m_s": ("surge", "m/s", 1.0, "surge"),
+    "sway_rmse_m_s": ("sway", "m/s", 1.0, "sway"),
+    "yaw_rate_rmse_rad_s": ("yaw rate", "degrees/s", DEGREES, "yaw_rate"),
+}
+STYLE: Any = {
+    "font.size": 9.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e6e9ec",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.titlesize": 10,
+    "legend.frameon": False,
+}
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """What the pictures are drawn from: the trials, and the boat file without and with what was found."""
+
+    diagnosis: Diagnosis
+    trials: Trials
+    weight: Array
+    hypothesis: Hypothesis
+    x: Array
+    forces: Forces
+
+    @classmethod
+    def of(cls, finding: "Finding") -> "Misfit":
+        """Of a finding."""
+        winner = finding.search.winner
+        return cls(
+            finding.diagnosis, finding.trials, finding.weight, winner.hypothesis, winner.x, finding.forces
+        )
+
+    @property
+    def extended(self) -> bool:
+        """Whether anything was added to the boat file."""
+        return bool(self.hypothesis.atoms)
+
+
+def draw(path: Path, misfit: Misfit, picture: Callable[[Any, Misfit], None]) -> Path:
+    """Save a picture as PNG; returns `path`."""
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(10.5, 6.0), layout=ConstrainedLayoutEngine(h_pad=0.05, w_pad=0.05))
+        FigureCanvasAgg(figure)
+        picture(figure, misfit)
+        figure.savefig(path, dpi=120)
+    return path
+
+
+def draw_tracks(figure: Any, misfit: Misfit) -> None:
+    """Measured tracks, and predictions of ten seconds from measured states, without and with the causes."""
+    trials = misfit.trials
+    runs = min(SHOWN_RUNS, len(trials.lengths))
+    rows, columns = (2, math.ceil(runs / 2)) if runs > 3 else (1, runs)
+    figure.set_size_inches(10.5, 3.9 * rows)
+    grid = figure.subplots(rows, columns, squeeze=False).ravel()
+    seconds = min(WINDOW, 0.4 * float(trials.lengths[:runs].min()) * trials.dt)
+    for run, axes in enumerate(grid[:runs]):
+        measured = trials.measured[run, : trials.lengths[run]]
+        axes.plot(measured[:, 1], measured[:, 0], color=MEASURED, lw=4, solid_capstyle="round")
+        nothing = (Hypothesis(), np.zeros(0), BEFORE)
+        for hypothesis, x, colour in [nothing, (misfit.hypothesis, misfit.x, AFTER)][: 1 + misfit.extended]:
+            found = restarted(trials, misfit.weight, run, seconds, hypothesis, x)
+            for track in found[1] if found else ():
+                axes.plot(track[:, 1], track[:, 0], color=colour, lw=1.3)
+                axes.plot(*track[0, 1::-1], ".", color="#222222", ms=4, zorder=5)
+        axes.set(title=trials.names[run], xlabel="east [m]", ylabel="north [m]")
+        axes.set_aspect("equal", adjustable="datalim")
+    for axes in grid[runs:]:
+        axes.remove()
+    legend = [(MEASURED, 4, "measured"), (BEFORE, 1.5, "predicted by the boat file")]
+    legend += [(AFTER, 1.5, "predicted with what was found")] * misfit.extended
+    _legend(figure, legend, f"restart, every {seconds:.3g} s")
+
+
+def _legend(figure: Any, lines: list[tuple[str, float, str]], dot: str = "", noise: bool = False) -> None:
+    from matplotlib.lines import Line2D
+
+    handles = [Line2D([], [], color=colour, lw=width, label=label) for colour, width, label in lines]
+    if dot:
+        handles.append(Line2D([], [], color="#222222", marker=".", ls="", ms=6, label=dot))
+    if noise:
+        handles.append(Line2D([], [], color="#555555", ls="--", lw=1.2, label="a perfect simulation"))
+        handles.append(Line2D([], [], color="#555555", ls=":", lw=1.2, label="sensor noise"))
+    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+
+
+def draw_errors(figure: Any, misfit: Misfit) -> None:
+    """Root mean square errors against the horizon, without and with the causes, and the sensors' noise."""
+    gains = misfit.diagnosis.gain
+    names = [name for name in QUANTITIES if any(getattr(gain, name) for gain in gains)]
+    figure.set_size_inches(10.5, 3.4)
+    perfect = perfect_errors(misfit, np.random.default_rng(0))
+    for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
+        title, unit, factor, channel = SHOWN[name]
+        kept = [(gain.horizon_s, paired) for gain in gains if (paired := getattr(gain, name))]
+        horizons = [horizon for horizon, _ in kept]
+        axes.loglog(horizons, [factor * one.before for _, one in kept], "o-", color=BEFORE)
+        if misfit.extended:
+            axes.loglog(horizons, [factor * one.after for _, one in kept], "s-", color=AFTER)
+        noise = factor * misfit.diagnosis.noise[channel] * math.sqrt(len(QUANTITIES[name]))
+        axes.axhline(noise, color="#555555", ls=":", lw=1.2)
+        axes.loglog(horizons, [factor * perfect[name][h] for h in horizons], "--", color="#555555", lw=1.2)
+        _plain_ticks(axes, horizons)
+        axes.set(title=title, xlabel="seconds ahead")
+        axes.set_ylabel(f"error [{unit}]")
+    lines = [(BEFORE, 1.5, "boat file")] + [(AFTER, 1.5, "with what was found")] * misfit.extended
+    _legend(figure, lines, noise=True)
+
+
+def perfect_errors(misfit: Misfit, rng: np.random.Generator) -> dict[str, dict[float, float]]:
+    """What the errors would be if the found boat were the true one: by quantity and horizon [s], in SI.
+
+    Its own tracks with noise of the estimated size, predicted by itself: a state known only to within the
+    noise is started from, so the error grows with time though nothing is wrong.
+    """
+    numbers = np.repeat(misfit.x[None], len(misfit.trials.lengths), axis=0)
+    squares: dict[float, Array] = {}
+    for _ in range(PERFECT):
+        synthetic = perfect_trials(misfit, rng)
+        for gain in misfit.diagnosis.gain:
+            made = errors_at(synthetic, misfit.weight, gain.horizon_s, misfit.hypothesis, numbers)
+            before = squares.get(gain.horizon_s, np.zeros((0, len(CHANNELS))))
+            squares[gain.horizon_s] = np.concatenate([before, made.error**2])
+    return {
+        name: {h: math.sqrt(np.nanmean(e[:, c]) * len(c)) for h, e in squares.items() if len(e)}
+        for name, c in QUANTITIES.items()
+        if np.isfinite(misfit.trials.measured[..., c]).any()
+    }
+
+
+def perfect_trials(misfit: Misfit, rng: np.random.Generator) -> Trials:
+    """The trials as the found boat would have sailed them, under the same sensors."""
+    trials, noise = misfit.trials, misfit.diagnosis.noise
+    sigma = np.array([noise.get(name, 0.0) for name in CHANNELS])
+    measured = trials.measured.copy()
+    for run, length in enumerate(trials.lengths):
+        whole = (int(length) - 1) * trials.dt - SETTLING
+        found = restarted(trials, misfit.weight, run, whole, misfit.hypothesis, misfit.x)
+        if found is not None:
+            first = int(found[0][0])
+            track = found[1][0][: int(length) - first]
+            measured[run, first : first + len(track)] = track + sigma * rng.standard_normal(track.shape)
+    measured[np.isnan(trials.measured)] = np.nan
+    return replace(trials, measured=measured)
+
+
+def _plain_ticks(axes: Any, horizons: list[float]) -> None:
+    """1, 5, 10, 30 below, and at the side 1, 2 and 5 with their powers of ten, as one writes them."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.set_xticks(horizons, labels=[f"{horizon:g}" for horizon in horizons])
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_minor_locator(LogLocator(subs=[]))
+    low, high = axes.get_ylim()
+    wider = max(1.3, math.sqrt(6.0 * low / high))
+    axes.set_ylim(low / wider, high * wider)
+    axes.yaxis.set_major_locator(LogLocator(subs=[1.0, 2.0, 5.0]))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def draw_forces(figure: Any, misfit: Misfit) -> None:
+    """Surge and sway force and yaw moment that the model lacks, against what the boat did."""
+    before = missing_forces(misfit.trials, misfit.weight, Hypothesis(), np.zeros(0))
+    chosen = shown_variables(misfit.trials, before)
+    figure.set_size_inches(10.5, 6.3)
+    axes = figure.subplots(3, len(chosen), squeeze=False, sharey="row", sharex="col")
+    titles = ("surge force [N]", "sway force [N]", "yaw moment [N m]")
+    for row, title in enumerate(titles):
+        reach = 1.3 * np.quantile(np.abs(before.force[:, row]), 0.93)
+        for column, (name, (label, factor)) in enumerate(chosen.items()):
+            ax = axes[row, column]
+            ax.axhline(0, color="#888888", lw=0.8)
+            _scatter(ax, factor * before.variables[name], before.force[:, row], BEFORE)
+            if misfit.extended and name in misfit.forces.variables:
+                _scatter(ax, factor * misfit.forces.variables[name], misfit.forces.force[:, row], AFTER)
+            ax.set_ylim(-reach, reach)
+            if row == 2:
+                ax.set_xlabel(label)
+        axes[row, 0].set_ylabel(title)
+    lines = [(BEFORE, 1.5, "missing from the boat file")]
+    _legend(figure, lines + [(AFTER, 1.5, "still missing with what was found")] * misfit.extended)
+
+
+def shown_variables(trials: Trials, forces: Forces) -> dict[str, tuple[str, float]]:
+    """Label and factor by name of the variables to draw against: the boat's motion, the thruster that was
+    used most, the heading, where causes fixed to the earth show, and time.
+    """
+    names = trials.boat.thruster_names
+    swings = [np.ptp(forces.variables.get(f"azimuth {name}", np.zeros(1))) for name in names]
+    works = [np.ptp(forces.variables.get(f"throttle {name}", np.zeros(1))) for name in names]
+    turning, working = names[int(np.argmax(swings))], names[int(np.argmax(works))]
+    wanted = {
+        "speed": ("speed [m/s]", 1.0),
+        "yaw rate": ("yaw rate [°/s]", DEGREES),
+        f"throttle {working}": (f"thrust level {working}", 1.0),
+        f"azimuth {turning}": (f"azimuth {turning} [°]", DEGREES),
+        "heading": ("heading [°]", DEGREES),
+        "time": ("time [s]", 1.0),
+    }
+    return {name: shown for name, shown in wanted.items() if name in forces.variables}
+
+
+def _scatter(axes: Any, values: Array, force: Array, colour: str) -> None:
+    """Faint points, and the mean of each bin with its standard error."""
+    axes.plot(values, force, ".", ms=3.5, color=colour, alpha=0.25, mew=0)
+    edges = np.unique(np.quantile(values, np.linspace(0, 1, BINS + 1)[1:-1]))
+    place = np.searchsorted(edges, values)
+    kept = [here for b in range(len(edges) + 1) if (here := place == b).sum() >= 4]
+    middle = [float(values[here].mean()) for here in kept]
+    mean = [float(force[here].mean()) for here in kept]
+    error = [float(force[here].std(ddof=1)) / math.sqrt(here.sum()) for here in kept]
+    axes.errorbar(middle, mean, yerr=error, fmt="o-", ms=3.5, lw=1.3, color=colour, capsize=2)

@@ -1,0 +1,258 @@
+"""The page itself: sentences, tables and figures as one HTML file."""
+
+import html
+from collections.abc import Mapping, Sequence
+
+from swamp_rl.criticism.data import CHANNELS, UNITS, Trials
+from swamp_rl.criticism.gain import QUANTITIES
+from swamp_rl.criticism.report.figures import DEGREES, SHOWN
+from swamp_rl.criticism.report.words import (
+    cause_rows,
+    headline,
+    leftover_sentence,
+    meaning,
+    names_of,
+    places_of,
+    rounded,
+    spoken,
+)
+from swamp_rl.criticism.result import Diagnosis, Gain
+
+STYLE = """
+:root{--ink:#1c2733;--soft:#5b6874;--line:#dfe4e8;--tint:#f5f7f9}
+body{font:16px/1.55 system-ui,-apple-system,"Segoe UI",Roboto,"DejaVu Sans",sans-serif;color:var(--ink);
+max-width:64rem;margin:2.5rem auto;padding:0 1.5rem;background:#fff}
+h1{font-size:1.9rem;line-height:1.25;margin:.3rem 0 .8rem}h2{font-size:1.25rem;margin:2.6rem 0 .5rem}
+p{max-width:46rem;margin:.5rem 0}.soft{color:var(--soft)}
+.badge{display:inline-block;border-radius:1rem;padding:.1rem .8rem;font-size:.85rem;font-weight:600;
+color:#fff}
+.nothing_wrong{background:#2e7d4f}.cause{background:#1f6fb2}.indistinguishable{background:#b07514}
+.unexplained{background:#a13b32}
+.cards{display:flex;flex-wrap:wrap;gap:.8rem;margin:1.2rem 0}
+.card{background:var(--tint);border:1px solid var(--line);border-radius:.5rem;padding:.6rem 1rem;
+min-width:12rem}
+.card b{display:block;font-size:1.25rem}.card span{color:var(--soft);font-size:.85rem}
+table{border-collapse:collapse;margin:.8rem 0;font-size:.93rem}
+th{font-weight:600;border-bottom:2px solid var(--line);color:var(--soft)}
+td,th{padding:.3rem 1.1rem .3rem 0;text-align:left;vertical-align:top}td{border-bottom:1px solid var(--line)}
+td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
+img{width:100%;height:auto;margin:.4rem 0}summary{cursor:pointer;color:var(--soft)}
+"""
+
+
+def page(found: Diagnosis, trials: Trials, images: Mapping[str, str]) -> str:
+    """The whole HTML page; images: PNG in base64 by name."""
+    parts = [
+        opening(found, trials),
+        seen(images),
+        named(found, trials),
+        told_apart(found),
+        left_over(found),
+        gained(found),
+        details(found, trials),
+    ]
+    title = f"What the simulation of {trials.boat.name} gets wrong"
+    head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+    head += f"<title>{html.escape(title)}</title><style>{STYLE}</style>"
+    return f'<!doctype html><html lang="en"><head>{head}</head><body>{"".join(parts)}</body></html>\n'
+
+
+def opening(found: Diagnosis, trials: Trials) -> str:
+    """The verdict, what it means, and the few numbers to remember."""
+    minutes = float(trials.lengths.sum()) * trials.dt / 60.0
+    said = found.verdict.replace("_", " ")
+    return (
+        f'<span class="badge {found.verdict}">{said}</span>'
+        f"<h1>{html.escape(headline(found))}</h1><p>{html.escape(meaning(found))}</p>"
+        f'<p class="soft">Boat file <b>{html.escape(trials.boat.name)}</b> against {len(trials.lengths)} '
+        f"run{'s' * (len(trials.lengths) > 1)}, {minutes:.1f} minutes in all, {1 / trials.dt:.3g} samples a "
+        "second.</p>"
+    )
+
+
+def cards(found: Diagnosis) -> str:
+    """Position and heading error ten seconds ahead, without and with what was found."""
+    gain = min(found.gain, key=lambda one: abs(one.horizon_s - 10.0), default=None)
+    if gain is None:
+        return ""
+    made = []
+    for name in ("position_rmse_m", "heading_rmse_rad"):
+        paired = getattr(gain, name)
+        if paired is None:
+            continue
+        title, unit, factor, _ = SHOWN[name]
+        change = f"{rounded(factor * paired.before)} {unit}"
+        if found.causes:
+            change = f"{rounded(factor * paired.before)} → {rounded(factor * paired.after)} {unit}"
+        made.append(
+            f'<div class="card"><b>{change}</b><span>{title} error {gain.horizon_s:g} s ahead</span></div>'
+        )
+    return f'<div class="cards">{"".join(made)}</div>'
+
+
+def seen(images: Mapping[str, str]) -> str:
+    """The misfit, before any number."""
+    return (
+        "<h2>The misfit</h2><p>The simulation is started from the measured state again and again. Where it "
+        "is right, its lines lie on the measured track.</p>"
+        + image(images["tracks"], "Measured and predicted tracks")
+        + "<p>How far a prediction is off (root mean square), by how far ahead it looks. Even a perfect "
+        "simulation leaves the sensors' noise behind with time, since it starts from a state that is known "
+        "only to within it: the dashed line. What lies above that line is wrong in the simulation.</p>"
+        + image(images["errors"], "Prediction error by horizon")
+        + "<p>The forces that the simulation lacks, told from how the measured motion bends away from it, "
+        "against what the boat did. What hangs on the heading is fixed to the earth (wind, current); what "
+        "hangs on thrust or azimuth sits in the thrusters; what hangs on speed or yaw rate sits in the hull. "
+        "Dots are moments, lines are means with their standard errors.</p>"
+        + image(images["forces"], "Missing forces")
+    )
+
+
+def image(data: str, title: str) -> str:
+    """A figure held in the page."""
+    return f'<img alt="{html.escape(title)}" src="data:image/png;base64,{data}">'
+
+
+def named(found: Diagnosis, trials: Trials) -> str:
+    """The causes with their numbers."""
+    if not found.causes:
+        return ""
+    title = "Part of the cause at most" if found.verdict == "unexplained" else "What was found"
+    heads = ("effect", "what it is", "parameter", "value", "95 % interval", "unit", "boat file")
+    rows = cause_rows(found, trials.boat)
+    note = ""
+    if found.verdict == "unexplained":
+        note = (
+            "<p>These explain some of the misfit and leave structure behind. They may stand in for "
+            "something that is not in the library: do not take them for the cause.</p>"
+        )
+    return f"<h2>{title}</h2>{note}" + table(heads, rows, numbers=(3, 4, 6))
+
+
+def told_apart(found: Diagnosis) -> str:
+    """The explanations that fit alike, why, and the trial that would tell."""
+    if not found.indistinguishable:
+        return ""
+    rows = [
+        (
+            " <b>or</b> ".join(html.escape(spoken(name)) for name in one.effects),
+            f"{DEGREES * one.angle:.1f}°",
+            f"{one.evidence:.1f}",
+            f"{one.mutual_refit:.1f}",
+        )
+        for one in found.contrasts
+    ]
+    heads = ("explanations", "angle between what they change", "fits worse by [χ²]", "left after refit [χ²]")
+    text = (
+        "<h2>Why they cannot be told apart</h2><p>Each explanation moves the predictions in some direction. "
+        "The smaller the angle between two directions, the better one can stand in for the other. The last "
+        "column is what remains when each is fitted to clean data made with the other; next to noise, less "
+        "than about 9 does not show.</p>" + table(heads, rows, numbers=(1, 2, 3), raw=True)
+    )
+    trial = found.separating_trial
+    if trial is None:
+        return text
+    apart = f"{trial.separation:.1f}" if trial.separation < 100.0 else "more than 100"
+    enough = "Three are enough to decide."
+    if trial.separation < 3.0:
+        enough = "That is less than the three that would decide: repeat it several times."
+    return text + (
+        f"<h2>The trial that would tell</h2><p><b>{html.escape(trial.manoeuvre)}</b>, "
+        f"{trial.duration_s:.0f} s with the same sensors: the two would end {apart} standard errors apart. "
+        f"{enough}</p>"
+    )
+
+
+def left_over(found: Diagnosis) -> str:
+    """Where structure remains."""
+    if not found.leftover:
+        return ""
+    rows = [
+        (f"{one.force} force" if one.force != "yaw" else "yaw moment", one.variable, f"{one.explained:.0%}")
+        for one in found.leftover
+    ]
+    heads = ("what is missing", "goes with", "explained by it, on other runs")
+    return f"<h2>Where the rest lives</h2><p>{html.escape(leftover_sentence(found))}</p>" + table(
+        heads, rows, numbers=(2,)
+    )
+
+
+def gained(found: Diagnosis) -> str:
+    """Errors without and with the causes on held-out runs."""
+    rows = [row for gain in found.gain for row in gain_rows(gain)]
+    blocks = sorted({gain.blocks for gain in found.gain if gain.restarts})
+    if not found.causes:
+        rows = [(*row[:3], row[5]) for row in rows]
+        heads: tuple[str, ...] = ("seconds ahead", "error", "boat file", "unit")
+        return "<h2>How well it predicts</h2>" + cards(found) + table(heads, rows, numbers=(0, 2))
+    heads = ("seconds ahead", "error", "boat file", "with it", "less by (95 % interval)", "unit")
+    return (
+        f"<h2>What it gains</h2>{cards(found)}<p>Root mean square errors on runs that the numbers were not "
+        "fitted to. The interval is of the difference, restart by restart on the same data, resampled by "
+        f"{' and '.join(blocks)}; where it lies above zero, the gain is more than chance.</p>"
+        + table(heads, rows, numbers=(0, 2, 3, 4))
+    )
+
+
+def gain_rows(gain: Gain) -> list[tuple[str, ...]]:
+    """One row for each quantity that was measured."""
+    rows: list[tuple[str, ...]] = []
+    for name in QUANTITIES:
+        paired = getattr(gain, name)
+        if paired is None:
+            continue
+        title, unit, factor, _ = SHOWN[name]
+        before, after, low, high = (factor * v for v in (paired.before, paired.after, *paired.ci95))
+        places = places_of(before)
+        cells = [
+            f"{round(value, places) + 0.0:.{places}f}" for value in (before, after, before - after, low, high)
+        ]
+        span = f"{cells[2]} ({cells[3]} to {cells[4]})".replace("-", "−")
+        ahead = f"{gain.horizon_s:g}" if not rows else ""
+        rows.append((ahead, title, cells[0], cells[1], span, unit))
+    return rows
+
+
+def details(found: Diagnosis, trials: Trials) -> str:
+    """Noise, what was tried, and what the data cannot show."""
+    rows = []
+    for name, unit in zip(CHANNELS, UNITS, strict=True):
+        if name in found.noise:
+            factor, shown = (DEGREES, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
+            rows.append((name.replace("_", " "), rounded(factor * found.noise[name]), shown))
+    tried = [
+        (spoken(c.effect), f"{c.held_out_score:.3f}", f"{c.gain:.0f}", "{:.0f} to {:.0f}".format(*c.gain_ci))
+        for c in found.candidates
+    ]
+    heads = ("explanation", "misfit a sample [χ²], 1 is noise", "gain [χ²]", "95 % interval")
+    unseen = html.escape(", ".join(spoken(name) for name in found.unseen))
+    return (
+        "<h2>Details</h2><p>Noise of the sensors, estimated from the data alone:</p>"
+        + table(("channel", "standard deviation", "unit"), rows, numbers=(1,))
+        + (f"<p>These data cannot show, and the report does not claim: {unseen}.</p>" if unseen else "")
+        + "<details><summary>The explanations that were tried, best first, scored on runs held "
+        f"out</summary>{table(heads, tried, numbers=(1, 2, 3))}</details>"
+        + f'<p class="soft">Found in {found.elapsed_s:.0f} s. <code>diagnosis.json</code> holds every '
+        "number, <code>extended_boat.yaml</code> is the boat file with what was found. "
+        f"{html.escape(names_of(found))}</p>"
+    )
+
+
+def table(
+    heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[int] = (), raw: bool = False
+) -> str:
+    """An HTML table, the columns `numbers` set right; raw: the cells are HTML already."""
+    if not rows:
+        return "<p>None.</p>"
+    kinds = [' class="n"' if i in numbers else "" for i in range(len(heads))]
+    top = "".join(f"<th{kind}>{html.escape(head)}</th>" for kind, head in zip(kinds, heads, strict=True))
+    body = "".join(
+        "<tr>"
+        + "".join(
+            f"<td{kind}>{cell if raw else html.escape(cell)}</td>"
+            for kind, cell in zip(kinds, row, strict=True)
+        )
+        + "</tr>"
+        for row in rows
+    )
+    return f"<table><tr>{top}</tr>{body}</table>"

@@ -1,0 +1,135 @@
+"""A diagnosis in words that need no knowledge of the code."""
+
+import math
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.result import Diagnosis, Estimate
+from swamp_rl.effects import LIBRARY
+
+Z95 = 1.959964
+
+
+def spoken(label: str) -> str:
+    """`azimuth_lag + thruster_gain bs` as `azimuth lag and thruster gain (bs)`."""
+    if label == "nothing":
+        return "nothing added"
+    found = []
+    for part in label.split(" + "):
+        name, *thrusters = part.split()
+        found.append(name.replace("_", " ") + (f" ({', '.join(thrusters)})" if thrusters else ""))
+    return " and ".join([", ".join(found[:-1]), found[-1]] if len(found) > 1 else found)
+
+
+def causes(found: Diagnosis) -> str:
+    """The causes by name, joined."""
+    labels = []
+    for cause in found.causes:
+        on = [cause.thruster] if isinstance(cause.thruster, str) else list(cause.thruster or ())
+        labels.append(" ".join([cause.effect, *on]))
+    return spoken(" + ".join(labels)) if labels else "nothing"
+
+
+def headline(found: Diagnosis) -> str:
+    """The verdict as one sentence."""
+    if found.verdict == "nothing_wrong":
+        return "The simulation is as right as these sensors can tell."
+    if found.verdict == "cause":
+        return (
+            f"The simulation misses one thing: {causes(found)}."
+            if len(found.causes) == 1
+            else (f"The simulation misses {len(found.causes)} things: {causes(found)}.")
+        )
+    if found.verdict == "indistinguishable":
+        names = [spoken(name) for name in found.indistinguishable[0]] if found.indistinguishable else []
+        return f"The misfit is real, but these data cannot tell {' from '.join(names)}."
+    return "Something is at work that no known effect explains."
+
+
+def meaning(found: Diagnosis) -> str:
+    """What the verdict means for whoever has the boat."""
+    if found.verdict == "nothing_wrong":
+        return (
+            "What its predictions miss is what the sensors' noise makes of a perfect simulation. Nothing "
+            "need be added to the boat file. What these data could not show is listed at the end."
+        )
+    if found.verdict == "cause":
+        return (
+            "With it, what remains is sensor noise. The numbers below are fitted and can be used at once: "
+            "extended_boat.yaml is the boat file with them."
+        )
+    if found.verdict == "indistinguishable":
+        return (
+            "Each of these explanations brings the misfit down to sensor noise, so choosing one would be a "
+            "guess. extended_boat.yaml holds the one that fits best; predictions of runs like these are safe "
+            "with it, others are not. A trial that would decide is named below."
+        )
+    return (
+        "Every effect of the library was tried, alone and beside others, and more than noise remains. Which "
+        "force is missing, and what it goes with, stands below: look there on the real boat."
+    )
+
+
+def leftover_sentence(found: Diagnosis) -> str:
+    """Where the largest of what remains lives."""
+    first = found.leftover[0]
+    kind = "moment" if first.force == "yaw" else "force"
+    return (
+        f"Most of it is a {first.force} {kind} that goes with {first.variable}: on runs that this was not "
+        f"told from, {first.variable} explains {first.explained:.0%} of it."
+    )
+
+
+def cause_rows(found: Diagnosis, boat: Boat) -> list[tuple[str, ...]]:
+    """Effect, what it is, parameter, value, interval, unit, and what the boat file has."""
+    rows: list[tuple[str, ...]] = []
+    for cause in found.causes:
+        effect = LIBRARY[cause.effect]
+        on = cause.thruster if isinstance(cause.thruster, str) else " and ".join(cause.thruster or ())
+        name = cause.effect.replace("_", " ") + (f" ({on})" if on else "")
+        first = (name, effect.description)
+        for parameter, estimate in cause.parameters.items():
+            neutral = neutral_value(cause.effect, parameter, boat)
+            rows.append((*first, parameter.replace("_", " "), *number_cells(estimate), neutral))
+            first = ("", "")
+        if not cause.parameters:
+            rows.append((*first, "", "", "", "", ""))
+    return rows
+
+
+def number_cells(estimate: Estimate) -> tuple[str, str, str]:
+    """Value, 95 % interval and unit, angles in degrees."""
+    factor, unit = (180.0 / math.pi, "degrees") if estimate.unit == "rad" else (1.0, estimate.unit)
+    value, reach = factor * estimate.value, factor * Z95 * estimate.standard_error
+    places = 2 if reach <= 0.0 or not math.isfinite(reach) else max(0, 1 - math.floor(math.log10(reach)))
+    places = min(places, 6)
+    span = f"{value - reach:.{places}f} to {value + reach:.{places}f}"
+    return f"{value:.{places}f}", span, "" if unit == "1" else unit
+
+
+def neutral_value(effect: str, parameter: str, boat: Boat) -> str:
+    """What the boat file has for it."""
+    from swamp_rl.simulator import parameters
+
+    given = LIBRARY[effect].parameter(parameter)
+    if given.neutral is not None:
+        return "none" if math.isinf(given.neutral) else f"{given.neutral:g}"
+    value = parameters(boat)[0][given.field]
+    return f"{float(value if value.ndim == 0 else value[0]):g}"
+
+
+def places_of(value: float) -> int:
+    """Decimals that show three digits of a value."""
+    if value == 0.0 or not math.isfinite(value):
+        return 0
+    return min(max(0, 2 - math.floor(math.log10(abs(value)))), 5)
+
+
+def rounded(value: float) -> str:
+    """Three significant digits, without powers of ten."""
+    return f"{value:.{places_of(value)}f}"
+
+
+def names_of(found: Diagnosis) -> str:
+    """The names that the boat file uses for what was found."""
+    effects = ", ".join(dict.fromkeys(cause.effect for cause in found.causes))
+    return f"There the effects are called {effects}." if effects else ""

@@ -1,0 +1,24 @@
+"""report.html with its figures, all in one file, and the figures again as PNG beside it."""
+
+import base64
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from swamp_rl.criticism.report.figures import Misfit, draw, draw_errors, draw_forces, draw_tracks
+from swamp_rl.criticism.report.page import page
+
+if TYPE_CHECKING:
+    from swamp_rl.criticism.diagnose import Finding
+
+
+def write_report(folder: Path, finding: "Finding") -> None:
+    """Write report.html, self-contained, and its figures as PNG into `folder`."""
+    misfit = Misfit.of(finding)
+    paths = {
+        "tracks": draw(folder / "tracks.png", misfit, draw_tracks),
+        "errors": draw(folder / "errors.png", misfit, draw_errors),
+        "forces": draw(folder / "forces.png", misfit, draw_forces),
+    }
+    images = {name: base64.b64encode(path.read_bytes()).decode() for name, path in paths.items()}
+    text = page(finding.diagnosis, finding.trials, images)
+    (folder / "report.html").write_text(text, encoding="utf-8")

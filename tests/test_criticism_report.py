@@ -1,0 +1,71 @@
+"""The report in words and figures: the verdict is a sentence, numbers have units and plain digits."""
+
+import pytest
+
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.report.page import gain_rows, table
+from swamp_rl.criticism.report.words import cause_rows, headline, leftover_sentence, rounded, spoken
+from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Gain, Leftover, Paired
+
+
+def diagnosis(verdict: str, **changes: object) -> Diagnosis:
+    """One without anything else in it."""
+    empty = ("causes", "indistinguishable", "contrasts", "leftover", "candidates", "unseen", "gain")
+    values: dict[str, object] = {name: [] for name in empty}
+    values |= {"separating_trial": None, "noise": {}, "adequacy": {}, "elapsed_s": 1.0}
+    return Diagnosis.model_validate(values | {"verdict": verdict} | changes)
+
+
+OFFSET = Cause(
+    effect="azimuth_offset",
+    thruster="bs",
+    parameters={"offset": Estimate(value=0.2, standard_error=0.01, unit="rad")},
+)
+LAG = Cause(
+    effect="azimuth_lag",
+    parameters={"time_constant": Estimate(value=0.612, standard_error=0.012, unit="s")},
+)
+
+
+def test_labels_are_spoken_with_their_thrusters() -> None:
+    assert spoken("azimuth_lag + thruster_gain bs + channel_swap bp ss") == (
+        "azimuth lag, thruster gain (bs) and channel swap (bp, ss)"
+    )
+
+
+@pytest.mark.parametrize(
+    ("verdict", "changes", "told"),
+    [
+        ("nothing_wrong", {}, "as right as these sensors can tell"),
+        ("cause", {"causes": [OFFSET]}, "misses one thing: azimuth offset (bs)"),
+        ("cause", {"causes": [OFFSET, LAG]}, "misses 2 things: azimuth offset (bs) and azimuth lag"),
+        ("indistinguishable", {"indistinguishable": [["mass", "linear_drag"]]}, "tell mass from linear drag"),
+        ("unexplained", {}, "no known effect explains"),
+    ],
+)
+def test_every_verdict_is_a_sentence(verdict: str, changes: dict[str, object], told: str) -> None:
+    assert told in headline(diagnosis(verdict, **changes))
+
+
+def test_a_cause_has_its_interval_in_degrees_beside_what_the_boat_file_has() -> None:
+    rows = cause_rows(diagnosis("cause", causes=[OFFSET, LAG]), load_boat("swamp"))
+    assert rows[0][0] == "azimuth offset (bs)"
+    assert rows[0][2:] == ("offset", "11.5", "10.3 to 12.6", "degrees", "0")
+    assert rows[1][2:] == ("time constant", "0.612", "0.588 to 0.636", "s", "0.1")
+
+
+def test_the_gain_is_in_degrees_with_as_many_digits_as_the_error_and_no_negative_zero() -> None:
+    paired = Paired(before=0.1, after=0.05, ci95=(-1e-9, 0.1))
+    (row,) = gain_rows(Gain(horizon_s=5.0, restarts=9, blocks="runs", heading_rmse_rad=paired))
+    assert row == ("5", "heading", "5.73", "2.86", "2.86 (0.00 to 5.73)", "degrees")
+
+
+def test_what_is_left_is_said_with_its_force_and_variable() -> None:
+    left = [Leftover(force="yaw", variable="heading", explained=0.62)]
+    said = leftover_sentence(diagnosis("unexplained", leftover=left))
+    assert "yaw moment that goes with heading" in said and "62%" in said
+
+
+def test_digits_are_plain_and_cells_are_escaped() -> None:
+    assert [rounded(v) for v in (1234.5, 0.01234, 0.0, 5.0e-7)] == ["1234", "0.0123", "0", "0.00000"]
+    assert "&lt;b&gt;" in table(("a",), [("<b>",)]) and "<b>" in table(("a",), [("<b>",)], raw=True)
