@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.physics.hull import hull_forces
+from swamp_rl.physics.resistance import towing
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 
 Array = NDArray[np.float64]
@@ -34,3 +36,8 @@ def track(
     if start is None:
         start = initial_state(params, np.array([pose]), np.array([velocity]))
     return simulate(params, tank(boat), start, command[None], np.zeros(1, np.uint64), dt, substeps)[0]
+
+
+def forces_on_hull(boat: Boat, p: Any, u: float, v: float, r: float) -> tuple[float, float, float]:
+    """Surge, sway force [N] and yaw moment [N m] on the hull; p: the boat's parameter record."""
+    return hull_forces(u, v, r, p, tank(boat), towing(p, tank(boat)))

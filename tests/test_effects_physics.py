@@ -8,13 +8,12 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import load_boat
 from swamp_rl.effects import LIBRARY, apply_effects, parse_effects
-from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.thrusters import effective_thrust
 from swamp_rl.sensors import observe
 from swamp_rl.simulator import initial_state, parameters, simulate, step, tank
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE
-from tests.boats import Array, commands
+from tests.boats import Array, commands, forces_on_hull
 
 BOAT = load_boat("swamp")
 NAMES = BOAT.thruster_names
@@ -317,8 +316,8 @@ def test_a_scaled_derivative_adds_its_own_term(name: str, axis: int, unit: Any) 
     u, v, r = 0.8, -0.2, 0.3
     entry = {"effect": "hull_coefficients", name: 1.3}
     change = np.subtract(
-        hull_forces(u, v, r, record(entry)[0], tank(BOAT), 1.0),
-        hull_forces(u, v, r, record()[0], tank(BOAT), 1.0),
+        forces_on_hull(BOAT, record(entry)[0], u, v, r),
+        forces_on_hull(BOAT, record()[0], u, v, r),
     )
     expected = np.zeros(3)
     expected[axis] = 0.3 * getattr(BOAT.hull, name) * 0.5 * 1025 * 1.24 * 0.14 * unit(u, v, r)

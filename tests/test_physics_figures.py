@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.physics.hull import hull_forces
-from swamp_rl.physics.resistance import resistance_scale
 from swamp_rl.physics.thrusters import bollard_thrust
-from swamp_rl.simulator import parameters, tank
+from swamp_rl.simulator import parameters
 from swamp_rl.simulator.state import EAST, HEADING, SURGE, SWAY, YAW_RATE
-from tests.boats import Array, commands, track
+from tests.boats import Array, commands, forces_on_hull, track
 
 FINE = {"dt": 0.01, "substeps": 1}
 
@@ -95,9 +93,7 @@ def test_the_towing_tank_is_reproduced_at_its_own_points_within_one_percent() ->
     for curve in boat.resistance.table:
         params["depth_over_draught"] = curve.h_over_t
         for speed, resistance in zip(curve.speed, curve.resistance, strict=True):
-            surge, sway, yaw = hull_forces(
-                speed, 0.0, 0.0, params[0], tank(boat), resistance_scale(params[0])
-            )
+            surge, sway, yaw = forces_on_hull(boat, params[0], speed, 0.0, 0.0)
             assert -surge == pytest.approx(resistance, rel=0.01)
             assert sway == yaw == 0.0
 
@@ -108,7 +104,7 @@ def test_resistance_between_two_tested_depths_lies_between_theirs() -> None:
 
     def drag(depth: float) -> float:
         params["depth_over_draught"] = depth
-        return -hull_forces(1.0, 0.0, 0.0, params[0], tank(boat), 1.0)[0]
+        return -forces_on_hull(boat, params[0], 1.0, 0.0, 0.0)[0]
 
     assert drag(9.0) == drag(50.0) < drag(4.0) < drag(3.0) < drag(2.5) < drag(1.5)
     # linear in draught over depth: half-way between 1/2.5 and 1/4 is 1/3.0769

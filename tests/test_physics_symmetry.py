@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from swamp_rl.boat import load_boat
-from swamp_rl.physics.hull import crossflow_integrals, hull_forces
-from swamp_rl.simulator import parameters, tank
+from swamp_rl.physics.hull import crossflow_integrals
+from swamp_rl.simulator import parameters
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE
-from tests.boats import Array, commands, track
+from tests.boats import Array, commands, forces_on_hull, track
 
 BOAT = load_boat("swamp")
 LENGTH = BOAT.length
@@ -134,7 +134,7 @@ def test_a_steady_push_to_the_east_moves_the_boat_east_whatever_its_heading() ->
     r=st.sampled_from([0.0, 1e-300, -1e-12, 2.0, -0.5]),
 )
 def test_hull_forces_are_finite_everywhere(u: float, v: float, r: float) -> None:
-    assert np.all(np.isfinite(hull_forces(u, v, r, parameters(BOAT)[0], tank(BOAT), 1.0)))
+    assert np.all(np.isfinite(forces_on_hull(BOAT, parameters(BOAT)[0], u, v, r)))
 
 
 def test_the_track_is_finite_through_zero_speed_and_hard_astern() -> None:

@@ -29,6 +29,9 @@ COMPILED_FOLDERS = (
 )
 KEPT_CACHES = 4
 
+NUMERICS: dict[str, Any] = {"error_model": "numpy"}  # a division by zero is inf or nan, no exception
+INSIDE = NUMERICS | {"forceinline": True}
+
 
 @lru_cache(maxsize=1)
 def cache_folder() -> Path:
@@ -51,13 +54,18 @@ def cache_folder() -> Path:
 
 
 def compiled(function: F | None = None, *, parallel: bool = False) -> F:
-    """Compile with numba: IEEE arithmetic (no fast-math), so a batch gives the bits that one boat gives."""
+    """Compile with numba: IEEE arithmetic (no fast-math), so a batch gives the bits that one boat gives.
+
+    A function lands inside those that call it: a call costs more than what most of them compute, above all
+    for counting who still uses the arrays that it takes.
+    """
     if function is None:
         return cast(F, lambda decorated: compiled(decorated, parallel=parallel))
+    options = NUMERICS if parallel else INSIDE
     before = config.CACHE_DIR
     config.CACHE_DIR = str(cache_folder())
     try:
-        return cast(F, numba.njit(cache=True, parallel=parallel, error_model="numpy")(function))
+        return cast(F, numba.njit(cache=True, parallel=parallel, **options)(function))
     finally:
         config.CACHE_DIR = before
 
@@ -73,7 +81,7 @@ def by_field(field: str, present: F, absent: F) -> F:
         return (present if field in (record.dtype.names or ()) else absent)(*given)
 
     # Not strict: numba would want one spelling of the arguments, and a wrapper for it costs time.
-    @numba.extending.overload(chosen, strict=False)
+    @numba.extending.overload(chosen, strict=False, jit_options=INSIDE)
     def choose(*given: Any) -> Any:
         record = next(item for item in given if isinstance(item, numba.types.Record))
         return (present if field in record.fields else absent).py_func  # type: ignore[attr-defined]

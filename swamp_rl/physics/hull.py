@@ -27,9 +27,9 @@ def crossflow_integrals(a: float, b: float, length: float) -> tuple[float, float
 
 @compiled
 def hull_forces(
-    u: float, v: float, r: float, p: Any, tank: Any, resistance_scale: float
+    u: float, v: float, r: float, p: Any, tank: Any, tow: tuple[float, int, float]
 ) -> tuple[float, float, float]:
-    """Surge force, sway force [N] and yaw moment [N m] on the hull (eq. 8.16).
+    """Surge force, sway force [N] and yaw moment [N m] on the hull (eq. 8.16); tow: `towing(p, tank)`.
 
     With two departures that are zero for the boat as designed: a drag linear in surge, and the yaw moment of
     hulls that are not alike.
@@ -40,9 +40,7 @@ def hull_forces(
     y_integral, n_integral = crossflow_integrals(v, p.c_ry * r, length)
     if p.c_rn != p.c_ry:
         _, n_integral = crossflow_integrals(v, p.c_rn * r, length)
-    surge = (
-        surge_resistance(u, v, p, tank, resistance_scale) + q * p.x_vr * length * v * r - p.linear_drag * u
-    )
+    surge = surge_resistance(u, v, p, tank, tow) + q * p.x_vr * length * v * r - p.linear_drag * u
     sway = q * (p.y_v * v * abs(u) + p.y_r * length * r * u - drag / length * y_integral)
     yaw = q * length * (p.n_v * v * u + p.n_r * length * r * abs(u) - drag / (length * length) * n_integral)
     return surge, sway, yaw + p.asymmetry_yaw * u * abs(u)

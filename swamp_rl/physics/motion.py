@@ -7,10 +7,12 @@ from swamp_rl.physics.air_and_current import current_forces, wind_forces
 from swamp_rl.physics.compile import compiled
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.propulsion import propulsion_forces, propulsion_under_way
-from swamp_rl.physics.rigid_body import accelerations
+from swamp_rl.physics.resistance import towing
+from swamp_rl.physics.rigid_body import accelerations, inverse_inertia
 
 # The motion is a tuple of six numbers: north, east [m], heading [rad], surge, sway [m/s], yaw rate [rad/s],
 # with surge and sway relative to the water.
+Six = tuple[float, float, float, float, float, float]
 
 
 @compiled
@@ -68,32 +70,32 @@ def external_forces(
 
 
 @compiled
+def held_over_step(wind: tuple[float, float], p: Any, tank: Any) -> Any:
+    """What `rates` needs and a control step does not change: the wind, `towing` and `inverse_inertia`."""
+    return wind, towing(p, tank), inverse_inertia(p)
+
+
+@compiled
 def rates(
-    motion: Any,
-    jets: Any,
-    moment: int,
-    time: float,
-    wind: tuple[float, float],
-    water: tuple[float, float],
-    p: Any,
-    tank: Any,
-    scale: float,
-) -> tuple[float, float, float, float, float, float]:
-    """Time derivatives of `motion`; jets[moment]: (K, 2) by `actuator_output`; time [s] and wind: as in
-    `external_forces`; water: its velocity then; scale: `resistance_scale(p)`.
+    motion: Any, jets: Any, moment: int, time: float, water: tuple[float, float], held: Any, p: Any, tank: Any
+) -> Six:
+    """Time derivatives of `motion` at `time` [s].
+
+    jets[moment]: (K, 2) by `actuator_output`; water: its velocity then; held: by `held_over_step`.
     """
+    wind, tow, inverse = held
     heading, u, v, r = motion[2], motion[3], motion[4], motion[5]
     cos, sin = math.cos(heading), math.sin(heading)
     u_ground = u + water[0] * cos + water[1] * sin
     v_ground = v + water[1] * cos - water[0] * sin
-    x_hull, y_hull, n_hull = hull_forces(u, v, r, p, tank, scale)
+    x_hull, y_hull, n_hull = hull_forces(u, v, r, p, tank, tow)
     if p.advance_loss != 0.0 or p.crossflow_loss != 0.0:
         x_jets, y_jets, n_jets = propulsion_under_way(jets, moment, u, v, r, p)
     else:
         x_jets, y_jets, n_jets = propulsion_forces(jets, moment, u, v, r, p)
     x_out, y_out, n_out = external_forces(cos, sin, u_ground, v_ground, time, wind, p)
     u_dot, v_dot, r_dot = accelerations(
-        u, v, r, x_hull + x_jets + x_out, y_hull + y_jets + y_out, n_hull + n_jets + n_out, p
+        u, v, r, x_hull + x_jets + x_out, y_hull + y_jets + y_out, n_hull + n_jets + n_out, inverse, p
     )
     return (
         u * cos - v * sin + water[0],
@@ -106,7 +108,7 @@ def rates(
 
 
 @compiled
-def moved(motion: Any, rate: Any, time: float) -> tuple[float, float, float, float, float, float]:
+def moved(motion: Any, rate: Any, time: float) -> Six:
     """motion + time * rate, element by element."""
     return (
         motion[0] + time * rate[0],
@@ -119,22 +121,18 @@ def moved(motion: Any, rate: Any, time: float) -> tuple[float, float, float, flo
 
 
 @compiled
-def runge_kutta_step(
-    motion: Any, time: float, h: float, jets: Any, wind: tuple[float, float], p: Any, tank: Any, scale: float
-) -> tuple[float, float, float, float, float, float]:
+def runge_kutta_step(motion: Any, time: float, h: float, jets: Any, held: Any, p: Any, tank: Any) -> Six:
     """One classical fourth-order step of h [s] from `time` [s].
 
-    jets: (3, K, 2), the outputs at 0, h/2 and h.
+    jets: (3, K, 2), the outputs at 0, h/2 and h; held: by `held_over_step`.
     """
-    middle, end = time + 0.5 * h, time + h
+    drifts = p.current_north_rate != 0.0 or p.current_east_rate != 0.0
     water = water_velocity(time, p)
-    k1 = rates(motion, jets, 0, time, wind, water, p, tank, scale)
-    if p.current_north_rate != 0.0 or p.current_east_rate != 0.0:
-        water = water_velocity(middle, p)
-    k2 = rates(moved(motion, k1, 0.5 * h), jets, 1, middle, wind, water, p, tank, scale)
-    k3 = rates(moved(motion, k2, 0.5 * h), jets, 1, middle, wind, water, p, tank, scale)
-    if p.current_north_rate != 0.0 or p.current_east_rate != 0.0:
-        water = water_velocity(end, p)
-    k4 = rates(moved(motion, k3, h), jets, 2, end, wind, water, p, tank, scale)
-    inner = moved(moved(motion, k2, h / 3.0), k3, h / 3.0)
-    return moved(moved(inner, k1, h / 6.0), k4, h / 6.0)
+    rate, total = (0.0,) * 6, motion
+    for stage in range(4):
+        ahead = 0.5 * h * ((stage + 1) // 2)  # 0, h/2, h/2, h
+        if drifts and ahead > 0.0:
+            water = water_velocity(time + ahead, p)
+        rate = rates(moved(motion, rate, ahead), jets, (stage + 1) // 2, time + ahead, water, held, p, tank)
+        total = moved(total, rate, h / 6.0 if stage % 3 == 0 else h / 3.0)
+    return total

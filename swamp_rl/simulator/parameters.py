@@ -178,7 +178,7 @@ def tank(boat: Boat) -> NDArray[np.float64]:
     Zeros, which nothing reads, for a boat whose resistance comes as coefficients.
     """
     if isinstance(boat.resistance, DriftResistance):
-        return np.zeros((1, 1, 6))
+        return np.zeros((1, 6, 1))
     curves = [
         (curve.h_over_t, np.array(curve.speed, dtype=float), np.array(curve.resistance, dtype=float))
         for curve in boat.resistance.table

@@ -7,10 +7,9 @@ import numba
 import numpy as np
 
 from swamp_rl.physics.compile import compiled
-from swamp_rl.physics.motion import runge_kutta_step, water_velocity
+from swamp_rl.physics.motion import held_over_step, runge_kutta_step, water_velocity
 from swamp_rl.physics.noise import normal_pair
 from swamp_rl.physics.propulsion import actuator_output, throttle_limits, worn
-from swamp_rl.physics.resistance import resistance_scale
 from swamp_rl.physics.thrusters import alive, azimuth_after, supply, throttle_after
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import (
@@ -116,9 +115,8 @@ def step_boat(
     jets: (3, K, 2) scratch.
     """
     h = dt / substeps
-    scale = resistance_scale(p)
     update_gusts(state, seed, dt, p)
-    wind = wind_now(state, p)
+    held = held_over_step(wind_now(state, p), p, tank)
     water_north, water_east = water_velocity(state[TIME], p)
     cos, sin = math.cos(state[HEADING]), math.sin(state[HEADING])
     motion = (
@@ -131,7 +129,7 @@ def step_boat(
     )
     for _ in range(substeps):
         move_actuators(state, command, h, jets, p)
-        motion = runge_kutta_step(motion, state[TIME], h, jets, wind, p, tank, scale)
+        motion = runge_kutta_step(motion, state[TIME], h, jets, held, p, tank)
         state[TIME] += h
     water_north, water_east = water_velocity(state[TIME], p)
     cos, sin = math.cos(motion[2]), math.sin(motion[2])
