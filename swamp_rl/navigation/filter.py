@@ -1,0 +1,65 @@
+"""An extended Kalman filter for pose, velocity and current from readings at any times (thesis 6.4, [220]).
+
+Own code: the filter is the five textbook lines below, and the Python packages that offer them are no longer
+kept. Joseph's form of the update keeps the covariance symmetric and positive.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.guidance.heading import wrapped
+from swamp_rl.guidance.loop import Seen
+from swamp_rl.navigation.predict import STATES, Predictor
+from swamp_rl.navigation.sensors import Fix
+
+Array = NDArray[np.float64]
+
+HEADING = 2
+# Random walk of pose, velocities and current [unit/sqrt(s)]: what the model does not know of the motion.
+WITH_MODEL = np.array([0.0, 0.0, 0.0, 0.02, 0.02, 0.02, 0.003, 0.003])
+COASTING = np.array([0.0, 0.0, 0.0, 0.15, 0.15, 0.15, 0.0, 0.0])
+START = np.array([1.0, 1.0, 0.05, 0.1, 0.1, 0.05, 0.15, 0.15])  # of a boat about at rest
+
+
+@dataclass
+class Navigator:
+    """The filter: x (8,) as in `predict`, covariance P (8, 8), process noise walk (8,) [unit/sqrt(s)]."""
+
+    predictor: Predictor
+    x: Array
+    walk: Array
+    P: Array = field(default_factory=lambda: np.diag(START**2))
+
+    def predict(self, commands: Array, dt: float) -> None:
+        """Move on by dt [s] under commands (2K,)."""
+        self.x, F = self.predictor.predict(self.x, commands, dt)
+        self.P = F @ self.P @ F.T + np.diag(self.walk**2) * dt
+
+    def update(self, fix: Fix) -> float:
+        """Take a reading in; returns its normalised innovation squared, chi-square if all is consistent."""
+        places = list(fix.places)
+        innovation = fix.values - self.x[places]
+        if HEADING in places:
+            at = places.index(HEADING)
+            innovation[at] = wrapped(float(innovation[at]))
+        H = np.eye(STATES)[places]
+        R = np.diag(fix.deviations**2)
+        S = H @ self.P @ H.T + R
+        K = np.linalg.solve(S, H @ self.P).T
+        self.x = self.x + K @ innovation
+        kept = np.eye(STATES) - K @ H
+        self.P = kept @ self.P @ kept.T + K @ R @ K.T
+        return float(innovation @ np.linalg.solve(S, innovation))
+
+    def error_squared(self, truth: Array) -> float:
+        """Normalised estimation error squared of pose and velocity against the true ones (6,)."""
+        error = truth - self.x[:6]
+        error[HEADING] = wrapped(float(error[HEADING]))
+        return float(error @ np.linalg.solve(self.P[:6, :6], error))
+
+    def seen(self, azimuth: Array) -> Seen:
+        """The estimate as controllers take it, with the azimuths (K,) that the encoders give."""
+        north, east, heading, surge, sway, yaw_rate = (float(value) for value in self.x[:6])
+        return Seen(north, east, heading, surge, sway, yaw_rate, azimuth)
