@@ -11,7 +11,7 @@ from swamp_rl.allocation import Jets, largest_multiple
 from swamp_rl.boat import Boat
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.motion import external_forces, water_velocity
-from swamp_rl.physics.resistance import resistance_scale
+from swamp_rl.physics.resistance import towing
 from swamp_rl.simulator import parameters, tank
 
 Array = NDArray[np.float64]
@@ -61,7 +61,7 @@ def _steady(p: Any, curves: Array, heading: float, time: float) -> Array:
     cos, sin = math.cos(heading), math.sin(heading)
     north, east = water_velocity(time, p)
     u, v = -(north * cos + east * sin), -(east * cos - north * sin)
-    hull = hull_forces(u, v, 0.0, p, curves, resistance_scale(p))
+    hull = hull_forces(u, v, 0.0, p, curves, towing(p, curves))
     wind = (float(p["wind_speed"] * np.cos(p["wind_from"])), float(p["wind_speed"] * np.sin(p["wind_from"])))
     outside = external_forces(cos, sin, 0.0, 0.0, time, wind, p)
     return -(np.array(hull) + np.array(outside))

@@ -17,8 +17,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.guidance.heading import wrapped
 from swamp_rl.guidance.holding import Holding
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.physics.motion import rates, water_velocity
-from swamp_rl.physics.resistance import resistance_scale
+from swamp_rl.physics.motion import held_over_step, rates, water_velocity
 from swamp_rl.simulator import parameters, tank
 
 Array = NDArray[np.float64]
@@ -53,10 +52,8 @@ def _rates_over_ground(x: Array, forces: Array, record: Any, curves: Array) -> A
     motion = (x[0], x[1], x[2], x[3] - along, x[4] - across, x[5])
     blows, comes_from = float(record["wind_speed"]), float(record["wind_from"])
     wind = blows * math.cos(comes_from), blows * math.sin(comes_from)
-    scale = resistance_scale(record)
-    moved = np.array(
-        [*rates(motion, forces, 0, 0.0, wind, (north, east), record, curves, scale)], dtype=float
-    )
+    held = held_over_step(wind, record, curves)
+    moved = np.array([*rates(motion, forces, 0, 0.0, (north, east), held, record, curves)], dtype=float)
     moved[3:5] += x[5] * np.array([across, -along])
     return moved
 
