@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from experiments.verbs_criticism import diagnose
+from experiments.verbs_identification import identify_app
 from experiments.verbs_runs import runs_app
 from swamp_rl import __version__
 from swamp_rl.errors import UserError
@@ -23,6 +24,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(runs_app, name="runs")
+app.add_typer(identify_app, name="identify")
 app.command()(diagnose)
 
 BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]

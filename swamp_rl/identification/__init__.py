@@ -1,0 +1,1 @@
+"""Identification as the papers do it: regressions on measured motion, as baselines with intervals."""
