@@ -10,6 +10,7 @@ import typer
 from experiments.verbs_criticism import diagnose
 from experiments.verbs_identification import identify_app
 from experiments.verbs_runs import runs_app
+from experiments.verbs_trials import trial_app
 from swamp_rl import __version__
 from swamp_rl.errors import UserError
 
@@ -25,6 +26,7 @@ app = typer.Typer(
 )
 app.add_typer(runs_app, name="runs")
 app.add_typer(identify_app, name="identify")
+app.add_typer(trial_app, name="trial")
 app.command()(diagnose)
 
 BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]

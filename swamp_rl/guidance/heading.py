@@ -2,7 +2,7 @@
 
 import math
 
-STIFFNESS, DAMPING = 1.0, 2.0
+STIFFNESS, DAMPING = 2.0, 8.0
 "Steering angle per heading error [1], and per yaw rate in lengths sailed [1]."
 SLOWEST = 0.03  # Froude number below which the damping grows no more: a boat at rest has no length per second
 GRAVITY = 9.81

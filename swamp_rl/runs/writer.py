@@ -1,6 +1,7 @@
 """Writing runs: each one whole on the disk and listed, or not there at all."""
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -37,11 +38,19 @@ def append_run(folder: Path | str, run: Run, format: Literal["parquet", "csv"] =
     leaves the dataset as it was and a file that `check_dataset` reports as not listed. A run with a fault is
     refused with UserError.
     """
-    path = Path(folder) / f"{run.name}.{format}"
-    extended = _listing(path, run)
-    write_table(path, run.columns)
-    _write_meta(path.parent, extended)
-    return path
+    return append_runs(folder, [run], format)[0]
+
+
+def append_runs(
+    folder: Path | str, runs: Sequence[Run], format: Literal["parquet", "csv"] = "parquet"
+) -> list[Path]:
+    """As `append_run` for many, with `dataset.yaml` read and written once: its cost grows with its length."""
+    paths = [Path(folder) / f"{run.name}.{format}" for run in runs]
+    extended = _listing(Path(folder), paths, runs)
+    for path, run in zip(paths, runs, strict=True):
+        write_table(path, run.columns)
+    _write_meta(Path(folder), extended)
+    return paths
 
 
 def adopt_run(folder: Path | str, table: Path, run: RunMeta) -> Path:
@@ -54,24 +63,26 @@ def adopt_run(folder: Path | str, table: Path, run: RunMeta) -> Path:
     read = read_table(table)
     if read.faults:
         raise UserError(f"{table.parent}{os.sep}{read.faults[0]}")
-    extended = _listing(path, Run(table.stem, read.columns, run))
+    extended = _listing(path.parent, [path], [Run(table.stem, read.columns, run)])
     os.replace(table, path)
     flush(path.parent)
     _write_meta(path.parent, extended)
     return path
 
 
-def _listing(path: Path, run: Run) -> DatasetMeta:
-    """The `dataset.yaml` of path's folder with `run` added; UserError for a name taken or a run at fault."""
-    folder = path.parent
+def _listing(folder: Path, paths: Sequence[Path], runs: Sequence[Run]) -> DatasetMeta:
+    """The folder's `dataset.yaml` with the runs added; UserError for a name taken or a run at fault."""
     meta = read_meta(folder)
-    taken = [found.name for found in folder.iterdir()] + [str(listed.file) for listed in meta.runs]
-    if any(f"{run.name}.{kind}" in taken for kind in FORMATS):
-        raise UserError(f"{folder / run.name}: this run already exists; name the new one otherwise")
-    entry = RunMeta.model_validate({**run.meta.model_dump(), "file": path.name, "rows": len(run.time)})
-    extended = DatasetMeta.model_validate({**meta.model_dump(), "runs": [*meta.runs, entry]})
-    _refuse_faults(path, run, boat_of(folder, meta), meta.sample_rate)
-    return extended
+    boat, entries = boat_of(folder, meta), list(meta.runs)
+    taken = {found.name for found in folder.iterdir()} | {str(listed.file) for listed in meta.runs}
+    for path, run in zip(paths, runs, strict=True):
+        if any(f"{run.name}.{kind}" in taken for kind in FORMATS):
+            raise UserError(f"{folder / run.name}: this run already exists; name the new one otherwise")
+        given = {**run.meta.model_dump(), "file": path.name, "rows": len(run.time)}
+        entries.append(RunMeta.model_validate(given))
+        taken.add(path.name)
+        _refuse_faults(path, run, boat, meta.sample_rate)
+    return DatasetMeta.model_validate({**meta.model_dump(), "runs": entries})
 
 
 def write_run(path: Path | str, run: Run) -> None:

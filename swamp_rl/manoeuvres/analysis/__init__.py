@@ -1,0 +1,1 @@
+"""The figures of manoeuvres, from simulated and from measured runs alike."""

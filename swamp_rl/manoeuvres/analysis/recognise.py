@@ -1,0 +1,144 @@
+"""Which manoeuvre a run holds and where its phases begin: told by its meta, or found in its commands."""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, get_args
+
+import numpy as np
+
+from swamp_rl.errors import UserError
+from swamp_rl.manoeuvres.analysis.motion import Motion
+from swamp_rl.manoeuvres.controller import DONE, GAVE_UP, Kind
+from swamp_rl.manoeuvres.execute import Mark
+from swamp_rl.runs import RunMeta
+
+LEAST = math.radians(2.0)  # of steering that counts as an order
+HELD = 0.5  # s that an order is held at least
+REVERSALS = 3  # of the steering that make a zig-zag
+TURNED = math.pi / 2  # of heading that makes a turning circle
+
+
+@dataclass(frozen=True)
+class Recognised:
+    """A manoeuvre in a run: its kind, what is known of its setting, and its marks in order of time."""
+
+    kind: Kind
+    setting: dict[str, Any]
+    marks: list[Mark]
+
+    def of(self, phase: str) -> list[Mark]:
+        """The marks that begin a phase of that name."""
+        return [mark for mark in self.marks if mark.phase == phase]
+
+    def end(self, mark: Mark, motion: Motion) -> int:
+        """The row at which the phase of a mark is over: that of the next mark, or one beyond the last."""
+        later = [other.time for other in self.marks if other.time > mark.time]
+        return motion.row(later[0]) if later else len(motion.time)
+
+
+def recognised(meta: RunMeta, motion: Motion, name: str) -> Recognised:
+    """The manoeuvre of a run; UserError with one line where none is told and none can be found.
+
+    dataset.yaml may tell `manoeuvre`, a kind or a mapping with a key `kind`, and `marks`.
+    """
+    told = (meta.model_extra or {}).get("manoeuvre")
+    setting = told if isinstance(told, dict) else {"kind": told} if told else {}
+    kind = setting.get("kind")
+    if kind is not None and kind not in get_args(Kind):
+        raise UserError(f"run {name}: manoeuvre {kind!r} is none of {', '.join(get_args(Kind))}; correct it")
+    marks = [_mark(given, name) for given in (meta.model_extra or {}).get("marks", [])]
+    if kind is not None and marks:
+        return Recognised(kind, setting, marks)
+    found = _found(motion, kind)
+    if found is None:
+        what = f"no {kind}" if kind else "no turning circle or zig-zag"
+        raise UserError(
+            f"run {name}: {what} found in its commands; give manoeuvre and marks for it in dataset.yaml"
+        )
+    return Recognised(found.kind, found.setting | setting, found.marks)
+
+
+def _mark(given: Any, name: str) -> Mark:
+    try:
+        return Mark(
+            float(given["time"]),
+            str(given["phase"]),
+            int(given.get("number", 0)),
+            float(given.get("angle", math.nan)),
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise UserError(
+            f"run {name}: marks must be mappings with time, phase, number and angle, not {given!r}"
+        ) from error
+
+
+def _found(motion: Motion, kind: Kind | None) -> Recognised | None:
+    """A zig-zag or a turning circle in the steering angle alone, or None."""
+    angle = motion.angle
+    if not np.isfinite(angle).all():
+        return None
+    ordered = _most_held(angle)
+    over = np.abs(np.abs(angle) - ordered) <= max(LEAST, 0.1 * ordered)
+    side = np.where(over & (np.abs(angle) > LEAST), np.sign(angle), 0.0)
+    rows = [0, *(np.flatnonzero(np.diff(side) != 0.0) + 1).tolist(), len(side)]
+    last = len(motion.time) - 1
+    held = [
+        (a, b)
+        for a, b in pairwise(rows)
+        if side[a] != 0.0 and motion.time[min(b, last)] - motion.time[a] >= HELD
+    ]
+    if not held:
+        return None
+    orders = _orders(held, side)
+    if kind == "zig-zag" or (kind is None and len(orders) > REVERSALS):
+        return _as_zig_zag(motion, orders)
+    if kind in ("turning-circle", None):
+        return _as_circle(motion, held)
+    return None
+
+
+def _most_held(angle: Any) -> float:
+    """The size [rad] of steering that was held the longest, to either side: an approach steers by many."""
+    sizes = np.abs(angle[np.abs(angle) > LEAST])
+    if len(sizes) == 0:
+        return math.inf
+    counts, edges = np.histogram(sizes, np.arange(0.0, sizes.max() + 2.0 * LEAST, LEAST))
+    fullest = int(np.argmax(counts))
+    return float(np.median(sizes[(sizes >= edges[fullest]) & (sizes <= edges[fullest + 1])]))
+
+
+def _orders(held: list[tuple[int, int]], side: Any) -> list[tuple[int, int]]:
+    """Stretches of steering to one side, those to the same side that follow one another joined."""
+    orders: list[tuple[int, int]] = []
+    for a, b in held:
+        if orders and side[orders[-1][0]] == side[a]:
+            orders[-1] = (orders[-1][0], b)
+        else:
+            orders.append((a, b))
+    return orders
+
+
+def _as_zig_zag(motion: Motion, orders: list[tuple[int, int]]) -> Recognised | None:
+    if len(orders) < 2:
+        return None
+    marks = [
+        Mark(float(motion.time[a]), "execute", i + 1, float(np.median(motion.angle[a:b])))
+        for i, (a, b) in enumerate(orders)
+    ]
+    marks.append(Mark(float(motion.time[min(orders[-1][1], len(motion.time) - 1)]), DONE, len(orders), 0.0))
+    return Recognised("zig-zag", {"kind": "zig-zag", "angle": marks[0].angle}, marks)
+
+
+def _as_circle(motion: Motion, held: list[tuple[int, int]]) -> Recognised | None:
+    first, last = max(held, key=lambda rows: abs(motion.heading[rows[1] - 1] - motion.heading[rows[0]]))
+    turned = np.abs(motion.heading[first:last] - motion.heading[first])
+    if turned.max() < TURNED:
+        return None
+    angle = float(np.median(motion.angle[first:last]))
+    marks = [Mark(float(motion.time[first]), "turning", 1, angle)]
+    for number in range(1, int(turned.max() // (2.0 * math.pi)) + 1):
+        row = first + int(np.argmax(turned >= 2.0 * math.pi * number))
+        marks.append(Mark(float(motion.time[row]), "turning", number + 1, angle))
+    marks.append(Mark(float(motion.time[last - 1]), GAVE_UP if len(marks) == 1 else DONE, 0, 0.0))
+    return Recognised("turning-circle", {"kind": "turning-circle", "angle": angle}, marks)

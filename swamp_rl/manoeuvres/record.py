@@ -1,0 +1,88 @@
+"""Trials as they went, written as a dataset of runs, so that simulated and measured ones are read alike."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.files import folder_beside
+from swamp_rl.manoeuvres.approach import Area
+from swamp_rl.manoeuvres.controller import APPROACH, Trial
+from swamp_rl.manoeuvres.execute import STEP, Executed, execute
+from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_runs, create_dataset
+from swamp_rl.sensors import CHANNELS
+from swamp_rl.simulator.replay import run_of
+
+NOTES = "Trials executed by swamp_rl in closed loop on its own simulator; nothing of this was measured."
+
+
+def trial_name(number: int, trial: Trial) -> str:
+    """A name for the run of a trial: what it is, its angle to (s)tarboard or (p)ort, its throttle."""
+    parts = [f"{number:02d}", trial.kind]
+    if trial.angle != 0.0:
+        parts.append(f"{'s' if trial.angle > 0 else 'p'}{abs(math.degrees(trial.angle)):g}")
+    if trial.kind == "zig-zag" and abs(trial.heading - abs(trial.angle)) > 1e-9:
+        parts.append(f"at{math.degrees(trial.heading):g}")
+    if trial.astern:
+        parts.append("astern")
+    if trial.pattern != "opposed":
+        parts.append(trial.pattern)
+    return "-".join([*parts, f"{100 * trial.throttle:.4g}pc"])
+
+
+def run_of_trial(executed: Executed, boat: Boat, name: str, seed: int) -> Run:
+    """The run of an executed trial; its meta holds the trial asked for, the marks and what went amiss."""
+    time = np.arange(len(executed.track), dtype=np.float64) * STEP
+    angles, levels = np.split(executed.commands, 2, axis=1)
+    columns: dict[str, NDArray[np.float64]] = {"time": time}
+    for k, thruster in enumerate(boat.thrusters):
+        angle, level = thruster.command_columns
+        if angle is not None:
+            columns[angle] = angles[:, k]
+        columns[level] = levels[:, k]
+    first = dict(zip(CHANNELS, executed.measured[0].tolist(), strict=True))
+    meta = RunMeta.model_validate(
+        {
+            "seed": seed,
+            "initial_state": first,
+            "outcome": "success" if executed.completed else "incomplete",
+            "manoeuvre": {name: value for name, value in asdict(executed.trial).items() if value is not None},
+            "marks": [asdict(mark) for mark in executed.marks if mark.phase != APPROACH],
+            "notes": list(executed.notes),
+        }
+    )
+    run = run_of(executed.track, executed.measured, time, Run(name, columns), boat)
+    return Run(name, run.columns, meta)
+
+
+def record_trials(
+    out: Path | str, boat_name: str, trials: Sequence[Trial], area: Area | None = None, seed: int = 0
+) -> list[Executed]:
+    """Execute the trials with the boat of that name or file and write them as the dataset `out`.
+
+    UserError where the boat cannot do a trial, or the folder holds something else.
+    """
+    boat = load_boat(boat_name)
+    is_file = Path(boat_name).suffix in (".yaml", ".yml") or len(Path(boat_name).parts) > 1
+    meta = DatasetMeta(
+        vehicle=str(Path(boat_name).resolve()) if is_file else boat_name,
+        mass=boat.mass,
+        draught=boat.draught,
+        water_density=boat.water_density,
+        sample_rate=1.0 / STEP,
+        source="simulated",
+        notes=NOTES,
+    )
+    with folder_beside(out, replaces="dataset.yaml") as part:
+        executed = execute(boat, trials, area, seed)
+        create_dataset(part, meta)
+        runs = [
+            run_of_trial(one, boat, trial_name(number + 1, one.trial), seed + number)
+            for number, one in enumerate(executed)
+        ]
+        append_runs(part, runs)
+    return executed
