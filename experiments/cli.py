@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from experiments.verbs_criticism import diagnose
+from experiments.verbs_demo import demo
 from experiments.verbs_identification import identify_app
 from experiments.verbs_runs import runs_app
 from experiments.verbs_trials import trial_app
@@ -28,6 +29,7 @@ app.add_typer(runs_app, name="runs")
 app.add_typer(identify_app, name="identify")
 app.add_typer(trial_app, name="trial")
 app.command()(diagnose)
+app.command()(demo)
 
 BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
 

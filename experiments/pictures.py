@@ -8,7 +8,8 @@ from typing import Any
 from experiments import figures
 from experiments.scene import Scene
 from experiments.trial import Tried
-from swamp_rl.demo.recording import write_demo
+from swamp_rl.demo.recording import write_recording
+from swamp_rl.demo.scene import demo_scene
 from swamp_rl.runs import Dataset, Run
 
 
@@ -58,4 +59,6 @@ def choose_race(scene: Scene, dataset: Dataset, tried: Tried) -> Race:
 
 def write_race(scene: Scene, race: Race, path: Path) -> None:
     """The race as a rerun recording."""
-    write_demo(path, scene.course, race.runs, scene.boat.length, scene.boat.breadth)
+    size = scene.boat.length, scene.boat.breadth
+    runs = {who: [run] for who, run in race.runs.items()}
+    write_recording(path, demo_scene(scene.experiment.name, runs, scene.course, size, "gate"))

@@ -153,7 +153,8 @@ def _again(results: Results) -> str:
     measured = results["measured"]
     return (
         "## To look at, and to do again\n\n"
-        "* `rerun demo.rrd` shows the run of the data and the learned pilots racing each other.\n"
+        "* `rerun demo.rrd` shows the run of the data and the learned pilots racing each other; "
+        "`swamp-rl demo` on this folder shows these and any other runs of `data/` and `driven/`.\n"
         "* `episodes.parquet` has a row for each episode of each pilot.\n"
         "* `pilots/` holds the pilots, `config/` the experiment with every option written out and copies of "
         "the files it names, `versions.json` the versions.\n"

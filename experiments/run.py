@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from experiments.driven import write_driven
 from experiments.learn import get_data, train_pilots
 from experiments.pictures import choose_race, draw_figures, write_race
 from experiments.progress import Stages, peak_memory, stages
@@ -54,6 +55,7 @@ def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any
         results["race"] = {"level": race.level, "runs": {who: run.name for who, run in race.runs.items()}}
         draw_figures(scene, dataset, tried, race, results, folder / "figures")
         write_race(scene, race, folder / "demo.rrd")
+        write_driven(scene, tried, folder / "driven")
     results["measured"] = {
         "seconds": {name: round(value, 2) for name, value in progress.seconds.items()},
         "total_seconds": round(sum(progress.seconds.values()), 1),

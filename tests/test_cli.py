@@ -20,7 +20,7 @@ from tests.conftest import circling
 
 Called = tuple[int, str, str]
 Call = Callable[..., Called]
-VERBS = ("run", "simulate", "record-scripted", "bench", "runs")
+VERBS = ("run", "simulate", "record-scripted", "bench", "runs", "demo")
 HEAVY = ("torch", "matplotlib", "numba", "pyarrow", "gymnasium", "scipy", "reservoirpy", "rerun")
 
 

@@ -124,7 +124,7 @@ def test_the_recording_for_rerun_can_be_read(folder: Path) -> None:
     asked = [sys.executable, "-m", "rerun", "rrd", "stats", str(folder / "demo.rrd")]
     listed = subprocess.run(asked, capture_output=True, text=True, check=True).stdout
     for who in ["scripted", *PILOTS[1:]]:
-        assert f"/chart/{who}/track:" in listed
+        assert f"/chart/runs/{who}/track:" in listed
         assert f"/levers/angle/{who}:" in listed
 
 
@@ -218,3 +218,15 @@ def test_a_run_with_a_hole_in_it_is_named_by_file_row_and_column(tmp_path: Path,
     with pytest.raises(UserError, match=r"run-001\.csv.*row 2.*east"):
         run_experiment("smoke", [f"data.folder={data}"], tmp_path / "smoke")
     assert not (tmp_path / "smoke").exists()
+
+
+def test_the_pilots_own_runs_are_kept_with_what_disturbed_them(folder: Path) -> None:
+    assert sorted(path.name for path in (folder / "driven").iterdir()) == sorted(PILOTS)
+    driven = read_dataset(folder / "driven" / "ppo")
+    assert driven.meta.source == "learned"
+    assert [run.name for run in driven.runs][:2] == ["ppo-calm-0", "ppo-calm-1"]
+    severe = next(run for run in driven.runs if run.name == "ppo-severe-0").meta
+    assert {"current", "wind"} <= {entry["effect"] for entry in severe.disturbances}
+    same_episode = read_dataset(folder / "driven" / "cloning").runs
+    other = next(run for run in same_episode if run.name == "cloning-severe-0").meta
+    assert (other.seed, other.disturbances) == (severe.seed, severe.disturbances)

@@ -1,171 +1,175 @@
-"""A rerun recording of several runs on one course, all over one common time, so that they race each other.
+"""A rerun recording of several runs, all over one common time: chart, space and time series.
 
-The picture is the chart seen from above: x is east and y is minus north, as rerun's y points down the screen.
+On the chart x is east and y is minus north, as rerun's y points down the screen; in space z is up. All
+boats of a fleet are one entity with an instance for each: a viewer takes few large pieces far faster than
+many small ones.
 """
 
 import math
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.course import Course
+from swamp_rl.demo.clock import Array, instants, poses_at, values_at
+from swamp_rl.demo.layout import TIMELINE, Layout, Panel, blueprint, entity
+from swamp_rl.demo.scene import DemoScene, Fleet
+from swamp_rl.demo.series import current, series_of, wind
+from swamp_rl.demo.shapes import catamaran, corners
+from swamp_rl.demo.surroundings import in_space, log_surroundings, on_chart
 from swamp_rl.files import write_beside
-from swamp_rl.runs import Run
 
-TIMELINE = "time"
-GATE_COLOURS = {"green": (44, 160, 44), "red": (214, 39, 40)}
-OTHER_GATE = (255, 127, 14)
-PILOT_COLOURS = ((150, 150, 150), (31, 119, 180), (255, 152, 0), (148, 103, 189), (23, 190, 207))
-LEVERS = {"throttle": "joy_thrust", "angle": "joy_angle"}
+FLOWS = {"wind": (wind, 0.5, (205, 215, 225)), "current": (current, 8.0, (80, 180, 255))}
+"""How each is measured, metres drawn for each m/s, and its colour."""
 
 
-def write_demo(
-    path: Path | str, course: Course, runs: Mapping[str, Run], length: float, breadth: float
-) -> None:
-    """Write `runs`, by the name of who drove, into one .rrd file; no viewer is started.
+def write_recording(path: Path | str, scene: DemoScene, layout: Layout = "overlay") -> None:
+    """Write the scene into one .rrd file; no viewer is started. UserError where it cannot be written."""
+    data = recorded(scene, layout)
+    with write_beside(path) as part:
+        part.write_bytes(data)
 
-    Each run's time starts at 0. length, breadth: of the boat drawn [m]. A run without joypad columns shows
-    its track only. UserError where the file cannot be written.
+
+def recorded(scene: DemoScene, layout: Layout = "overlay") -> bytes:
+    """The scene as the bytes of an .rrd file.
+
+    Of more than `FEW` runs the tracks are whole from the start: a viewer would be slow to let so many grow.
     """
     import rerun as rr
 
-    recording = rr.RecordingStream("swamp_rl", recording_id=f"{course.name}: {', '.join(runs)}")
+    recording = rr.RecordingStream("swamp_rl", recording_id=scene.title)
     # By way of memory: rerun's own writer of files can wait for ever on a disk that is full.
     memory = recording.memory_recording()
-    recording.send_blueprint(_layout(course, runs))
-    _log_course(recording, course)
-    for (name, run), colour in zip(runs.items(), _colours(len(runs)), strict=True):
-        _log_track(recording, name, run, colour, (length, breadth))
-        _log_levers(recording, name, run, colour)
-    with write_beside(path) as part:
-        part.write_bytes(memory.drain_as_bytes())
+    times = instants(scene)
+    panels: dict[str, Panel] = {}
+    log_surroundings(recording, scene)
+    for fleet in scene.fleets:
+        poses = np.stack([poses_at(item, times) for item in fleet.shown], axis=1)
+        _log_on_chart(recording, scene, fleet, times, poses)
+        if scene.few:
+            _log_names(recording, scene, fleet, times, poses)
+            _log_flows(recording, fleet, times, poses)
+        _log_in_space(recording, scene, fleet, times, poses)
+        _log_series(recording, scene, fleet, times, panels)
+    recording.send_blueprint(blueprint(scene, layout, panels))
+    return memory.drain_as_bytes()
 
 
-def _colours(n: int) -> list[tuple[int, int, int]]:
-    return [PILOT_COLOURS[i % len(PILOT_COLOURS)] for i in range(n)]
-
-
-def _on_screen(north: Any, east: Any) -> NDArray[np.float64]:
-    return np.stack([np.asarray(east, dtype=float), -np.asarray(north, dtype=float)], axis=-1)
-
-
-def _log_course(recording: Any, course: Course) -> None:
+def _send(recording: Any, where: str, times: Array, columns: Any, instances: int) -> None:
+    """Columns of N times as many values as there are instances."""
     import rerun as rr
 
-    for gate in course.gates:
-        colour = GATE_COLOURS.get(gate.name, OTHER_GATE)
-        buoys = _on_screen(*zip(*((buoy.north, buoy.east) for buoy in gate.buoys), strict=True))
-        ahead = _on_screen(math.cos(gate.heading), math.sin(gate.heading))
-        centre = _on_screen(gate.centre.north, gate.centre.east)
-        where = f"chart/gates/{gate.name}"
-        recording.log(
-            f"{where}/buoys",
-            rr.Points2D(buoys, radii=max(course.buoy_radius, 0.25), colors=colour),
-            static=True,
-        )
-        recording.log(
-            f"{where}/direction",
-            rr.Arrows2D(origins=centre - ahead, vectors=2.0 * ahead, radii=0.05, colors=colour),
-            static=True,
-        )
-    start = course.start.pose
-    recording.log(
-        "chart/start",
-        rr.Points2D(_on_screen([start.north], [start.east]), radii=0.2, labels="start", show_labels=True),
-        static=True,
-    )
+    clock = rr.TimeColumn(TIMELINE, duration=times)
+    recording.send_columns(where, [clock], columns.partition([instances] * len(times)))
 
 
-def _log_track(
-    recording: Any, name: str, run: Run, colour: tuple[int, int, int], size: tuple[float, float]
-) -> None:
+def _log_on_chart(recording: Any, scene: DemoScene, fleet: Fleet, times: Array, poses: Array) -> None:
+    """poses: (N, K, 3) of the K boats of the fleet."""
     import rerun as rr
 
-    north, east, heading = run.pose.T
-    points = _on_screen(north, east)
-    faint = (*colour, 90)
-    recording.log(
-        f"chart/{name}/whole_track", rr.LineStrips2D([points], radii=0.03, colors=faint), static=True
+    n, k, _ = poses.shape
+    where = entity("chart", "runs", *fleet.path)
+    tracks = [on_chart(*item.run.pose[:, :2].T) for item in fleet.shown]
+    faint = rr.LineStrips2D(tracks, radii=0.03, colors=(*fleet.colour, 90))
+    recording.log(f"{where}/whole_track", faint, static=True)
+    if scene.few:
+        ways = _ways(on_chart(poses[..., 0], poses[..., 1]))
+        track = rr.LineStrips2D.columns(strips=ways, radii=[0.08] * n * k, colors=[fleet.colour] * n * k)
+        _send(recording, f"{where}/track", times, track, k)
+    outline = corners(poses.reshape(-1, 3), scene.length, scene.breadth)
+    boats = rr.LineStrips2D.columns(
+        strips=on_chart(outline[..., 0], outline[..., 1]).astype(np.float32),
+        radii=[0.07] * n * k,
+        colors=[fleet.colour] * n * k,
     )
-    time = _time_column(run)
-    segments = np.stack([points[np.maximum(np.arange(len(points)) - 1, 0)], points], axis=1)
-    recording.send_columns(
-        f"chart/{name}/track",
-        [time],
-        rr.LineStrips2D.columns(
-            strips=segments.astype(np.float32), radii=[0.08] * len(points), colors=[colour] * len(points)
-        ),
-    )
-    outlines = _outlines(points, heading, *size)
-    recording.send_columns(
-        f"chart/{name}/boat",
-        [time],
-        rr.LineStrips2D.columns(
-            strips=outlines,
-            radii=[0.06] * len(points),
-            colors=[colour] * len(points),
-            labels=[name] * len(points),
-        ),
-    )
+    _send(recording, f"{where}/boat", times, boats, k)
 
 
-def _time_column(run: Run) -> Any:
+def _ways(points: Array) -> NDArray[np.float32]:
+    """(N K, 2, d) the way of each of K boats to each of its points (N, K, d) from the one before."""
+    before = points[np.maximum(np.arange(len(points)) - 1, 0)]
+    return np.stack([before, points], axis=2).reshape(-1, 2, points.shape[-1]).astype(np.float32)
+
+
+def _log_names(recording: Any, scene: DemoScene, fleet: Fleet, times: Array, poses: Array) -> None:
     import rerun as rr
 
-    # To the microsecond, so that equal instants of two runs are one instant on the timeline.
-    return rr.TimeColumn(TIMELINE, duration=np.round(run.time - run.time[0], 6))
+    n, k, _ = poses.shape
+    # A label takes the colour of its point, and is read best in white.
+    names = rr.Points2D.columns(
+        positions=on_chart(poses[..., 0], poses[..., 1]).reshape(-1, 2),
+        radii=[0.02] * n * k,
+        colors=[(255, 255, 255)] * n * k,
+        labels=[scene.called(item) for item in fleet.shown] * n,
+    )
+    _send(recording, entity("chart", "runs", *fleet.path, "name"), times, names, k)
 
 
-def _outlines(points: NDArray[Any], heading: NDArray[Any], length: float, breadth: float) -> NDArray[Any]:
-    """(T, 6, 2) the closed outline of a boat with a pointed bow at each of points (T, 2)."""
-    ahead = length * np.array([-0.5, 0.25, 0.5, 0.25, -0.5, -0.5])
-    starboard = breadth * np.array([-0.5, -0.5, 0.0, 0.5, 0.5, -0.5])
-    cos, sin = np.cos(heading)[:, None], np.sin(heading)[:, None]
-    return points[:, None, :] + _on_screen(ahead * cos - starboard * sin, ahead * sin + starboard * cos)
-
-
-def _log_levers(recording: Any, name: str, run: Run, colour: tuple[int, int, int]) -> None:
+def _log_flows(recording: Any, fleet: Fleet, times: Array, poses: Array) -> None:
+    """Wind and current as arrows at the boats that have them."""
     import rerun as rr
 
-    time = _time_column(run)
-    for lever, column in LEVERS.items():
-        if column not in run.columns:
+    for name, (measured, metres, shade) in FLOWS.items():
+        flows = {j: measured(item.run) for j, item in enumerate(fleet.shown)}
+        known = {j: flow for j, flow in flows.items() if flow is not None}
+        if not known:
             continue
+        blown = [np.nan_to_num(values_at(fleet.shown[j], flow, times)) for j, flow in known.items()]
+        vectors = metres * np.stack(blown, axis=1)
+        n, k = len(times), len(known)
+        arrows = rr.Arrows2D.columns(
+            origins=on_chart(poses[:, list(known), 0], poses[:, list(known), 1]).reshape(-1, 2),
+            vectors=on_chart(vectors[..., 0], vectors[..., 1]).reshape(-1, 2),
+            radii=[0.05] * n * k,
+            colors=[shade] * n * k,
+        )
+        _send(recording, entity("chart", "runs", *fleet.path, name), times, arrows, k)
+
+
+def _log_in_space(recording: Any, scene: DemoScene, fleet: Fleet, times: Array, poses: Array) -> None:
+    import rerun as rr
+
+    n, k, _ = poses.shape
+    where = entity("space", "runs", *fleet.path)
+    if scene.few:
+        ways = _ways(in_space(poses[..., 0], poses[..., 1], 0.03))
+        track = rr.LineStrips3D.columns(strips=ways, radii=[0.06] * n * k, colors=[fleet.colour] * n * k)
+        _send(recording, f"{where}/track", times, track, k)
+    else:
+        tracks = [in_space(*item.run.pose[:, :2].T) for item in fleet.shown]
         recording.log(
-            f"levers/{lever}/{name}", rr.SeriesLines(colors=colour, names=name, widths=1.5), static=True
+            f"{where}/whole_track", rr.LineStrips3D(tracks, radii=0.02, colors=fleet.colour), static=True
         )
-        recording.send_columns(
-            f"levers/{lever}/{name}", [time], rr.Scalars.columns(scalars=run.columns[column])
+    vertices, triangles = catamaran(scene.length, scene.breadth)
+    mesh = rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, albedo_factor=fleet.colour)
+    recording.log(f"{where}/boat", mesh, static=True)
+    # The mesh's bow is along x, which is east: north is a quarter turn from it, and headings go clockwise.
+    half = 0.5 * (0.5 * math.pi - poses[..., 2].reshape(-1))
+    turned = np.column_stack([np.zeros((n * k, 2)), np.sin(half), np.cos(half)])
+    moved = rr.InstancePoses3D.columns(
+        translations=in_space(poses[..., 0], poses[..., 1], 0.0).reshape(-1, 3), quaternions=turned
+    )
+    _send(recording, f"{where}/boat", times, moved, k)
+
+
+def _log_series(
+    recording: Any, scene: DemoScene, fleet: Fleet, times: Array, panels: dict[str, Panel]
+) -> None:
+    """Each panel of the fleet as one entity, a line for each of its runs (and of their thrusters)."""
+    import rerun as rr
+
+    lines: dict[str, list[tuple[str, Array]]] = {}
+    for item in fleet.shown:
+        for panel, found in series_of(item.run, scene.course).items():
+            for line, values in found.items():
+                name = " ".join(filter(None, [scene.called(item), line]))
+                lines.setdefault(panel, []).append((name, values_at(item, values, times)))
+    for panel, drawn in lines.items():
+        where, values = entity("series", panel, *fleet.path), np.stack([line for _, line in drawn], axis=1)
+        panels.setdefault(panel, Panel()).add(where, values)
+        style = rr.SeriesLines(
+            colors=[fleet.colour] * len(drawn), names=[name for name, _ in drawn], widths=[1.5] * len(drawn)
         )
-
-
-def _layout(course: Course, runs: Mapping[str, Run]) -> Any:
-    import rerun.blueprint as rrb
-
-    bounds = course.bounds
-    everything = rrb.VisibleTimeRange(
-        TIMELINE, start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.cursor_relative()
-    )
-    # Rerun takes a track's own range, so that boats show where they are and tracks where they have been.
-    trails: dict[Any, Any] = {f"chart/{name}/track": [rrb.VisibleTimeRanges([everything])] for name in runs}
-    chart = rrb.Spatial2DView(
-        origin="chart",
-        name=f"{course.name}: north is up",
-        visual_bounds=rrb.VisualBounds2D(
-            x_range=(bounds.west, bounds.east), y_range=(-bounds.north, -bounds.south)
-        ),
-        overrides=trails,
-    )
-    levers = [
-        rrb.TimeSeriesView(origin=f"levers/{lever}", name=lever, axis_y=rrb.ScalarAxis(range=ends))
-        for lever, ends in (("throttle", (-0.05, 1.05)), ("angle", (-1.05, 1.05)))
-    ]
-    return rrb.Blueprint(
-        rrb.Horizontal(chart, rrb.Vertical(*levers), column_shares=(3, 2)),
-        rrb.TimePanel(timeline=TIMELINE, state="collapsed"),
-        rrb.SelectionPanel(state="hidden"),
-        rrb.BlueprintPanel(state="collapsed"),
-    )
+        recording.log(where, style, static=True)
+        _send(recording, where, times, rr.Scalars.columns(scalars=values.reshape(-1)), len(drawn))

@@ -1,0 +1,125 @@
+"""Which runs `swamp-rl demo` shows: of datasets, results folders and single files, by who drove."""
+
+import fnmatch
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from swamp_rl.course import Course, load_course
+from swamp_rl.demo.scene import Align, DemoScene, demo_scene
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run, read_dataset, read_run
+from swamp_rl.runs.dataset import META, boat_of, read_meta
+
+RESULTS = "results.json"
+
+
+@dataclass
+class Found:
+    """Runs by who drove them; `chosen` are the labels shown when nothing else is asked for, None for all."""
+
+    groups: dict[str, list[Run]] = field(default_factory=dict)
+    course: str | None = None
+    size: tuple[float, float] = (0.0, 0.0)
+    chosen: set[str] | None = None
+
+    def add(self, group: str, runs: list[Run]) -> None:
+        """More runs; a driver of another source that is called the same gets a number."""
+        name, number = group, 1
+        while name in self.groups:
+            number += 1
+            name = f"{group} {number}"
+        self.groups[name] = runs
+
+
+def read_shown(sources: list[Path], patterns: list[str], align: Align) -> DemoScene:
+    """All runs of `sources` whose name, or DRIVER/NAME, fits one of `patterns` (with * and ?).
+
+    Without patterns, a results folder shows its race only. UserError where nothing fits, or where the sources
+    are of different courses.
+    """
+    parts = [_read(source) for source in sources]
+    courses = {part.course for part in parts}
+    if len(courses) > 1:
+        named = ", ".join(sorted(str(name) for name in courses))
+        raise UserError(f"these are runs of different courses ({named}); show each course by itself")
+    all_of_them = Found()
+    for part in parts:
+        for group, runs in part.groups.items():
+            kept = [run for run in runs if _wanted(part, group, run, patterns)]
+            if kept:
+                all_of_them.add(group, kept)
+    if not all_of_them.groups:
+        known = [
+            f"{group}/{run.name}" for part in parts for group, runs in part.groups.items() for run in runs
+        ]
+        some = ", ".join(known[:6]) + (", …" if len(known) > 6 else "")
+        raise UserError(f"no run fits --runs {' '.join(patterns)}; there are {some}")
+    title = ", ".join(source.resolve().name for source in sources)
+    return demo_scene(title, all_of_them.groups, _course(parts[0], sources[0]), parts[0].size, align)
+
+
+def _wanted(part: Found, group: str, run: Run, patterns: list[str]) -> bool:
+    label = f"{group}/{run.name}"
+    if not patterns:
+        return part.chosen is None or label in part.chosen
+    return any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns for name in (label, run.name))
+
+
+def _read(source: Path) -> Found:
+    if source.is_file():
+        return _read_file(source)
+    if (source / RESULTS).is_file():
+        return _read_results(source)
+    if not source.is_dir():
+        raise UserError(f"{source}: no such file or folder; name a dataset, a results folder or a run's file")
+    return _read_dataset(source)
+
+
+def _read_dataset(folder: Path, group: str | None = None) -> Found:
+    dataset = read_dataset(folder)
+    boat = boat_of(folder, dataset.meta)
+    return Found(
+        {group or dataset.meta.source: dataset.runs}, dataset.meta.course, (boat.length, boat.breadth)
+    )
+
+
+def _read_file(path: Path) -> Found:
+    if not (path.parent / META).is_file():
+        raise UserError(f"{path}: has no {META} beside it to tell its boat; import it: swamp-rl runs import")
+    meta = read_meta(path.parent)
+    boat = boat_of(path.parent, meta)
+    return Found({meta.source: [read_run(path)]}, meta.course, (boat.length, boat.breadth))
+
+
+def _read_results(folder: Path) -> Found:
+    """The runs learned from and the pilots' own; those of the race are chosen."""
+    try:
+        results = json.loads((folder / RESULTS).read_text(encoding="utf-8"))
+        race, data_source = dict(results["race"]["runs"]), str(results["data"]["source"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise UserError(f"{folder / RESULTS}: cannot be read ({error}); make the results again") from error
+    driven = sorted(path for path in (folder / "driven").glob("*") if path.is_dir())
+    if not driven:
+        raise UserError(f"{folder}: keeps no runs of its pilots (driven/); make the results again")
+    found = Found()
+    data = folder / "data"
+    parts = [_read_dataset(data, data_source)] if data.is_dir() else []
+    parts += [
+        _read_dataset(path, path.name if path.name != data_source else f"{path.name} pilot")
+        for path in driven
+    ]
+    for part in parts:
+        for group, runs in part.groups.items():
+            found.add(group, runs)
+    found.course, found.size = parts[-1].course, parts[-1].size
+    found.chosen = {f"{group}/{name}" for group, name in race.items()}
+    return found
+
+
+def _course(part: Found, source: Path) -> Course | None:
+    """By its name, or the copy kept with the results."""
+    if part.course is None:
+        return None
+    copy = source / "config" / "courses" / f"{Path(part.course).stem}.yaml"
+    return load_course(copy if copy.is_file() else part.course)

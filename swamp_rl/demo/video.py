@@ -1,0 +1,227 @@
+"""A film of the scene, MP4 or GIF, drawn without a screen."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.demo.clock import Array, poses_at, values_at
+from swamp_rl.demo.layout import Layout
+from swamp_rl.demo.scene import Colour, DemoScene, Shown, gate_colour
+from swamp_rl.demo.series import CURRENT, WIND, series_of
+from swamp_rl.demo.shapes import corners
+from swamp_rl.errors import UserError
+from swamp_rl.files import write_beside
+
+SIZES = {".mp4": (1280, 720, 25.0), ".gif": (800, 450, 12.5)}
+"""Width and height [pixels], frames in a second."""
+MOST_FRAMES = 10_000
+DPI = 100
+WATER = "#eaf3f9"
+
+
+def write_video(path: Path | str, scene: DemoScene, layout: Layout = "overlay", speed: float = 4.0) -> int:
+    """Write the film and return its number of frames; `speed`: seconds of the scene in one of the film.
+
+    UserError for a speed that is none, where the file cannot be written, or where imageio-ffmpeg is missing.
+    """
+    path = Path(path)
+    width, height, rate = SIZES[path.suffix.lower()]
+    frames = math.ceil(scene.end / speed * rate) + 1 if 0.0 < speed < math.inf else 0
+    if not 0 < frames <= MOST_FRAMES:
+        raise UserError(
+            f"--speed {speed:g}: would give {frames} frames, not 1 to {MOST_FRAMES}; name another"
+        )
+    times = np.minimum(np.arange(frames) * speed / rate, scene.end)
+    pictures = _pictures(scene, layout, times, (width, height))
+    with write_beside(path) as part:
+        if path.suffix.lower() == ".gif":
+            _write_gif(part, pictures, rate)
+        else:
+            _write_mp4(part, pictures, (width, height), rate)
+    return frames
+
+
+def _write_gif(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
+    from PIL import Image
+
+    # A palette for all from the first picture: colours then stay the same from one to the next.
+    first = Image.fromarray(next(pictures)).quantize(128, dither=Image.Dither.NONE)
+    rest = (Image.fromarray(one).quantize(palette=first, dither=Image.Dither.NONE) for one in pictures)
+    first.save(path, save_all=True, append_images=rest, duration=round(1000.0 / rate), loop=0)
+
+
+def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], size: tuple[int, int], rate: float) -> None:
+    try:
+        from imageio_ffmpeg import write_frames
+    except ImportError as error:
+        raise UserError(
+            "an MP4 needs imageio-ffmpeg; pip install 'swamp-rl[video]', or end the name in .gif"
+        ) from error
+    film = write_frames(str(path), size, fps=rate, codec="libx264", quality=8, macro_block_size=2)
+    film.send(None)
+    try:
+        for picture in pictures:
+            film.send(np.ascontiguousarray(picture))
+    finally:
+        film.close()
+
+
+def _pictures(
+    scene: DemoScene, layout: Layout, times: Array, size: tuple[int, int]
+) -> Iterator[NDArray[np.uint8]]:
+    """(H, W, 3) at each time: what moves is drawn anew over a picture of all that stays."""
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context({"font.size": 9.0 * min(1.0, size[1] / 600.0)}):
+        figure = Figure(figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI, facecolor="#fbfcfd")
+        canvas = FigureCanvasAgg(figure)
+        groups = [None] if layout == "overlay" else scene.groups
+        grid = figure.add_gridspec(
+            1, 2, width_ratios=(3, 2), left=0.015, right=0.985, top=0.88, bottom=0.06, wspace=0.12
+        )
+        charts = _charts(figure, grid[0], scene, groups)
+        plots = _plots(figure, grid[1], scene)
+        moving = [artist for axes, group in charts for artist in _fleet(axes, scene, group, times)]
+        cursors = [axes.axvline(0.0, color="#17324a", lw=1.2, animated=True) for axes in plots]
+        clock = figure.text(0.985, 0.955, "", ha="right", size="x-large", animated=True)
+        figure.text(0.015, 0.955, scene.title, weight="bold", size="x-large", parse_math=False)
+        _legend(figure, scene)
+        canvas.draw()
+        still = canvas.copy_from_bbox(figure.bbox)
+        for i, time in enumerate(times):
+            canvas.restore_region(still)
+            for axes, artist, move in moving:
+                move(i)
+                axes.draw_artist(artist)
+            for axes, cursor in zip(plots, cursors, strict=True):
+                cursor.set_xdata([time, time])
+                axes.draw_artist(cursor)
+            clock.set_text(f"{time:.1f} s")
+            figure.draw_artist(clock)
+            yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def _legend(figure: Any, scene: DemoScene) -> None:
+    from matplotlib.lines import Line2D
+
+    drivers = {fleet.path[0]: fleet.colour for fleet in reversed(scene.fleets)}
+    handles = [
+        Line2D(
+            [], [], color=_rgb(colour), lw=4, label=f"{sum(s.group == group for s in scene.shown)} {group}"
+        )
+        for group, colour in reversed(drivers.items())
+    ]
+    figure.legend(handles=handles, loc="upper center", ncols=len(handles), frameon=False)
+
+
+def _rgb(colour: Colour) -> tuple[float, float, float]:
+    red, green, blue = colour
+    return red / 255.0, green / 255.0, blue / 255.0
+
+
+def _charts(figure: Any, place: Any, scene: DemoScene, groups: list[Any]) -> list[tuple[Any, str | None]]:
+    """An empty chart of the course for each group."""
+    from matplotlib.patches import Circle
+
+    south, north, west, east = scene.edges()
+    columns = 1 if len(groups) == 1 else math.ceil(math.sqrt(len(groups) * 1.2))
+    grid = place.subgridspec(math.ceil(len(groups) / columns), columns, wspace=0.04, hspace=0.14)
+    found = []
+    for i, group in enumerate(groups):
+        axes = figure.add_subplot(grid[i // columns, i % columns], facecolor=WATER)
+        box = axes.get_window_extent()
+        spare = np.array([north - south, east - west]) / (box.height, box.width)
+        more = 0.5 * (spare.max() / spare - 1.0) * (north - south, east - west)
+        axes.set(xlim=(west - more[1], east + more[1]), ylim=(south - more[0], north + more[0]))
+        axes.set(xticks=[], yticks=[])
+        axes.spines[:].set_visible(False)
+        if group is not None:
+            axes.set_title(group, loc="left", parse_math=False)
+        for gate in scene.course.gates if scene.course else ():
+            colour, (port, starboard) = _rgb(gate_colour(gate.name)), gate.buoys
+            axes.plot([port.east, starboard.east], [port.north, starboard.north], ":", color=colour, lw=1.2)
+            for buoy in gate.buoys:
+                axes.add_patch(Circle((buoy.east, buoy.north), 0.3, color=colour))
+            ahead = np.array([math.sin(gate.heading), math.cos(gate.heading)])
+            centre = np.array([gate.centre.east, gate.centre.north])
+            shape = {"arrowstyle": "->", "color": colour}
+            axes.annotate("", centre + ahead, centre - ahead, arrowprops=shape)
+        found.append((axes, group))
+    return found
+
+
+def _fleet(axes: Any, scene: DemoScene, group: str | None, times: Array) -> Iterator[tuple[Any, Any, Any]]:
+    """Axes, artist and what brings it to the i-th time: of tracks, boats and names."""
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    shown = [
+        (fleet.colour, item) for fleet in scene.fleets for item in fleet.shown if group in (None, item.group)
+    ]
+    colours = [_rgb(colour) for colour, _ in shown]
+    for colour, item in shown:
+        axes.plot(
+            item.run.columns["east"],
+            item.run.columns["north"],
+            color=_rgb(colour),
+            lw=0.7,
+            alpha=0.3,
+            zorder=1,
+        )
+    poses = [poses_at(item, times) for _, item in shown]
+    outlines = [corners(pose, scene.length, scene.breadth)[..., ::-1] for pose in poses]
+    ways = [pose[:, 1::-1] for pose in poses]
+    alpha = 0.95 if scene.few else 0.5
+    tracks = LineCollection(
+        [], colors=colours, linewidths=1.8 if scene.few else 0.9, alpha=alpha, animated=True
+    )
+    boats = PolyCollection([], facecolors=colours, edgecolors="white", linewidths=0.7, animated=True)
+    for artist in (tracks, boats):
+        axes.add_collection(artist, autolim=False)
+    yield axes, tracks, lambda i: tracks.set_segments([way[: i + 1] for way in ways])
+    yield axes, boats, lambda i: boats.set_verts([outline[i] for outline in outlines])
+    for (_, item), way in zip(shown, ways, strict=True) if scene.few else ():
+        yield axes, *_name(axes, scene, item, way)
+
+
+def _name(axes: Any, scene: DemoScene, item: Shown, way: Array) -> tuple[Any, Any]:
+    name = axes.annotate(
+        scene.called(item), (0, 0), (9, -12), textcoords="offset points", animated=True, parse_math=False
+    )
+
+    def move(i: int) -> None:
+        name.xy = tuple(way[i])
+
+    return name, move
+
+
+def _plots(figure: Any, place: Any, scene: DemoScene) -> list[Any]:
+    """The time series, whole from the start: a cursor moves over them."""
+    lines: dict[str, list[tuple[Colour, Shown, Array]]] = {}
+    for fleet in scene.fleets:
+        for item in fleet.shown:
+            for panel, found in series_of(item.run, scene.course).items():
+                if panel not in (WIND, CURRENT):
+                    lines.setdefault(panel, []).extend((fleet.colour, item, one) for one in found.values())
+    grid = place.subgridspec(len(lines), 1, hspace=0.45)
+    plots = []
+    for i, (panel, drawn) in enumerate(lines.items()):
+        axes = figure.add_subplot(grid[i], facecolor="none")
+        for colour, item, values in drawn:
+            at = item.start + item.run.time - item.run.time[0]
+            style: dict[str, Any] = {"lw": 1.3, "alpha": 0.9} if scene.few else {"lw": 0.6, "alpha": 0.3}
+            axes.plot(at, values_at(item, values, at), color=_rgb(colour), **style)
+        axes.set_title(
+            panel if i else f"{panel} over time [s]", loc="left", size="medium", pad=3, parse_math=False
+        )
+        axes.set_xlim(0.0, scene.end)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.tick_params(labelbottom=i == len(lines) - 1)
+        axes.margins(y=0.08)
+        plots.append(axes)
+    return plots

@@ -1,0 +1,88 @@
+"""Rerun's own viewer: in a window, or served to a browser of this machine only."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+from urllib.parse import quote
+
+from swamp_rl.errors import UserError
+
+HOST = "127.0.0.1"
+"""Rerun itself would bind every address of the machine."""
+PATIENCE = 30.0
+"""How long rerun may take to listen, s."""
+
+
+def has_display() -> bool:
+    """Whether a window can be opened."""
+    return sys.platform in ("darwin", "win32") or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
+
+
+def open_viewer(recording: Path) -> None:
+    """Show a recording in a window, until it is closed; UserError where the viewer cannot start."""
+    done = subprocess.run([sys.executable, "-m", "rerun", str(recording), "--bind", HOST, "--port", "auto"])
+    if done.returncode:
+        raise UserError("rerun's viewer could not be started; --web shows the same in a browser")
+
+
+def serve(recording: Path, port: int | None, ready: Callable[[str], None]) -> None:
+    """Serve rerun's web viewer with a recording on this machine's own address until interrupted.
+
+    port: of the page; any free one by default. ready: hears the page's address once it is served. UserError
+    where the port is taken or rerun does not start.
+    """
+    port, data_port = free_port(port), free_port(None)
+    asked = [sys.executable, "-m", "rerun", str(recording), "--serve-web", "--bind", HOST]
+    asked += ["--port", str(data_port), "--web-viewer-port", str(port), "--hide-welcome-screen"]
+    before = signal.signal(signal.SIGTERM, _interrupt)
+    # In a group of its own, as rerun's Python command starts the server as a process of its own.
+    server = subprocess.Popen(
+        asked, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
+    )
+    try:
+        _wait_for(server, (port, data_port))
+        where = quote(f"rerun+http://{HOST}:{data_port}/proxy", safe="")
+        ready(f"http://{HOST}:{port}/?url={where}")
+        server.communicate()
+    finally:
+        signal.signal(signal.SIGTERM, before)
+        if server.poll() is None:
+            os.killpg(server.pid, signal.SIGTERM)
+            server.wait()
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+def free_port(asked: int | None) -> int:
+    """`asked`, or any, if nothing listens there; UserError otherwise."""
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((HOST, asked or 0))
+        except (OSError, OverflowError) as error:
+            raise UserError(f"--port {asked}: {error}; name another") from error
+        return int(probe.getsockname()[1])
+
+
+def _wait_for(server: subprocess.Popen[str], ports: tuple[int, ...]) -> None:
+    until = time.monotonic() + PATIENCE
+    waiting = list(ports)
+    while waiting:
+        if server.poll() is not None:
+            said = (server.communicate()[0] or "").strip().splitlines()
+            raise UserError(f"rerun's server ended at once: {said[-1] if said else 'it said nothing'}")
+        if time.monotonic() > until:
+            raise UserError(f"rerun's server did not listen within {PATIENCE:g} s; try again, or --save")
+        with socket.socket() as probe:
+            if probe.connect_ex((HOST, waiting[0])) == 0:
+                waiting.pop(0)
+            else:
+                time.sleep(0.05)
