@@ -140,6 +140,11 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         return self.fleet.pose
 
     @property
+    def sensed_pose(self) -> NDArray[np.float64]:
+        """As `pose`, but as the sensors report it, (n, 3), an array of its own."""
+        return self.fleet.sensed_pose
+
+    @property
     def velocity(self) -> NDArray[np.float64]:
         """Surge, sway [m/s over ground] and yaw rate [rad/s], (n, 3), a view."""
         return self.fleet.velocity

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envs.kernel import boat_record
+from envs.past import POSITIONS, begin_at_rest, past_fields
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
 from swamp_rl.effects import Level
@@ -29,10 +30,12 @@ class Episodes:
     "(n, D) in [0, 1), what start and disturbances were drawn from"
 
     @classmethod
-    def empty(cls, n: int, boat: Boat, level: Level) -> Self:
-        """Room for the episodes of n boats."""
+    def empty(cls, n: int, boat: Boat, level: Level, step: float) -> Self:
+        """Room for the episodes of n boats in steps of `step` [s]."""
+        effects = [entry.effect for entry in (*boat.effects, *level.entries)]
+        past = past_fields(effects, len(boat.thrusters), step)
         return cls(
-            np.zeros(n, boat_record(len(boat.thrusters))),
+            np.zeros(n, boat_record(len(boat.thrusters), past)),
             parameters(boat, n),
             np.zeros((n, START_DRAWS + level.draw_count)),
         )
@@ -67,6 +70,8 @@ def draw_episodes(
     level.apply(params, uniforms[:, START_DRAWS:])
     pose = start_poses(course, uniforms) + level.start(uniforms[:, START_DRAWS:])
     boats["state"] = initial_state(params, pose)
+    if POSITIONS in (boats.dtype.names or ()):
+        begin_at_rest(boats, params)
     in_bytes(episodes.boats)[chosen] = in_bytes(boats)
     in_bytes(episodes.params)[chosen] = in_bytes(params)
     episodes.uniforms[chosen] = uniforms

@@ -16,6 +16,7 @@ from envs.kernel import (
     look_all,
     sail_all,
     sail_all_parallel,
+    sense_all,
     world_record,
 )
 from envs.observation import senses
@@ -55,14 +56,15 @@ class Fleet:
         self.level = load_disturbances(disturbances, self.boat.thruster_names)
         self.step = checked_step(step)
         self.places = senses(observation)
-        self._now = Episodes.empty(n, self.boat, self.level)
-        self._next = Episodes.empty(n, self.boat, self.level)
+        self._now = Episodes.empty(n, self.boat, self.level, self.step)
+        self._next = Episodes.empty(n, self.boat, self.level, self.step)
         self._waiting = np.zeros(n, dtype=np.bool_)
         self._generators: Generators = ()
         self.boats, self.params = self._now.boats, self._now.params
         self._state = self.boats["state"]
+        self._world = world_of(self.boat, self.course, self.step)
         self._shared = (
-            world_of(self.boat, self.course, self.step),
+            self._world,
             tank(self.boat),
             gate_table(self.course),
             buoy_table(self.course),
@@ -95,7 +97,7 @@ class Fleet:
         self, asked: NDArray[np.float64], rewards: NDArray[np.float64], observations: NDArray[np.float32]
     ) -> int:
         """One step of all boats; see `envs.kernel.sail_all`. UserError where a lever is not a number."""
-        ended = self._sail(self.boats, self.params, asked, *self._shared, rewards, observations)
+        ended = self._sail(self.boats, self.params, asked, self._shared, rewards, observations)
         if ended and (self.boats["outcome"] == LEVERS).any():
             i = int(np.argmax(self.boats["outcome"] == LEVERS))
             raise UserError(
@@ -105,7 +107,7 @@ class Fleet:
 
     def look(self, chosen: NDArray[np.intp], observations: NDArray[np.float32]) -> None:
         """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""
-        look_all(self.boats, chosen, self._shared[2], self.places, observations)
+        look_all(self.boats, self.params, chosen, self._shared, observations)
 
     def hold(self, thrusters: Sequence[str], azimuth: float, throttle: float) -> None:
         """Command thrusters that the levers do not drive, of all boats, from the next step on.
@@ -113,7 +115,7 @@ class Fleet:
         azimuth [rad], or the rudder's angle; throttle [1], a share of the highest. An effect that kicks the
         same thruster still overrides it. ValueError for a thruster that the levers drive.
         """
-        world = self._shared[0]
+        world = self._world
         for name in thrusters:
             if name in self.boat.joypad.thrusters:
                 raise ValueError(f"thruster {name} obeys the levers")
@@ -125,6 +127,13 @@ class Fleet:
     def pose(self) -> NDArray[np.float64]:
         """North, east [m] and heading [rad, not wrapped], (n, 3), a view."""
         return self._state[:, NORTH : NORTH + 3]
+
+    @property
+    def sensed_pose(self) -> NDArray[np.float64]:
+        """As `pose`, but as the sensors report it, (n, 3), an array of its own."""
+        sensed = np.empty((len(self.boats), 3))
+        sense_all(self.boats, self.params, self.step, sensed)
+        return sensed
 
     @property
     def velocity(self) -> NDArray[np.float64]:

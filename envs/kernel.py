@@ -4,12 +4,14 @@ A boat's arithmetic is the same whatever the batch, so it gives the same bits al
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numba
 import numpy as np
 
 from envs.observation import OBSERVATION, look
+from envs.past import arrived_command, keep_pose, sensed_pose
 from envs.reward import reward
 from swamp_rl.course.geometry import crosses_gate, outside, touches_buoy
 from swamp_rl.course.progress import distance_to_go
@@ -26,10 +28,14 @@ CHUNK = (
 )
 
 
-def boat_record(thrusters: int) -> np.dtype[np.void]:
-    """What the environment keeps of each boat; K thrusters."""
+def boat_record(thrusters: int, past: Sequence[tuple[Any, ...]] = ()) -> np.dtype[np.void]:
+    """What the environment keeps of each boat; K thrusters. past: `envs.past.past_fields`.
+
+    These come first: numba takes a record that begins like another for one of its kind.
+    """
     return np.dtype(
         [
+            *past,
             ("state", np.float64, (state_size(thrusters),)),  # as in swamp_rl.simulator.state
             ("command", np.float64, (2 * thrusters,)),  # azimuths [rad], then throttles [1]
             ("lever", np.float64, (2,)),  # throttle in [0, 1], angle in [-1, 1]
@@ -38,7 +44,8 @@ def boat_record(thrusters: int) -> np.dtype[np.void]:
             ("outcome", np.int64),  # place in OUTCOMES; it stays until the boat is started again
             ("fresh", np.bool_),  # started again just now: the next step is not sailed
             ("gust_seed", np.uint64),
-        ]
+        ],
+        align=True,
     )
 
 
@@ -70,8 +77,13 @@ def judge(boat: Any, north0: float, east0: float, gate_count: int, buoys: Any, w
 
 
 @compiled
-def sail(boat: Any, p: Any, asked: Any, world: Any, tank: Any, gates: Any, buoys: Any, jets: Any) -> float:
-    """Sail one boat for a step with the levers `asked` (2,), note its outcome and return the reward."""
+def sail(
+    boat: Any, p: Any, asked: Any, world: Any, tank: Any, gates: Any, buoys: Any, jets: Any, room: Any
+) -> float:
+    """Sail one boat for a step with the levers `asked` (2,), note its outcome and return the reward.
+
+    The course judges where the boat is, whatever its sensors say. jets (3, K, 2), room (2K,): scratch.
+    """
     if not (math.isfinite(asked[0]) and math.isfinite(asked[1])):
         boat.outcome = LEVERS
         return 0.0
@@ -86,8 +98,10 @@ def sail(boat: Any, p: Any, asked: Any, world: Any, tank: Any, gates: Any, buoys
 
     north0, east0 = boat.state[NORTH], boat.state[EAST]
     to_go = distance_to_go(north0, east0, boat.passed, gates)
-    step_boat(boat.state, p, tank, boat.command, boat.gust_seed, world.step, world.substeps, jets)
+    arrived = arrived_command(boat, p, world.step, room)
+    step_boat(boat.state, p, tank, arrived, boat.gust_seed, world.step, world.substeps, jets)
     boat.tick += 1
+    keep_pose(boat, p)
     north, east = boat.state[NORTH], boat.state[EAST]
     gate = gates[boat.passed]
     passes = crosses_gate(
@@ -115,83 +129,67 @@ def sail_range(
     boats: Any,
     params: Any,
     asked: Any,
-    world: Any,
-    tank: Any,
-    gates: Any,
-    buoys: Any,
-    places: Any,
+    shared: Any,
     rewards: Any,
     observations: Any,
 ) -> int:
     """`sail_all` for the boats from first to the one before last."""
-    jets = np.empty((3, boats[first].command.shape[0] // 2, 2))
+    world, tank, gates, buoys, places = shared
+    thrusters = boats[first].command.shape[0] // 2
+    jets, room = np.empty((3, thrusters, 2)), np.empty(2 * thrusters)
     everything = np.empty(SENSED)
     ended = 0
     for i in range(first, last):
-        boat = boats[i]
+        boat, p = boats[i], params[i]
         rewards[i] = 0.0
         if boat.outcome == RUNNING and not boat.fresh:
-            rewards[i] = sail(boat, params[i], asked[i], world[0], tank, gates, buoys, jets)
+            rewards[i] = sail(boat, p, asked[i], world[0], tank, gates, buoys, jets, room)
         boat.fresh = False
         ended += boat.outcome != RUNNING
-        look(boat.state, boat.passed, gates, everything)
+        look(sensed_pose(boat, p, world[0].step), boat.state, boat.passed, gates, everything)
         for j in range(places.shape[0]):
             observations[i, j] = everything[places[j]]
     return ended
 
 
 @compiled
-def sail_all(
-    boats: Any,
-    params: Any,
-    asked: Any,
-    world: Any,
-    tank: Any,
-    gates: Any,
-    buoys: Any,
-    places: Any,
-    rewards: Any,
-    observations: Any,
-) -> int:
+def sail_all(boats: Any, params: Any, asked: Any, shared: Any, rewards: Any, observations: Any) -> int:
     """Sail n boats for a step in place, those that are running and not fresh; return how many have ended.
 
-    boats (n,) of `boat_record`; params (n,), tank: the simulator's; asked (n, 2): throttle, angle; world
-    (1,) of `world_record`; gates (G, 5), buoys (2G, 2): the course's; places (d,): what is observed. Fills
-    rewards (n,) and observations (n, d).
+    boats (n,) of `boat_record`; params (n,): the simulator's; asked (n, 2): throttle, angle; shared: world
+    (1,) of `world_record`, the simulator's tank, gates (G, 5), buoys (2G, 2) of the course, and places (d,)
+    of what is observed. Fills rewards (n,) and observations (n, d).
     """
-    n = boats.shape[0]
-    return sail_range(0, n, boats, params, asked, world, tank, gates, buoys, places, rewards, observations)
+    return sail_range(0, boats.shape[0], boats, params, asked, shared, rewards, observations)
 
 
 @compiled(parallel=True)
 def sail_all_parallel(
-    boats: Any,
-    params: Any,
-    asked: Any,
-    world: Any,
-    tank: Any,
-    gates: Any,
-    buoys: Any,
-    places: Any,
-    rewards: Any,
-    observations: Any,
+    boats: Any, params: Any, asked: Any, shared: Any, rewards: Any, observations: Any
 ) -> int:
     """As `sail_all`, spread over the processor's cores."""
     n = boats.shape[0]
     ended = 0
     for chunk in numba.prange((n + CHUNK - 1) // CHUNK):
         first, last = chunk * CHUNK, min((chunk + 1) * CHUNK, n)
-        ended += sail_range(
-            first, last, boats, params, asked, world, tank, gates, buoys, places, rewards, observations
-        )
+        ended += sail_range(first, last, boats, params, asked, shared, rewards, observations)
     return ended
 
 
 @compiled
-def look_all(boats: Any, chosen: Any, gates: Any, places: Any, observations: Any) -> None:
+def look_all(boats: Any, params: Any, chosen: Any, shared: Any, observations: Any) -> None:
     """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""
+    world, _, gates, _, places = shared
     everything = np.empty(SENSED)
     for i in chosen:
-        look(boats[i].state, boats[i].passed, gates, everything)
+        boat = boats[i]
+        look(sensed_pose(boat, params[i], world[0].step), boat.state, boat.passed, gates, everything)
         for j in range(places.shape[0]):
             observations[i, j] = everything[places[j]]
+
+
+@compiled
+def sense_all(boats: Any, params: Any, step: float, poses: Any) -> None:
+    """Fill poses (n, 3) with what the sensors of n boats report now."""
+    for i in range(boats.shape[0]):
+        poses[i, 0], poses[i, 1], poses[i, 2] = sensed_pose(boats[i], params[i], step)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_NORTH, GATE_SIN
 from swamp_rl.errors import UserError
 from swamp_rl.physics.compile import compiled
-from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE
+from swamp_rl.simulator.state import SURGE, SWAY, YAW_RATE
 
 OBSERVATION = (
     "north",  # m
@@ -32,16 +32,18 @@ UNIT_INTERVAL = ("cos_heading", "sin_heading", "gate_cos", "gate_sin")
 
 
 @compiled
-def look(state: Any, passed: int, gates: Any, everything: Any) -> None:
-    """Fill `everything` (12,) in the order of OBSERVATION, for the boat of `state` (S,).
+def look(pose: tuple[float, float, float], state: Any, passed: int, gates: Any, everything: Any) -> None:
+    """Fill `everything` (12,) in the order of OBSERVATION, for the boat of `state` (S,) sensed at `pose`.
 
-    Once all gates of `gates` (G, 5) are passed, the last stays the next.
+    Where the next gate lies follows from the pose sensed. Once all gates of `gates` (G, 5) are passed, the
+    last stays the next.
     """
     gate = gates[min(passed, gates.shape[0] - 1)]
-    cos, sin = math.cos(state[HEADING]), math.sin(state[HEADING])
-    to_north, to_east = gate[GATE_NORTH] - state[NORTH], gate[GATE_EAST] - state[EAST]
-    everything[0] = state[NORTH]
-    everything[1] = state[EAST]
+    north, east, heading = pose
+    cos, sin = math.cos(heading), math.sin(heading)
+    to_north, to_east = gate[GATE_NORTH] - north, gate[GATE_EAST] - east
+    everything[0] = north
+    everything[1] = east
     everything[2] = cos
     everything[3] = sin
     everything[4] = state[SURGE]

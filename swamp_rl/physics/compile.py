@@ -22,6 +22,7 @@ F = TypeVar("F", bound=Callable[..., object])
 COMPILED_FOLDERS = (
     "swamp_rl/physics",
     "swamp_rl/simulator",
+    "swamp_rl/sensors",
     "swamp_rl/course",
     "swamp_rl/allocation",
     "swamp_rl/criticism",
@@ -71,7 +72,7 @@ def compiled(function: F | None = None, *, parallel: bool = False) -> F:
 
 
 def by_field(field: str, present: F, absent: F) -> F:
-    """One of two functions: `present` where the boat's record, an argument, has the field, else `absent`.
+    """One of two functions: `present` where the first record given has the field, else `absent`.
 
     The choice falls when a caller is compiled, so the other one costs nothing.
     """

@@ -38,6 +38,10 @@ class Boats(Protocol):
         """North, east [m], heading [rad], (n, 3)."""
 
     @property
+    def sensed_pose(self) -> Array:
+        """As `pose`, but as the boats' sensors report it."""
+
+    @property
     def velocity(self) -> Array:
         """Surge, sway [m/s], yaw rate [rad/s], (n, 3)."""
 
@@ -145,24 +149,32 @@ def _fill(
 def drive_episodes(boats: Boats, pilot: Pilot, vehicle: Boat, seeds: Array, step: float) -> list[Run]:
     """One episode per boat, each as a run named by its seed; the pilot must have been reset for them.
 
-    Row t holds the state at its time, the levers and commands that are held until the next row, and what the
-    actuators then did. The last row, where nothing more was decided, keeps the levers before it.
+    Row t holds the state at its time as the sensors report it, the levers and commands that are held until
+    the next row, and what the actuators then did. The last row, where nothing more was decided,
+    keeps the levers before it.
     """
     observation, _ = boats.reset(options={"episodes": seeds})
     drawn = [boats.fleet.drawn(i) for i in range(len(seeds))]
+    start = np.hstack([boats.pose, boats.velocity])
     rows: list[list[Array]] = []
     runs: dict[int, Run] = {}
     while len(runs) < len(seeds):
-        before = [boats.pose.copy(), boats.velocity.copy(), boats.applied.copy()]
+        before = [boats.sensed_pose.copy(), boats.velocity.copy(), boats.applied.copy()]
         levers = pilot.act(observation)
         observation, _, terminated, truncated, info = boats.step(levers)
         rows.append([*before, levers, boats.commands.copy()])
         for i in np.flatnonzero(terminated | truncated).tolist():
             if i not in runs:
-                last = [boats.pose[i], boats.velocity[i], boats.applied[i], levers[i], boats.commands[i]]
+                last = [
+                    boats.sensed_pose[i],
+                    boats.velocity[i],
+                    boats.applied[i],
+                    levers[i],
+                    boats.commands[i],
+                ]
                 parts = [np.array([*(row[j][i] for row in rows), last[j]]) for j in range(5)]
                 meta = RunMeta(
-                    seed=int(seeds[i]), outcome=str(info["outcome"][i]), **_replayable(parts, drawn[i])
+                    seed=int(seeds[i]), outcome=str(info["outcome"][i]), **_replayable(start[i], drawn[i])
                 )
                 runs[i] = Run(f"episode-{seeds[i]}", _columns(parts, vehicle.thruster_names, step), meta)
     return [runs[i] for i in range(len(seeds))]
@@ -187,12 +199,11 @@ def _columns(parts: list[Array], thrusters: tuple[str, ...], step: float) -> dic
     return named | {f"applied_{channel}": applied[:, j] for j, channel in enumerate(channels)}
 
 
-def _replayable(parts: list[Array], drawn: dict[str, Any]) -> dict[str, Any]:
-    """What, beside the commands, a run is replayed from: its first state and what disturbed it."""
+def _replayable(start: Array, drawn: dict[str, Any]) -> dict[str, Any]:
+    """What, beside the commands, a run is replayed from: its first state (6,) and what disturbed it."""
     names = ("north", "east", "heading", "surge", "sway", "yaw_rate")
-    first = np.concatenate([parts[0][0], parts[1][0]]).tolist()
     return {
-        "initial_state": dict(zip(names, first, strict=True)),
+        "initial_state": dict(zip(names, start.tolist(), strict=True)),
         "disturbances": drawn["effects"],
         "gust_seed": drawn["gust_seed"],
     }
