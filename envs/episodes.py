@@ -32,7 +32,7 @@ class Episodes:
     @classmethod
     def empty(cls, n: int, boat: Boat, level: Level, step: float) -> Self:
         """Room for the episodes of n boats in steps of `step` [s]."""
-        effects = [entry.effect for entry in (*boat.effects, *level.entries)]
+        effects = [*(entry.effect for entry in boat.effects), *(entry.effect for entry in level.entries)]
         past = past_fields(effects, len(boat.thrusters), step)
         return cls(
             np.zeros(n, boat_record(len(boat.thrusters), past)),

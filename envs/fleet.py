@@ -21,6 +21,7 @@ from envs.kernel import (
 )
 from envs.observation import senses
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.load import refuse_untested_depth
 from swamp_rl.course import Course, buoy_table, gate_table, load_course
 from swamp_rl.effects import load_disturbances
 from swamp_rl.errors import UserError
@@ -54,6 +55,8 @@ class Fleet:
         self.boat = boat if isinstance(boat, Boat) else load_boat(boat)
         self.course = course if isinstance(course, Course) else load_course(course)
         self.level = load_disturbances(disturbances, self.boat.thruster_names)
+        drawn = (entry.effect for entry in self.level.entries)
+        refuse_untested_depth(self.boat, drawn, f"disturbances {self.level.name}")
         self.step = checked_step(step)
         self.places = senses(observation)
         self._now = Episodes.empty(n, self.boat, self.level, self.step)

@@ -14,7 +14,6 @@ from envs.observation import senses as places_of
 from experiments.schema import Experiment
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.course import Course, load_course
-from swamp_rl.effects import load_disturbances
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml, write_yaml
 
@@ -57,9 +56,8 @@ class Scene:
 def read_scene(experiment: Experiment) -> Scene:
     """The files that an experiment names; UserError for the first that is wrong."""
     scene = Scene(experiment, load_boat(experiment.boat), load_course(experiment.course))
-    for level in _levels(scene):
-        load_disturbances(level, scene.boat.thruster_names)
-    scene.boats_at(None)(1, ("north",)).close()
+    for level in (None, *_levels(scene)):
+        scene.boats_at(level)(1, ("north",)).close()
     for name, plan in experiment.pilots.items():
         try:
             places_of(plan.options.get("senses"))

@@ -12,6 +12,7 @@ from envs.batched import GatesVectorEnv
 from envs.single import GatesEnv
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import parse_effects
+from swamp_rl.errors import UserError
 from swamp_rl.sensors import observe
 from swamp_rl.simulator import simulate, tank
 
@@ -127,6 +128,12 @@ def test_an_episode_remembers_nothing_of_the_one_before() -> None:
     for lever in hands(1)[:50, 0]:
         env.step(lever)
     assert np.array_equal(episode(), fresh)
+
+
+def test_a_level_with_shallow_water_is_refused_for_a_boat_that_no_tank_towed() -> None:
+    shallow = [{"effect": "shallow_water", "depth_over_draught": 3.0}]
+    with pytest.raises(UserError, match=r"disturbances effects: shallow_water .* esso_osaka"):
+        GatesEnv(boat="esso_osaka", disturbances=shallow)
 
 
 def test_a_boat_file_with_such_effects_is_flown_by_its_name_alone(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """Boat files: found, chained by `extends`, merged and validated, with every fault named by file and key."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from swamp_rl.boat.quantity import Provenance, units
 from swamp_rl.boat.resistance import DRIFT, TABLE, DriftResistance
 from swamp_rl.boat.resolve import TEMPLATE, resolved
 from swamp_rl.boat.schema import JET, PROPELLER, Boat
-from swamp_rl.effects import EffectEntry, parse_effects
+from swamp_rl.effects import Effect, parse_effects
 from swamp_rl.errors import UserError
 from swamp_rl.files import explain, find_config, read_yaml
 
@@ -42,18 +42,19 @@ def load_boat(name_or_path: str | Path) -> Boat:
         for path, data in chain
         for entry in parse_effects(data.get("effects", []), str(path), boat.thruster_names)
     ]
-    _refuse_untested_depth(boat, effects, asked)
+    refuse_untested_depth(boat, (entry.effect for entry in effects), f"{asked}: effects")
     boat = boat.model_copy(update={"effects": tuple(effects)})
     boat.provenance.update(_provenance(boat, origins))
     return boat
 
 
-def _refuse_untested_depth(boat: Boat, effects: list[EffectEntry], path: Path) -> None:
-    shallow = any(entry.effect.name == "shallow_water" for entry in effects)
+def refuse_untested_depth(boat: Boat, effects: Iterable[Effect], where: str) -> None:
+    """UserError that begins with `where` if one of the effects needs tests that the boat does not have."""
+    shallow = any(effect.name == "shallow_water" for effect in effects)
     if shallow and isinstance(boat.resistance, DriftResistance):
         raise UserError(
-            f"{path}: effects: shallow_water needs the resistance of a towing tank at several depths, but "
-            "this boat has coefficients for deep water; remove the effect"
+            f"{where}: shallow_water needs the resistance of a towing tank at several depths, but "
+            f"boat {boat.name} has coefficients for deep water; remove the effect"
         )
 
 
