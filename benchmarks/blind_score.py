@@ -9,8 +9,6 @@ import numpy as np
 Judged = Mapping[str, Any]
 Z95 = 1.959964
 AT_MOST = 3  # explanations in a set that still counts as an answer
-# one cause under two names: they change the same number
-SAME = {"hull_coefficients": "yaw_damping"}
 
 
 def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
@@ -18,7 +16,7 @@ def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
     true = sorted(effect["effect"] for effect in truth["effects"])
     verdict = found["verdict"] if found else "failed"
     causes = found["causes"] if found else []
-    named = sorted(SAME.get(cause["effect"], cause["effect"]) for cause in causes)
+    named = sorted(cause["effect"] for cause in causes)
     sets = [
         sorted(names_in(label)) for group in (found or {}).get("indistinguishable", []) for label in group
     ]
@@ -26,6 +24,8 @@ def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
     small = verdict == "indistinguishable" and true in sets and len(sets) <= AT_MOST
     expected = {"clean": "nothing_wrong", "outside": "unexplained"}.get(truth["kind"])
     right = verdict == expected if expected else alone or small
+    if truth["kind"] == "clean" and truth["hull"]:  # nothing but its hull's derivatives
+        right = right or (verdict == "cause" and named == ["hull_coefficients"])
     pointed = pointed_at(truth, found) if truth["kind"] == "outside" and found else None
     return {
         "level": truth["level"],
@@ -46,8 +46,7 @@ def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
 
 def names_in(label: str) -> list[str]:
     """Effects of a label such as `thruster_gain bs + current`, without the thrusters."""
-    names = [part.split()[0] for part in label.split(" + ")]
-    return [SAME.get(name, name) for name in names if name != "nothing"]
+    return [part.split()[0] for part in label.split(" + ") if part != "nothing"]
 
 
 def pointed_at(truth: Judged, found: Judged) -> bool:

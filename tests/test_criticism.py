@@ -1,16 +1,19 @@
 """Model criticism on small trials with a known truth; the truth is only ever in the data."""
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates, hull_nuisance
-from swamp_rl.criticism.data import CHANNELS, Trials, trials_of
+from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates, hull_nuisance, wave_values
+from swamp_rl.criticism.data import CHANNELS, Gap, Trials, trials_of
 from swamp_rl.criticism.extend import write_extended
 from swamp_rl.criticism.fit import fit
+from swamp_rl.criticism.gaps import resolved, without_harmless
+from swamp_rl.criticism.harmonic import wave_starts
 from swamp_rl.criticism.heldout import heldout_loss
 from swamp_rl.criticism.ladder import ladder_of
 from swamp_rl.criticism.leftover import missing_forces
@@ -112,12 +115,37 @@ def test_two_swapped_channels_are_named() -> None:
     assert found.winner.hypothesis.label == "channel_swap bs sp"
 
 
-def test_a_missing_push_shows_in_its_direction_and_less_the_damping_of_a_window_in_its_size() -> None:
+def test_a_missing_push_shows_in_its_direction_and_size() -> None:
     found = trials([{"effect": "external_force", "north": 1.5, "east": -0.8}], seed=6)
     forces = missing_forces(found, weights(found, noise_levels(found)), Hypothesis(), np.zeros(0))
     north, east = np.median(forces.force[:, 3:5], axis=0)
     assert np.arctan2(east, north) == pytest.approx(np.arctan2(-0.8, 1.5), abs=0.2)
-    assert 0.6 < np.hypot(north, east) / np.hypot(1.5, 0.8) < 1.05
+    assert np.hypot(north, east) == pytest.approx(np.hypot(1.5, 0.8), rel=0.1)
+
+
+def test_a_command_that_changed_in_a_lost_row_is_read_as_the_boat_obeyed_it() -> None:
+    truth = trials([], seed=7)
+    change = int(np.flatnonzero(np.diff(truth.commands[0, :, 0]))[2]) + 1
+    for lost in (change - 1, change):
+        commands = truth.commands.copy()
+        commands[0, lost] = 0.5 * (commands[0, lost - 1] + commands[0, lost + 1])
+        gap = Gap(0, lost, 1)
+        found = replace(truth, commands=commands, gaps=(gap,))
+        weight = weights(found, noise_levels(found))
+        assert without_harmless(found, weight).gaps == (gap,)
+        read = resolved(found, weight, (gap,), Hypothesis(), np.zeros(0))
+        assert read.commands == pytest.approx(truth.commands)
+
+
+def test_waves_are_found_by_a_scan_of_frequencies() -> None:
+    found = trials([{"effect": "waves", "force": 2.0, "frequency": 0.23, "from": 1.0}], seed=8)
+    problem = Shooting(found, weights(found, noise_levels(found)), 5.0)
+    at = fit(problem, Hypothesis(), np.zeros(0), problem.guess())
+    start = wave_starts(problem, at, np.zeros((*at.residual.shape, 0)))[0]
+    assert start[0] == pytest.approx(0.23, abs=0.01)
+    values = wave_values(start)
+    assert values["force"] == pytest.approx(2.0, rel=0.15)
+    assert values["from"] == pytest.approx(1.0, abs=0.2)
 
 
 def test_the_extended_boat_can_be_loaded_and_holds_the_effect(tmp_path: Any) -> None:

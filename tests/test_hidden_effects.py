@@ -58,6 +58,7 @@ def answer(verdict: str, causes: list[str], sets: list[list[str]] | None = None)
 
 def test_the_judge_wants_every_name_and_no_more() -> None:
     truth = {"effects": [{"effect": "mass"}], "level": "A", "kind": "single", "size": 1.0, "outside": None}
+    truth["hull"] = {}
     assert judged(truth, answer("cause", ["mass"]))["right"]
     assert not judged(truth, answer("cause", ["mass", "wind"]))["right"]
     assert not judged(truth, answer("unexplained", ["mass"]))["right"]

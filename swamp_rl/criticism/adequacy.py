@@ -42,8 +42,9 @@ class Adequacy:
 
 def adequacy(problem: Shooting, at: Fit) -> Adequacy:
     """Of a fit's residuals."""
-    residual = at.residual.reshape(at.residual.shape[0], -1, len(CHANNELS))
-    seen = problem.windows.weight > 0
+    pad = problem.windows.pad
+    residual = at.residual.reshape(at.residual.shape[0], -1, len(CHANNELS))[:, pad:]
+    seen = problem.windows.weight[:, pad:] > 0
     excess = np.full((len(SCALES), len(CHANNELS)), np.nan)
     for s, scale in enumerate(SCALES):
         block = max(2, round(scale / problem.dt))

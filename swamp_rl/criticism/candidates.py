@@ -16,11 +16,8 @@ from swamp_rl.simulator import parameters
 Array = NDArray[np.float64]
 Values = dict[str, Any]
 
-NOT_CAUSES = (
-    "gusts",
-    "thruster_kick",
-    "waves",
-)  # random or acted by somebody else: disturbances, not the boat
+NOT_CAUSES = ("gusts", "thruster_kick")  # random, or somebody else's doing: not to be foretold
+WAVES, FAILURE = "waves", "thruster_failure"  # what `score` looks for in ways of their own
 LAGS = ("azimuth_lag", "pump_lag")
 NUISANCE = "hull_coefficients"
 NUISANCE_SD = 0.12  # a regression's linear derivative against the boat's, one standard deviation
@@ -141,6 +138,12 @@ class Hypothesis:
         return " + ".join(atom.label for atom in self.atoms) or "nothing"
 
     @property
+    def accused(self) -> str:
+        """Labels of the atoms less the hull's derivatives, which no file has exactly, unless they are all."""
+        named = [atom.label for atom in self.atoms if atom.effect.name != NUISANCE]
+        return " + ".join(named) or self.label
+
+    @property
     def moves_actuators(self) -> bool:
         """Whether the actuators' own course changes with it."""
         return any(atom.moves_actuators for atom in self.atoms)
@@ -198,6 +201,20 @@ def wind_values(x: Array) -> Values:
     return {"speed": np.hypot(x[..., 0], x[..., 1]), "from": np.arctan2(x[..., 1], x[..., 0])}
 
 
+def wave_values(x: Array) -> Values:
+    """Waves from frequency [Hz], push towards south and west [N] and phase [rad]; of the two ways to say the
+    same, the one whose phase lies within a quarter turn of 0.
+    """
+    turned = np.cos(x[..., 3]) < 0.0
+    coming = np.arctan2(x[..., 2], x[..., 1]) + np.pi * turned
+    return {
+        "force": np.hypot(x[..., 1], x[..., 2]),
+        "frequency": x[..., 0],
+        "from": np.arctan2(np.sin(coming), np.cos(coming)),
+        "phase": np.arctan(np.tan(x[..., 3])),
+    }
+
+
 def clipped(spec: Spec, effect: Effect, name: str) -> Spec:
     """The spec within what the library allows."""
     parameter = effect.parameter(name)
@@ -251,11 +268,17 @@ def _wind(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
     return [Atom(effect, (), SPECS["wind"], (), grid, ("speed", "from"), wind_values)]
 
 
+def _waves(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
+    """Its starts are found by a scan of the data, see `harmonic`."""
+    push, angle = around(2.0, -200.0, 200.0), around(0.5, -math.inf, math.inf)
+    specs = (Spec(0.02, 0.01, 3.0, ()), push, push, angle)
+    return [Atom(effect, (), specs, (), (), ("force", "frequency", "from", "phase"), wave_values)]
+
+
 def _failure(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
     spec = SPECS["thruster_failure"][0]
     spec = Spec(spec.scale, 0.0, duration, (), spec.step)
-    grid = tuple((float(t),) for t in np.arange(0.0, duration, max(2.0, duration / 30.0)))
-    return [Atom(effect, (name,), (spec,), (), grid, ("time",)) for name in boat.thruster_names]
+    return [Atom(effect, (name,), (spec,), (), (), ("time",)) for name in boat.thruster_names]
 
 
 def _mass(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
@@ -270,6 +293,7 @@ def _centre_of_gravity(effect: Effect, boat: Boat, duration: float) -> list[Atom
 
 SPECIAL: dict[str, Callable[[Effect, Boat, float], list[Atom]]] = {
     "wind": _wind,
+    "waves": _waves,
     "thruster_failure": _failure,
     "mass": _mass,
     "centre_of_gravity": _centre_of_gravity,

@@ -22,12 +22,23 @@ GRID_TOLERANCE = 0.3  # of a sample step, how far a row may lie from the grid
 
 
 @dataclass(frozen=True)
+class Gap:
+    """Rows lost while the command changed: `rows` of them from `row` on in a run. What was commanded there is
+    not known.
+    """
+
+    run: int
+    row: int
+    rows: int
+
+
+@dataclass(frozen=True)
 class Trials:
     """R runs of up to T samples of one boat.
 
-    dt: sample step [s]; commands: (R, T, 2K), held where a row is missing; measured: (R, T, 6) in the
-    order of
-    CHANNELS (SI, rad, heading unwrapped), NaN where there is none; lengths: (R,) samples of each run.
+    dt: sample step [s]; commands: (R, T, 2K), straight between the neighbours where a row is missing;
+    measured: (R, T, 6) in the order of CHANNELS (SI, rad, heading unwrapped), NaN where there is none;
+    lengths: (R,) samples of each run; gaps: where the commands are doubtful.
     """
 
     boat: Boat
@@ -36,6 +47,7 @@ class Trials:
     commands: Array
     measured: Array
     lengths: NDArray[np.int64]
+    gaps: tuple[Gap, ...] = ()
 
     @property
     def present(self) -> tuple[str, ...]:
@@ -52,6 +64,7 @@ class Trials:
             self.commands[runs],
             self.measured[runs],
             self.lengths[runs],
+            tuple(Gap(runs.index(gap.run), gap.row, gap.rows) for gap in self.gaps if gap.run in runs),
         )
 
 
@@ -81,20 +94,21 @@ def trials_of(every: list[Run], boat: Boat, folder: str) -> Trials:
         )
     dt = float(np.median([sample_step(run) for run in runs]))
     placed = [_on_grid(run, boat, dt, folder) for run in runs]
-    longest = max(len(commands) for commands, _ in placed)
+    longest = max(len(commands) for commands, _, _ in placed)
     commands = np.zeros((len(runs), longest, placed[0][0].shape[1]))
     measured = np.full((len(runs), longest, len(CHANNELS)), np.nan)
-    for index, (command, track) in enumerate(placed):
+    for index, (command, track, _) in enumerate(placed):
         commands[index, : len(command)] = command
         commands[index, len(command) :] = command[-1]
         measured[index, : len(track)] = track
-    lengths = np.array([len(track) for _, track in placed])
-    trials = Trials(boat, dt, tuple(run.name for run in runs), commands, measured, lengths)
+    lengths = np.array([len(track) for _, track, _ in placed])
+    gaps = tuple(Gap(index, *lost) for index, (_, _, every) in enumerate(placed) for lost in every)
+    trials = Trials(boat, dt, tuple(run.name for run in runs), commands, measured, lengths, gaps)
     refuse_unexciting(trials, folder)
     return trials
 
 
-def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array]:
+def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array, list[tuple[int, int]]]:
     place = (run.time - run.time[0]) / dt
     index = np.rint(place).astype(int)
     off = np.abs(place - index)
@@ -110,8 +124,23 @@ def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array
         if name in run.columns:
             values = run.columns[name]
             track[index, column] = np.unwrap(values) if name == "heading" else values
-    held = np.searchsorted(index, np.arange(index[-1] + 1), side="right") - 1
-    return commands[held], track
+    filled, lost = _filled(index, commands)
+    return filled, track, lost
+
+
+def _filled(index: NDArray[np.int64], commands: Array) -> tuple[Array, list[tuple[int, int]]]:
+    """Commands (T, 2K) of every row, from those of the rows that are there, and (row, rows) of each gap over
+    which they changed. An angle that goes more than a quarter round jumps, and is not drawn straight.
+    """
+    rows = np.arange(index[-1] + 1)
+    last = np.searchsorted(index, rows, side="right") - 1
+    next_ = np.minimum(last + 1, len(index) - 1)
+    share = (rows - index[last]) / np.maximum(index[next_] - index[last], 1)
+    change = commands[next_] - commands[last]
+    jumps = np.abs(change) > np.pi / 2
+    filled = commands[last] + np.where(jumps, 0.0, change * share[:, None])
+    lost = np.flatnonzero((np.diff(index) > 1) & (np.abs(np.diff(commands, axis=0)) > 1e-9).any(axis=1))
+    return filled, [(int(index[i]) + 1, int(index[i + 1] - index[i]) - 1) for i in lost]
 
 
 def refuse_unexciting(trials: Trials, folder: str) -> None:

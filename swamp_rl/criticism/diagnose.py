@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.adequacy import adequacy
-from swamp_rl.criticism.candidates import Hypothesis, candidates, hull_nuisance
+from swamp_rl.criticism.candidates import NUISANCE, Hypothesis, candidates, hull_nuisance
 from swamp_rl.criticism.data import CHANNELS, Trials, read_trials
 from swamp_rl.criticism.estimate import causes_of
 from swamp_rl.criticism.extend import write_extended
@@ -77,12 +77,16 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
     measure = adequacy(ladder.problems[found.rung], found.winner)
     forces = missing_forces(trials, weight, found.winner.hypothesis, found.winner.x)
 
+    every = causes_of(found.winner)
+    alone = all(cause.effect == NUISANCE for cause in every)
+
     def apart(rival: Fit) -> float:
         return score(rival) - score(found.winner)
 
     diagnosis = Diagnosis(
         verdict=verdict_of(found),
-        causes=causes_of(found.winner),
+        causes=[cause for cause in every if (cause.effect == NUISANCE) == alone],
+        nuisance=[cause for cause in every if cause.effect == NUISANCE and not alone],
         indistinguishable=_sets(found),
         contrasts=[
             contrast(ladder.problems[found.rung], found.winner, one, apart(one)) for one in found.rivals
@@ -118,7 +122,7 @@ def names_of(hypothesis: Hypothesis) -> str:
 def _sets(found: Search) -> list[list[str]]:
     if not found.rivals:
         return []
-    return [[one.hypothesis.label for one in (found.winner, *found.rivals)]]
+    return [[one.hypothesis.accused for one in (found.winner, *found.rivals)]]
 
 
 def _candidates(ladder: Ladder, found: Search, rng: np.random.Generator) -> list[Candidate]:

@@ -12,9 +12,14 @@ Array = NDArray[np.float64]
 
 ENOUGH = 0.3  # a step that lowers chi2 by less ends the fit
 DAMPINGS = (0.0, 1.0, 4.0, 16.0, 64.0)  # steps tried are shorter than one reach (below) over this
-STRAY, ROUNDS = 1.35, 6  # times the median loss that marks a stray window, steps it is given of its own
+STRAY, ROUNDS = 1.35, 4  # times the median loss that marks a stray window, steps it is given of its own
+# share of the promised gain below which a Jacobian is taken anew, where a step gains less than CLOSE and more
+TRUSTED, TRUSTED_AFAR, CLOSE = 0.6, 0.9, 30.0
 WORSE = 10.0  # chi2 by which a step makes a window worse before it is given steps of its own
 STATE_REACH = np.array([0.5, 0.5, 0.2, 0.2, 0.2, 0.2])  # m, m, rad, m/s, m/s, rad/s
+STUCK = 2.0  # chi2 that a window's own state promises to save where a fit has ended too early
+RELEASES = 3  # times that a fit goes on after that
+FAR = 4.0  # reaches that a window's state does not go in one step
 
 
 @dataclass(frozen=True)
@@ -121,20 +126,28 @@ def bounded_step(H: Array, g: Array, x: Array, low: Array, high: Array) -> Array
 def settle(
     problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, rounds: int
 ) -> tuple[Array, Array, Array]:
-    """States (W, 6), prediction and residual at their best under a given x (p,): every window for itself."""
+    """States (W, 6), prediction and residual at their best under a given x (p,): every window for itself, by
+    Marquardt's steps.
+    """
     states = states.copy()
     base = problem.predict(hypothesis, x[None], states[None])[0]
     residual = problem.residuals(base)
     damping = np.zeros(len(states))
     for _ in range(rounds):
-        by_state = problem.state_jacobian(hypothesis, x, states, base)
-        none = np.zeros((*residual.shape, 0))
-        tried = states + normal_equations(by_state, none, residual, damping[:, None]).shift(np.zeros(0))
+        slopes = problem.state_jacobian(hypothesis, x, states, base)
+        transposed = np.swapaxes(slopes, 1, 2)
+        A = transposed @ slopes
+        diagonal = np.einsum("wii->wi", A) * (1e-11 + damping[:, None]) + 1e-12
+        A += diagonal[..., None] * np.eye(6)
+        tried = states + np.linalg.solve(A, transposed @ residual[..., None])[..., 0]
         prediction = problem.predict(hypothesis, x[None], tried[None])[0]
         left = problem.residuals(prediction)
-        better = (left**2).sum(axis=1) < (residual**2).sum(axis=1)
+        gain = (residual**2).sum(axis=1) - (left**2).sum(axis=1)
+        better = gain > 0.0
         states[better], base[better], residual[better] = tried[better], prediction[better], left[better]
-        damping = np.where(better, damping / 3.0, 4.0 * damping + 1.0)
+        if not (gain > ENOUGH).any() and (damping[~better] > 0.0).all():
+            break
+        damping = np.where(better, np.where(damping < 0.01, 0.0, damping / 10.0), 10.0 * damping + 0.01)
     return states, base, residual
 
 
@@ -146,59 +159,141 @@ def stray_windows(problem: Shooting, residual: Array) -> NDArray[np.bool_]:
     return stray if stray.sum() <= len(stray) // 3 else np.zeros_like(stray)
 
 
-def fit(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, steps: int = 8) -> Fit:
-    """The hypothesis fitted from x (p,) and states (W, 6), in at most `steps` steps (Levenberg,
-    Marquardt).
+@dataclass
+class Point:
+    """Where a fit stands: x (p,), states (W, 6), prediction and residual there."""
+
+    x: Array
+    states: Array
+    base: Array
+    residual: Array
+    penalty: float
+
+    @property
+    def loss(self) -> Array:
+        """(W,) chi2 of each window."""
+        return np.asarray((self.residual**2).sum(axis=1))
+
+    @property
+    def chi2(self) -> float:
+        """Prior included."""
+        return float(self.loss.sum()) + self.penalty
+
+
+Slopes = tuple[Array, Array]
+
+
+def fit(
+    problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, steps: int = 8, fresh: bool = False
+) -> Fit:
+    """The hypothesis fitted from x (p,) and states (W, 6), with at most `steps` Jacobians (Levenberg,
+    Marquardt), each used for as long as it keeps what it promises. fresh: end with one taken where the fit
+    ends.
     """
     x, states = np.array(x, dtype=float), np.array(states, dtype=float)
-    low, high = hypothesis.bounds()
+    base = problem.predict(hypothesis, x[None], states[None])[0]
+    at = Point(x, states, base, problem.residuals(base), prior_penalty(hypothesis, x))
+    freed = _released(problem, hypothesis, at, problem.state_jacobian(hypothesis, x, states, base), WORSE)
+    at = freed or at
+    slopes, start, used = slopes_at(problem, hypothesis, at), 0, 1
+    newest, first, released = True, True, 0
+    while True:
+        moved, start, kept = _step(problem, hypothesis, at, slopes, start, first)
+        first = False
+        gain = at.chi2 - moved.chi2
+        at, newest = moved, newest and gain == 0.0
+        if gain > ENOUGH and kept > (TRUSTED if gain < CLOSE else TRUSTED_AFAR):
+            continue
+        if newest or used >= steps or (kept > TRUSTED and not fresh):
+            freed = _released(problem, hypothesis, at, slopes[0], STUCK) if released < RELEASES else None
+            if freed is None:
+                break
+            at, released = freed, released + 1
+        slopes, used, newest = slopes_at(problem, hypothesis, at), used + 1, True
+    if fresh and not newest:
+        slopes = slopes_at(problem, hypothesis, at)
+    return Fit(
+        hypothesis,
+        at.x,
+        at.states,
+        at.residual,
+        at.loss,
+        normal_equations(*slopes, at.residual),
+        at.penalty,
+        slopes[0],
+        used,
+    )
+
+
+def slopes_at(problem: Shooting, hypothesis: Hypothesis, at: Point) -> Slopes:
+    """Jacobians by states (W, M, 6) and by parameters (W, M, p)."""
+    return (
+        problem.state_jacobian(hypothesis, at.x, at.states, at.base),
+        problem.parameter_jacobian(hypothesis, at.x, at.states, at.base),
+    )
+
+
+def _step(
+    problem: Shooting, hypothesis: Hypothesis, at: Point, slopes: Slopes, start: int, first: bool
+) -> tuple[Point, int, float]:
+    """The first of ever shorter steps that lowers chi2, the damping to begin the next one with, and the share
+    of the promised gain that was kept; `at` itself and 0 where none does.
+    """
     mean, precision = hypothesis.prior()
+    low, high = hypothesis.bounds()
     reach = np.array([spec.scale for spec in hypothesis.specs])
+    for number in range(start, len(DAMPINGS)):
+        damping = DAMPINGS[number]
+        normal = normal_equations(*slopes, at.residual, damping)
+        H = normal.information.sum(axis=0) + np.diag(precision + len(at.states) * (damping / reach) ** 2)
+        g = normal.gradient.sum(axis=0) - precision * (at.x - mean)
+        step = bounded_step(H, g, at.x, low, high)
+        promised = at.chi2 - float(normal.free.sum()) - at.penalty + float(2 * g @ step - step @ H @ step)
+        if number == 0 and promised < ENOUGH:
+            return at, 0, 1.0
+        moved = _moved(problem, hypothesis, at, step, normal.shift(step), first)
+        if moved.chi2 < at.chi2:
+            return moved, max(0, number - 2), (at.chi2 - moved.chi2) / max(promised, 1e-12)
+    return at, max(0, len(DAMPINGS) - 2), 0.0
+
+
+def _released(
+    problem: Shooting, hypothesis: Hypothesis, at: Point, by_state: Array, least: float
+) -> Point | None:
+    """The point with the windows settled that promise by themselves to save `least` chi2 or more; None where
+    none does.
+    """
+    none = np.zeros((*at.residual.shape, 0))
+    could = at.loss - normal_equations(by_state, none, at.residual).free > least
+    if not could.any():
+        return None
+    base, states, residual = at.base.copy(), at.states.copy(), at.residual.copy()
+    found = settle(problem.part(could), hypothesis, at.x, states[could], 2 * ROUNDS)
+    states[could], base[could], residual[could] = found
+    moved = Point(at.x, states, base, residual, at.penalty)
+    return moved if moved.chi2 < at.chi2 - ENOUGH else None
+
+
+def _moved(
+    problem: Shooting, hypothesis: Hypothesis, at: Point, step: Array, shift: Array, first: bool
+) -> Point:
+    """The point after a step (p,) and a shift of the states (W, 6); windows that it throws off are settled,
+    at the first step of a fit also those that began astray.
+    """
+    x, states = at.x + step, at.states + shift
     base = problem.predict(hypothesis, x[None], states[None])[0]
     residual = problem.residuals(base)
-    start = 0
-    for taken in range(steps + 1):
-        by_state = problem.state_jacobian(hypothesis, x, states, base)
-        by_x = problem.parameter_jacobian(hypothesis, x, states, base)
-        here = Fit(
-            hypothesis,
-            x,
-            states,
-            residual,
-            (residual**2).sum(axis=1),
-            normal_equations(by_state, by_x, residual),
-            prior_penalty(hypothesis, x),
-            by_state,
-            taken,
-        )
-        if taken == steps:
-            break
-        gain = 0.0
-        for number in range(start, len(DAMPINGS)):
-            damping = DAMPINGS[number]
-            normal = normal_equations(by_state, by_x, residual, damping) if damping else here.normal
-            H = normal.information.sum(axis=0) + np.diag(precision + len(states) * (damping / reach) ** 2)
-            step = bounded_step(H, normal.gradient.sum(axis=0) - precision * (x - mean), x, low, high)
-            moved = states + normal.shift(step)
-            prediction = problem.predict(hypothesis, (x + step)[None], moved[None])[0]
-            left = problem.residuals(prediction)
-            worse = (left**2).sum(axis=1) > here.loss + WORSE
-            if worse.any() and worse.sum() <= len(worse) // 3:
-                found = settle(problem.part(worse), hypothesis, x + step, moved[worse], ROUNDS)
-                moved[worse], prediction[worse], left[worse] = found
-            total = float((left**2).sum()) + prior_penalty(hypothesis, x + step)
-            if total < here.chi2:
-                gain = here.chi2 - total
-                start = max(0, number - 2)
-                x, states, base, residual = x + step, moved, prediction, left
-                stray = stray_windows(problem, residual)
-                if stray.any():
-                    found = settle(problem.part(stray), hypothesis, x, states[stray], ROUNDS)
-                    states[stray], base[stray], residual[stray] = found
-                break
-        if gain < ENOUGH:
-            break
-    return here
+    loss = (residual**2).sum(axis=1)
+    off = (loss > at.loss + WORSE) | (np.abs(shift) > FAR * STATE_REACH).any(axis=1)
+    if not 0 < off.sum() <= len(off) // 3:
+        off = np.zeros_like(off)
+    better = loss.sum() < at.chi2
+    if first and better:
+        off |= stray_windows(problem, residual)
+    if off.any() and (better or loss[~off].sum() < at.loss[~off].sum()):
+        found = settle(problem.part(off), hypothesis, x, at.states[off], ROUNDS)
+        states[off], base[off], residual[off] = found
+    return Point(x, states, base, residual, prior_penalty(hypothesis, x))
 
 
 def linear_gain(information: Array, gradient: Array) -> float:

@@ -7,7 +7,8 @@ import numpy as np
 
 from swamp_rl.physics.compile import compiled
 from swamp_rl.simulator.delay import delayed_command
-from swamp_rl.simulator.step import step_boat
+from swamp_rl.simulator.state import SURGE, TIME
+from swamp_rl.simulator.step import move_actuators, step_boat
 
 CHUNK = 16
 
@@ -24,13 +25,16 @@ def roll(
     seeds: Any,
     dt: float,
     substeps: int,
+    push: Any,
+    block: int,
     track: Any,
 ) -> None:
     """Fill track (n, T + 1, 6) with the rigid motion of n boats, the start first.
 
-    params: (n,) records; start: (n, S) states; commands: (R, samples, 2K); run, first, steps: (n,)
-    which run's
-    commands, from which sample on, for how many steps of dt [s]; what lies beyond repeats the last.
+    params: (n,) records; start: (n, S) states; commands: (R, samples, 2K); run, first, steps: (n,) which
+    run's commands, from which sample on, for how many steps of dt [s]; what lies beyond repeats the last.
+    push: (n or 0, B, 3) extra acceleration [m/s2, m/s2, rad/s2] of surge, sway and yaw, each for `block`
+    steps; half of a step's share is given before the step and half after (Strang).
     """
     boats = start.shape[0]
     for chunk in numba.prange((boats + CHUNK - 1) // CHUNK):
@@ -42,24 +46,22 @@ def roll(
             track[i, 0] = state[:6]
             for j in range(track.shape[1] - 1):
                 if j < steps[i]:
+                    pushed = push.shape[0] > 0
+                    part = min(j // block, push.shape[1] - 1)
+                    if pushed:
+                        for c in range(3):
+                            state[SURGE + c] += 0.5 * dt * push[i, part, c]
                     delayed_command(commands[run[i]], first[i] + j, params[i].command_delay / dt, arrived)
                     step_boat(state, params[i], tank, arrived, seeds[i], dt, substeps, jets)
+                    if pushed:
+                        for c in range(3):
+                            state[SURGE + c] += 0.5 * dt * push[i, part, c]
                 track[i, j + 1] = state[:6]
 
 
 @compiled(parallel=True)
-def roll_actuators(
-    params: Any,
-    tank: Any,
-    start: Any,
-    commands: Any,
-    run: Any,
-    seeds: Any,
-    dt: float,
-    substeps: int,
-    states: Any,
-) -> None:
-    """Fill states (n, T, S - 6) with time and actuators of whole runs, the hull held at rest.
+def roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, states: Any) -> None:
+    """Fill states (n, T, S - 6) with time and actuators of whole runs.
 
     What the actuators do depends on the commands alone, so a window's start can be given them without knowing
     how the boat moved there.
@@ -73,5 +75,5 @@ def roll_actuators(
         for j in range(states.shape[1]):
             states[i, j] = state[6:]
             delayed_command(commands[run[i]], j, params[i].command_delay / dt, arrived)
-            step_boat(state, params[i], tank, arrived, seeds[i], dt, substeps, jets)
-            state[:6] = start[i, :6]
+            move_actuators(state, arrived, dt, jets, params[i])
+            state[TIME] += dt

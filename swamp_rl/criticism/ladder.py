@@ -6,14 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Hypothesis
-from swamp_rl.criticism.data import Trials
-from swamp_rl.criticism.fit import Fit, fit
+from swamp_rl.criticism.data import Gap, Trials
+from swamp_rl.criticism.fit import Fit, fit, settle
+from swamp_rl.criticism.gaps import reread, resolved, without_harmless
 from swamp_rl.criticism.shooting import Shooting
 
 Array = NDArray[np.float64]
 
 RUNGS = (5.0, 20.0, np.inf)  # s
-STEPS = (4, 5, 5)
+STEPS = (8, 10, 10)  # Jacobians that a fit may take on each
+ROUNDS = 12  # steps that a first guess of a state is given
 PATIENCE = 16  # steps on a longer rung for what fits well on the shorter one
 GOOD = 1.1  # chi2 a sample that counts as fitting well
 
@@ -24,11 +26,12 @@ class Ladder:
 
     problems: list[Shooting]
     guesses: list[Array]
+    gaps: tuple[Gap, ...] = ()
     fits: dict[tuple[int, str], Fit] = field(default_factory=dict)
 
-    def fit(self, rung: int, hypothesis: Hypothesis, x: Array) -> Fit:
-        """The hypothesis at its best on that rung, begun from x and, where there is one, from the rung
-        below.
+    def fit(self, rung: int, hypothesis: Hypothesis, x: Array, states: Array | None = None) -> Fit:
+        """The hypothesis at its best on that rung, begun from x and states (W, 6) or, where there is one,
+        from the fit of the rung below.
         """
         key = (rung, hypothesis.label)
         if key in self.fits and self.fits[key].chi2 < np.inf:
@@ -36,11 +39,19 @@ class Ladder:
         below = self.fits.get((rung - 1, hypothesis.label))
         if below is not None:
             x = below.x
-        states = self.guesses[rung] if below is None else self.carried(below, rung)
+            states = self.carried(below, rung)
+        elif states is None:
+            states, _, _ = settle(self.problems[rung], hypothesis, x, self.guesses[rung], ROUNDS)
         good = below is not None and below.chi2 < GOOD * self.problems[rung - 1].samples
-        made = fit(self.problems[rung], hypothesis, x, states, PATIENCE if good else STEPS[rung])
+        steps = PATIENCE if good else STEPS[rung]
+        made = fit(self.problems[rung], hypothesis, x, states, steps, fresh=rung == len(RUNGS) - 1)
         self.fits[key] = made
         return made
+
+    def put(self, rung: int, problem: Shooting) -> None:
+        """Another comparison on a rung; what was fitted there is forgotten."""
+        self.problems[rung], self.guesses[rung] = problem, problem.guess()
+        self.fits = {key: made for key, made in self.fits.items() if key[0] != rung}
 
     def carried(self, below: Fit, rung: int) -> Array:
         """(W, 6) states at this rung's starts, from the fit of the rung below where a window began
@@ -56,6 +67,23 @@ class Ladder:
 
 
 def ladder_of(trials: Trials, weight: Array) -> Ladder:
-    """The rungs for these trials."""
-    problems = [Shooting(trials, weight, seconds) for seconds in RUNGS]
-    return Ladder(problems, [problem.guess() for problem in problems])
+    """The rungs for these trials; short windows end where it matters which command stood in a lost row."""
+    cautious = without_harmless(trials, weight)
+    problems = [Shooting(cautious, weight, seconds) for seconds in RUNGS]
+    return Ladder(problems, [problem.guess() for problem in problems], trials.gaps)
+
+
+def whole_runs(ladder: Ladder, hypothesis: Hypothesis, x: Array) -> Fit:
+    """The fit to whole runs, the commands of lost rows read as fits it best; later fits keep that reading."""
+    last = len(RUNGS) - 1
+    first = ladder.problems[last]
+    if not ladder.gaps:
+        return ladder.fit(last, hypothesis, x)
+    trials = resolved(first.trials, first.weight, ladder.gaps, hypothesis, x)
+    ladder.put(last, Shooting(trials, first.weight, first.seconds))
+    made = ladder.fit(last, hypothesis, x)
+    again = reread(ladder.problems[last], made, ladder.gaps)
+    if not np.array_equal(again.commands, trials.commands):
+        ladder.put(last, Shooting(again, first.weight, first.seconds))
+        made = ladder.fit(last, hypothesis, made.x)
+    return made

@@ -8,15 +8,18 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import normal_equations, settle
+from swamp_rl.criticism.pushes import AXES, Pushes, push_slopes, pushes_of
 from swamp_rl.criticism.result import Force, Leftover
-from swamp_rl.criticism.shooting import Shooting, cut, wrap
-from swamp_rl.simulator import parameters
+from swamp_rl.criticism.shooting import Shooting, wrap
 
 Array = NDArray[np.float64]
 
-WINDOW, WINDOW_WITHOUT_VELOCITY = 2.5, 5.0  # s
+# s of a window with a start of its own, and of the pieces in it that a force is constant in
+WINDOW, PIECE = 5.0, 2.5
+WINDOW_WITHOUT_VELOCITY, PIECE_WITHOUT_VELOCITY = 20.0, 5.0
 BINS = 6
-ROUNDS = 8  # steps that each window's initial state is given
+ROUNDS = 4  # steps towards the forces
+REACH = 3.0  # standard deviation of a missing force beforehand, in thrusts of the strongest thruster
 SHOWN = 0.15  # share of a force's variance that a variable must explain, on other runs, to be named
 FORCES: tuple[Force, ...] = ("surge", "sway", "yaw", "north", "east")
 
@@ -36,49 +39,76 @@ class Forces:
 
 
 def missing_forces(trials: Trials, weight: Array, hypothesis: Hypothesis, x: Array) -> Forces:
-    """What jumps between neighbouring short windows.
-
-    A force that the model lacks makes each window's fitted motion bend the wrong way; the state at the next
-    window's start then lies off the last one's end by the missing acceleration times a window's length. No
-    noisy signal is differentiated. The hull's own damping over a window hides a part, up to a third, of a
-    steady force. x: (p,) numbers of the hypothesis.
+    """Extra surge and sway force and yaw moment, constant in each short piece of every window, that make
+    rollouts agree with what was measured; fitted with the windows' initial states, so that neither is a noisy
+    signal differentiated nor does the hull's damping hide a part. x: (p,) numbers of the hypothesis.
     """
-    seconds = WINDOW if "surge" in trials.present else WINDOW_WITHOUT_VELOCITY
-    problem = Shooting(trials, weight, seconds, cut(trials, weight, seconds, before=0.0))
-    states, track, residual = settle(problem, hypothesis, x, problem.guess(), ROUNDS)
-    by_state = problem.state_jacobian(hypothesis, x, states, track)
-    none = np.zeros((*residual.shape, 0))
+    seconds, piece = WINDOW, PIECE
+    if "surge" not in trials.present:
+        seconds, piece = WINDOW_WITHOUT_VELOCITY, PIECE_WITHOUT_VELOCITY
+    problem = Shooting(trials, weight, seconds, before=trials.dt)
+    pushes = pushes_of(problem, piece)
+    track, force, covariance = _fitted(problem, hypothesis, x, pushes)
     win = problem.windows
-    covariance = np.linalg.inv(normal_equations(by_state, none, residual).states_information)
-    sd = np.sqrt(np.maximum(np.einsum("wii->wi", covariance), 0.0))
-    record = parameters(trials.boat)[0]
-    inertia = np.array(
-        [
-            record["mass"] - record["added_mass_surge"],
-            record["mass"] - record["added_mass_sway"],
-            record["inertia_z"] - record["added_inertia_yaw"],
-        ]
+    found = []
+    for w, b in np.ndindex(force.shape[:2]):
+        middle = round((b + 0.5) * pushes.block)
+        seen = win.weight[w, b * pushes.block : (b + 1) * pushes.block, 0] > 0
+        if middle <= win.steps[w] and seen.sum() >= pushes.block // 4:
+            found.append((w, b, middle))
+    w, b, middle = (np.array(column) for column in zip(*found, strict=True))
+    at, body = track[w, middle], force[w, b]
+    cos, sin = np.cos(at[:, 2]), np.sin(at[:, 2])
+    earth = [body[:, 0] * cos - body[:, 1] * sin, body[:, 0] * sin + body[:, 1] * cos]
+    columns = AXES * b[:, None] + np.arange(AXES)
+    error = np.sqrt(np.maximum(covariance[w[:, None], columns, columns], 0.0))
+    return Forces(
+        np.column_stack([body, *earth]),
+        np.column_stack([error, error[:, :2].mean(axis=1), error[:, :2].mean(axis=1)]),
+        win.run[w],
+        _variables(trials, at, win.run[w], win.first[w] + middle),
     )
-    forces, errors, runs, places = [], [], [], []
-    for w in range(win.count - 1):
-        if win.run[w] != win.run[w + 1]:
-            continue
-        end = track[w, win.steps[w]] + (track[w, win.steps[w]] - track[w, win.steps[w] - 1])
-        start = track[w + 1, win.pad]
-        length = (win.steps[w + 1] - win.pad + 1) * trials.dt
-        body = inertia * (start[3:] - end[3:]) / length
-        error = inertia * np.hypot(sd[w, 3:], sd[w + 1, 3:]) / length
-        cos, sin = np.cos(start[2]), np.sin(start[2])
-        forces.append([*body, body[0] * cos - body[1] * sin, body[0] * sin + body[1] * cos])
-        errors.append([*error, *np.repeat(error[:2].mean(), 2)])
-        runs.append(win.run[w])
-        places.append((w + 1, win.first[w + 1] + win.pad))
-    at = np.array([track[w, win.pad] for w, _ in places])
-    return Forces(np.array(forces), np.array(errors), np.array(runs), _variables(trials, at, runs, places))
 
 
-def _variables(trials: Trials, at: Array, runs: list[int], places: list[tuple[int, int]]) -> dict[str, Array]:
-    sample = np.array([place for _, place in places])
+def _fitted(
+    problem: Shooting, hypothesis: Hypothesis, x: Array, pushes: Pushes
+) -> tuple[Array, Array, Array]:
+    """Track (W, T, 6), forces (W, B, 3) and their covariance (W, 3 B, 3 B)."""
+    states, track, residual = settle(problem, hypothesis, x, problem.guess(), ROUNDS)
+    shape = (problem.windows.count, pushes.count, AXES)
+    reach = REACH * float(np.max(problem.boat_thrust))
+    prior = np.tile(1.0 / np.array([reach, reach, reach * problem.boat.length]), pushes.count) ** 2
+    force = np.zeros(shape)
+    damping = 0.0
+    covariance = np.zeros((shape[0], AXES * shape[1], AXES * shape[1]))
+    for _ in range(ROUNDS):
+        acting = force.reshape(-1, pushes.count, AXES)
+        push: Array = acting / pushes.inertia
+        by_state = problem.state_jacobian(hypothesis, x, states, track, push, pushes.block)
+        by_force = push_slopes(problem, hypothesis, x, states, pushes, (0, 1, 2), acting)
+        normal = normal_equations(by_state, by_force, residual, damping)
+        H = normal.information + np.diag(prior)
+        g = normal.gradient - prior * force.reshape(shape[0], -1)
+        step = np.linalg.solve(H, g[..., None])[..., 0]
+        covariance = np.linalg.inv(H)
+        shift = np.linalg.solve(
+            normal.states_information,
+            (normal.states_gradient - (normal.cross @ step[..., None])[..., 0])[..., None],
+        )[..., 0]
+        tried: Array = force + step.reshape(shape)
+        push = np.asarray(tried / pushes.inertia)
+        moved = problem.predict(hypothesis, x[None], (states + shift)[None], push, pushes.block)[0]
+        left = problem.residuals(moved)
+        better = (left**2).sum(axis=1) < (residual**2).sum(axis=1)
+        states[better] += shift[better]
+        force[better], track[better], residual[better] = tried[better], moved[better], left[better]
+        damping = 0.0 if better.mean() > 0.5 else 2.0 * damping + 1.0
+    return track, force, covariance
+
+
+def _variables(
+    trials: Trials, at: Array, runs: NDArray[np.int64], sample: NDArray[np.int64]
+) -> dict[str, Array]:
     found = {
         "time": sample * trials.dt,
         "position north": at[:, 0],
@@ -92,7 +122,7 @@ def _variables(trials: Trials, at: Array, runs: list[int], places: list[tuple[in
     names = trials.boat.thruster_names
     half = max(1, round(1.0 / trials.dt))
     around = np.clip(sample[:, None] + np.arange(-half, half), 0, trials.commands.shape[1] - 1)
-    commands = trials.commands[np.array(runs)[:, None], around].mean(axis=1)
+    commands = trials.commands[runs[:, None], around].mean(axis=1)
     for k, name in enumerate(names):
         found[f"azimuth {name}"] = commands[:, k]
         found[f"throttle {name}"] = commands[:, len(names) + k]

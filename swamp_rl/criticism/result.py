@@ -96,12 +96,13 @@ class Gain(Part):
 
 
 class Diagnosis(Part):
-    """The answer. noise: standard deviation by channel (SI, rad); unseen: candidates that these data
-    cannot show.
+    """The answer. nuisance: the hull's linear derivatives where they had to be fitted beside a cause; noise:
+    standard deviation by channel (SI, rad); unseen: candidates that these data cannot show.
     """
 
     verdict: Verdict
     causes: list[Cause]
+    nuisance: list[Cause] = []
     indistinguishable: list[list[str]]
     contrasts: list[Contrast]
     separating_trial: Trial | None

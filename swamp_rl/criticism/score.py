@@ -6,18 +6,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.candidates import Atom, Hypothesis
-from swamp_rl.criticism.fit import Fit, bounded_step, normal_equations
+from swamp_rl.criticism.candidates import FAILURE, WAVES, Atom, Hypothesis
+from swamp_rl.criticism.fit import Fit, bounded_step, inverse, normal_equations
+from swamp_rl.criticism.harmonic import wave_starts
 from swamp_rl.criticism.shooting import Shooting
 
 Array = NDArray[np.float64]
 
+INSTANTS = 17  # looked at about the best one
 BATCH = 24  # points of a grid rolled out at once
 
 
 @dataclass(frozen=True)
 class Prospect:
-    """An atom beside a hypothesis: the joint start (p,), the chi2 it promises, and how well it can be seen.
+    """An atom beside a hypothesis: the joint start (p,) and (W, 6), the chi2 it promises, and how well it
+    can be seen.
 
     seen: (p_atom,) information about each of the atom's numbers alone, times its typical size squared: below
     about 10 the data cannot show it.
@@ -26,6 +29,7 @@ class Prospect:
     hypothesis: Hypothesis
     atom: Atom
     x: Array
+    states: Array
     promised: float
     seen: float
 
@@ -45,8 +49,12 @@ def prospects(problem: Shooting, at: Fit, atoms: Sequence[Atom]) -> list[Prospec
 def _prospect(problem: Shooting, at: Fit, atom: Atom, by_x: Array) -> Prospect:
     hypothesis = at.hypothesis.with_atom(atom)
     place = _columns_of(hypothesis, atom)
-    starts = list(atom.starts)
-    if atom.grid:
+    starts: list[tuple[float, ...]] = [*atom.starts]
+    if atom.effect.name == WAVES:
+        starts = [tuple(start) for start in wave_starts(problem, at, by_x)]
+    elif atom.effect.name == FAILURE:
+        starts = failure_starts(problem, at, hypothesis, atom, by_x)
+    elif atom.grid:
         starts.append(atom.grid[_best_of_grid(problem, at, atom, hypothesis, place, by_x)])
     best: Prospect | None = None
     for start in starts:
@@ -68,6 +76,51 @@ def _joint(place: NDArray[np.bool_], old: Array, new: Array) -> Array:
     x[:, ~place] = old
     x[:, place] = new
     return x
+
+
+def failure_starts(
+    problem: Shooting, at: Fit, hypothesis: Hypothesis, atom: Atom, by_x: Array
+) -> list[tuple[float, ...]]:
+    """The best instant for a failure among the windows' starts, from one rollout: windows that begin before
+    it are as if nothing had happened, the others as if the thruster had never worked.
+    """
+    place = _columns_of(hypothesis, atom)
+    dead = problem.residuals(
+        problem.predict(hypothesis, _joint(place, at.x, np.zeros((1, 1))), at.states[None])[0]
+    )
+    both = [normal_equations(at.states_jacobian, by_x, r) for r in (at.residual, dead)]
+    times = problem.windows.first * problem.dt
+    best, found = np.inf, 0.0
+    for time in np.unique(times):
+        failed = times >= time
+        loss = float(np.where(failed, both[1].free, both[0].free).sum())
+        if at.hypothesis.size:
+            g = np.where(failed[:, None], both[1].gradient, both[0].gradient).sum(axis=0)
+            loss -= float(g @ inverse(both[0].information.sum(axis=0)) @ g)
+        if loss < best:
+            best, found = loss, float(time)
+    return [(_finer(problem, at, hypothesis, place, found),)]
+
+
+def _finer(
+    problem: Shooting,
+    at: Fit,
+    hypothesis: Hypothesis,
+    place: NDArray[np.bool_],
+    found: float,
+) -> float:
+    """The best instant about `found` [s], from rollouts of the windows about it alone."""
+    win = problem.windows
+    length = win.rows * problem.dt
+    begins, ends = win.first * problem.dt, (win.first + win.steps) * problem.dt
+    times = np.maximum(found + np.linspace(-length, length, INSTANTS), 0.0)
+    near = (begins < times[-1]) & (ends > times[0])
+    x = _joint(place, at.x, times[:, None])
+    states = np.broadcast_to(at.states[near], (len(x), near.sum(), 6))
+    left = problem.part(near).residuals(problem.part(near).predict(hypothesis, x, states))
+    none = np.zeros((*at.residual[near].shape, 0))
+    losses = [float(normal_equations(at.states_jacobian[near], none, r).free.sum()) for r in left]
+    return float(times[int(np.argmin(losses))])
 
 
 def _best_of_grid(
@@ -128,4 +181,4 @@ def _newton(
     loss = loss if np.isfinite(loss) else np.inf
     seen = seen if np.isfinite(seen) else 0.0
     changed = changed if np.isfinite(changed) else 0.0
-    return Prospect(hypothesis, atom, x[0] + moved, loss, max(seen, changed))
+    return Prospect(hypothesis, atom, x[0], at.states, loss, max(seen, changed))

@@ -9,17 +9,19 @@ import numpy as np
 from swamp_rl.criticism.adequacy import adequacy
 from swamp_rl.criticism.candidates import NUISANCE, Atom, Hypothesis
 from swamp_rl.criticism.fit import Fit, fit
-from swamp_rl.criticism.ladder import RUNGS, Ladder
+from swamp_rl.criticism.ladder import RUNGS, Ladder, whole_runs
 from swamp_rl.criticism.score import Prospect, prospects
 
 PATIENCE = 30.0  # s after which no further depth is begun
 MOST = 3  # atoms together, the hull's coefficients counted as one
 BEAM = 5  # sets of causes that a further one is sought beside
-SHORTLIST = 10  # sets that are fitted at each depth
+SHORTLIST = 8  # sets that are fitted at each depth
 FIRST = 3  # of them, those fitted before any other
 CLIMBERS = 4  # of them, those that are followed to longer windows
 SEEN = 10.0  # least information about a candidate, in squared typical sizes over variance
+HOPE = 0.2  # share of the best one's gain by which another may stay behind and still be followed
 GAP = 9.0  # of penalised chi2 within which two names cannot be told apart
+NEAR = 40.0  # the same on shorter windows, beyond which longer ones will not bring two together
 LAST = len(RUNGS) - 1
 
 
@@ -68,7 +70,8 @@ def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None) -> Search:
         if not fitted:
             break
         tried |= {one.hypothesis.label: one for one in fitted}
-        beam = fitted[:BEAM]
+        limit = score(fitted[0]) + 200.0 + HOPE * (beam[0].chi2 - fitted[0].chi2)
+        beam = [one for one in fitted[:BEAM] if score(one) < limit]
         climbed = sorted(
             (_climb(ladder, one.hypothesis, one.x) for one in _climbers(ladder, fitted)), key=score
         )
@@ -116,7 +119,7 @@ def _extend(
 ) -> list[Fit]:
     """Fits, on the shortest windows, of the most promising sets with one atom more, best first.
 
-    Where one of the first few leaves only noise, those that promise far less are not fitted at all.
+    Those that promise far less than the first few keep are not fitted at all.
     """
     found: dict[str, Prospect] = {}
     for at in beam:
@@ -126,14 +129,15 @@ def _extend(
             if one.seen >= SEEN and (label not in found or one.promised < found[label].promised):
                 found[label] = one
     chosen = sorted(found.values(), key=lambda one: one.promised + cost(one.hypothesis))[:SHORTLIST]
-    fitted = [ladder.fit(0, one.hypothesis, one.x) for one in chosen[:FIRST]]
+    fitted = [ladder.fit(0, one.hypothesis, one.x, one.states) for one in chosen[:FIRST]]
     best = min(fitted, key=score, default=None)
     limit = np.inf
-    if best is not None and adequacy(ladder.problems[0], best).adequate:
-        limit = score(best) + 300.0 + 0.2 * max(at.chi2 - best.chi2 for at in beam)
+    if best is not None:
+        share = HOPE if adequacy(ladder.problems[0], best).adequate else 2 * HOPE
+        limit = score(best) + 300.0 + share * max(at.chi2 - best.chi2 for at in beam)
     for one in chosen[FIRST:]:
         if one.promised + cost(one.hypothesis) < limit:
-            fitted.append(ladder.fit(0, one.hypothesis, one.x))
+            fitted.append(ladder.fit(0, one.hypothesis, one.x, one.states))
     return sorted(fitted, key=score)
 
 
@@ -143,13 +147,14 @@ def _concluded(
     rung = 1
     adequate = adequacy(ladder.problems[1], best).adequate
     if adequate:
-        whole = ladder.fit(LAST, best.hypothesis, best.x)
+        whole = whole_runs(ladder, best.hypothesis, best.x)
         if adequacy(ladder.problems[LAST], whole).adequate:
             best, rung = whole, LAST
     rivals = []
-    near = score(ladder.fit(1, best.hypothesis, best.x)) + 60.0
+    near = score(ladder.fit(1, best.hypothesis, best.x)) + NEAR
+    here = score(ladder.fit(0, best.hypothesis, best.x)) + NEAR
     for one in tried if adequate else []:
-        if one.hypothesis.label == best.hypothesis.label or score(one) > near + 200.0:
+        if one.hypothesis.label == best.hypothesis.label or score(one) > here:
             continue
         made = _climb(ladder, one.hypothesis, one.x)
         if score(made) > near:
@@ -160,5 +165,7 @@ def _concluded(
         rivals.append(best)
         best = min(rivals, key=score)
         rivals = [one for one in rivals if one is not best]
-    rivals = [one for one in rivals if score(one) < score(best) + GAP]
-    return Search(best, adequate, rung, sorted(rivals, key=score), tried, first, unseen)
+    near_ones = sorted((one for one in rivals if score(one) < score(best) + GAP), key=score)
+    apart = {one.hypothesis.accused: one for one in reversed(near_ones)}
+    apart.pop(best.hypothesis.accused, None)
+    return Search(best, adequate, rung, sorted(apart.values(), key=score), tried, first, unseen)

@@ -12,16 +12,20 @@ from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.kernel import roll, roll_actuators
 from swamp_rl.sensors import observe
-from swamp_rl.simulator import initial_state, tank
+from swamp_rl.simulator import initial_state, parameters, tank
 from swamp_rl.simulator.state import ACTUATORS
 
 Array = NDArray[np.float64]
 
 SUBSTEP, SUBSTEP_OF_RUNS = 0.1, 0.05  # s, the longest Runge-Kutta step; whole runs magnify its error
-PAD = 2.0  # s simulated before a window's first sample, so that delays see what went before
+PAD = 1.0  # s simulated before a window's first sample, so that delays see what went before
+SHORTEST = 1.5  # s of a window that a doubtful command leaves, below which it is not compared
 SETTLING = 3.0  # s at a run's start that are not compared: how the actuators stood there is not recorded
 GUESS_SPAN, LONGEST_SPAN = 1.0, 2.0  # s to either side that a first guess of a state is smoothed over
 CLEAN_POSITION = 0.1  # m of noise up to which the short span will do
+# sd of a guessed state, at least, and in standard deviations of the noise (m, m, rad, m/s, m/s, rad/s)
+BELIEVED, BELIEVED_NOISE = np.array([0.5, 0.5, 0.15, 0.5, 0.5, 0.3]), 3.0
+NO_PUSH = np.zeros((0, 1, 3))
 STATE_STEP = np.array([1e-3, 1e-3, 1e-4, 1e-4, 1e-4, 1e-4])
 
 
@@ -46,10 +50,12 @@ class Windows:
 def cut(trials: Trials, weight: Array, seconds: float, before: float = PAD) -> Windows:
     """Windows of about `seconds` without overlap; inf: one window a run; simulated from `before` [s] earlier.
 
-    A run is cut in a power of two, so that longer windows start where some shorter ones do.
+    A run is cut in a power of two, so that longer windows start where some shorter ones do, and wherever a
+    command is doubtful.
     """
     pad = math.ceil(before / trials.dt)
     settling = max(pad, math.ceil(SETTLING / trials.dt))
+    shortest = math.ceil(SHORTEST / trials.dt)
     rows: list[tuple[int, int, int]] = []
     for run, length in enumerate(trials.lengths):
         available = int(length) - settling
@@ -57,16 +63,37 @@ def cut(trials: Trials, weight: Array, seconds: float, before: float = PAD) -> W
             2 ** max(0, round(math.log2(available * trials.dt / seconds))) if math.isfinite(seconds) else 1
         )
         edges = np.linspace(settling, length, pieces + 1).round().astype(int)
-        rows += [(run, a - pad, b - 1 - (a - pad)) for a, b in pairwise(edges)]
+        lost = [(gap.row, gap.row + gap.rows) for gap in trials.gaps if gap.run == run]
+        for a, b in pairwise(edges):
+            inside = [(g, h) for g, h in lost if g < b and h > a]
+            starts = [a, *(h for _, h in inside)]
+            ends = [*(g for g, _ in inside), b]
+            rows += [
+                (run, s - pad, e - 1 - (s - pad))
+                for s, e in zip(starts, ends, strict=True)
+                if e - s >= min(shortest, b - a)
+            ]
     run_of, first, steps = (np.array(column) for column in zip(*rows, strict=True))
-    longest = int(steps.max())
-    measured = np.zeros((len(rows), longest + 1, 6))
+    measured, weights = window_data(trials, weight, run_of, first, steps, pad)
+    return Windows(run_of, first, steps, measured, weights, pad, int(steps.max()) + 1)
+
+
+def window_data(
+    trials: Trials,
+    weight: Array,
+    run: NDArray[np.int64],
+    first: NDArray[np.int64],
+    steps: NDArray[np.int64],
+    pad: int,
+) -> tuple[Array, Array]:
+    """Measured and weight (W, rows, 6) of windows; the first `pad` rows are only simulated."""
+    measured = np.zeros((len(run), int(steps.max()) + 1, 6))
     weights = np.zeros_like(measured)
-    for w, (run, start, count) in enumerate(rows):
+    for w, (its_run, start, count) in enumerate(zip(run, first, steps, strict=True)):
         part = slice(start + pad, start + count + 1)
-        measured[w, pad : count + 1] = trials.measured[run, part]
-        weights[w, pad : count + 1] = weight[run, part]
-    return Windows(run_of, first, steps, np.nan_to_num(measured), weights, pad, longest + 1)
+        measured[w, pad : count + 1] = trials.measured[its_run, part]
+        weights[w, pad : count + 1] = weight[its_run, part]
+    return np.nan_to_num(measured), weights
 
 
 def wrap(angle: Array) -> Array:
@@ -80,18 +107,44 @@ class Shooting:
     Holds what every fit shares: windows, commands, the tank, and the actuators' states under the boat file.
     """
 
-    def __init__(self, trials: Trials, weight: Array, seconds: float, windows: Windows | None = None) -> None:
+    def __init__(
+        self,
+        trials: Trials,
+        weight: Array,
+        seconds: float,
+        windows: Windows | None = None,
+        before: float = PAD,
+    ) -> None:
         self.trials = trials
         self.boat = trials.boat
-        self.windows = cut(trials, weight, seconds) if windows is None else windows
         self.seconds = seconds
         self.weight = weight
         self.tank = tank(trials.boat)
         self.dt = trials.dt
+        self.windows = self._held(cut(trials, weight, seconds, before)) if windows is None else windows
         self.substeps = max(
             1, math.ceil(trials.dt / (SUBSTEP if math.isfinite(seconds) else SUBSTEP_OF_RUNS) - 1e-9)
         )
-        self.samples = int((self.windows.weight > 0).sum())
+        self.samples = int((self.windows.weight[:, self.windows.pad :] > 0).sum())
+
+    def _held(self, windows: Windows) -> Windows:
+        """The windows, their first row holding what the states are guessed to be, with little weight: so that
+        a wrong model cannot bend a window by a start that nobody would believe.
+        """
+        if windows.pad > 0:
+            noise = 1.0 / np.maximum(self.weight.max(axis=(0, 1)), 1e-6)
+            windows.measured[:, 0] = self.guess(windows)
+            windows.weight[:, 0] = 1.0 / np.maximum(
+                BELIEVED, np.where(noise < 1e6, BELIEVED_NOISE * noise, 0.0)
+            )
+        return windows
+
+    @cached_property
+    def boat_thrust(self) -> Array:
+        """(K,) most thrust [N] of each thruster, at rest."""
+        record = parameters(self.boat)[0]
+        jets = record["thrust_linear"] + record["thrust_quadratic"]
+        return np.maximum(jets, 1.0)
 
     @cached_property
     def plain_actuators(self) -> Array:
@@ -123,10 +176,7 @@ class Shooting:
         run = np.tile(np.arange(runs), variants)
         last = int(self.windows.first.max()) + 1
         states = np.empty((len(records), last, start.shape[1] - 6))
-        seeds = np.zeros(len(records), np.uint64)
-        roll_actuators(
-            records, self.tank, start, self.trials.commands, run, seeds, self.dt, self.substeps, states
-        )
+        roll_actuators(records, start, self.trials.commands, run, self.dt, states)
         picked = states.reshape(variants, runs, last, -1)[:, self.windows.run, self.windows.first]
         return np.ascontiguousarray(picked)
 
@@ -137,9 +187,11 @@ class Shooting:
         first[:, : commands.shape[1]] = commands
         return first
 
-    def predict(self, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
+    def predict(
+        self, hypothesis: Hypothesis, x: Array, states: Array, push: Array = NO_PUSH, block: int = 1
+    ) -> Array:
         """(V, W, T + 1, 6) what the sensors would say, for x (V, p) and rigid states (V, W, 6) at the
-        starts.
+        starts; push: (V W or 0, B, 3) and block as in `roll`.
         """
         win, variants = self.windows, len(x)
         records = hypothesis.records(self.boat, x)
@@ -164,6 +216,8 @@ class Shooting:
             seeds,
             self.dt,
             self.substeps,
+            push,
+            block,
             track,
         )
         track = observe(track, batch, self.dt)
@@ -179,14 +233,23 @@ class Shooting:
         difference *= self.windows.weight
         return difference.reshape(*difference.shape[:-2], -1)
 
-    def state_jacobian(self, hypothesis: Hypothesis, x: Array, states: Array, base: Array) -> Array:
+    def state_jacobian(
+        self,
+        hypothesis: Hypothesis,
+        x: Array,
+        states: Array,
+        base: Array,
+        push: Array = NO_PUSH,
+        block: int = 1,
+    ) -> Array:
         """(W, M, 6) of the weighted prediction by the initial states; a shift of position just shifts
-        the track.
+        the track. push: (W or 0, B, 3).
         """
         moved = np.repeat(states[None], 4, axis=0)
         for i, column in enumerate((2, 3, 4, 5)):
             moved[i, :, column] += STATE_STEP[column]
-        prediction = self.predict(hypothesis, np.repeat(x[None], 4, axis=0), moved)
+        four = np.repeat(x[None], 4, axis=0)
+        prediction = self.predict(hypothesis, four, moved, np.tile(push, (4, 1, 1)), block)
         jacobian = np.zeros((*base.shape, 6))
         jacobian[..., 0, 0] = 1.0
         jacobian[..., 1, 1] = 1.0
@@ -207,11 +270,10 @@ class Shooting:
         jacobian = (prediction - base) * self.windows.weight / step[:, None, None, None]
         return np.moveaxis(jacobian.reshape(size, self.windows.count, -1), 0, -1)
 
-    def guess(self) -> Array:
+    def guess(self, windows: Windows | None = None) -> Array:
         """(W, 6) states at the starts, smoothed from what was measured about them."""
-        return np.array(
-            [self._guess(run, first) for run, first in zip(self.windows.run, self.windows.first, strict=True)]
-        )
+        win = windows or self.windows
+        return np.array([self._guess(run, first) for run, first in zip(win.run, win.first, strict=True)])
 
     def _guess(self, run: int, first: int) -> Array:
         track, weight = self.trials.measured[run], self.weight[run]
