@@ -89,8 +89,8 @@ def _fitted(
         normal = normal_equations(by_state, by_force, residual, damping)
         H = normal.information + np.diag(prior)
         g = normal.gradient - prior * force.reshape(shape[0], -1)
-        step = np.linalg.solve(H, g[..., None])[..., 0]
-        covariance = np.linalg.inv(H)
+        step = np.asarray(np.linalg.solve(H, g[..., None])[..., 0])
+        covariance = np.asarray(np.linalg.inv(H))
         shift = np.linalg.solve(
             normal.states_information,
             (normal.states_gradient - (normal.cross @ step[..., None])[..., 0])[..., None],
