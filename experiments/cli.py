@@ -10,6 +10,7 @@ import typer
 from experiments.verbs_criticism import diagnose
 from experiments.verbs_demo import demo
 from experiments.verbs_identification import identify_app
+from experiments.verbs_people import record
 from experiments.verbs_runs import runs_app
 from experiments.verbs_trials import trial_app
 from swamp_rl import __version__
@@ -30,6 +31,7 @@ app.add_typer(identify_app, name="identify")
 app.add_typer(trial_app, name="trial")
 app.command()(diagnose)
 app.command()(demo)
+app.command()(record)
 
 BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
 

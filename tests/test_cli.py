@@ -20,8 +20,8 @@ from tests.conftest import circling
 
 Called = tuple[int, str, str]
 Call = Callable[..., Called]
-VERBS = ("run", "simulate", "record-scripted", "bench", "runs", "demo")
-HEAVY = ("torch", "matplotlib", "numba", "pyarrow", "gymnasium", "scipy", "reservoirpy", "rerun")
+VERBS = ("run", "simulate", "record", "record-scripted", "bench", "runs", "demo")
+HEAVY = ("torch", "starlette", "matplotlib", "numba", "pyarrow", "gymnasium", "scipy", "reservoirpy", "rerun")
 
 
 @pytest.fixture
@@ -85,6 +85,10 @@ def test_help_waits_for_no_heavy_library() -> None:
         (["record-scripted"], "Missing option '--out'"),
         (["record-scripted", "--out", "a", "--count", "0"], "--count"),
         (["record-scripted", "--out", "a", "--seed", "x"], "--seed"),
+        (["record"], "Missing option '--out'"),
+        (["record", "--out", "a", "--port", "70000"], "--port"),
+        (["record", "--out", "a", "--host", "0.0.0.0"], "add --token"),
+        (["record", "--out", "a", "--host", "0.0.0.0", "--token", "no"], "letters and digits"),
         (["bench", "now"], "unexpected extra argument"),
         (["runs", "check"], "Missing argument"),
         (["runs", "show"], "Missing argument"),
@@ -105,6 +109,10 @@ def test_wrong_arguments_are_one_line(call: Call, words: list[str], part: str) -
         ["simulate", "--commands", "nowhere.csv", "--out", "a.csv", "--boat", "nowhere"],
         ["record-scripted", "--out", "a", "--course", "nowhere"],
         ["record-scripted", "--out", "a", "--boat", "nowhere.yaml"],
+        ["record", "--out", "a", "--course", "nowhere"],
+        ["record", "--out", "a", "--boat", "nowhere"],
+        ["record", "--out", "a", "--disturbances", "nowhere"],
+        ["record", "--out", "a", "--pilot", "nowhere"],
         ["runs", "check", "nowhere"],
         ["runs", "show", "nowhere"],
     ],

@@ -40,7 +40,9 @@ class Fleet(Protocol):
 class Env(Protocol):
     """What is asked of the environment: a `gymnasium.Env` whose whole state is in `fleet.boats`."""
 
-    fleet: Fleet
+    @property
+    def fleet(self) -> Fleet:
+        """What sails."""
 
     def reset(self, *, seed: int | None = None) -> tuple[Array, dict[str, Any]]:
         """Observation (d,) at the start of the episode of that seed."""

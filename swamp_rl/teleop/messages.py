@@ -53,18 +53,22 @@ _ANY: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator=
 
 
 def parse(text: str | bytes) -> Message:
-    """The message in `text`; UserError, in one line and without repeating the text, if it is none."""
+    """The message in `text`; UserError, in one printable line, if it is none."""
     if len(text) > LARGEST:
         raise UserError(f"a message of {len(text)} bytes; {LARGEST} are allowed")
     try:
         return _ANY.validate_json(text)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False, include_context=False)[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise UserError(f"malformed message: {where + ': ' if where else ''}{first['msg']}"[:200]) from error
+        told = f"{'.'.join(str(part) for part in first['loc'])}: {first['msg']}"[:120]
+        raise UserError(f"malformed message: {printable(told)}") from error
 
 
 def clean_nickname(name: str) -> str:
     """The printable part of a nickname, single-spaced; `anonymous` if nothing is left."""
-    printable = "".join(letter if letter.isprintable() else " " for letter in name)
-    return " ".join(printable.split())[:NICKNAME_LENGTH] or "anonymous"
+    return " ".join(printable(name).split())[:NICKNAME_LENGTH] or "anonymous"
+
+
+def printable(text: str) -> str:
+    """The text with a space for each letter that a terminal or a log would act on."""
+    return "".join(letter if letter.isprintable() else " " for letter in text)

@@ -64,14 +64,20 @@ def initial_state(boat: Boat, state: Array) -> dict[str, float]:
     return dict(zip(_state_names(boat), state.tolist(), strict=True))
 
 
-def sailed_again(run: Run, boat: Boat) -> Array:
-    """Tracks (T, S) from the run's initial state under its commands, disturbed as it was.
-
-    Exactly what the recorder sailed: the same compiled step from the same numbers.
-    """
+def disturbed(run: Run, boat: Boat) -> Array:
+    """(1,) the parameter record of the boat, disturbed as the run was."""
     params = parameters(boat)
     effects = parse_effects(run.meta.disturbances or [], run.name, boat.thruster_names)
     apply_effects(params, effects, boat.thruster_names)
+    return params
+
+
+def sailed_again(run: Run, boat: Boat) -> Array:
+    """Track (T, S) from the run's initial state under its commands, disturbed as it was.
+
+    Exactly what the recorder sailed: the same compiled step from the same numbers.
+    """
+    params = disturbed(run, boat)
     start = run.meta.initial_state or {}
     state = np.array([[start[name] for name in _state_names(boat)]])
     seed = np.array([run.meta.model_dump().get("gust_seed", 0)], dtype=np.uint64)

@@ -1,0 +1,114 @@
+"""`swamp-rl record`: people drive a boat from a web page, and their runs become a dataset."""
+
+import logging
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from swamp_rl.pilots.pilot import Pilot
+    from swamp_rl.teleop.session import Session
+
+LEVELS = ("calm", "standard", "severe")
+"Levels of disturbance that the page offers, after the one that was asked for."
+
+
+def record(
+    out: Annotated[Path, typer.Option(help="The folder of runs, new or one to go on with.")],
+    course: Annotated[str, typer.Option(help="A name in configs/courses, or a course file.")] = "camogli",
+    boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",
+    disturbances: Annotated[
+        str, typer.Option(help="The first level: a name in configs/disturbances, or a file.")
+    ] = "calm",
+    pilot: Annotated[
+        list[Path] | None,
+        typer.Option("--pilot", metavar="MODEL", help="A trained pilot's folder; may be repeated."),
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any free one.")] = 8000,
+    host: Annotated[str, typer.Option(help="Another address lets others connect, and needs --token.")] = (
+        "127.0.0.1"
+    ),
+    token: Annotated[str | None, typer.Option(help="A word that all who connect must know.")] = None,
+    scripted: Annotated[
+        bool, typer.Option("--scripted", help="A programme drives the page: the runs are not human.")
+    ] = False,
+) -> None:
+    """Drive a boat by joypad, keyboard or touch, from a web page, and keep the runs."""
+    import numpy as np
+
+    from envs.single import GatesEnv
+    from swamp_rl.errors import UserError
+    from swamp_rl.teleop.guard import checked_token
+    from swamp_rl.teleop.recordings import Recordings
+
+    try:
+        from swamp_rl.teleop.hub import Hub
+        from swamp_rl.teleop.server import serve
+    except ModuleNotFoundError as error:
+        raise UserError(f"{error.name} is missing; pip install 'swamp-rl[people]'") from error
+    from swamp_rl.teleop.session import Session
+
+    checked_token(host, token)
+    source = "scripted" if scripted else "human"
+    levels = tuple(dict.fromkeys((disturbances, *LEVELS)))
+    pilots = _named(pilot or [])
+
+    def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:
+        return GatesEnv(boat, course, level, observation=senses)
+
+    make_env(disturbances, ("north", "east"))  # refuses bad names before anything is written
+    recordings = Recordings(out, _meta(boat, course, source), typer.echo)
+    session = Session(make_env, recordings, levels, np.random.default_rng(), pilots)
+    _warm(session)
+    logging.basicConfig(format="swamp-rl: %(message)s", level=logging.WARNING)
+    try:
+        serve(Hub(session, source), host, port, token, lambda address: typer.echo(f"drive at {address}"))
+    except KeyboardInterrupt:
+        pass
+    finally:
+        if session.journal is not None:
+            session.journal.close()
+        recordings.close()
+    typer.echo(f"{out}: {recordings.count} runs")
+
+
+def _meta(boat: str, course: str, source: str) -> Any:
+    from swamp_rl.boat import load_boat
+    from swamp_rl.runs import DatasetMeta
+
+    vehicle = load_boat(boat)
+    notes = "Driven from the recorder's page" + (" by a programme." if source == "scripted" else ".")
+    return DatasetMeta.model_validate(
+        {
+            "vehicle": boat,
+            "mass": vehicle.mass,
+            "draught": vehicle.draught,
+            "water_density": vehicle.water_density,
+            "sample_rate": 10.0,
+            "source": source,
+            "course": course,
+            "notes": notes,
+        }
+    )
+
+
+def _named(folders: Sequence[Path]) -> dict[str, "Pilot"]:
+    """The pilots of these folders by the folders' names, numbered where two have the same."""
+    from swamp_rl.pilots.store import load_pilot
+
+    pilots: dict[str, Pilot] = {}
+    for folder in folders:
+        name = re.sub(r"[^\w.-]", "_", folder.resolve().name)[:60]
+        same = sum(taken.partition(" ")[0] == name for taken in pilots)
+        pilots[f"{name} {same + 1}" if same else name] = load_pilot(folder)
+    return pilots
+
+
+def _warm(session: "Session") -> None:
+    """Compile what the first step needs, which would otherwise halt the first run."""
+    session.boat.foresee((0.0, 0.0))
+    session.boat.weather(session.boat.at(0.5))
+    session.renew()

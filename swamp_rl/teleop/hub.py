@@ -1,0 +1,215 @@
+"""Those who are connected: one drives, the others watch, and all see the same boat."""
+
+import asyncio
+import json
+import logging
+import time
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Any
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from swamp_rl.errors import UserError
+from swamp_rl.teleop import view
+from swamp_rl.teleop.guard import Allowance
+from swamp_rl.teleop.messages import Choose, Command, Message, parse
+from swamp_rl.teleop.session import SAVING, Session
+
+FRAME = 0.02  # s between two frames: 50 a second, and one more whenever the levers move
+RATE, BURST = 150.0, 300.0  # messages a second that a connection may send; a page sends at most 80
+PATIENCE = 2000  # messages beyond that, until the connection is closed
+CROWD = 64  # connections
+SILENCE = 10.0  # s without a command, after which another may take the seat
+REFUSED = 1008
+
+log = logging.getLogger("swamp_rl.teleop")
+
+
+@dataclass(eq=False)
+class Client:
+    """A connected page: frames that it is too slow for are skipped, news are not."""
+
+    number: int
+    allowance: Allowance = field(default_factory=lambda: Allowance(RATE, BURST))
+    news: deque[str] = field(default_factory=lambda: deque(maxlen=32))
+    frame: str | None = None
+    wake: asyncio.Event = field(default_factory=asyncio.Event)
+    excess: int = 0
+
+    def tell(self, said: dict[str, Any]) -> None:
+        """Have a message sent."""
+        self.news.append(json.dumps(said, allow_nan=False))
+        self.wake.set()
+
+
+class Hub:
+    """Keeps the clock, hands messages to the session and frames to the pages. All in one event loop."""
+
+    def __init__(self, session: Session, source: str, factor: float = 1.0) -> None:
+        """factor: how fast the clock runs, 1 for real time; tests hurry."""
+        self.session, self.source, self.factor = session, source, factor
+        self.clients: list[Client] = []
+        self.driver: Client | None = None
+        self._commanded = -SILENCE
+        self._numbers = 0
+        self._origin = time.monotonic()
+
+    def now(self) -> float:
+        """The clock [s]."""
+        return self.factor * (time.monotonic() - self._origin)
+
+    async def keep_time(self) -> None:
+        """Advance the boat and send frames until cancelled."""
+        due = time.monotonic()
+        while True:
+            self.show()
+            due = max(due + FRAME, time.monotonic() - FRAME)
+            await asyncio.sleep(max(due - time.monotonic(), 0.0))
+
+    def show(self) -> None:
+        """Advance the boat to the present and give everyone a frame of it."""
+        now = self.now()
+        phase = self.session.phase
+        try:
+            self.session.advance(now)
+        except UserError as error:
+            # The disk refuses rows: what cannot be kept need not be driven to its end.
+            log.error("%s", error)
+            self.session.drop(again=True)
+            self.say(None, f"The run could not be kept: {error}")
+        if self.clients:
+            text = view.frame(self.session, now)
+            for client in self.clients:
+                client.frame = text
+                client.wake.set()
+        if self.session.phase != phase:
+            self.publish()
+
+    # --- connections ---
+
+    async def talk(self, socket: WebSocket) -> None:
+        """Serve one connection, from its acceptance to its end."""
+        if len(self.clients) >= CROWD:
+            await socket.close(REFUSED)
+            return
+        await socket.accept()
+        self._numbers += 1
+        client = Client(self._numbers)
+        self.clients.append(client)
+        if self.driver is None:
+            self._seat(client)
+        client.tell(view.scene(self.session, self.source))
+        self.publish()
+        sender = asyncio.create_task(self._send(client, socket))
+        try:
+            while await self._hear(client, socket):
+                pass
+        finally:
+            sender.cancel()
+            self._part(client)
+
+    async def _send(self, client: Client, socket: WebSocket) -> None:
+        while True:
+            await client.wake.wait()
+            client.wake.clear()
+            while client.news:
+                await socket.send_text(client.news.popleft())
+            if client.frame is not None:
+                text, client.frame = client.frame, None
+                await socket.send_text(text)
+
+    async def _hear(self, client: Client, socket: WebSocket) -> bool:
+        """Take one message; False when the connection is over."""
+        try:
+            received = await socket.receive()
+        except (WebSocketDisconnect, RuntimeError):
+            return False
+        if received["type"] == "websocket.disconnect":
+            return False
+        if not client.allowance.spend(time.monotonic()):
+            client.excess += 1
+            if client.excess == 1:
+                log.warning("connection %d sends too much; some of it is dropped", client.number)
+            if client.excess > PATIENCE:
+                await socket.close(REFUSED)
+                return False
+            return True
+        try:
+            await self._obey(client, parse(received.get("text") or received.get("bytes") or ""))
+        except UserError as error:
+            log.warning("connection %d: refused: %s", client.number, error)
+            self.say(client, str(error))
+        return True
+
+    def _part(self, client: Client) -> None:
+        self.clients.remove(client)
+        if self.driver is client:
+            self.driver = None
+            self.session.lose()
+        self.publish()
+
+    # --- what is said ---
+
+    async def _obey(self, client: Client, message: Message) -> None:
+        if not isinstance(message, Command | Choose) and message.act == "seat":
+            self._change_seat(client)
+            return
+        if client is not self.driver:
+            raise UserError("you are watching; take the seat to drive")
+        if isinstance(message, Command):
+            self._commanded = time.monotonic()
+            before = self.session.levers
+            self.session.command(message, self.now())
+            if self.session.levers != before:
+                self.show()
+            return
+        if isinstance(message, Choose):
+            self.session.choose(message)
+        elif message.act == "accept":
+            await self._accept()
+        elif message.act == "helm":
+            self.session.change_helm(self.now())
+        else:
+            self.session.drop(again=message.act == "retry")
+        self.publish()
+
+    def _change_seat(self, client: Client) -> None:
+        silent = time.monotonic() - self._commanded > SILENCE
+        if client is self.driver:
+            self.driver = None
+        elif self.driver is None or silent:
+            self._seat(client)
+        else:
+            raise UserError("someone is driving; wait until the seat is free")
+        self.session.lose()
+        self.publish()
+
+    def _seat(self, client: Client) -> None:
+        self.driver, self._commanded = client, time.monotonic()
+
+    async def _accept(self) -> None:
+        save = self.session.accept()
+        assert self.session.phase == SAVING
+        try:
+            name = await asyncio.to_thread(save)
+        except UserError:
+            self.session.not_accepted()
+            raise
+        self.session.accepted()
+        self.tell(None, {"type": "accepted", "name": name})
+
+    def publish(self) -> None:
+        """Tell everyone how things stand."""
+        stands = view.status(self.session) | {"watchers": len(self.clients) - (self.driver is not None)}
+        for client in self.clients:
+            client.tell({**stands, "driving": client is self.driver, "seat_taken": self.driver is not None})
+
+    def say(self, client: Client | None, text: str) -> None:
+        """Show a line to one, or to everyone."""
+        self.tell(client, {"type": "say", "text": text})
+
+    def tell(self, client: Client | None, said: dict[str, Any]) -> None:
+        """A message to one, or to everyone."""
+        for other in self.clients if client is None else [client]:
+            other.tell(said)

@@ -1,0 +1,223 @@
+// The page shows and commands; the boat lives on the server.
+
+import { Chart } from "./chart.js";
+import { Chase } from "./chase.js";
+import { showDials, showLevers, showWeather } from "./dials.js";
+import { forget, listen, padActs, read } from "./input.js";
+import { Replay } from "./replay.js";
+
+const HEARTBEAT = 50; // ms between commands, though nothing moves: the dead-man waits for 250
+const by = (id) => document.getElementById(id);
+const chart = new Chart(by("chart"));
+const chase = new Chase(by("chase"));
+const replay = new Replay();
+const latencies = [];
+let socket, scene, frame, status = {}, trail = [], arrived = 0, asked = null, sentAt = 0, last = performance.now(), reconnect = 300;
+window.swamp = { get frame() { return frame; }, get status() { return status; }, latencies };
+
+function connect() {
+  socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
+  socket.onopen = () => { reconnect = 300; };
+  socket.onmessage = ({ data }) => hear(JSON.parse(data));
+  socket.onclose = () => {
+    document.body.dataset.connected = "no";
+    setTimeout(connect, reconnect);
+    reconnect = Math.min(4000, reconnect * 2);
+  };
+}
+
+const send = (message) => { if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message)); };
+const act = (name) => send({ type: "act", act: name });
+
+function hear(message) {
+  if (message.type === "frame") {
+    frame = message;
+    arrived = performance.now();
+    const { phase } = frame;
+    if (document.body.dataset.phase !== phase) enter(phase);
+    document.body.dataset.helm = frame.helm;
+    if (phase === "approach" || phase === "run") leave();
+    if (asked && !asked.heard && matches(frame)) asked.heard = arrived;
+  } else if (message.type === "scene") {
+    scene = message;
+    document.body.dataset.connected = "yes";
+    fill(by("level"), scene.levels);
+    fill(by("pilot"), scene.pilots);
+    by("pilot-label").hidden = by("helm").hidden = !scene.pilots.length;
+    by("kick-port").hidden = by("kick-starboard").hidden = !scene.boat.stern.length;
+    by("boat-name").textContent = `${scene.boat.name} · ${scene.course.name}`;
+    const kept = localStorage.getItem("nickname");
+    if (kept) { by("nickname").value = kept; send({ type: "choose", nickname: kept }); }
+  } else if (message.type === "status") stand(message);
+  else if (message.type === "accepted") say("Kept. Thank you!", true);
+  else if (message.type === "say") say(message.text);
+}
+
+function leave() {
+  const [north, east, heading] = frame.pose;
+  const then = trail.at(-1);
+  if (then && frame.time - then.time < 0.09) return;
+  trail.push({ time: frame.time, north, east, heading, speed: Math.hypot(frame.velocity[0], frame.velocity[1]) });
+}
+
+function enter(phase) {
+  if (phase === "ready") { trail = []; forget(); }
+  document.body.dataset.phase = phase;
+  by("accept").disabled = !(frame.run_time > 0);
+  for (const id of ["level", "pilot"]) by(id).disabled = phase !== "ready";
+}
+
+function stand(message) {
+  const before = status;
+  status = message;
+  document.body.classList.toggle("watching", !status.driving);
+  by("seat").textContent = status.driving ? "Leave" : status.seat_taken ? "Taken" : "Drive";
+  by("seat").disabled = !status.driving && status.seat_taken;
+  if (status.driving) sessionStorage.setItem("driver", "yes");
+  else if (!status.seat_taken && before.driving === undefined && sessionStorage.getItem("driver")) act("seat");
+  by("counter").textContent = `${status.count} run${status.count === 1 ? "" : "s"}`;
+  by("level").value = status.level;
+  if (status.pilot) by("pilot").value = status.pilot;
+  const list = document.querySelector("#board ol");
+  list.replaceChildren(...status.board.map(place));
+  by("board-empty").hidden = status.board.length > 0;
+}
+
+function place(row) {
+  const item = document.createElement("li");
+  item.tabIndex = 0;
+  item.dataset.run = row.run;
+  const who = row.helm === "pilot" ? "⚙ autopilot" : row.helm === "both" ? `${row.nickname} ⚙` : row.nickname;
+  for (const [tag, words] of [["b", who], ["span", row.level], ["i", `${row.seconds.toFixed(1)} s`]]) {
+    item.append(Object.assign(document.createElement(tag), { textContent: words }));
+  }
+  const open = () => { document.body.classList.remove("board-open"); replay.open(row.run); };
+  item.addEventListener("click", open);
+  item.addEventListener("keydown", (event) => { if (event.code === "Enter") { event.stopPropagation(); open(); } });
+  return item;
+}
+
+function fill(select, names) {
+  select.replaceChildren(...names.map((name) => Object.assign(document.createElement("option"), { value: name, textContent: name.replace(/^.*\//, "") })));
+}
+
+let saying;
+function say(words, good = false) {
+  const box = by("said");
+  box.textContent = words;
+  box.className = good ? "shown good" : "shown";
+  clearTimeout(saying);
+  saying = setTimeout(() => { box.className = ""; }, 3000);
+}
+
+const ENDS = { success: "Both gates!", buoy: "Touched a buoy", out_of_bounds: "Out of bounds", timeout: "Time is up" };
+function headline() {
+  if (document.body.dataset.connected !== "yes" || !frame) return ["Connecting …", ""];
+  if (document.body.dataset.replay) return ["", ""];
+  if (!status.driving) return ["Watching", status.seat_taken ? "Someone is at the levers." : "The seat is free."];
+  const next = scene.course.gates[Math.min(frame.passed, scene.course.gates.length - 1)].name;
+  switch (frame.phase) {
+    case "ready": return ["Ready", `Push the throttle: through ${scene.course.gates.map((gate) => gate.name).join(", then ")}.`];
+    case "approach": case "run":
+      if (frame.stopped) return ["Thrusters stopped", "The page lost your hand: click here, or move a lever."];
+      return ["", frame.helm === "pilot" ? "The autopilot has the helm." : frame.passed ? `Recording. Now ${next}.` : `To the ${next} gate: the run starts there.`];
+    case "saving": return ["Saving …", ""];
+    default: return [ENDS[frame.outcome] ?? frame.outcome, frame.outcome === "success" ? `${frame.run_time.toFixed(1)} s from gate to gate` : frame.run_time > 0 ? "Failed runs teach too." : "The run had not started."];
+  }
+}
+
+// --- commands ---
+
+const live = () => document.hasFocus() && !document.hidden;
+const matches = ({ levers }) => Math.abs(levers[0] - asked.throttle) < 1e-3 && Math.abs(levers[1] - asked.angle) < 1e-3;
+let sent = "";
+
+function command(since) {
+  if (!status.driving || !live()) return;
+  const levers = read();
+  const text = JSON.stringify(levers);
+  const now = performance.now();
+  if (text === sent && now - sentAt < HEARTBEAT) return;
+  if (text !== sent) asked = { ...levers, since: since ?? now, heard: 0 };
+  sent = text;
+  sentAt = now;
+  send({ type: "command", ...levers });
+}
+
+function stop() {
+  forget();
+  sent = "";
+  if (status.driving) send({ type: "command", throttle: 0, angle: 0, live: false });
+}
+
+listen(command, (name) => { if (name !== "accept" || frame?.phase === "ended") act(name); });
+setInterval(command, HEARTBEAT / 2);
+addEventListener("blur", stop);
+document.addEventListener("visibilitychange", () => { if (document.hidden) stop(); });
+for (const id of ["accept", "retry", "discard", "helm", "seat"]) {
+  by(id).addEventListener("click", (event) => { event.currentTarget.blur(); act(id); });
+}
+by("seat").addEventListener("click", () => sessionStorage.removeItem("driver"));
+by("more").addEventListener("click", () => document.body.classList.toggle("board-open"));
+by("nickname").addEventListener("change", ({ target }) => { localStorage.setItem("nickname", target.value); send({ type: "choose", nickname: target.value }); });
+by("nickname").addEventListener("keydown", (event) => { if (event.code === "Enter") event.target.blur(); });
+for (const id of ["level", "pilot"]) by(id).addEventListener("change", ({ target }) => { send({ type: "choose", [id]: target.value }); target.blur(); });
+
+// --- pictures ---
+
+// Where the boat is now: the last frame, carried on for the few milliseconds since it came.
+function present() {
+  const age = frame.phase === "approach" || frame.phase === "run" ? Math.min(0.05, (performance.now() - arrived) / 1000) : 0;
+  const [north, east, heading] = frame.pose;
+  const [u, v, r] = frame.velocity;
+  const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
+  return {
+    phase: frame.phase, time: frame.time, north: north + age * (u * cos - v * sin), east: east + age * (u * sin + v * cos), heading: heading + age * r,
+    u, v, azimuth: frame.azimuth, throttle: frame.throttle, levers: frame.levers, wind: frame.wind, current: frame.current, passed: frame.passed,
+    runTime: frame.run_time,
+  };
+}
+
+function freeArea() {
+  const box = (id) => by(id).getBoundingClientRect();
+  const narrow = getComputedStyle(document.querySelector("aside")).display === "grid";
+  const title = by("banner").firstElementChild.textContent ? box("banner").bottom : 0;
+  const right = narrow ? innerWidth : document.querySelector("aside").getBoundingClientRect().left;
+  return { left: 0, right, top: Math.max(title, narrow ? box("dials").bottom + 50 : 90), bottom: innerHeight - (narrow ? 150 : 70) };
+}
+
+function draw(now) {
+  requestAnimationFrame(draw);
+  const elapsed = Math.min(0.1, (now - last) / 1000);
+  last = now;
+  padActs().forEach((name) => act(name));
+  command();
+  const [title, line] = headline();
+  const banner = by("banner");
+  if (banner.children[0].textContent !== title) banner.children[0].textContent = title;
+  if (banner.children[1].textContent !== line) banner.children[1].textContent = line;
+  if (!scene || !frame) return;
+  const { boat, trail: path } = replay.run ? replay.look(elapsed, scene.course.gates) : { boat: present(), trail };
+  chart.draw(scene, boat, path, freeArea(), elapsed);
+  chase.draw(scene, boat, path, elapsed);
+  showDials(boat, boat.runTime);
+  showLevers(boat.levers[0], boat.levers[1]);
+  showWeather(by("weather"), boat);
+  if (asked?.heard && asked.since) measure();
+}
+
+// From the event of a key, stick or finger to the picture that shows what came of it.
+function measure() {
+  const { since, heard } = asked;
+  asked.since = 0;
+  // The picture is on the screen after this frame's callbacks.
+  requestAnimationFrame(() => {
+    latencies.push([heard - since, performance.now() - since]);
+    if (latencies.length > 200) latencies.shift();
+    const sorted = latencies.map(([, shown]) => shown).sort((a, b) => a - b);
+    by("latency").textContent = `hand to picture ${Math.round(sorted[Math.floor(sorted.length / 2)])} ms`;
+  });
+}
+
+connect();
+requestAnimationFrame(draw);

@@ -1,0 +1,148 @@
+"""The recorder's web server: a page, its socket, and the stored runs, for those whom the guard lets in."""
+
+import asyncio
+import contextlib
+import socket
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocket
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import os_error
+from swamp_rl.teleop import view
+from swamp_rl.teleop.guard import COOKIE, Guard, is_loopback
+from swamp_rl.teleop.hub import REFUSED, Hub, log
+
+PAGE = Path(__file__).parent / "page"
+LARGEST_FRAME = 16 * 1024  # bytes; what is larger ends the connection before it is read
+HEADERS = {
+    "content-security-policy": "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; "
+    "base-uri 'none'; form-action 'none'",
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "no-referrer",
+    "cache-control": "no-cache",
+}
+
+
+class Gate:
+    """Turns away, before anything else, whom the guard objects to, and adds headers to all answers."""
+
+    def __init__(self, app: ASGIApp, guard: Guard) -> None:
+        self.app, self.guard = app, guard
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """As ASGI has it."""
+        reason = self.guard.objection(scope)
+        if reason is None:
+            await self.app(scope, receive, _with_headers(send))
+            return
+        log.warning("refused a connection: %s", reason)
+        if scope["type"] == "websocket":
+            await WebSocket(scope, receive, send).close(REFUSED)
+        else:
+            answer = PlainTextResponse("Not allowed: open the address that swamp-rl record printed.\n", 403)
+            await answer(scope, receive, _with_headers(send))
+
+
+def _with_headers(send: Send) -> Send:
+    async def sending(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            headers = [(key.encode(), value.encode()) for key, value in HEADERS.items()]
+            message = {**message, "headers": [*message["headers"], *headers]}
+        await send(message)
+
+    return sending
+
+
+def application(hub: Hub, guard: Guard) -> ASGIApp:
+    """The ASGI application; while it lives, the hub keeps time."""
+
+    @contextlib.asynccontextmanager
+    async def living(_: Starlette) -> AsyncIterator[None]:
+        ticking = asyncio.create_task(hub.keep_time())
+        try:
+            yield
+        finally:
+            ticking.cancel()
+
+    def front(request: Request) -> Response:
+        if guard.in_query(request.scope):
+            # The token goes into a cookie, out of the address that is shown and kept.
+            answer = RedirectResponse("/", 303)
+            answer.set_cookie(COOKIE, guard.in_query(request.scope), httponly=True, samesite="strict")
+            return answer
+        return Response((PAGE / "index.html").read_bytes(), media_type="text/html")
+
+    def stored(request: Request) -> Response:
+        try:
+            run = hub.session.recordings.read(request.path_params["name"])
+            return JSONResponse(view.replayed(run, hub.session))
+        except UserError as error:
+            return JSONResponse({"error": str(error)}, 404)
+
+    routes = [
+        Route("/", front),
+        Route("/runs/{name}", stored),
+        WebSocketRoute("/socket", hub.talk),
+        Mount("/", StaticFiles(directory=PAGE)),
+    ]
+    return Gate(Starlette(routes=routes, lifespan=living), guard)
+
+
+def bound(host: str, port: int) -> socket.socket:
+    """A socket that listens there; UserError where it cannot."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listening = socket.socket(family)
+    try:
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.bind((host, port))
+        listening.listen()
+    except OSError as error:
+        listening.close()
+        raise os_error(error, f"--host {host} --port {port}") from error
+    return listening
+
+
+def address_of(listening: socket.socket, token: str | None) -> str:
+    """What to open in a browser: on this machine's name, if every address of it is served."""
+    host, port = listening.getsockname()[:2]
+    if host in ("0.0.0.0", "::"):
+        host = socket.gethostname()
+    elif is_loopback(host) and ":" not in host:
+        host = "127.0.0.1"
+    host = f"[{host}]" if ":" in host else host
+    return f"http://{host}:{port}/" + (f"?token={token}" if token else "")
+
+
+def server_of(hub: Hub, guard: Guard) -> uvicorn.Server:
+    """The server, to be run on a socket from `bound`."""
+    config = uvicorn.Config(
+        application(hub, guard),
+        log_level="warning",
+        ws="websockets-sansio",
+        ws_max_size=LARGEST_FRAME,
+        ws_per_message_deflate=False,
+        proxy_headers=False,
+        server_header=False,
+        timeout_graceful_shutdown=1,
+    )
+    return uvicorn.Server(config)
+
+
+def serve(hub: Hub, host: str, port: int, token: str | None, ready: Callable[[str], None]) -> None:
+    """Serve until interrupted; `ready` is called with the address once it can be opened.
+
+    port 0 is any free one. UserError where the address cannot be bound, or needs a token.
+    """
+    guard = Guard(host, token)
+    listening = bound(host, port)
+    ready(address_of(listening, token))
+    server_of(hub, guard).run(sockets=[listening])

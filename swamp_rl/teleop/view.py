@@ -1,0 +1,118 @@
+"""What the page is told: plain JSON, SI units, angles in rad."""
+
+import json
+import math
+from typing import Any
+
+from swamp_rl.physics.motion import current_at
+from swamp_rl.runs import Run
+from swamp_rl.simulator.state import NORTH, SURGE, TIME, YAW_RATE
+from swamp_rl.teleop.afloat import actuators
+from swamp_rl.teleop.rows import MOTION, disturbed, largest_difference
+from swamp_rl.teleop.session import UNDER_WAY, Session
+
+DIGITS = 5
+
+
+def scene(session: Session, source: str) -> dict[str, Any]:
+    """What does not change: course, boat, and what there is to choose from."""
+    boat, course = session.boat.fleet.boat, session.boat.fleet.course
+    return {
+        "type": "scene",
+        "course": {
+            "name": course.name,
+            "gates": [
+                {
+                    "name": gate.name,
+                    "heading": gate.heading,
+                    "centre": [gate.centre.north, gate.centre.east],
+                    "buoys": [[buoy.north, buoy.east] for buoy in gate.buoys],
+                }
+                for gate in course.gates
+            ],
+            "bounds": course.bounds.model_dump(),
+            "buoy_radius": course.buoy_radius,
+        },
+        "boat": {
+            "name": boat.name,
+            "length": boat.length,
+            "breadth": boat.breadth,
+            "thrusters": [
+                {"name": item.name, "x": item.x, "y": item.y, "full": item.throttle_max}
+                for item in boat.thrusters
+            ],
+            "stern": list(session.boat.stern),
+        },
+        "levels": list(session.levels),
+        "pilots": list(session.pilots),
+        "source": source,
+    }
+
+
+def frame(session: Session, now: float) -> str:
+    """The boat at `now` as JSON text."""
+    state = session.state(now)
+    azimuths, throttles = actuators(state)
+    wind_north, wind_east, current_north, current_east = session.boat.weather(state)
+    under_way = session.phase in UNDER_WAY
+    said = {
+        "type": "frame",
+        "phase": session.phase,
+        "outcome": session.outcome,
+        "helm": session.helm,
+        "stopped": under_way and session.stopped(now),
+        "time": float(state[TIME]) if not under_way else session.boat.now.state[TIME] + now - session.began,
+        "run_time": max(session.rows - 1, 0) * session.boat.step,
+        "pose": state[NORTH : NORTH + 3].tolist(),
+        "velocity": state[SURGE : YAW_RATE + 1].tolist(),
+        "azimuth": azimuths.tolist(),
+        "throttle": throttles.tolist(),
+        "levers": session.levers,
+        "wind": [wind_north, wind_east],
+        "current": [current_north, current_east],
+        "passed": session.boat.now.passed,
+    }
+    return json.dumps(_rounded(said), allow_nan=False, separators=(",", ":"))
+
+
+def status(session: Session) -> dict[str, Any]:
+    """What changes now and then."""
+    return {
+        "type": "status",
+        "nickname": session.nickname,
+        "level": session.level,
+        "pilot": session.pilot,
+        "count": session.recordings.count,
+        "board": session.recordings.board,
+    }
+
+
+def replayed(run: Run, session: Session) -> dict[str, Any]:
+    """A stored run to be shown again, with how far it is from the same run sailed anew: nought, if exact."""
+    boat = session.boat.fleet.boat
+    about = run.meta.model_dump()
+    channels = [item.command_columns for item in boat.thrusters]
+    columns = {name: _list(run, name) for name in ("time", *MOTION)}
+    return {
+        "name": run.name,
+        "about": {key: about.get(key) for key in ("nickname", "level", "helm", "seconds", "outcome")},
+        "columns": columns,
+        "azimuth": [_list(run, f"applied_{angle}") for angle, _ in channels],
+        "throttle": [_list(run, f"applied_{level}") for _, level in channels],
+        "levers": [_list(run, name) for name in ("joy_thrust", "joy_angle")],
+        "wind": [_list(run, name) for name in ("wind_speed", "wind_from")],
+        "current": list(current_at(0.0, disturbed(run, boat)[0])),
+        "difference": largest_difference(run, boat),
+    }
+
+
+def _list(run: Run, name: str) -> list[float]:
+    return [_rounded(value) for value in run.columns[name].tolist()] if name in run.columns else []
+
+
+def _rounded(said: Any) -> Any:
+    if isinstance(said, float):
+        return round(said, DIGITS) if math.isfinite(said) else None
+    if isinstance(said, dict):
+        return {key: _rounded(value) for key, value in said.items()}
+    return [_rounded(value) for value in said] if isinstance(said, list | tuple) else said

@@ -1,0 +1,52 @@
+"""A recorder that serves from a thread, as the browser's and the safety tests need one."""
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.teleop.guard import Guard
+from swamp_rl.teleop.hub import Hub
+from swamp_rl.teleop.server import address_of, bound, server_of
+from swamp_rl.teleop.session import DEAD_MAN, Session
+from tests.driving import make_env, recordings
+
+
+@contextmanager
+def serving(
+    folder: Path,
+    *,
+    factor: float = 1.0,
+    host: str = "127.0.0.1",
+    token: str | None = None,
+    level: str = "calm",
+    pilots: dict[str, Pilot] | None = None,
+    seed: int = 1,
+) -> Iterator[tuple[str, Hub]]:
+    """The address and the hub; factor: how much faster than real time the boat's clock runs."""
+    levels = tuple(dict.fromkeys((level, "calm", "standard", "severe")))
+    kept = recordings(folder)
+    rng: Any = np.random.default_rng(seed)
+    session = Session(make_env, kept, levels, rng, pilots, dead_man=DEAD_MAN * factor)
+    session.boat.foresee((0.0, 0.0))  # compiles
+    session.renew()
+    hub = Hub(session, "scripted", factor)
+    listening = bound(host, 0)
+    server = server_of(hub, Guard(host, token))
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})
+    thread.start()
+    try:
+        while not server.started:
+            time.sleep(0.01)
+        yield address_of(listening, token), hub
+    finally:
+        server.should_exit = True
+        thread.join(timeout=10)
+        if session.journal is not None:
+            session.journal.close()
+        kept.close()
