@@ -32,10 +32,16 @@ def run_experiment(
     The folder is built beside and renamed when whole; only then an earlier result in its place is replaced,
     and anything else there is refused. UserError for whatever is wrong in the file, before any work is done.
     """
+    from experiments.closed_loop import close_loop, true_scene
+
     scene = read_scene(load_experiment(name_or_path, overrides))
+    work = do_experiment
+    if scene.experiment.hidden is not None:
+        true_scene(scene)  # whose effects are refused now, not after an hour
+        work = close_loop
     folder = Path(out) if out is not None else Path("results") / scene.experiment.name
     with folder_beside(folder, replaces=RESULTS) as part, stages() as progress:
-        results = do_experiment(scene, part, progress)
+        results = work(scene, part, progress)
         write_json(part / RESULTS, results)
     print_results(results, folder)
     return folder

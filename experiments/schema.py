@@ -15,6 +15,7 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
 Seed = Annotated[int, Field(ge=0, lt=2**31)]
 Count = Annotated[int, Field(ge=1)]
 Rate = Annotated[float, Field(ge=0.0, le=1.0)]
+Noise = Annotated[float, Field(ge=0.0)]
 
 
 LEARN_FROM_RUNS = ("reservoir", "cloning")
@@ -43,6 +44,28 @@ class Data(Part):
 
     folder: str | None = None
     record: Record = Record()
+
+
+class Logs(Part):
+    """Runs of the scripted pilot in a true boat, as its sensors see them.
+
+    disturbances: the level they are driven at, None for none. Noise: standard deviations [SI, rad].
+    """
+
+    runs: Count = 8
+    disturbances: str | None = None
+    seed: Seed = 0
+    position_noise: Noise = 0.05
+    heading_noise: Noise = 0.009
+    velocity_noise: Noise = 0.03
+    yaw_rate_noise: Noise = 0.005
+
+
+class Hidden(Part):
+    """A true boat that differs from its file by effects which must be found from logs."""
+
+    effects: Annotated[list[dict[str, Any]], Field(min_length=1)]
+    logs: Logs = Logs()
 
 
 class ScriptedSettings(Settings):
@@ -100,7 +123,10 @@ class Targets(Part):
 
 
 class Experiment(Part):
-    """One experiment, whole. boat, course and levels are names in `configs/` or paths; step in s."""
+    """One experiment, whole. boat, course and levels are names in `configs/` or paths; step in s.
+
+    With `hidden` it closes the loop from logs to pilots, see `experiments.closed_loop`.
+    """
 
     name: Name
     description: str = ""
@@ -111,6 +137,7 @@ class Experiment(Part):
     pilots: Annotated[dict[Name, PilotPlan], Field(min_length=1)]
     evaluation: Evaluation
     targets: Targets = Targets()
+    hidden: Hidden | None = None
 
     @model_validator(mode="after")
     def _targets_name_what_is_there(self) -> Self:
