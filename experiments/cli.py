@@ -1,9 +1,10 @@
 """The command line: one thin verb for each task, and one clear line when it cannot be done."""
 
 import os
+import signal
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -16,7 +17,7 @@ from experiments.verbs_trials import trial_app
 from swamp_rl import __version__
 from swamp_rl.errors import UserError
 
-BAD_INPUT, INTERRUPTED, UNEXPECTED = 2, 130, 70
+BAD_INPUT, INTERRUPTED, TERMINATED, UNEXPECTED = 2, 130, 143, 70
 DEBUG = "SWAMP_RL_DEBUG"
 
 app = typer.Typer(
@@ -137,6 +138,7 @@ def bench(
 
 def main() -> None:
     """Run the command line; whatever goes wrong is one line on the error stream and a non-zero exit."""
+    signal.signal(signal.SIGTERM, _end)
     try:
         code = app(standalone_mode=False)
     except typer.TyperException as error:
@@ -156,14 +158,25 @@ def main() -> None:
         code = _complain(str(os_error(error, "the operating system")), BAD_INPUT)
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED
+    except _Terminated:
+        code = TERMINATED
     except Exception as error:
         if os.environ.get(DEBUG):
             raise
         what = f"unexpected {type(error).__name__}: {error}"
         code = _complain(f"{what}; {DEBUG}=1 shows where, please report it", UNEXPECTED)
-    if code == INTERRUPTED:
-        _complain("interrupted; what was not finished was not kept", INTERRUPTED)
+    if code in (INTERRUPTED, TERMINATED):
+        ended = "interrupted" if code == INTERRUPTED else "terminated"
+        _complain(f"{ended}; what was not finished was not kept", code)
     sys.exit(code or 0)
+
+
+class _Terminated(SystemExit):
+    """SIGTERM, as an exception, so that whatever is half-written is removed on the way out."""
+
+
+def _end(number: int, frame: object) -> NoReturn:
+    raise _Terminated(TERMINATED)
 
 
 def _complain(line: str, code: int) -> int:

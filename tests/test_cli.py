@@ -3,6 +3,7 @@
 import errno
 import os
 import resource
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -263,6 +264,22 @@ def test_an_interrupted_verb_is_one_line_with_the_usual_exit_code(
     words = ["simulate", "--commands", folder / "one.csv", "--out", "a.csv"]
     assert_complains(call(*words), "interrupted", code=130)
     assert not Path("a.csv").exists()
+
+
+def test_a_terminated_verb_is_one_line_and_leaves_nothing_half_written(
+    call: Call, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def terminate(handle: int) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    monkeypatch.setattr(os, "fsync", terminate)
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        words = ["simulate", "--commands", folder / "one.csv", "--out", "out/a.csv"]
+        assert_complains(call(*words), "terminated", code=143)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert list(Path("out").iterdir()) == []
 
 
 def test_a_bug_is_one_line_for_users_and_a_traceback_for_those_who_ask(

@@ -1,6 +1,7 @@
 """Pilots come back from the disk as they were, and a damaged one is told."""
 
 import json
+import resource
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,17 @@ def test_an_earlier_pilot_is_replaced_and_another_folder_is_not(tmp_path: Path) 
     with pytest.raises(UserError, match="letters"):
         save_pilot(PILOTS["reservoir"], tmp_path / "letters")
     assert (tmp_path / "letters" / "one.txt").read_text(encoding="utf-8") == "dear"
+
+
+def test_a_pilot_that_the_disk_has_no_room_for_is_one_clear_line_and_not_there(tmp_path: Path) -> None:
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, before[1]))
+    try:
+        with pytest.raises(UserError, match="pilot: File too large"):
+            save_pilot(RESERVOIR, tmp_path / "pilot")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_damage_is_told_in_one_line_that_names_the_pilot(tmp_path: Path) -> None:

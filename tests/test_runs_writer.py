@@ -14,6 +14,7 @@ from swamp_rl.runs import (
     append_run,
     check_dataset,
     create_dataset,
+    dataset_beside,
     inspect_dataset,
     read_dataset,
 )
@@ -109,3 +110,15 @@ def test_a_run_needs_a_dataset_to_be_appended_to(tmp_path: Path) -> None:
 def test_columns_of_different_lengths_are_the_callers_mistake(folder: Path) -> None:
     with pytest.raises(ValueError, match="one length"):
         append_run(folder, Run("three", circling() | {"depth": np.ones(3)}))
+
+
+def test_a_new_dataset_takes_the_place_of_its_writers_own_alone(folder: Path, tmp_path: Path) -> None:
+    own = described(notes="by this test")
+    for _ in range(2):
+        with dataset_beside(tmp_path / "own", own) as part:
+            append_run(part, Run("first", circling()))
+        assert [run.name for run in read_dataset(tmp_path / "own").runs] == ["first"]
+    before = sorted(path.name for path in folder.iterdir())
+    with pytest.raises(UserError, match="holds other runs"), dataset_beside(folder, own):
+        pass
+    assert sorted(path.name for path in folder.iterdir()) == before

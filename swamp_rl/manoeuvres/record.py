@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.files import folder_beside
 from swamp_rl.manoeuvres.approach import Area
 from swamp_rl.manoeuvres.controller import APPROACH, Trial
 from swamp_rl.manoeuvres.execute import STEP, Executed, execute
-from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_runs, create_dataset
+from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_runs, dataset_beside
 from swamp_rl.sensors import CHANNELS
 from swamp_rl.simulator.replay import run_of
 
@@ -77,9 +76,8 @@ def record_trials(
         source="simulated",
         notes=NOTES,
     )
-    with folder_beside(out, replaces="dataset.yaml") as part:
+    with dataset_beside(out, meta) as part:
         executed = execute(boat, trials, area, seed)
-        create_dataset(part, meta)
         runs = [
             run_of_trial(one, boat, trial_name(number + 1, one.trial), seed + number)
             for number, one in enumerate(executed)

@@ -8,11 +8,10 @@ import numpy as np
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
-from swamp_rl.files import folder_beside
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
-from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, create_dataset
+from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, dataset_beside
 
 AT_ONCE = 64
 "Boats driven side by side. Fixed, so that asking for more runs never changes the first ones."
@@ -89,7 +88,7 @@ def record_scripted(
 
     make_boats: builds boats of `boat` on `course` at `step` [s], disturbed as the runs are to be. Each run
     holds the seed, the initial state and the disturbances of its episode. `tick` hears how many succeeded.
-    UserError where the folder holds something else, or the pilot hardly ever succeeds.
+    UserError where the folder holds something else than such runs, or the pilot hardly ever succeeds.
     """
     vehicle = load_boat(boat)
     meta = DatasetMeta(
@@ -105,8 +104,7 @@ def record_scripted(
     pilot = ScriptedPilot(seed, habits, step)
     boats = make_boats(AT_ONCE, pilot.senses)
     try:
-        with folder_beside(out, replaces="dataset.yaml") as part:
-            create_dataset(part, meta)
+        with dataset_beside(out, meta) as part:
             _fill(part, boats, pilot, vehicle, (count, failed), seed, format, tick)
     finally:
         boats.close()

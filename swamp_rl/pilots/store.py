@@ -26,13 +26,15 @@ KINDS: dict[str, Any] = {
 
 def save_pilot(pilot: Pilot, folder: Path | str) -> None:
     """Write the pilot into `folder`, whole or not at all, over an earlier one; UserError if it cannot."""
-    from safetensors.numpy import save_file
+    from safetensors.numpy import save
 
     description = {"kind": pilot.kind, "settings": pilot.settings()}
     with folder_beside(folder, replaces=DESCRIPTION) as part:
         text = json.dumps(description, indent=2, allow_nan=False) + "\n"
         (part / DESCRIPTION).write_text(text, encoding="utf-8")
-        save_file({k: np.ascontiguousarray(v) for k, v in pilot.weights().items()}, part / WEIGHTS)
+        # written here and not by the library, whose error on a full disk is one of its own
+        weights = save({name: np.ascontiguousarray(array) for name, array in pilot.weights().items()})
+        (part / WEIGHTS).write_bytes(weights)
 
 
 def load_pilot(folder: Path | str) -> Pilot:

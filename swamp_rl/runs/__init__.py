@@ -4,7 +4,7 @@ from swamp_rl.runs.dataset import Dataset, check_dataset, inspect_dataset, read_
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
-from swamp_rl.runs.writer import adopt_run, append_run, append_runs, create_dataset, write_run
+from swamp_rl.runs.writer import adopt_run, append_run, append_runs, create_dataset, dataset_beside, write_run
 
 __all__ = [
     "Dataset",
@@ -17,6 +17,7 @@ __all__ = [
     "append_runs",
     "check_dataset",
     "create_dataset",
+    "dataset_beside",
     "inspect_dataset",
     "read_dataset",
     "read_run",

@@ -1,7 +1,8 @@
 """Writing runs: each one whole on the disk and listed, or not there at all."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
-from swamp_rl.files import flush, os_error, write_yaml
+from swamp_rl.files import flush, folder_beside, os_error, write_yaml
 from swamp_rl.runs.check import check_table
 from swamp_rl.runs.dataset import META, boat_of, read_meta
 from swamp_rl.runs.run import Run
@@ -29,6 +30,23 @@ def create_dataset(folder: Path | str, meta: DatasetMeta) -> None:
     if held:
         raise UserError(f"{folder}: already holds {held[0]}; name another folder for the new dataset")
     _write_meta(folder, meta)
+
+
+@contextmanager
+def dataset_beside(folder: Path | str, meta: DatasetMeta) -> Iterator[Path]:
+    """Yield a new dataset beside `folder`, which takes its place once the block has ended well.
+
+    UserError where the folder holds anything but an earlier dataset of the same source and notes: what one
+    writer makes never takes the place of what a person drove or another writer made.
+    """
+    folder = Path(folder)
+    if (folder / META).exists():
+        there = read_meta(folder)
+        if (there.source, there.notes) != (meta.source, meta.notes):
+            raise UserError(f"{folder}: holds other runs, {there.source} ones; name another folder")
+    with folder_beside(folder, replaces=META) as part:
+        create_dataset(part, meta)
+        yield part
 
 
 def append_run(folder: Path | str, run: Run, format: Literal["parquet", "csv"] = "parquet") -> Path:
