@@ -1,6 +1,6 @@
 // The course from above, north up: a camera that keeps the boat and its next gate in sight.
 
-import { gateColour, hullOutline, WAKE_SECONDS } from "./scene.js";
+import { foam, gateColour, hullOutline, WAKE_SECONDS } from "./scene.js";
 
 const MARGIN = 4.5; // m around what must be seen
 const CLOSEST = 58; // px per m
@@ -184,18 +184,10 @@ export class Chart {
       const [now, then] = [trail[i], trail[i - 1]];
       const age = boat.time - then.time;
       if (age > WAKE_SECONDS) break;
-      const fade = (1 - age / WAKE_SECONDS) * Math.min(1, then.speed);
-      const spread = 0.38 + 0.13 * age;
-      const carried = [boat.current[0] * age, boat.current[1] * age];
-      const width = 0.08 + 0.03 * age;
-      c.fillStyle = `rgba(235,250,255,${0.55 * fade})`;
+      c.fillStyle = `rgba(235,250,255,${0.55 * (1 - age / WAKE_SECONDS) * Math.min(1, then.speed)})`;
       for (const side of [-1, 1]) {
-        const edge = (p, across) => this.place(
-          p.north + carried[0] - side * across * Math.sin(p.heading), p.east + carried[1] + side * across * Math.cos(p.heading));
         c.beginPath();
-        for (const corner of [edge(now, spread - width), edge(now, spread + width), edge(then, spread + 0.013 + width), edge(then, spread - width)]) {
-          c.lineTo(...corner);
-        }
+        for (const [p, edge] of [[now, -1], [now, 1], [then, 1], [then, -1]]) c.lineTo(...this.place(...foam(p, boat, side, edge)));
         c.fill();
       }
     }

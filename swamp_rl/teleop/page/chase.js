@@ -1,6 +1,6 @@
 // The view from behind and above the boat, in perspective.
 
-import { gateColour, hullOutline, WAKE_SECONDS } from "./scene.js";
+import { foam, gateColour, hullOutline, WAKE_SECONDS } from "./scene.js";
 
 const BEHIND = 3.6, ABOVE = 1.9, AHEAD = 5; // m: where the camera is, and the point it looks at
 const NEAR = 0.35;
@@ -127,11 +127,9 @@ export class Chase {
       const age = boat.time - then.time;
       if (age > WAKE_SECONDS || age < 0) continue;
       const alpha = 0.42 * (1 - age / WAKE_SECONDS) * Math.min(1, then.speed);
-      const carried = [boat.current[0] * age, boat.current[1] * age];
-      const spread = 0.36 + 0.13 * age;
       for (const side of [-1, 1]) {
-        const edge = (p, across) => [p.north + carried[0] - side * across * Math.sin(p.heading), p.east + carried[1] + side * across * Math.cos(p.heading), 0];
-        this.polygon([edge(now, spread - 0.1), edge(now, spread + 0.1), edge(then, spread + 0.16), edge(then, spread - 0.16)], `rgba(240,252,255,${alpha})`);
+        const corners = [[now, -1], [now, 1], [then, 1], [then, -1]].map(([p, edge]) => foam(p, boat, side, edge));
+        this.polygon(corners, `rgba(240,252,255,${alpha})`);
       }
     }
   }

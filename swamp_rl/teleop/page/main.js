@@ -182,8 +182,9 @@ function freeArea() {
   const box = (id) => by(id).getBoundingClientRect();
   const narrow = getComputedStyle(document.querySelector("aside")).display === "grid";
   const title = by("banner").firstElementChild.textContent ? box("banner").bottom : 0;
+  const bar = replay.run ? box("replay").bottom : 0;
   const right = narrow ? innerWidth : document.querySelector("aside").getBoundingClientRect().left;
-  return { left: 0, right, top: Math.max(title, narrow ? box("dials").bottom + 50 : 90), bottom: innerHeight - (narrow ? 150 : 70) };
+  return { left: 0, right, top: Math.max(title, bar, narrow ? box("dials").bottom + 50 : 90), bottom: innerHeight - (narrow ? 150 : 70) };
 }
 
 function draw(now) {

@@ -12,4 +12,10 @@ export function hullOutline(length, width, across) {
     [-w * 0.75, h * 0.86], [-w, h * 0.5], [-w, -h * 0.5], [-w * 0.75, -h * 0.86]].map(([x, y]) => [x + across, y]);
 }
 
-export const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
+// A point of the wake: of the port (-1) or starboard (1) hull's foam, its inner (-1) or outer (1) edge, carried
+// along by the current since the boat was there.
+export function foam(p, boat, side, edge) {
+  const age = Math.max(0, boat.time - p.time);
+  const across = side * (0.38 + 0.13 * age + edge * (0.08 + 0.03 * age));
+  return [p.north + boat.current[0] * age - across * Math.sin(p.heading), p.east + boat.current[1] * age + across * Math.cos(p.heading)];
+}
