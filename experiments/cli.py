@@ -8,6 +8,7 @@ from typing import Annotated, NoReturn
 
 import typer
 
+import experiments.verbs_exchange  # noqa: F401  it adds its verbs to `runs`
 from experiments.verbs_criticism import diagnose
 from experiments.verbs_demo import demo
 from experiments.verbs_identification import identify_app

@@ -1,0 +1,164 @@
+"""From files of others to one dataset of ours, whole or not at all."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.errors import UserError
+from swamp_rl.files import folder_beside
+from swamp_rl.runs.dataset import META, boat_of, read_meta
+from swamp_rl.runs.free_running import import_free_running
+from swamp_rl.runs.import_foreign import Foreign, Wishes, run_from
+from swamp_rl.runs.import_telemetry import read_telemetry
+from swamp_rl.runs.mcap_files import read_mcap
+from swamp_rl.runs.run import Run
+from swamp_rl.runs.schema import DatasetMeta, RunMeta, Source
+from swamp_rl.runs.table import read_table
+from swamp_rl.runs.writer import append_run, create_dataset
+
+Kind = Literal["csv", "parquet", "mcap", "telemetry", "free-running"]
+SUFFIXES = {
+    "csv": (".csv",),
+    "parquet": (".parquet",),
+    "mcap": (".mcap",),
+    "telemetry": (".txt", ".log", ".dat"),
+    "free-running": (".csv",),
+}
+
+
+@dataclass(frozen=True)
+class About:
+    """What the files do not tell: `boat` (a name or file), who drove, the course, and for some kinds the
+    `topic` (mcap), the `sender` (telemetry), whether to end a run before its first hole (free-running).
+    None: as the source's own dataset has it, else the swamp, measured, on no course."""
+
+    boat: str | None = None
+    source: Source | None = None
+    course: str | None = None
+    notes: str | None = None
+    topic: str | None = None
+    sender: int | None = None
+    repair: bool = False
+
+
+def import_runs(
+    sources: Sequence[Path],
+    kind: Kind,
+    out: Path | str,
+    about: About | None = None,
+    wishes: Wishes | None = None,
+) -> DatasetMeta:
+    """Write the runs of `sources` (files, or folders of them) into the new dataset `out`; what it then says.
+
+    UserError with file, row and column at the first fault, and then there is no `out`.
+    """
+    about, wishes = about or About(), wishes or Wishes()
+    if kind not in get_args(Kind):
+        raise UserError(f"--from {kind}: is none of {', '.join(get_args(Kind))}")
+    files = [file for source in sources for file in _files(source, kind)]
+    _refuse_twins(files)
+    if kind == "free-running":
+        boat = load_boat(about.boat or "esso_osaka")
+        runs = [import_free_running(file, boat, about.repair) for file in files]
+        meta = _described(about, boat, about.boat or "esso_osaka", None, runs, wishes)
+        return _write(Path(out), meta, runs, None)
+    found = [_reader(kind, about)(file) for file in files]
+    told = next((one.dataset for one in found if one.dataset is not None), None)
+    home = next((file.parent for file in files if (file.parent / META).is_file()), None)
+    beside = home if told and about.boat is None and home and (home / told.vehicle).is_file() else None
+    vehicle = about.boat or (told.vehicle if told else "swamp")
+    boat = boat_of(beside, told) if beside and told else load_boat(vehicle)
+    runs = [run_from(one, wishes, boat) for one in found]
+    return _write(Path(out), _described(about, boat, vehicle, told, runs, wishes), runs, beside)
+
+
+def _files(source: Path, kind: Kind) -> list[Path]:
+    """A file itself; of a folder, the runs its `dataset.yaml` lists, else all files of the kind by name."""
+    if source.is_file():
+        return [source]
+    if not source.is_dir():
+        raise UserError(f"{source}: no such file or folder; check the name")
+    if (source / META).is_file():
+        listed = [source / str(run.file) for run in read_meta(source).runs]
+    else:
+        listed = sorted(path for path in source.iterdir() if path.is_file())
+    files = [path for path in listed if path.suffix.lower() in SUFFIXES[kind]]
+    if not files or (len(files) < len(listed) and (source / META).is_file()):
+        raise UserError(f"{source}: its runs are not all {' or '.join(SUFFIXES[kind])}; check --from {kind}")
+    return files
+
+
+def _refuse_twins(files: Sequence[Path]) -> None:
+    by_name: dict[str, Path] = {}
+    for file in files:
+        if file.stem in by_name:
+            raise UserError(f"{file}: would be a run of the same name as {by_name[file.stem]}; rename one")
+        by_name[file.stem] = file
+
+
+def _reader(kind: Kind, about: About) -> Callable[[Path], Foreign]:
+    if kind == "mcap":
+        return lambda path: read_mcap(path, about.topic)
+    if kind == "telemetry":
+        return lambda path: read_telemetry(path, about.sender)
+    return lambda path: _read_table(path, kind)
+
+
+def _read_table(path: Path, kind: Kind) -> Foreign:
+    if path.suffix.lower() not in SUFFIXES[kind]:
+        raise UserError(f"{path}: is no {SUFFIXES[kind][0]} file; check --from {kind}")
+    table = read_table(path)
+    if not (path.parent / META).is_file():
+        return Foreign(str(path), path.stem, table)
+    dataset = read_meta(path.parent)
+    meta = next((run for run in dataset.runs if run.file == path.name), RunMeta())
+    return Foreign(str(path), path.stem, table, meta, dataset)
+
+
+def _described(
+    about: About,
+    boat: Boat,
+    vehicle: str,
+    told: DatasetMeta | None,
+    runs: Sequence[Run],
+    wishes: Wishes,
+) -> DatasetMeta:
+    """`dataset.yaml` of the new dataset; what the source's own said stays, but for what was asked."""
+    steps = np.concatenate([np.diff(run.time) for run in runs])
+    # As many digits as times in float64 may be trusted for: 10 Hz is 10, not 9.99999999.
+    rate = wishes.resample or wishes.rate or float(f"{1.0 / float(np.median(steps)):.9g}")
+    if told is not None and abs(told.sample_rate / rate - 1.0) < 1e-6:
+        rate = told.sample_rate
+    particulars = told if told is not None and about.boat is None else boat
+    return DatasetMeta(
+        vehicle=vehicle,
+        mass=particulars.mass,
+        draught=particulars.draught,
+        water_density=particulars.water_density,
+        sample_rate=rate,
+        source=about.source or (told.source if told else "measured"),
+        course=about.course or (told.course if told else None),
+        notes=about.notes or (told.notes if told else None),
+        licence=told.licence if told else None,
+    )
+
+
+def _write(out: Path, meta: DatasetMeta, runs: Sequence[Run], beside: Path | None) -> DatasetMeta:
+    """beside: the folder that holds the boat's own file, which goes along."""
+    if out.exists():
+        raise UserError(f"{out}: already exists; runs are imported into a new folder, name another")
+    with folder_beside(out) as part:
+        if beside is not None:
+            (part / meta.vehicle).write_bytes((beside / meta.vehicle).read_bytes())
+        create_dataset(part, meta)
+        for run in runs:
+            try:
+                append_run(part, run)
+            except UserError as error:
+                # The folder that is being built is nobody's business.
+                raise UserError(str(error).replace(f"{part}/", "")) from error
+    return read_meta(out)

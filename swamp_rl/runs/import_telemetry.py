@@ -1,0 +1,156 @@
+"""The telemetry that the SWAMP sends: one line of 40 numbers for each packet (thesis 6.2).
+
+Units are the sensor's own: radians, degrees for the place and for the course over ground, m, m/s, g.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.errors import UserError
+from swamp_rl.runs.import_foreign import Foreign
+from swamp_rl.runs.schema import RunMeta
+from swamp_rl.runs.table import Table
+
+Array = NDArray[np.float64]
+
+FIELDS = (
+    "sender",
+    "yaw",
+    "pitch",
+    "roll",
+    "latitude",
+    "longitude",
+    "height_above_ellipsoid",
+    "height_above_sea",
+    "horizontal_accuracy",
+    "vertical_accuracy",
+    "position_flags",
+    *(f"{what}_{axis}" for what in ("acceleration", "gyro", "magnetic") for axis in "xyz"),
+    *(f"orientation_{row}{column}" for row in "123" for column in "123"),
+    "velocity_north",
+    "velocity_east",
+    "velocity_down",
+    "speed",
+    "ground_speed",
+    "course_over_ground",
+    "speed_accuracy",
+    "velocity_flags",
+    "course_accuracy",
+    "utc",
+    "utc_flags",
+)
+VALID = 1
+"""The bit of a flag field that says that the whole of it can be used."""
+EPOCHS = {1: (10**9, 10**10), 10**3: (10**12, 10**13), 10**6: (10**15, 10**16), 10**9: (10**18, 10**19)}
+"""Ticks in a second, by the span of stamps since 1970 that then fall into the years 2001 to 2286."""
+
+
+def read_telemetry(path: Path, sender: int | None = None) -> Foreign:
+    """A file of such lines as a table; UserError with line and field for the first that is wrong.
+
+    Times are from the first line's stamp. sender: whose lines to take, where the file holds several hulls'.
+    Every field but sender and stamp is kept, under the names of `FIELDS`.
+    """
+    numbers, words = _lines(path)
+    senders = sorted({int(line[0]) for line in words})
+    if sender is None and len(senders) > 1:
+        raise UserError(f"{path}: lines of senders {senders}; choose one of them: --sender {senders[0]}")
+    chosen = [i for i, line in enumerate(words) if sender in (None, int(line[0]))]
+    if not chosen:
+        raise UserError(f"{path}: no line of sender {sender}; it has {senders}")
+    lines = np.array([numbers[i] for i in chosen], np.int64)
+    values = dict(zip(FIELDS, np.array([words[i] for i in chosen], float).T, strict=True))
+    _refuse_invalid(path, lines, values)
+    _refuse_degrees(path, values)
+    stamps = [int(words[i][FIELDS.index("utc")]) for i in chosen]
+    ticks = _ticks(path, lines[0], stamps[0])
+    time = np.array([stamp - stamps[0] for stamp in stamps], float) / ticks
+    columns = {"time": time, "heading": values["yaw"], **_velocity(values)}
+    kept = {name: column for name, column in values.items() if name not in ("sender", "utc", "yaw")}
+    meta = RunMeta.model_validate({"utc_start": stamps[0] / ticks, "sender": int(words[chosen[0]][0])})
+    return Foreign(path.name, path.stem, Table(columns | kept, lines), meta)
+
+
+def _lines(path: Path) -> tuple[list[int], list[list[str]]]:
+    """Numbers from 1 and words of the lines that are not empty, each of 40 finite numbers."""
+    try:
+        # Packets are C strings; a log of them may keep the byte that ends each.
+        text = path.read_bytes().replace(b"\0", b"").decode("ascii")
+    except UnicodeDecodeError as error:
+        raise UserError(f"{path}: byte {error.start} is no text; name a file of telemetry lines") from error
+    numbers, words = [], []
+    for number, line in enumerate(text.splitlines(), 1):
+        found = line.split()
+        if not found:
+            continue
+        if len(found) != len(FIELDS):
+            raise UserError(
+                f"{path}: line {number} has {len(found)} fields, a telemetry line has {len(FIELDS)}; "
+                "complete or remove it"
+            )
+        for i, word in enumerate(found):
+            _refuse_word(path, number, i, word)
+        numbers.append(number)
+        words.append(found)
+    if not words:
+        raise UserError(f"{path}: holds no line; name a file of telemetry lines")
+    return numbers, words
+
+
+def _refuse_word(path: Path, number: int, index: int, word: str) -> None:
+    whole = FIELDS[index] in ("sender", "position_flags", "velocity_flags", "utc", "utc_flags")
+    try:
+        good = "_" not in word and (int(word) >= 0 if whole else np.isfinite(float(word)))
+    except ValueError:
+        good = False
+    if not good:
+        kind = "whole number" if whole else "number"
+        raise UserError(
+            f"{path}: line {number}, field {index + 1} ({FIELDS[index]}): {word[:40]!r} is no {kind}; "
+            "correct it"
+        )
+
+
+def _refuse_invalid(path: Path, lines: NDArray[np.int64], values: dict[str, Array]) -> None:
+    for what, flags in (("position", "position_flags"), ("velocity", "velocity_flags")):
+        bad = np.flatnonzero(values[flags].astype(np.int64) & VALID == 0)
+        if len(bad):
+            raise UserError(
+                f"{path}: line {lines[bad[0]]}, field {FIELDS.index(flags) + 1} ({flags}): the GPS says that "
+                f"its {what} is not valid, as in {len(bad)} line(s); cut the file where it is"
+            )
+
+
+def _refuse_degrees(path: Path, values: dict[str, Array]) -> None:
+    """The matrix holds cos(yaw) cos(pitch), whichever way it is written, and so tells the angles' unit."""
+    told = values["orientation_11"]
+    radians = np.cos(values["yaw"]) * np.cos(values["pitch"])
+    degrees = np.cos(np.radians(values["yaw"])) * np.cos(np.radians(values["pitch"]))
+    if np.abs(degrees - told).max() < 0.01 < np.abs(radians - told).max():
+        raise UserError(
+            f"{path}: field 2 (yaw) is in degrees, as the orientation matrix shows; "
+            "give radians in fields 2 to 4"
+        )
+
+
+def _ticks(path: Path, line: int, stamp: int) -> int:
+    for ticks, (low, high) in EPOCHS.items():
+        if low <= stamp < high:
+            return ticks
+    raise UserError(
+        f"{path}: line {line}, field {FIELDS.index('utc') + 1} (utc): {stamp} is no time since "
+        "1970 in s, ms, µs or ns; correct it"
+    )
+
+
+def _velocity(values: dict[str, Array]) -> dict[str, Array]:
+    """Over ground, in the boat's axes; the sensor's z axis points down, so its gyro counts clockwise."""
+    cos, sin = np.cos(values["yaw"]), np.sin(values["yaw"])
+    north, east = values["velocity_north"], values["velocity_east"]
+    return {
+        "surge": north * cos + east * sin,
+        "sway": east * cos - north * sin,
+        "yaw_rate": values["gyro_z"],
+    }

@@ -1,0 +1,25 @@
+"""Latitude and longitude on the WGS84 ellipsoid as metres to the north and east of an origin."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.errors import UserError
+
+Array = NDArray[np.float64]
+Place = tuple[float, float]
+"""Latitude and longitude [degrees]."""
+
+
+def to_local(latitude: Array, longitude: Array, origin: Place) -> tuple[Array, Array]:
+    """North and east [m] of places [degrees] by the azimuthal equidistant projection about `origin`.
+
+    Distance and direction from the origin are exact on the ellipsoid; within 10 km of it, distances between
+    other places are so to less than a millimetre in a kilometre. UserError without pyproj.
+    """
+    try:
+        from pyproj import Proj
+    except ImportError as error:
+        raise UserError("GPS places need pyproj; pip install 'swamp-rl[gps]'") from error
+    plane = Proj(proj="aeqd", ellps="WGS84", lat_0=origin[0], lon_0=origin[1])
+    east, north = plane(np.asarray(longitude, float), np.asarray(latitude, float))
+    return np.asarray(north, float), np.asarray(east, float)

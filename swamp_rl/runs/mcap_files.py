@@ -1,0 +1,165 @@
+"""Runs as MCAP files, which robot recorders and viewers share: JSON messages with their schema."""
+
+import json
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import write_beside
+from swamp_rl.runs.faults import Fault
+from swamp_rl.runs.import_foreign import Foreign
+from swamp_rl.runs.run import Run
+from swamp_rl.runs.schema import DatasetMeta, RunMeta
+from swamp_rl.runs.table import Table
+
+TOPIC = "/run"
+RECORD = "swamp_rl"
+"""The metadata record that holds what `dataset.yaml` says."""
+
+
+def write_mcap(path: Path, run: Run, dataset: DatasetMeta) -> None:
+    """One run as one file: a message for each row on `/run`, each number as text that gives all its bits."""
+    Writer = _mcap("mcap.writer").Writer
+    properties = {name: {"type": "number"} for name in run.columns}
+    schema = {"type": "object", "title": "Run", "properties": properties, "required": list(run.columns)}
+    told = {"run": _json(run.meta), "dataset": _json(dataset.model_copy(update={"runs": []}))}
+    with write_beside(path) as part, part.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="", library="swamp_rl")
+        kind = writer.register_schema("swamp_rl.Run", "jsonschema", json.dumps(schema).encode())
+        channel = writer.register_channel(TOPIC, "json", kind)
+        writer.add_metadata(RECORD, told)
+        stamps = np.round((run.time - run.time[0]) * 1e9).astype(np.int64)
+        rows = zip(*(values.tolist() for values in run.columns.values()), strict=True)
+        for number, (stamp, row) in enumerate(zip(stamps.tolist(), rows, strict=True)):
+            message = json.dumps(dict(zip(run.columns, row, strict=True)), allow_nan=False)
+            writer.add_message(channel, stamp, message.encode(), stamp, sequence=number)
+        writer.finish()
+
+
+def _json(told: RunMeta | DatasetMeta) -> str:
+    return json.dumps(told.model_dump(exclude_none=True, exclude={"file", "rows"}))
+
+
+def read_mcap(path: Path, topic: str | None = None) -> Foreign:
+    """The messages of one topic as a table, fields of objects in objects under names with dots.
+
+    The time is a field `time`, else the log's, from the first message. topic: needed where several hold JSON.
+    UserError for a damaged file, for none or several topics, and by row and column for what is no number.
+    """
+    messages: dict[str, list[tuple[int, Any]]] = {}
+    others: set[str] = set()
+    told: dict[str, dict[str, str]] = {}
+    with path.open("rb") as stream, _reading(path):
+        reader = _mcap("mcap.reader").make_reader(stream)
+        told = {record.name: record.metadata for record in reader.iter_metadata()}
+        for _, channel, message in reader.iter_messages(log_time_order=False):
+            if channel.message_encoding != "json":
+                others.add(channel.topic)
+                continue
+            found = messages.setdefault(channel.topic, [])
+            found.append((message.log_time, _parsed(path, channel.topic, len(found) + 1, message.data)))
+    chosen = _topic(path, messages, others, topic)
+    meta, dataset = _told(path, told.get(RECORD))
+    return Foreign(path.name, path.stem, _table(path, messages[chosen]), meta, dataset)
+
+
+def _mcap(name: str) -> Any:
+    import importlib
+
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise UserError("MCAP files need the package mcap; pip install 'swamp-rl[exchange]'") from error
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    """Whatever a reader of damaged bytes raises, as one line."""
+    try:
+        yield
+    except UserError:
+        raise
+    except Exception as error:
+        raise UserError(
+            f"{path}: is no whole MCAP file ({type(error).__name__}: {error}); copy it again"
+        ) from error
+
+
+def _parsed(path: Path, topic: str, row: int, data: bytes) -> dict[str, Any]:
+    try:
+        found = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise UserError(f"{path}: {topic}, row {row}: is no JSON ({error})") from error
+    if not isinstance(found, dict):
+        raise UserError(f"{path}: {topic}, row {row}: is no JSON object of named numbers")
+    return dict(_flat(found))
+
+
+def _flat(found: dict[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    for name, value in found.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{before}{name}.")
+        else:
+            yield f"{before}{name}", value
+
+
+def _topic(path: Path, messages: dict[str, Any], others: set[str], asked: str | None) -> str:
+    known = ", ".join(sorted(messages)) or "none"
+    if asked is not None and asked not in messages:
+        raise UserError(f"{path}: no topic {asked!r} with JSON messages; there is {known}")
+    if asked is None and len(messages) != 1:
+        binary = f" (not JSON: {', '.join(sorted(others))})" if others else ""
+        raise UserError(
+            f"{path}: its topics with JSON messages are {known}{binary}; one is needed: --topic NAME"
+        )
+    return asked or next(iter(messages))
+
+
+def _told(path: Path, record: dict[str, str] | None) -> tuple[RunMeta, DatasetMeta | None]:
+    if record is None:
+        return RunMeta(), None
+    try:
+        meta = RunMeta.model_validate(json.loads(record["run"]))
+        return meta, DatasetMeta.model_validate(json.loads(record["dataset"]))
+    except (KeyError, ValueError) as error:
+        raise UserError(f"{path}: its record {RECORD} is not as it was written ({error})") from error
+
+
+def _number(value: Any) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    try:
+        return float(value) if math.isfinite(value) else None
+    except OverflowError:
+        return None
+
+
+def _table(path: Path, messages: list[tuple[int, dict[str, Any]]]) -> Table:
+    names = dict.fromkeys(name for _, message in messages for name in message)
+    table = Table(rows=np.arange(1, len(messages) + 1))
+    for name in names:
+        values = np.full(len(messages), np.nan)
+        unread = np.zeros(len(messages), bool)
+        for i, (_, message) in enumerate(messages):
+            number = _number(message.get(name))
+            values[i], unread[i] = (np.nan, True) if number is None else (number, False)
+        if unread.any():
+            first = int(np.argmax(unread))
+            wrong = messages[first][1].get(name)
+            said = (
+                "is missing; complete the messages"
+                if wrong is None
+                else f"{str(wrong)[:40]!r} is not a number"
+            )
+            table.faults.append(Fault(path.name, first + 1, name, said))
+        table.columns[name], table.unread[name] = values, unread
+    if "time" not in table.columns:
+        stamps = [stamp for stamp, _ in messages]
+        table.columns["time"] = np.array([stamp - stamps[0] for stamp in stamps], float) / 1e9
+    return table

@@ -1,0 +1,36 @@
+"""A run's columns at even times: what recorders of others' boats seldom keep."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+ANGLES = ("heading", "wind_from")
+HELD = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_")
+
+
+def resampled(columns: Mapping[str, Array], rate: float) -> dict[str, Array]:
+    """Columns (T,) with increasing times as columns at `rate` [Hz] from the first time on.
+
+    Values are in proportion between rows, angles the short way round; commands are held until the next row.
+    """
+    time = columns["time"]
+    even = time[0] + np.arange(math.floor((time[-1] - time[0]) * rate + 1e-9) + 1) / rate
+    row = np.searchsorted(time, even + 1e-9, side="right") - 1
+    found = {}
+    for name, values in columns.items():
+        if name.startswith(HELD):
+            found[name] = values[row]
+        elif name in ANGLES or name.startswith("applied_azimuth_"):
+            found[name] = wrapped(np.interp(even, time, np.unwrap(values)))
+        else:
+            found[name] = np.interp(even, time, values)
+    return found | {"time": even}
+
+
+def wrapped(angles: Array) -> Array:
+    """The same angles [rad] in (−π, π]."""
+    return math.pi - np.mod(math.pi - angles, 2.0 * math.pi)
