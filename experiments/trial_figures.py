@@ -14,6 +14,7 @@ from swamp_rl.files import write_beside
 from swamp_rl.manoeuvres.analysis.figure import Result
 
 Draw = Callable[[Canvas, Sequence[Result], float], None]
+RUNAWAY = 360.0  # deg of heading beyond which a zig-zag is cut off
 
 
 def draw_trials(folder: Path, results: Sequence[Result], length: float) -> list[str]:
@@ -25,11 +26,19 @@ def draw_trials(folder: Path, results: Sequence[Result], length: float) -> list[
             continue
         for name, size, draw in drawings:
             with rc_context(STYLE), write_beside(folder / name) as part:
-                canvas = Canvas(figsize=size, layout="constrained")
+                canvas = Canvas(figsize=size_of(name, some, size), layout="constrained")
                 draw(canvas, some, length)
                 canvas.savefig(part)
             names.append(name)
     return names
+
+
+def size_of(name: str, results: Sequence[Result], size: tuple[float, float]) -> tuple[float, float]:
+    """Inches of a picture: that of the zig-zags grows with its panels."""
+    if name != "zig_zags.png":
+        return size
+    count = len(settings(results))
+    return 1.0 + 2.6 * min(max(count, 2), 4), 1.2 + 2.5 * -(-count // 4)
 
 
 def angle_of(result: Result) -> float:
@@ -76,15 +85,22 @@ def circles(canvas: Canvas, results: Sequence[Result], length: float) -> None:
                 continue
             ahead, aside = _turned_upright(result.traces[kind], float(result.traces["heading"]))
             angle, throttle = abs(angle_of(result)), throttle_of(result)
-            label = f"{angle:.0f}°, {percent(throttle)}" if angle_of(result) > 0 or len(results) < 3 else "_"
+            pattern = result.setting.get("pattern", "opposed")
+            label = f"{angle:.0f}°, {percent(throttle)}" + (f", {pattern}" if pattern != "opposed" else "")
             panel.plot(
-                aside / length, ahead / length, dashes[throttle], color=shades[angle], lw=1.1, label=label
+                aside / length,
+                ahead / length,
+                dashes[throttle] if pattern == "opposed" else "-.",
+                color=shades[angle],
+                lw=1.1,
+                label=label,
             )
         panel.set(title=title, xlabel="to starboard [L]", aspect="equal")
         panel.plot(0.0, 0.0, "k+", ms=7)
     axes[0].set_ylabel("ahead [L]")
     handles, labels = axes[0].get_legend_handles_labels()
-    canvas.legend(handles, labels, loc="outside lower center", ncols=5)
+    shown = dict(zip(labels, handles, strict=True))  # one entry for both sides
+    canvas.legend(shown.values(), shown.keys(), loc="outside lower center", ncols=5)
     canvas.suptitle("Turning circles, from the execute", fontweight="bold")
 
 
@@ -147,6 +163,8 @@ def zig_zags(canvas: Canvas, results: Sequence[Result], length: float) -> None:
             panel.plot(sailed, trace["heading"], color=shades[throttle], lw=1.1, label=percent(throttle))
         panel.plot(sailed, trace["angle"], color="#999999", lw=0.8, zorder=1, label="steering, fastest")
         panel.set_title(f"{angle:g}°/{heading:g}°")
+        low, high = panel.get_ylim()
+        panel.set_ylim(max(low, -RUNAWAY), min(high, RUNAWAY))
     for panel in grid[len(asked) :]:
         panel.set_axis_off()
     for panel in grid[max(len(asked) - columns, 0) : len(asked)]:
@@ -202,10 +220,9 @@ def spirals(canvas: Canvas, results: Sequence[Result], length: float) -> None:
         half, colour = len(angle) // 2 + 1, f"C{i}"
         axes.plot(angle[:half], rate[:half], "v-", color=colour, ms=4, lw=1.1, label=f"{result.run}: there")
         axes.plot(angle[half - 1 :], rate[half - 1 :], "^--", color=colour, ms=4, lw=1.1, label="and back")
-        if "cubic" in result.traces:
-            a_0, a_1, a_3 = result.traces["cubic"]
-            r = np.linspace(rate.min(), rate.max(), 200)
-            axes.plot(a_0 + a_1 * r + a_3 * r**3, r, color=colour, lw=0.8, ls=":", label="cubic through them")
+        if "curve_rate" in result.traces:
+            curve = result.traces["curve_angle"], result.traces["curve_rate"]
+            axes.plot(*curve, color=colour, lw=0.9, ls=":", label="curve through them")
     axes.axhline(0.0, color="#888888", lw=0.8)
     axes.axvline(0.0, color="#888888", lw=0.8)
     axes.set(xlabel="steering angle [deg], + turns to starboard", ylabel="yaw rate [deg/s]")

@@ -55,6 +55,10 @@ def analyse_circle(motion: Motion, found: Recognised, result: Result, rng: np.ra
     drift = drift_of(circle.turning, rng)
     result.figures = circle_figures(circle, None, rng)
     result.traces |= {"raw": circle.turning.place, "heading": np.array(circle.heading)}
+    asked = found.setting.get("angle", circle.side)
+    if asked * circle.side < 0.0:
+        to, against = ("starboard", "port") if circle.side > 0 else ("port", "starboard")
+        result.notes.append(f"the boat turned to {to}, against the steering to {against}")
     if circle.turns == 0:
         turned = math.degrees(circle.turning.turned[-1])
         result.notes.append(

@@ -45,25 +45,29 @@ def analyse_spiral(motion: Motion, found: Recognised, result: Result, rng: np.ra
     neutral = [_crossing(angles[half::-1], result.traces["rate"][half::-1])]
     neutral.append(_crossing(angles[half:], result.traces["rate"][half:]))
     speed = float(np.hypot(motion.surge, motion.sway)[parts[amid[0]]].mean())
-    _loop(result, there, back, neutral, math.degrees(SMALL * speed / motion.length))
+    # The loop need not lie amidships: a biased boat has it about its neutral angle.
+    height = float(np.abs(result.traces["rate"][: half + 1] - result.traces["rate"][: half - 1 : -1]).max())
+    _loop(result, (there, back), neutral, height, math.degrees(SMALL * speed / motion.length))
 
 
-def _loop(result: Result, there: Figure, back: Figure, neutral: list[float], small: float) -> None:
-    height = there.value - back.value
+def _loop(
+    result: Result, left: tuple[Figure, Figure], neutral: list[float], height: float, small: float
+) -> None:
+    there, back = left
     bias = 0.5 * (there.value + back.value)
     result.figures = {
         "residual_rate_there": there,
         "residual_rate_back": back,
-        "loop_height": Figure(abs(height), "deg/s"),
+        "loop_height": Figure(height, "deg/s"),
         "loop_width": Figure(abs(neutral[1] - neutral[0]), "deg"),
         "bias_rate": Figure(bias, "deg/s"),
         "neutral_angle": Figure(float(np.mean(neutral)), "deg"),
     }
-    stable = abs(height) <= small
+    stable = height <= small
     result.verdicts["course_stability"] = (
-        f"stable: {abs(height):.2f} deg/s of loop amidships"
+        f"stable: the ways there and back lie within {height:.2f} deg/s"
         if stable
-        else f"unstable: a loop of {abs(height):.2f} deg/s amidships"
+        else f"unstable: a loop {height:.2f} deg/s high and {abs(neutral[1] - neutral[0]):.1f} deg wide"
     )
     angle = result.figures["neutral_angle"].value
     result.verdicts["bias"] = (
@@ -86,50 +90,54 @@ def _crossing(angles: Array, rates: Array) -> float:
 def analyse_reverse_spiral(
     motion: Motion, found: Recognised, result: Result, rng: np.random.Generator
 ) -> None:
-    """Reverse spiral: the cubic delta(r) through the held yaw rates, whose slope tells the stability."""
+    """Reverse spiral: the curve delta(r) through the held yaw rates, whose slope tells the stability."""
     parts = [steady_part(motion, found, mark) for mark in found.of("hold")]
     rates = np.array([np.degrees(motion.yaw_rate[rows]).mean() for rows in parts])
     angles = np.array([np.degrees(motion.angle[rows]).mean() for rows in parts])
     result.traces |= {"angle": angles, "rate": rates}
-    if len(rates) < 6:
-        result.notes.append("fewer than six yaw rates were held: no curve through them")
+    if len(rates) < 8:
+        result.notes.append("fewer than eight yaw rates were held: no curve through them")
         return
-    a_0, a_1, a_3 = _cubic(rates, angles)
+    curve = _curve(rates, angles)
     picks = rng.integers(0, len(rates), (300, len(rates)))
-    again = np.array([_cubic(rates[pick], angles[pick]) for pick in picks if len(np.unique(pick)) > 5])
-    width = np.array([_width(*found) for found in again])
+    again = np.array([_curve(rates[pick], angles[pick]) for pick in picks if len(set(rates[pick])) > 7])
+    rows = np.linspace(rates.min(), rates.max(), 201)
+    width = np.array([_width(rows, other) for other in again])
     (low_0, high_0), (low_1, high_1), (low, high) = (interval(v) for v in (again[:, 0], again[:, 1], width))
+    neutral, slope = float(curve[0]), float(curve[1])
     result.figures = {
-        "neutral_angle": Figure(a_0, "deg", low=low_0, high=high_0),
-        "slope": Figure(a_1, "deg per deg/s", low=low_1, high=high_1),
-        "loop_width": Figure(_width(a_0, a_1, a_3), "deg", low=low, high=high),
+        "neutral_angle": Figure(neutral, "deg", low=low_0, high=high_0),
+        "slope": Figure(slope, "deg per deg/s", low=low_1, high=high_1),
+        "loop_width": Figure(_width(rows, curve), "deg", low=low, high=high),
     }
-    result.traces["cubic"] = np.array([a_0, a_1, a_3])
+    result.traces |= {"curve_rate": rows, "curve_angle": _basis(rows) @ curve}
     result.verdicts["course_stability"] = (
-        f"stable: {a_1:+.2f} deg of steering per deg/s about straight running"
-        if a_1 > 0.0
-        else f"unstable: {a_1:+.2f} deg of steering per deg/s about straight running"
+        f"stable: {slope:+.2f} deg of steering per deg/s about straight running"
+        if slope > 0.0
+        else f"unstable: {slope:+.2f} deg of steering per deg/s about straight running"
     )
     # Steering must be held against a bias, so it lies on the other side.
     result.verdicts["bias"] = (
-        f"none: neutral angle {a_0:+.2f} deg"
-        if low_0 <= 0.0 <= high_0 or abs(a_0) < 0.1
-        else named(-a_0, f"the neutral angle is {a_0:+.2f} deg")
+        f"none: neutral angle {neutral:+.2f} deg"
+        if low_0 <= 0.0 <= high_0 or abs(neutral) < 0.1
+        else named(-neutral, f"the neutral angle is {neutral:+.2f} deg")
     )
 
 
-def _cubic(rates: Array, angles: Array) -> tuple[float, float, float]:
-    """Coefficients of delta = a0 + a1 r + a3 r^3 by least squares."""
-    design = np.column_stack([np.ones_like(rates), rates, rates**3])
-    solved = np.linalg.lstsq(design, angles, rcond=None)[0]
-    return float(solved[0]), float(solved[1]), float(solved[2])
+def _basis(rates: Array) -> Array:
+    """(N, 4) terms of the curve: 1, r, r abs(r), r^3; the quadratic one is the cross flow's."""
+    return np.column_stack([np.ones_like(rates), rates, rates * np.abs(rates), rates**3])
 
 
-def _width(a_0: float, a_1: float, a_3: float) -> float:
-    """Width [deg] between the turning points of the cubic, 0 for a stable one."""
-    if a_1 >= 0.0 or a_3 <= 0.0:
-        return 0.0
-    return 4.0 / (3.0 * math.sqrt(3.0)) * (-a_1) ** 1.5 / math.sqrt(a_3)
+def _curve(rates: Array, angles: Array) -> Array:
+    """Coefficients (4,) of the curve by least squares."""
+    return np.asarray(np.linalg.lstsq(_basis(rates), angles, rcond=None)[0], np.float64)
+
+
+def _width(rates: Array, curve: Array) -> float:
+    """How wide [deg] the curve folds back on itself about straight running, 0 for a stable boat."""
+    angles = _basis(rates) @ curve
+    return max(float(angles[rates <= 0.0].max() - angles[rates >= 0.0].min()), 0.0)
 
 
 def analyse_pull_out(motion: Motion, found: Recognised, result: Result, rng: np.random.Generator) -> None:
