@@ -14,6 +14,7 @@ from swamp_rl.manoeuvres.execute import Mark
 from swamp_rl.runs import RunMeta
 
 LEAST = math.radians(2.0)  # of steering that counts as an order
+WAY = 0.5  # of the median speed, that a boat must make for an order to count
 HELD = 0.5  # s that an order is held at least
 REVERSALS = 3  # of the steering that make a zig-zag
 TURNED = math.pi / 2  # of heading that makes a turning circle
@@ -90,6 +91,10 @@ def _found(motion: Motion, kind: Kind | None) -> Recognised | None:
     ]
     if not held:
         return None
+    speed = np.hypot(motion.surge, motion.sway)
+    way = WAY * float(np.median(speed[held[0][0] : held[-1][1]]))
+    # What is ordered before the boat has way on is no trial yet.
+    held = [(a, b) for a, b in held if speed[a] >= way] or held
     orders = _orders(held, side)
     if kind == "zig-zag" or (kind is None and len(orders) > REVERSALS):
         return _as_zig_zag(motion, orders)

@@ -1,0 +1,289 @@
+"""SWAMP in the simulator against the numbers that its sources print: the rows of docs/validation.md."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.resistance import ResistanceCurve, TankResistance
+from swamp_rl.identification.deduction import bollard_of_all, resistance_at
+from swamp_rl.identification.motion import motions_of
+from swamp_rl.identification.yaw_model import NAMES, PUBLISHED, YawModel, by_pseudo_inverse, by_rollout
+from swamp_rl.manoeuvres.analysis.analyse import analyse_run
+from swamp_rl.manoeuvres.analysis.figure import Result
+from swamp_rl.manoeuvres.controller import Trial
+from swamp_rl.manoeuvres.execute import execute
+from swamp_rl.manoeuvres.record import run_of_trial
+from swamp_rl.physics.resistance import surge_resistance, towing
+from swamp_rl.physics.thrusters import bollard_thrust, thrust_deduction_factor
+from swamp_rl.runs import Run
+from swamp_rl.simulator import initial_state, parameters, simulate, tank
+from swamp_rl.simulator.state import SURGE
+
+FULL, LIGHT = "swamp", "swamp-light"  # 58 kg and 48 kg
+TANK_DENSITY = 1001.0  # kg/m3
+FIT_THROTTLE = (
+    0.6  # of the runs that the yaw model is fitted to: 1600 rpm, see configs/trials/ittc_swamp.yaml
+)
+
+THRUST_TABLE = (  # table 5.5: RPM%, N
+    *((10, 0.1), (15, 0.3), (20, 0.5), (25, 0.8), (30, 1.1), (35, 1.5), (40, 2.0), (45, 2.5), (50, 3.1)),
+    *((55, 3.7), (60, 4.4), (65, 5.2), (70, 6.0), (75, 6.9), (80, 7.8), (85, 8.8), (90, 9.9), (95, 11.0)),
+    (100, 12.2),
+)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A printed number: where it stands and what it says; the simulator's for 58 kg and for 48 kg.
+
+    comparable: which of the two the source is about; limit: printed as one, so that less is no mismatch.
+    """
+
+    what: str
+    source: str
+    printed: str
+    value: float
+    full: float
+    light: float
+    comparable: str
+    limit: bool = False
+
+    @property
+    def mismatch(self) -> float:
+        """Of the comparable one, as a share of the printed number."""
+        off = (self.full if self.comparable == FULL else self.light) / self.value - 1.0
+        return max(off, 0.0) if self.limit else off
+
+
+def straight_speed(boat: Boat, throttles: Sequence[float], depth_over_draught: float | None = None) -> float:
+    """Speed [m/s] after two minutes straight ahead, the boat kept from turning by symmetry."""
+    params = parameters(boat)
+    if depth_over_draught is not None:
+        params["depth_over_draught"] = depth_over_draught
+    count = len(boat.thrusters)
+    command = np.tile(np.concatenate([np.zeros(count), throttles]), (1200, 1))
+    state = initial_state(params, np.zeros((1, 3)))
+    track = simulate(params, tank(boat), state, command[None], np.zeros(1, np.uint64), 0.1, 1)
+    return float(track[0, -1, SURGE])
+
+
+@lru_cache
+def trial(boat: str, kind: str, angle: float, throttle: float) -> Result:
+    """The figures of one trial after a steady approach; angle [deg], also of the zig-zag's heading."""
+    (run,) = trial_runs(boat, ((kind, angle, throttle),))
+    return analyse_run(run, load_boat(boat))
+
+
+@lru_cache
+def trial_runs(boat: str, asked: tuple[tuple[str, float, float], ...]) -> tuple[Run, ...]:
+    """The runs of trials: kind, angle [deg], throttle each."""
+    trials = [
+        Trial(kind, throttle, math.radians(angle), abs(math.radians(angle)))  # type: ignore[arg-type]
+        for kind, angle, throttle in asked
+    ]
+    loaded = load_boat(boat)
+    executed = execute(loaded, trials)
+    return tuple(run_of_trial(one, loaded, f"{i}", i) for i, one in enumerate(executed))
+
+
+def both(of: Callable[[Boat], float]) -> tuple[float, float]:
+    """A number of the boat at 58 kg and at 48 kg."""
+    return of(load_boat(FULL)), of(load_boat(LIGHT))
+
+
+def speed_rows() -> list[Row]:
+    """Speeds that the thesis gives."""
+    bow, cruise, most = (1.0, 1.0, 0.0, 0.0), (0.6,) * 4, (1.0,) * 4
+    found = [
+        Row(
+            "two bow thrusters at 100 %",
+            "7.3.2, small payload",
+            "up to 1.20 m/s",
+            1.2,
+            *both(lambda b: straight_speed(b, bow)),
+            LIGHT,
+        ),
+        Row(
+            "four thrusters at 60 %",
+            "7.3.5, 48 kg; 002 at 1600 rpm",
+            "about 1 m/s",
+            1.0,
+            *both(lambda b: straight_speed(b, cruise)),
+            LIGHT,
+        ),
+        Row(
+            "maximum speed, deep",
+            "4.2.1, table 4.1",
+            "1.6 m/s",
+            1.6,
+            *both(lambda b: straight_speed(b, most)),
+            FULL,
+        ),
+    ]
+    light = load_boat(LIGHT)
+    shallow = (
+        straight_speed(load_boat(FULL), most, 1.5),
+        straight_speed(light, most, 0.2 / light.draught),
+    )
+    found.append(Row("maximum speed in 200 mm of water", "4.2.1", "1 m/s", 1.0, *shallow, FULL))
+    return found
+
+
+def turning_rows() -> list[Row]:
+    """Circles and the zig-zag that the thesis gives, sailed here after a steady approach."""
+    almost_9, under_2 = ("almost 9 m", 9.0, False), ("under 2 m", 2.0, True)
+    found = circle_rows(30, almost_9, ("almost 1 m/s", 1.0, False))
+    found += circle_rows(60, under_2, ("almost 0.5 m/s", 0.5, False))
+    for throttle in (0.6, 0.9):
+        name = f"zig-zag 20°/20°, {100 * throttle:.0f} %: first overshoot, deg"
+        results = [trial(boat, "zig-zag", 20.0, throttle) for boat in (FULL, LIGHT)]
+        full, light = (result.figures["first_overshoot"].value for result in results)
+        source = "8.1.4, their simulator, RPM not told"
+        found.append(Row(name, source, "almost 10°", 10.0, full, light, FULL))
+    return found
+
+
+def circle_rows(angle: int, diameter: tuple[str, float, bool], speed: tuple[str, float, bool]) -> list[Row]:
+    """The rows of one circle of 7.3.5; what is printed for it: text, number, whether that is a limit."""
+    results = [trial(boat, "turning-circle", float(angle), 0.6) for boat in (FULL, LIGHT)]
+    found = []
+    for name, figure, (printed, value, limit) in (
+        ("tactical diameter", "tactical_diameter", diameter),
+        ("steady diameter, against the same number", "steady_diameter", diameter),
+        ("speed in the turn", "steady_speed", speed),
+    ):
+        full, light = (result.figures[figure].value for result in results)
+        what = f"circle at ±{angle}°, 60 %: {name}"
+        found.append(Row(what, "7.3.5", printed, value, full, light, LIGHT, limit))
+    return found
+
+
+@dataclass(frozen=True)
+class TankRow:
+    """A depth of the towing tank: how many points, and errors of the resistance as shares.
+
+    errors: the largest; with this depth left out of the table the largest, and the root mean square; NaN for
+    the shallowest and the deepest, which no other depths enclose.
+    """
+
+    depth: str
+    points: int
+    errors: tuple[float, float, float]
+
+
+def tank_rows() -> list[TankRow]:
+    """Every depth of the tank, with the model that knows it and with one that does not."""
+    boat = load_boat(FULL).model_copy(update={"water_density": TANK_DENSITY})
+    assert isinstance(boat.resistance, TankResistance)
+    curves, found = boat.resistance.table, []
+    for i, curve in enumerate(curves):
+        known = errors_at(boat, curve)
+        unseen = np.array([math.nan])
+        if 0 < i < len(curves) - 1:
+            others = boat.resistance.model_copy(update={"table": (*curves[:i], *curves[i + 1 :])})
+            unseen = errors_at(boat.model_copy(update={"resistance": others}), curve)
+        errors = (float(np.abs(known).max()), float(np.abs(unseen).max()), float(np.sqrt(np.mean(unseen**2))))
+        found.append(TankRow(f"h/T = {curve.h_over_t:g}", len(known), errors))
+    return found
+
+
+def errors_at(boat: Boat, curve: ResistanceCurve) -> NDArray[np.float64]:
+    """Errors of the boat's resistance at the points of a curve, as shares of what was measured."""
+    pairs = zip(curve.speed, curve.resistance, strict=True)
+    return np.array([resistance_in(boat, speed, curve.h_over_t) / drag - 1.0 for speed, drag in pairs])
+
+
+def resistance_in(boat: Boat, speed: float, depth_over_draught: float) -> float:
+    """Resistance [N] of a boat towed straight at a speed [m/s] in that depth."""
+    params = parameters(boat)
+    params["depth_over_draught"] = depth_over_draught
+    record, curves = params[0], tank(boat)
+    return float(-surge_resistance(speed, 0.0, record, curves, towing(record, curves)))
+
+
+def force_rows() -> list[Row]:
+    """Resistances and thrusts that the text prints beside its tables."""
+    towed = load_boat(FULL).model_copy(update={"water_density": TANK_DENSITY})
+    record = parameters(load_boat(FULL))[0]
+    nan = math.nan
+    factor = float(thrust_deduction_factor(0.7, record))
+    rows = [
+        ("resistance at 1 m/s, deep", "7.3.4", "about 12.4 N", 12.4, resistance_at(towed, 1.0)),
+        ("resistance at 1.5 m/s, deep", "4.4.1", "49 N", 49.0, resistance_at(towed, 1.5)),
+        ("resistance at 1 m/s, h/T = 1.5", "4.4.1", "about 49 N", 49.0, resistance_in(towed, 1.0, 1.5)),
+        ("thrust of one pump-jet, 100 %", "table 4.1", "12.5 N", 12.5, float(bollard_thrust(1.0, 0, record))),
+        (
+            "the same",
+            "pump-jet article, 1179 RPM",
+            "12.3 N, sd 0.26",
+            12.3,
+            float(bollard_thrust(1.0, 0, record)),
+        ),
+        ("1 − t, two thrusters at 70 %, 1 m/s", "7.3.4, tank", "0.68", 0.68, factor),
+    ]
+    return [
+        Row(what, source, printed, value, model, nan, FULL) for what, source, printed, value, model in rows
+    ]
+
+
+def thrust_errors() -> tuple[float, float]:
+    """Largest and root mean square difference [N] of the bollard thrust from table 5.5."""
+    record = parameters(load_boat(FULL))[0]
+    errors = np.array([float(bollard_thrust(p / 100.0, 0, record)) - thrust for p, thrust in THRUST_TABLE])
+    return float(np.abs(errors).max()), float(np.sqrt(np.mean(errors**2)))
+
+
+def deduction_rows() -> list[tuple[int, float, float]]:
+    """RPM%, speed [m/s] and 1 − t by eq. 7.3 of the simulated boat at 48 kg, as 7.3.5 measured it."""
+    boat = load_boat(LIGHT)
+    found = []
+    for percent in (30, 40, 50, 60, 70, 80, 90, 100):
+        speed = straight_speed(boat, (percent / 100.0,) * 4)
+        found.append((percent, speed, resistance_at(boat, speed) / bollard_of_all(boat, percent / 100.0)))
+    return found
+
+
+@dataclass(frozen=True)
+class YawRow:
+    """A yaw model of 002's form; what follows from it at 1 m/s, and in a turn of that surge, sway [m/s]."""
+
+    name: str
+    model: YawModel
+    surge: float
+    sway: float
+
+    @property
+    def cells(self) -> list[str]:
+        """For a table."""
+        settle = self.model.time_constant(1.0)
+        rate = math.degrees(self.model.steady_rate(math.radians(30.0), self.surge, self.sway))
+        return [
+            self.name,
+            *(f"{getattr(self.model, name):.2f}" for name in NAMES),
+            f"{settle:.2f}" if math.isfinite(settle) else "unstable",
+            f"{rate:.1f}" if math.isfinite(rate) else "unstable",
+        ]
+
+
+def yaw_rows() -> list[YawRow]:
+    """Table III, and the same model fitted to the simulator's runs of tables I and II at 1600 rpm."""
+    boat = load_boat(LIGHT)
+    angles = (20.0, 30.0, 40.0, 50.0, 60.0)
+    asked = [("turning-circle", side * angle, FIT_THROTTLE) for angle in angles for side in (1.0, -1.0)]
+    asked += [("zig-zag", angle, FIT_THROTTLE) for angle in (10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0)]
+    motion = motions_of(trial_runs(LIGHT, tuple(asked)), boat, 0.0)
+    inverted, _ = by_pseudo_inverse(motion, PUBLISHED.inertia)
+    models = {
+        "002, table III": PUBLISHED,
+        "simulator, pseudo-inverse": inverted,
+        "simulator, rollouts of 10 s": by_rollout(motion, inverted),
+    }
+    circle = trial(LIGHT, "turning-circle", 30.0, FIT_THROTTLE).figures
+    speed, drift = circle["steady_speed"].value, math.radians(circle["drift_angle"].value)
+    turn = speed * math.cos(drift), speed * math.sin(drift)
+    return [YawRow(name, model, *turn) for name, model in models.items()]
