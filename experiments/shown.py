@@ -79,9 +79,17 @@ def _read(source: Path) -> Found:
 def _read_dataset(folder: Path, group: str | None = None) -> Found:
     dataset = read_dataset(folder)
     boat = boat_of(folder, dataset.meta)
-    return Found(
-        {group or dataset.meta.source: dataset.runs}, dataset.meta.course, (boat.length, boat.breadth)
-    )
+    groups: dict[str, list[Run]] = {}
+    for run in dataset.runs:
+        groups.setdefault(group or _driver(run, dataset.meta.source), []).append(run)
+    return Found(groups, dataset.meta.course, (boat.length, boat.breadth))
+
+
+def _driver(run: Run, source: str) -> str:
+    """Who had the helm, where a pilot was aboard; else the dataset's source."""
+    told = run.meta.model_extra or {}
+    pilot, helm = told.get("pilot", "pilot"), told.get("helm")
+    return {"pilot": str(pilot), "both": f"{source} and {pilot}"}.get(str(helm), source)
 
 
 def _read_file(path: Path) -> Found:
@@ -89,7 +97,8 @@ def _read_file(path: Path) -> Found:
         raise UserError(f"{path}: has no {META} beside it to tell its boat; import it: swamp-rl runs import")
     meta = read_meta(path.parent)
     boat = boat_of(path.parent, meta)
-    return Found({meta.source: [read_run(path)]}, meta.course, (boat.length, boat.breadth))
+    run = read_run(path)
+    return Found({_driver(run, meta.source): [run]}, meta.course, (boat.length, boat.breadth))
 
 
 def _read_results(folder: Path) -> Found:

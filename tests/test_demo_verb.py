@@ -55,6 +55,16 @@ def test_two_datasets_of_one_source_stay_apart(tmp_path: Path) -> None:
     assert labels(folders) == ["human/x", "human 2/x"]
 
 
+def test_a_run_is_shown_under_who_had_the_helm_and_the_persons_nickname(tmp_path: Path) -> None:
+    create_dataset(tmp_path / "a", described(source="human"))
+    for name, helm in (("x", "person"), ("y", "pilot"), ("z", "both")):
+        told = RunMeta.model_validate({"helm": helm, "pilot": "reservoir", "nickname": "Ada"})
+        append_run(tmp_path / "a", Run(name, circling(), told))
+    assert labels([tmp_path / "a"]) == ["human/x", "reservoir/y", "human and reservoir/z"]
+    scene = read_shown([tmp_path / "a"], ["x"], "gate")
+    assert scene.called(scene.shown[0]) == "human Ada"
+
+
 def test_what_cannot_be_shown_is_said(results: Path, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"no run fits --runs zebra.*human/run-1"):
         labels([results], "zebra")

@@ -111,11 +111,13 @@ class DemoScene:
         return float(south - room), float(north + room), float(west - room), float(east + room)
 
     def called(self, item: Shown) -> str:
-        """A boat's name: who drives it, where that is the only one of theirs."""
+        """A boat's name: who drives it, where that is the only one of theirs; a person's nickname if told."""
+        nickname = (item.run.meta.model_extra or {}).get("nickname")
         alone = sum(other.group == item.group for other in self.shown) == 1
-        if alone or len(self.groups) == 1:
-            return item.group if alone else item.name
-        return f"{item.group} {item.name}"
+        if alone:
+            return f"{item.group} {nickname}" if nickname else item.group
+        name = f"{nickname} {item.name}" if nickname else item.name
+        return name if len(self.groups) == 1 else f"{item.group} {name}"
 
 
 def gate_colour(name: str) -> Colour:
