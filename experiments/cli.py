@@ -1,14 +1,14 @@
 """The command line: one thin verb for each task, and one clear line when it cannot be done."""
 
 import os
-import signal
 import sys
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated
 
 import typer
 
 import experiments.verbs_exchange  # noqa: F401  it adds its verbs to `runs`
+from experiments.stopping import stoppable
 from experiments.verbs_criticism import diagnose
 from experiments.verbs_demo import demo
 from experiments.verbs_identification import identify_app
@@ -139,45 +139,43 @@ def bench(
 
 def main() -> None:
     """Run the command line; whatever goes wrong is one line on the error stream and a non-zero exit."""
-    signal.signal(signal.SIGTERM, _end)
-    try:
-        code = app(standalone_mode=False)
-    except typer.TyperException as error:
-        # Without any argument Typer has printed the help and has nothing to add.
-        code, line = error.exit_code, error.format_message()
-        if line:
-            _complain(f"{line} (swamp-rl --help tells more)", code)
-    except UserError as error:
-        code = _complain(str(error), BAD_INPUT)
-    except BrokenPipeError:
-        # Whoever was reading has had enough; Python's own flush at exit must not complain either.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        code = 1
-    except OSError as error:
-        from swamp_rl.files import os_error
-
-        code = _complain(str(os_error(error, "the operating system")), BAD_INPUT)
-    except (KeyboardInterrupt, typer.Abort):
-        code = INTERRUPTED
-    except _Terminated:
-        code = TERMINATED
-    except Exception as error:
-        if os.environ.get(DEBUG):
-            raise
-        what = f"unexpected {type(error).__name__}: {error}"
-        code = _complain(f"{what}; {DEBUG}=1 shows where, please report it", UNEXPECTED)
+    with stoppable() as signals:
+        code = _carried_out(signals)
+    if code and signals:
+        code = 128 + signals[0]  # whatever became of the exception on its way
     if code in (INTERRUPTED, TERMINATED):
         ended = "interrupted" if code == INTERRUPTED else "terminated"
         _complain(f"{ended}; what was not finished was not kept", code)
-    sys.exit(code or 0)
+    sys.exit(code)
 
 
-class _Terminated(SystemExit):
-    """SIGTERM, as an exception, so that whatever is half-written is removed on the way out."""
+def _carried_out(signals: list[int]) -> int:
+    """The exit code of what the command line asks for; signals: those that came meanwhile."""
+    try:
+        return app(standalone_mode=False) or 0
+    except typer.TyperException as error:
+        # Without any argument Typer has printed the help and has nothing to add.
+        line = error.format_message()
+        return _complain(f"{line} (swamp-rl --help tells more)", error.exit_code) if line else error.exit_code
+    except UserError as error:
+        return _complain(str(error), BAD_INPUT)
+    except BrokenPipeError:
+        # Whoever was reading has had enough; Python's own flush at exit must not complain either.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except OSError as error:
+        from swamp_rl.files import os_error
 
-
-def _end(number: int, frame: object) -> NoReturn:
-    raise _Terminated(TERMINATED)
+        return _complain(str(os_error(error, "the operating system")), BAD_INPUT)
+    except (KeyboardInterrupt, typer.Abort):
+        return INTERRUPTED
+    except Exception as error:
+        if signals:
+            return INTERRUPTED
+        if os.environ.get(DEBUG):
+            raise
+        what = f"unexpected {type(error).__name__}: {error}"
+        return _complain(f"{what}; {DEBUG}=1 shows where, please report it", UNEXPECTED)
 
 
 def _complain(line: str, code: int) -> int:

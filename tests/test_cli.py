@@ -6,6 +6,7 @@ import resource
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -273,13 +274,29 @@ def test_a_terminated_verb_is_one_line_and_leaves_nothing_half_written(
         os.kill(os.getpid(), signal.SIGTERM)
 
     monkeypatch.setattr(os, "fsync", terminate)
-    before = signal.getsignal(signal.SIGTERM)
-    try:
-        words = ["simulate", "--commands", folder / "one.csv", "--out", "out/a.csv"]
-        assert_complains(call(*words), "terminated", code=143)
-    finally:
-        signal.signal(signal.SIGTERM, before)
+    words = ["simulate", "--commands", folder / "one.csv", "--out", "out/a.csv"]
+    assert_complains(call(*words), "terminated", code=143)
     assert list(Path("out").iterdir()) == []
+    assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+
+
+@pytest.mark.parametrize(
+    ("number", "code", "word"), [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")]
+)
+def test_a_signal_that_a_callback_swallows_still_ends_the_verb(
+    call: Call, monkeypatch: pytest.MonkeyPatch, number: int, code: int, word: str
+) -> None:
+    class Noisy:
+        def __del__(self) -> None:
+            os.kill(os.getpid(), number)
+
+    def swallow(folder: Path) -> None:
+        noisy = Noisy()
+        del noisy  # an exception in there goes nowhere
+        time.sleep(30)
+
+    monkeypatch.setattr("swamp_rl.runs.inspect_dataset", swallow)
+    assert_complains(call("runs", "check", "anywhere"), word, code=code)
 
 
 def test_a_bug_is_one_line_for_users_and_a_traceback_for_those_who_ask(
