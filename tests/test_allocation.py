@@ -111,6 +111,13 @@ def test_out_of_reach_it_is_the_nearest_by_least_squares() -> None:
     assert np.linalg.norm((found.achieved - wanted) * scale) <= math.sqrt(best.fun) + 1e-3
 
 
+def test_where_not_all_can_be_had_the_moment_may_come_first() -> None:
+    wanted = np.array([0.0, 60.0, 9.0])
+    even, turning = (allocate(JETS, wanted, wish=Wish(moment=weight)) for weight in (1.0, 20.0))
+    assert not turning.attainable
+    assert abs(turning.achieved[2] - 9.0) < 0.2 * abs(even.achieved[2] - 9.0)
+
+
 def test_two_jets_do_what_a_grid_over_angles_and_thrusts_finds() -> None:
     jets = JETS.without(["ss", "sp"])
     wanted = np.array([6.0, 2.0, 1.0])

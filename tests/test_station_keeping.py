@@ -92,6 +92,19 @@ def test_the_last_jet_finds_its_heading_where_the_current_is_not_as_believed() -
     assert abs(track[-1, HEADING] - held.heading) > math.radians(2)
 
 
+def test_a_gust_is_counted_before_the_promise() -> None:
+    jets = jets_of(SEA).without(["bs", "bp"])
+    given = parse_effects(
+        [{"effect": "gusts", "speed_std": 2.5, "direction_std": 0.1}], "test", BOAT.thruster_names
+    )
+    gusty = SEA.model_copy(update={"effects": SEA.effects + tuple(given)})
+    steady, blown = holding_at(SEA, jets, 1.0), holding_at(gusty, jets, 1.0)
+    harder = holding_at(among(-0.2, 0.1, 9.0, 0.3), jets, 1.0)
+    assert blown.margin == pytest.approx(harder.margin)
+    assert blown.margin < steady.margin
+    assert blown.needed == pytest.approx(steady.needed)
+
+
 def test_one_jet_in_still_water_is_said_to_have_nothing_to_lie_against() -> None:
     jets = jets_of(BOAT).without(["bs", "bp", "ss"])
     held = best_holding(BOAT, jets)

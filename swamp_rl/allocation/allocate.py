@@ -54,8 +54,8 @@ def allocate(
 
     azimuth: (K,) where the jets point now [rad], straight ahead if not given; step: time [s] they have to
     turn (5.42); before: (K, 2) forces [N] that a penalty on change counts from. Where the wanted force is out
-    of reach, the nearest that can be had, moments counted over the farthest jet's distance. A jet that cannot
-    yet push where it should turns there without thrust; it turns through forbidden sectors in the same way.
+    of reach, the nearest that can be had. A jet that cannot yet push where it should turns there without
+    thrust; it turns through forbidden sectors in the same way.
     """
     wanted = np.asarray(wanted, dtype=float)
     now = np.zeros(len(jets.names)) if azimuth is None else np.asarray(azimuth, dtype=float)
@@ -91,12 +91,14 @@ def best(jets: Jets, sectors: list[list[Sector]], wanted: Array, wish: Wish, bef
         return min(good, key=lambda found: found.cost)
     near = [solve_in(jets, chosen, wanted, wish, before, nearest=True) for chosen in combined]
     answers = [found for found in near if found is not None]
-    return min(answers, key=lambda found: (round(distance(jets, found.shortfall), 6), found.cost))
+    return min(
+        answers, key=lambda found: (round(distance(jets, found.shortfall, wish.moment), 6), found.cost)
+    )
 
 
-def distance(jets: Jets, shortfall: Array) -> float:
-    """Size [N] of a force and moment (3,), the moment over the farthest jet's distance."""
-    return float(np.linalg.norm(shortfall / np.array([1.0, 1.0, jets.lever])))
+def distance(jets: Jets, shortfall: Array, moment: float = 1.0) -> float:
+    """Size [N] of a force and moment (3,), the latter counted `moment` times over the farthest jet's arm."""
+    return float(np.linalg.norm(shortfall / np.array([1.0, 1.0, jets.lever / moment])))
 
 
 def goals(jets: Jets, forces: Array, now: Array) -> Array:

@@ -28,10 +28,13 @@ class Wish:
     """What to minimise: `effort` (5.48, squares), `thrust` (sum) or `power` (of jets: thrust to the 3/2).
 
     change: weight [1] on the square of each force's change, relative to the jet's greatest thrust.
+    moment: where not all can be had, how many times a missing moment, over the farthest jet's distance,
+    counts against a missing force.
     """
 
     cost: Cost = "effort"
     change: float = 0.0
+    moment: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -60,12 +63,12 @@ def solve_in(
 ) -> Solution | None:
     """The cheapest forces of the jets in their chosen sectors that give `wanted` (3,), or None if none do.
 
-    before: (K, 2) forces [N] that a change is counted from. nearest: come as near to `wanted` as the jets can
-    (moments counted over the farthest jet's distance), which always has an answer.
+    before: (K, 2) forces [N] that a change is counted from. nearest: come as near to `wanted` as the jets
+    can, which always has an answer.
     """
     program = Program(jets, chosen)
     if nearest:
-        program.come_near(wanted)
+        program.come_near(wanted, wish.moment)
     else:
         program.achieve(wanted)
     program.minimise(wish, before, SLIGHT if nearest else 1.0)
@@ -132,7 +135,7 @@ class Program:
             clarabel.ZeroConeT(3), *((self._geometry_row(axis), float(wanted[axis])) for axis in range(3))
         )
 
-    def come_near(self, wanted: Array) -> None:
+    def come_near(self, wanted: Array, moment: float) -> None:
         """Minimise the squared distance from B chi to wanted, by the slack as three more columns."""
         import clarabel
 
@@ -140,7 +143,7 @@ class Program:
         self.columns += 3
         rows = []
         for axis in range(3):
-            scale = self.jets.lever if axis == 2 else 1.0
+            scale = self.jets.lever / moment if axis == 2 else 1.0
             rows.append((self._geometry_row(axis) | {slack + axis: scale}, float(wanted[axis])))
             self.squares[slack + axis] = 2.0
         self._add(clarabel.ZeroConeT(3), *rows)

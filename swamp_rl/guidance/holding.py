@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +16,17 @@ from swamp_rl.simulator import parameters, tank
 Array = NDArray[np.float64]
 
 RESERVE = 1.1  # multiple of the steady force that must be there: a tenth is left to steer with
+GUST = 2.0  # standard deviations of the wind's speed that the boat is to bear
 HEADINGS = 72
 HALVINGS = 40
 
 
 @dataclass(frozen=True)
 class Holding:
-    """One heading's balance: needed (3,) force [N] and moment [N m], margin: how many times it can be had."""
+    """One heading's balance: needed (3,) force [N] and moment [N m] in the mean wind.
+
+    margin: how many times it can be had, or, if that is less, what a gust of two deviations asks for.
+    """
 
     heading: float
     needed: Array
@@ -49,28 +52,30 @@ class Holding:
         return f"cannot hold {at}: {need}, the jets give {self.margin:.2f} times that, {RESERVE:g} is asked"
 
 
-def steady_force(boat: Boat, heading: float, time: float = 0.0) -> Array:
-    """(3,) what the jets must give for the boat to lie still over ground at `heading` [rad].
+def steady_force(boat: Boat, heading: float, gust: float = 0.0) -> Array:
+    """(3,) what the jets must give for the boat to lie still over ground at `heading` [rad], at time 0.
 
-    The opposite of what current, wind and steady pushes of the boat's effects do to it; gusts at their mean.
+    The opposite of what current, wind and steady pushes of the boat's effects do to it; gust: how many
+    standard deviations the wind blows harder than its mean.
     """
-    return _steady(parameters(boat)[0], tank(boat), heading, time)
-
-
-def _steady(p: Any, curves: Array, heading: float, time: float) -> Array:
+    p, curves, time = parameters(boat)[0], tank(boat), 0.0
     cos, sin = math.cos(heading), math.sin(heading)
     north, east = water_velocity(time, p)
     u, v = -(north * cos + east * sin), -(east * cos - north * sin)
     hull = hull_forces(u, v, 0.0, p, curves, towing(p, curves))
-    wind = (float(p["wind_speed"] * np.cos(p["wind_from"])), float(p["wind_speed"] * np.sin(p["wind_from"])))
+    speed, comes_from = float(p["wind_speed"] + gust * p["gust_speed_std"]), float(p["wind_from"])
+    wind = speed * math.cos(comes_from), speed * math.sin(comes_from)
     outside = external_forces(cos, sin, 0.0, 0.0, time, wind, p)
     return -(np.array(hull) + np.array(outside))
 
 
 def holding_at(boat: Boat, jets: Jets, heading: float) -> Holding:
     """The balance at one heading [rad]."""
-    needed = steady_force(boat, heading)
-    return Holding(heading, needed, largest_multiple(jets, needed))
+    needed, gusty = (steady_force(boat, heading, gust) for gust in (0.0, GUST))
+    margin = largest_multiple(jets, needed)
+    if not np.array_equal(gusty, needed):
+        margin = min(margin, largest_multiple(jets, gusty))
+    return Holding(heading, needed, margin)
 
 
 def best_holding(boat: Boat, jets: Jets) -> Holding:
@@ -114,4 +119,5 @@ def _roots(boat: Boat, jets: Jets, k: int, tried: Array) -> list[float]:
 
 def _through(boat: Boat, jets: Jets, k: int, heading: float) -> Holding:
     needed = steady_force(boat, heading)
-    return Holding(heading, needed, float(jets.thrust_max[k]) / max(math.hypot(*needed[:2]), 1e-9))
+    most = max(math.hypot(*steady_force(boat, heading, gust)[:2]) for gust in (0.0, GUST))
+    return Holding(heading, needed, float(jets.thrust_max[k]) / max(most, 1e-9))

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 POSITION_GAIN, HEADING_GAIN = 0.25, 0.4  # 1/s, a third of the inner loop's bandwidth
 SPEED_LIMIT, TURN_LIMIT = 0.3, 0.3  # m/s, rad/s at which the boat returns at most
-WISH = Wish(change=0.05)
+WISH = Wish(change=0.05, moment=5.0)  # a boat turned away from its heading cannot hold what it could
 
 
 class Station(NamedTuple):

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 HEADING = 2
 # Random walk of pose, velocities and current [unit/sqrt(s)]: what the model does not know of the motion.
-WITH_MODEL = np.array([0.0, 0.0, 0.0, 0.02, 0.02, 0.02, 0.003, 0.003])
+WITH_MODEL = np.array([0.0, 0.0, 0.0, 0.05, 0.05, 0.03, 0.02, 0.02])
 COASTING = np.array([0.0, 0.0, 0.0, 0.15, 0.15, 0.15, 0.0, 0.0])
 START = np.array([1.0, 1.0, 0.05, 0.1, 0.1, 0.05, 0.15, 0.15])  # of a boat about at rest
 
