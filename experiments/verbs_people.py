@@ -66,8 +66,8 @@ def record(
     logging.basicConfig(format="swamp-rl: %(message)s", level=logging.WARNING)
     try:
         serve(Hub(session, source), host, port, token, lambda address: typer.echo(f"drive at {address}"))
-    except KeyboardInterrupt:
-        pass
+    except (KeyboardInterrupt, SystemExit):
+        pass  # how a recorder is stopped: by Ctrl-C, or by whoever started it
     finally:
         if session.journal is not None:
             session.journal.close()

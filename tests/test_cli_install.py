@@ -30,6 +30,13 @@ def test_the_wheel_holds_every_config(installed: Path) -> None:
     assert files(installed / "swamp_rl" / "configs") == files(CHECKOUT / "configs")
 
 
+def test_the_wheel_holds_the_recorders_page(installed: Path) -> None:
+    page = Path("swamp_rl/teleop/page")
+    carried = {path.name for path in (installed / page).iterdir()}
+    assert {"index.html", "style.css", "main.js"} <= carried
+    assert carried == {path.name for path in (CHECKOUT / page).iterdir()}
+
+
 def test_the_wheel_holds_the_three_packages_the_command_and_gymnasiums_line(installed: Path) -> None:
     (info,) = installed.glob("*.dist-info")
     assert {path.name for path in installed.iterdir()} == {

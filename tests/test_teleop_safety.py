@@ -2,6 +2,7 @@
 
 import json
 import logging
+import socket as sockets
 import time
 import urllib.error
 import urllib.request
@@ -286,6 +287,12 @@ def test_messages_keep_to_their_ranges(message: dict[str, Any]) -> None:
         return
     assert 0.0 <= getattr(kept, "throttle", 0.0) <= 1.0
     assert -1.0 <= getattr(kept, "angle", 0.0) <= 1.0
+
+
+def test_small_frames_are_sent_at_once() -> None:
+    # What asyncio looks at before it turns off the delay that gathers small packets.
+    with bound("127.0.0.1", 0) as listening:
+        assert listening.proto == sockets.IPPROTO_TCP
 
 
 def test_a_port_in_use_is_one_line() -> None:

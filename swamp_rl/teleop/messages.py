@@ -66,7 +66,7 @@ def parse(text: str | bytes) -> Message:
 
 def clean_nickname(name: str) -> str:
     """The printable part of a nickname, single-spaced; `anonymous` if nothing is left."""
-    return " ".join(printable(name).split())[:NICKNAME_LENGTH] or "anonymous"
+    return " ".join(printable(name).split())[:NICKNAME_LENGTH].strip() or "anonymous"
 
 
 def printable(text: str) -> str:

@@ -100,7 +100,8 @@ def application(hub: Hub, guard: Guard) -> ASGIApp:
 def bound(host: str, port: int) -> socket.socket:
     """A socket that listens there; UserError where it cannot."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listening = socket.socket(family)
+    # Said to be TCP, asyncio sends small frames at once; otherwise they wait up to 40 ms for each other.
+    listening = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listening.bind((host, port))

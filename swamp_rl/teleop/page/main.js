@@ -13,7 +13,7 @@ const chase = new Chase(by("chase"));
 const replay = new Replay();
 const latencies = [];
 let socket, scene, frame, status = {}, trail = [], arrived = 0, asked = null, sentAt = 0, last = performance.now(), reconnect = 300;
-window.swamp = { get frame() { return frame; }, get status() { return status; }, latencies };
+window.swamp = { get frame() { return frame; }, get status() { return status; }, latencies, received: 0 }; // for tests
 
 function connect() {
   socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
@@ -32,6 +32,7 @@ const act = (name) => send({ type: "act", act: name });
 function hear(message) {
   if (message.type === "frame") {
     frame = message;
+    window.swamp.received++;
     arrived = performance.now();
     const { phase } = frame;
     if (document.body.dataset.phase !== phase) enter(phase);
