@@ -7,7 +7,7 @@ from swamp_rl.course import load_course
 from swamp_rl.demo.clock import instants, poses_at, values_at
 from swamp_rl.demo.scene import Shown, demo_scene, first_gate_time
 from swamp_rl.demo.series import current, series_of, speed, wind
-from swamp_rl.demo.shapes import catamaran, corners
+from swamp_rl.demo.shapes import corners, mesh
 from swamp_rl.runs import Run, RunMeta
 
 CAMOGLI = load_course("camogli")
@@ -119,9 +119,10 @@ def test_the_bow_points_along_the_heading() -> None:
         assert np.array_equal(outline[0], outline[-1])
 
 
-def test_the_mesh_has_the_boats_size_and_closed_faces() -> None:
-    vertices, triangles = catamaran(1.24, 1.1)
-    assert np.ptp(vertices[:, :2], axis=0) == pytest.approx([1.24, 1.1])
+@pytest.mark.parametrize("size", [(1.24, 1.1), (3.0, 0.5)])
+def test_the_mesh_has_the_boats_size_and_no_empty_faces(size: tuple[float, float]) -> None:
+    vertices, triangles = mesh(*size)
+    assert np.ptp(vertices[:, :2], axis=0) == pytest.approx(size)
     assert triangles.max() == len(vertices) - 1
     a, b, c = (vertices[triangles[:, i]] for i in range(3))
     assert np.linalg.norm(np.cross(b - a, c - a), axis=1).min() > 1e-6

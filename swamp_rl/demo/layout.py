@@ -115,7 +115,7 @@ def _space(scene: DemoScene) -> Any:
     )
     return rrb.Spatial3DView(
         origin="space",
-        name="from the pier",
+        name="from the south" if scene.course is None else "from the pier",
         background=(135, 170, 195),
         line_grid=False,
         eye_controls=eye,

@@ -16,7 +16,7 @@ from swamp_rl.demo.clock import Array, instants, poses_at, values_at
 from swamp_rl.demo.layout import TIMELINE, Layout, Panel, blueprint, entity
 from swamp_rl.demo.scene import DemoScene, Fleet
 from swamp_rl.demo.series import current, series_of, wind
-from swamp_rl.demo.shapes import catamaran, corners
+from swamp_rl.demo.shapes import corners, mesh
 from swamp_rl.demo.surroundings import in_space, log_surroundings, on_chart
 from swamp_rl.files import write_beside
 
@@ -141,9 +141,9 @@ def _log_in_space(recording: Any, scene: DemoScene, fleet: Fleet, times: Array, 
         recording.log(
             f"{where}/whole_track", rr.LineStrips3D(tracks, radii=0.02, colors=fleet.colour), static=True
         )
-    vertices, triangles = catamaran(scene.length, scene.breadth)
-    mesh = rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, albedo_factor=fleet.colour)
-    recording.log(f"{where}/boat", mesh, static=True)
+    vertices, triangles = mesh(scene.length, scene.breadth)
+    hull = rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, albedo_factor=fleet.colour)
+    recording.log(f"{where}/boat", hull, static=True)
     # The mesh's bow is along x, which is east: north is a quarter turn from it, and headings go clockwise.
     half = 0.5 * (0.5 * math.pi - poses[..., 2].reshape(-1))
     turned = np.column_stack([np.zeros((n * k, 2)), np.sin(half), np.cos(half)])

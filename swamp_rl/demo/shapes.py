@@ -1,4 +1,4 @@
-"""The shapes drawn: the boat's outline on a chart, and its two hulls and deck as a mesh."""
+"""The shapes drawn: the boat's outline on a chart, and its hull or hulls, deck and mast as a mesh."""
 
 from typing import Any
 
@@ -13,6 +13,9 @@ OUTLINE = np.array([[-0.5, -0.5], [0.25, -0.5], [0.5, 0.0], [0.25, 0.5], [-0.5, 
 HULL_BREADTH = 0.26
 """Of one of the two hulls, as a share of the boat's breadth."""
 
+BROAD = 0.5
+"""A boat broader than that, in lengths, is drawn with two hulls."""
+
 
 def corners(pose: Array, length: float, breadth: float) -> Array:
     """(T, 6, 2) the closed outline's north and east [m] at each pose (T, 3)."""
@@ -23,17 +26,17 @@ def corners(pose: Array, length: float, breadth: float) -> Array:
     return np.stack([north, east], axis=-1)
 
 
-def catamaran(length: float, breadth: float) -> tuple[Array, NDArray[np.uint32]]:
+def mesh(length: float, breadth: float) -> tuple[Array, NDArray[np.uint32]]:
     """Vertices (n, 3) ahead, to port and up [m] from midship at the water, and triangles (m, 3)."""
-    width, middle = HULL_BREADTH * breadth, 0.5 * (1.0 - HULL_BREADTH) * breadth
-    parts = [
-        prism(OUTLINE * (length, width) + (0.0, side * middle), -0.05 * length, 0.16 * length)
-        for side in (-1, 1)
-    ]
-    deck = np.array([[-0.3, -0.5], [0.15, -0.5], [0.15, 0.5], [-0.3, 0.5]]) * (length, 0.95 * breadth)
-    parts.append(prism(deck, 0.16 * length, 0.22 * length))
-    mast = np.array([[-0.15, -0.03], [-0.09, -0.03], [-0.09, 0.03], [-0.15, 0.03]]) * length
-    parts.append(prism(mast, 0.22 * length, 0.7 * length))
+    low, deck, top, mast = (share * length for share in (-0.05, 0.16, 0.22, 0.7))
+    if breadth > BROAD * length:
+        width, middle = HULL_BREADTH * breadth, 0.5 * (1.0 - HULL_BREADTH) * breadth
+        hulls = [OUTLINE * (length, width) + (0.0, side * middle) for side in (-1, 1)]
+    else:
+        hulls = [OUTLINE * (length, breadth)]
+    plate = np.array([[-0.3, -0.5], [0.15, -0.5], [0.15, 0.5], [-0.3, 0.5]]) * (length, 0.95 * breadth)
+    stick = np.array([[-0.15, -0.03], [-0.09, -0.03], [-0.09, 0.03], [-0.15, 0.03]]) * length
+    parts = [*(prism(hull, low, deck) for hull in hulls), prism(plate, deck, top), prism(stick, top, mast)]
     first = np.cumsum([0, *(len(vertices) for vertices, _ in parts[:-1])])
     triangles = np.vstack([faces + start for (_, faces), start in zip(parts, first, strict=True)])
     return np.vstack([vertices for vertices, _ in parts]), triangles.astype(np.uint32)

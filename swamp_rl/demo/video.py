@@ -110,14 +110,13 @@ def _pictures(
 def _legend(figure: Any, scene: DemoScene) -> None:
     from matplotlib.lines import Line2D
 
-    drivers = {fleet.path[0]: fleet.colour for fleet in reversed(scene.fleets)}
-    handles = [
-        Line2D(
-            [], [], color=_rgb(colour), lw=4, label=f"{sum(s.group == group for s in scene.shown)} {group}"
-        )
-        for group, colour in reversed(drivers.items())
-    ]
-    figure.legend(handles=handles, loc="upper center", ncols=len(handles), frameon=False)
+    handles = []
+    for fleet in scene.fleets:
+        alone = scene.called(fleet.shown[0]) if len(fleet.shown) == 1 else None
+        label = alone or f"{len(fleet.shown)} {fleet.path[0]}"
+        handles.append(Line2D([], [], color=_rgb(fleet.colour), lw=4, label=label))
+    columns = min(len(handles), 4)
+    figure.legend(handles=handles, loc="upper center", ncols=columns, frameon=False, fontsize="small")
 
 
 def _rgb(colour: Colour) -> tuple[float, float, float]:
