@@ -208,8 +208,8 @@ def lines(results: Sequence[Result], boat: Boat, both: Sequence[Pair], refused: 
         found.append(f"{result.run}: {figures or 'no figures'}")
         found += [f"  {name.replace('_', ' ')}: {text}" for name, text in result.verdicts.items()]
         failed = [c.name for c in result.criteria if c.passed is False]
-        if result.criteria:
-            kept = len(result.criteria) - len(failed)
+        kept = sum(c.passed is True for c in result.criteria)
+        if kept or failed:
             found.append(
                 f"  IMO: {kept} of {len(result.criteria)} kept"
                 + (f", not {', '.join(failed)}" if failed else "")

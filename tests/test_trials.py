@@ -48,6 +48,15 @@ def test_every_trial_starts_straight_steady_and_on_its_line(throttle: float) -> 
     assert first[SURGE] == pytest.approx(before[SURGE], rel=0.01)
 
 
+def test_wind_current_and_a_compass_that_is_off_do_not_keep_a_trial_from_starting(tmp_path: Path) -> None:
+    effects = "{effect: wind, speed: 4.0, from: 1.0}, {effect: current, north: -0.1, east: 0.15}, "
+    boat = with_effects(tmp_path, effects + "{effect: heading_bias, bias: 0.05}")
+    (executed,) = execute(boat, [Trial("straight", 0.6, duration=5.0)])
+    assert executed.notes == ()
+    rows = executed.measured[start_row(executed) :]
+    assert abs(rows[-1, EAST] - rows[0, EAST]) < 0.05 * abs(rows[-1, NORTH] - rows[0, NORTH])
+
+
 def test_a_turning_circle_makes_its_turns_and_then_pulls_out() -> None:
     executed = done(Trial("turning-circle", 0.6, 30 * DEG, turns=2, duration=10.0))
     marks = {(mark.phase, mark.number): mark.time for mark in executed.marks}
@@ -102,10 +111,18 @@ def test_in_a_current_the_corrected_circle_is_that_of_still_water(tmp_path: Path
 
 def test_a_hull_that_pulls_to_port_is_named_so_by_spiral_and_pull_out(tmp_path: Path) -> None:
     boat = with_effects(tmp_path, "{effect: hull_asymmetry, yaw_moment: -0.4}")
-    for executed in execute(boat, [Trial(kind, 0.6, 20 * DEG) for kind in ("spiral", "pull-out")]):
+    long = Trial("pull-out", 0.6, 20 * DEG, duration=90.0)
+    for executed in execute(boat, [Trial("spiral", 0.6, 20 * DEG), long]):
         kind = executed.trial.kind
         result = analyse_run(run_of_trial(executed, boat, kind, 0), boat)
         assert result.verdicts["bias"].startswith("to port"), (kind, result.verdicts)
+
+
+def test_a_pull_out_that_is_still_changing_is_judged_neither_way(tmp_path: Path) -> None:
+    boat = with_effects(tmp_path, "{effect: hull_asymmetry, yaw_moment: -0.4}")
+    (executed,) = execute(boat, [Trial("pull-out", 0.6, 20 * DEG, duration=20.0)])
+    result = analyse_run(run_of_trial(executed, boat, "short", 0), boat)
+    assert all(verdict.startswith("not told") for verdict in result.verdicts.values())
 
 
 def test_spirals_and_pull_outs_tell_that_swamp_is_unstable_on_its_course() -> None:

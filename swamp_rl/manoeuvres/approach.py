@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from swamp_rl.guidance.heading import slowest_speed, steering_angle
-from swamp_rl.guidance.line_of_sight import Waypoint, leg_after, line_of_sight
+from swamp_rl.guidance.line_of_sight import Waypoint, leg_after, line_of_sight, offset
 from swamp_rl.manoeuvres.controller import (
     APPROACH,
     EXECUTE,
@@ -59,16 +59,12 @@ def approached(trial: Trial, manoeuvre: Controller, area: Area, length: float, l
         if phase.name != APPROACH:
             return manoeuvre(sensed, phase)
         place, speed = Waypoint(sensed.north, sensed.east), math.hypot(sensed.surge, sensed.sway)
-        pace = max(speed, slowest_speed(length))
-        seen = Settling(*phase.memory[:3]) if phase.memory else started(sensed.time, speed)
-        seen = watched(seen, sensed.time, speed, SLOW * length / pace, STEADY * pace)
-        if abs(sensed.yaw_rate) * length / pace > TURNING or abs(across(sensed, area)) > LEEWAY * pace:
-            seen = seen._replace(since=sensed.time)
+        sailed = length / max(speed, slowest_speed(length))
         leg = leg_after(place, route, phase.number, RADIUS * length)
-        arrived = phase.memory[3] if phase.memory else math.inf
-        arrived = min(arrived, sensed.time) if leg == 3 else math.inf
-        phase = phase._replace(number=leg, memory=(*seen, arrived))
-        steady = sensed.time - seen.since >= HOLD * length / pace
+        memory = _watched(phase.memory, sensed, speed, offset(place, route[1], route[3]).across, sailed)
+        arrived = min(memory[-1], sensed.time) if leg == 3 else math.inf
+        phase = phase._replace(number=leg, memory=(*memory[:-1], arrived))
+        steady = sensed.time - max(memory[2], memory[5]) >= HOLD * sailed
         late = sensed.time - arrived > EXTRA * longest or sensed.time - phase.began > longest
         if (leg == 3 and steady) or late:
             phase = _noted(phase, trial, speed, leg, steady)._replace(heading=sensed.heading)
@@ -81,10 +77,21 @@ def approached(trial: Trial, manoeuvre: Controller, area: Area, length: float, l
     return control
 
 
-def across(sensed: Sensed, area: Area) -> float:
-    """Speed over ground [m/s] across the direction of the trials, to starboard."""
-    angle = sensed.heading - area.direction
-    return sensed.surge * math.sin(angle) + sensed.sway * math.cos(angle)
+def _watched(
+    memory: tuple[float, ...], sensed: Sensed, speed: float, across: float, sailed: float
+) -> tuple[float, ...]:
+    """The speed and the way aside of the line as they settle, and when the third waypoint was passed.
+
+    Both over ground, as they are measured: a current or a heading that is off does not keep them from it.
+    sailed: s in which the boat sails its length.
+    """
+    time = sensed.time
+    memory = memory or (*started(time, speed), *started(time, across), math.inf)
+    pace = watched(Settling(*memory[:3]), time, speed, SLOW * sailed, STEADY * speed)
+    if abs(sensed.yaw_rate) * sailed > TURNING:
+        pace = pace._replace(since=time)
+    aside = watched(Settling(*memory[3:6]), time, across, SLOW * sailed, LEEWAY * SLOW * sailed * speed)
+    return (*pace, *aside, memory[6])
 
 
 def _noted(phase: Phase, trial: Trial, speed: float, leg: int, steady: bool) -> Phase:

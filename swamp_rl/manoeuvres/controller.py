@@ -73,6 +73,12 @@ class Phase(NamedTuple):
         """The phase that follows this one at `time`."""
         return self._replace(name=name, began=time, number=number, memory=memory)
 
+    def noted_also(self, what: str, item: str) -> "Phase":
+        """The same phase with `what: item` to tell, or with the item added where `what` was told last."""
+        if self.notes and self.notes[-1].startswith(f"{what}: "):
+            return self._replace(notes=(*self.notes[:-1], f"{self.notes[-1]}, {item}"))
+        return self.noted(f"{what}: {item}")
+
     def noted(self, note: str) -> "Phase":
         """The same phase with one thing more to tell."""
         return self._replace(notes=(*self.notes, note))

@@ -37,8 +37,8 @@ def reverse_spiral(trial: Trial, length: float, limit: float) -> Controller:
         angle, phase, over = _held(sensed, phase, wanted, bound, length)
         if over or sensed.time - phase.began > longest:
             if not over:
-                rate = math.degrees(wanted)
-                phase = phase.noted(f"the angle for {rate:+.1f} deg/s was not steady after {longest:.0f} s")
+                at = f"{math.degrees(wanted):+.1f} deg/s"
+                phase = phase.noted_also(f"the angle was not steady after {longest:.0f} s", at)
             phase = _next(sensed, phase, angle, len(shares))
         return Order(angle, trial.throttle), phase
 

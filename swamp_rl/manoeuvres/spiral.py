@@ -30,8 +30,8 @@ def spiral(trial: Trial, length: float) -> Controller:
         phase, settled = steady_turn(sensed, phase, length)
         if settled or sensed.time - phase.began > longest:
             if not settled:
-                angle = math.degrees(angles[phase.number - 1])
-                phase = phase.noted(f"the yaw rate at {angle:+.1f} deg was not steady after {longest:.0f} s")
+                at = f"{math.degrees(angles[phase.number - 1]):+.1f} deg"
+                phase = phase.noted_also(f"the yaw rate was not steady after {longest:.0f} s", at)
             if phase.number == len(angles):
                 phase = phase.then(DONE, sensed.time, number=phase.number)
             else:

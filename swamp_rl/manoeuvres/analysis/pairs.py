@@ -54,7 +54,7 @@ def _pair(angle: float, throttle: float, starboard: Result, port: Result, length
     left = starboard.figures.get("residual_rate_starboard"), port.figures.get("residual_rate_port")
     if left[0] is not None and left[1] is not None:
         speed = starboard.best["approach_speed"].value
-        judge_pull_outs(together, left[0].value, left[1].value, math.degrees(SMALL * speed / length))
+        judge_pull_outs(together, left[0], left[1], math.degrees(SMALL * speed / length))
         together.verdicts["pull_out_bias"] = together.verdicts.pop("bias")
     pair = Pair(angle, throttle, one, other, together.verdicts)
     if abs(pair.wider) <= SAME:

@@ -156,13 +156,18 @@ def analyse_pull_out(motion: Motion, found: Recognised, result: Result, rng: np.
         return
     speed = float(np.hypot(motion.surge, motion.sway)[steady_part(motion, found, pulls[-1])].mean())
     small = math.degrees(SMALL * max(speed, motion.pace) / motion.length)
-    judge_pull_outs(result, residual["starboard"].value, residual["port"].value, small)
+    judge_pull_outs(result, residual["starboard"], residual["port"], small)
 
 
-def judge_pull_outs(result: Result, starboard: float, port: float, small: float) -> None:
+def judge_pull_outs(result: Result, starboard: Figure, port: Figure, small: float) -> None:
     """Verdicts on the yaw rates [deg/s] left after a turn to either side; `small` counts as none."""
-    apart, bias = starboard - port, 0.5 * (starboard + port)
+    apart, bias = starboard.value - port.value, 0.5 * (starboard.value + port.value)
     result.figures["bias_rate"] = Figure(bias, "deg/s")
+    changed = max(abs(rate.each[-1] - rate.each[0]) for rate in (starboard, port))
+    if changed > small:
+        result.verdicts["course_stability"] = f"not told: the yaw rate still changed by {changed:.2f} deg/s"
+        result.verdicts["bias"] = "not told, for the same reason: a longer pull-out would tell"
+        return
     result.verdicts["course_stability"] = (
         f"stable: both pull-outs end within {abs(apart):.2f} deg/s of one another"
         if abs(apart) <= small
