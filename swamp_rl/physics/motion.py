@@ -6,7 +6,7 @@ from typing import Any
 from swamp_rl.physics.air_and_current import current_forces, wind_forces
 from swamp_rl.physics.compile import compiled
 from swamp_rl.physics.hull import hull_forces
-from swamp_rl.physics.propulsion import propulsion_forces, propulsion_under_way
+from swamp_rl.physics.propulsion import propulsion_forces
 from swamp_rl.physics.resistance import towing
 from swamp_rl.physics.rigid_body import accelerations, inverse_inertia
 
@@ -89,10 +89,7 @@ def rates(
     u_ground = u + water[0] * cos + water[1] * sin
     v_ground = v + water[1] * cos - water[0] * sin
     x_hull, y_hull, n_hull = hull_forces(u, v, r, p, tank, tow)
-    if p.advance_loss != 0.0 or p.crossflow_loss != 0.0:
-        x_jets, y_jets, n_jets = propulsion_under_way(jets, moment, u, v, r, p)
-    else:
-        x_jets, y_jets, n_jets = propulsion_forces(jets, moment, u, v, r, p)
+    x_jets, y_jets, n_jets = propulsion_forces(jets, moment, u, v, r, p)
     x_out, y_out, n_out = external_forces(cos, sin, u_ground, v_ground, time, wind, p)
     u_dot, v_dot, r_dot = accelerations(
         u, v, r, x_hull + x_jets + x_out, y_hull + y_jets + y_out, n_hull + n_jets + n_out, inverse, p

@@ -10,7 +10,7 @@ from typing import Any
 from swamp_rl.physics.compile import by_field, compiled
 from swamp_rl.physics.propeller import propeller_forces, wake_factor
 from swamp_rl.physics.rudder import inflow_across, inflow_ahead, rudder_forces
-from swamp_rl.physics.thrusters import forces_under_way, jet_force, loss_under_way, thruster_forces
+from swamp_rl.physics.thrusters import jet_force, jet_forces, loss_under_way
 
 MARK = "propeller_diameter"  # 0 for the jets of a boat that has both
 
@@ -30,14 +30,6 @@ def propeller_with_rudder(
         gain * y_propeller + y_rudder,
         gain * n_propeller + n_rudder,
     )
-
-
-@compiled
-def forces_of_jets(
-    outputs: Any, moment: int, u: float, v: float, r: float, p: Any
-) -> tuple[float, float, float]:
-    """As `propulsion_forces`, for a boat with jets alone."""
-    return thruster_forces(outputs, moment, p)
 
 
 @compiled
@@ -106,7 +98,4 @@ actuator_output = by_field(MARK, output_of_either, jet_force)
 worn = by_field(MARK, worn_either, worn_jet)
 
 # Total surge, sway force [N] and yaw moment [N m]; outputs[moment]: (K, 2) by `actuator_output`.
-propulsion_forces = by_field(MARK, forces_of_both, forces_of_jets)
-
-# The same where jets lose thrust to the boat's way through the water.
-propulsion_under_way = by_field(MARK, forces_of_both, forces_under_way)
+propulsion_forces = by_field(MARK, forces_of_both, jet_forces)

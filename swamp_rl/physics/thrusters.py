@@ -91,6 +91,8 @@ def loss_under_way(x_force: float, y_force: float, u: float, v: float, r: float,
     The jet gains less momentum the faster the water already runs along it, by V_a / V_o, and the hull's
     crossflow takes exp(-c V_t^2) (Typhoon AUV, eq. 24). It neither turns round nor is drawn backwards.
     """
+    if p.advance_loss == 0.0 and p.crossflow_loss == 0.0:
+        return 1.0
     thrust = math.sqrt(x_force * x_force + y_force * y_force)
     if thrust == 0.0:
         return 0.0
@@ -103,30 +105,16 @@ def loss_under_way(x_force: float, y_force: float, u: float, v: float, r: float,
 
 
 @compiled
-def thruster_forces(jets: Any, moment: int, p: Any) -> tuple[float, float, float]:
-    """Total surge, sway force [N] and yaw moment [N m]; jets[moment]: (K, 2) forces along body x and y.
+def jet_forces(jets: Any, moment: int, u: float, v: float, r: float, p: Any) -> tuple[float, float, float]:
+    """Total surge, sway force [N] and yaw moment [N m] at u, v [m/s], r [rad/s] through the water.
 
-    N = x Y - y X for each thruster (8.24, with y to starboard).
+    jets[moment]: (K, 2) forces along body x and y; N = x Y - y X for each (8.24, with y to starboard).
     """
     surge, sway, yaw = 0.0, 0.0, 0.0
     for k in range(jets.shape[1]):
-        x_force, y_force = jets[moment, k, 0], jets[moment, k, 1]
+        left = loss_under_way(jets[moment, k, 0], jets[moment, k, 1], u, v, r, k, p)
+        x_force, y_force = left * jets[moment, k, 0], left * jets[moment, k, 1]
         surge += x_force
         sway += y_force
         yaw += p.thruster_x[k] * y_force - p.thruster_y[k] * x_force
-    return surge, sway, yaw
-
-
-@compiled
-def forces_under_way(
-    jets: Any, moment: int, u: float, v: float, r: float, p: Any
-) -> tuple[float, float, float]:
-    """As `thruster_forces`, less what the boat's way through the water takes at u, v [m/s], r [rad/s]."""
-    surge, sway, yaw = 0.0, 0.0, 0.0
-    for k in range(jets.shape[1]):
-        x_force, y_force = jets[moment, k, 0], jets[moment, k, 1]
-        left = loss_under_way(x_force, y_force, u, v, r, k, p)
-        surge += left * x_force
-        sway += left * y_force
-        yaw += left * (p.thruster_x[k] * y_force - p.thruster_y[k] * x_force)
     return surge, sway, yaw
