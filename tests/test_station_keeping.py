@@ -10,6 +10,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import parse_effects
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.holding import Holding, best_holding, holding_at, steady_force
+from swamp_rl.guidance.keep import keeper_for
 from swamp_rl.guidance.loop import drive
 from swamp_rl.guidance.one_jet import OneJetKeeper
 from swamp_rl.guidance.servo import VelocityServo, inertia_of
@@ -90,6 +91,29 @@ def test_the_last_jet_finds_its_heading_where_the_current_is_not_as_believed() -
     track = drive(SEA, keeper, (0.0, 0.0, held.heading), 300.0, dt=0.2, failed=failed)
     assert np.hypot(track[-150:, NORTH], track[-150:, EAST]).max() < 0.05
     assert abs(track[-1, HEADING] - held.heading) > math.radians(2)
+
+
+def test_whoever_can_hold_is_found_and_else_the_reason_is_given() -> None:
+    jets = jets_of(SEA)
+    keeper, held = keeper_for(SEA, jets.without(["bs"]), (1.0, 2.0))
+    assert isinstance(keeper, StationKeeper)
+    assert keeper.station == Station(1.0, 2.0, held.heading)
+    keeper, _ = keeper_for(SEA, jets.without(["bs", "bp", "ss"]), (0.0, 0.0), heading=1.0)
+    assert isinstance(keeper, OneJetKeeper)
+    with pytest.raises(UserError, match=r"cannot hold at heading 0 deg: .* choose another heading"):
+        keeper_for(among(0.0, 0.8, 0.0, 0.0), jets, (0.0, 0.0), heading=0.0)
+    with pytest.raises(UserError, match="no force along that line"):
+        keeper_for(SEA, jets.without(BOAT.thruster_names), (0.0, 0.0))
+
+
+def test_the_last_jet_must_be_allowed_to_push_where_the_balance_wants_it() -> None:
+    failed = ["bp", "ss", "sp"]
+    free = best_holding(SEA, jets_of(SEA).without(failed))
+    direction = math.atan2(free.needed[1], free.needed[0])
+    barred = jets_of(SEA, failed, forbidden={"bs": [(direction - 0.3, direction + 0.3)]})
+    other = best_holding(SEA, barred)
+    assert not math.isclose(other.heading, free.heading)
+    assert other.margin < free.margin
 
 
 def test_a_gust_is_counted_before_the_promise() -> None:

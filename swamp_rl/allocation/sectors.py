@@ -26,9 +26,14 @@ class Sector:
     astern: bool = False
 
     @property
+    def width(self) -> float:
+        """rad."""
+        return self.high - self.low
+
+    @property
     def whole(self) -> bool:
         """Whether every direction is allowed."""
-        return self.high - self.low >= TURN - EPSILON
+        return self.width >= TURN - EPSILON
 
     def direction(self, azimuth: float, offset: float) -> float:
         """Direction of the force [rad] at an azimuth of this sector."""

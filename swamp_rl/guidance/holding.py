@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.allocation import Jets, largest_multiple
+from swamp_rl.allocation.jets import wrapped
+from swamp_rl.allocation.sectors import sectors_of
 from swamp_rl.boat import Boat
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.motion import external_forces, water_velocity
@@ -119,5 +121,12 @@ def _roots(boat: Boat, jets: Jets, k: int, tried: Array) -> list[float]:
 
 def _through(boat: Boat, jets: Jets, k: int, heading: float) -> Holding:
     needed = steady_force(boat, heading)
+    direction = math.atan2(needed[1], needed[0]) - float(jets.offset[k])
+    if not any(
+        sector.whole or abs(wrapped(direction - 0.5 * (sector.low + sector.high))) <= 0.5 * sector.width
+        for sector in sectors_of(jets, k, 0.0, math.inf)
+        if not sector.astern
+    ):
+        return Holding(heading, needed, 0.0)
     most = max(math.hypot(*steady_force(boat, heading, gust)[:2]) for gust in (0.0, GUST))
     return Holding(heading, needed, float(jets.thrust_max[k]) / max(most, 1e-9))
