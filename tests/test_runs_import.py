@@ -12,13 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from swamp_rl.errors import UserError
-from swamp_rl.runs import read_dataset
+from swamp_rl.runs import Run, append_run, create_dataset, read_dataset
 from swamp_rl.runs.import_dataset import About, import_runs
 from swamp_rl.runs.import_foreign import UNITS, Wishes
 from swamp_rl.runs.local_frame import to_local
 from swamp_rl.runs.mcap_files import read_mcap
 from swamp_rl.runs.resample import resampled
-from tests.conftest import circling
+from tests.conftest import circling, described
 
 TIME = np.arange(40) * 0.1
 DEGREES = np.mod(350.0 + 2.0 * np.arange(40), 360.0)
@@ -251,6 +251,13 @@ def test_garbage_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory
     path.write_bytes(b"\x89MCAP0\r\n" + garbage)
     with pytest.raises(UserError):
         read_mcap(path)
+
+
+def test_files_of_different_datasets_are_not_mixed(folder: Path, tmp_path: Path) -> None:
+    create_dataset(tmp_path / "other", described(course=None))
+    append_run(tmp_path / "other", Run("three", circling()), "csv")
+    with pytest.raises(UserError, match="is of another dataset than"):
+        import_runs([folder / "one.csv", tmp_path / "other"], "csv", tmp_path / "out")
 
 
 def test_free_running_tests_have_their_verb_too(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from swamp_rl.errors import UserError
 from swamp_rl.runs import read_dataset
 from swamp_rl.runs.import_dataset import About, import_runs
+from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.runs.import_telemetry import FIELDS, read_telemetry
 from tests.conftest import circling
 
@@ -131,8 +132,13 @@ def test_a_yaw_in_degrees_is_noticed_by_the_matrix(tmp_path: Path) -> None:
     found = lines(20.0)
     for line in found:
         line[1] = f"{math.degrees(float(line[1])):.6f}"
-    with pytest.raises(UserError, match="is in degrees"):
-        read_telemetry(write(tmp_path / "a.txt", found))
+    path = write(tmp_path / "a.txt", found)
+    with pytest.raises(UserError, match=r"is in degrees.*--degrees heading"):
+        read_telemetry(path)
+    import_runs([path], "telemetry", tmp_path / "out", None, Wishes(units={"heading": "deg"}))
+    run = read_dataset(tmp_path / "out").runs[0]
+    assert run.columns["heading"] == pytest.approx(circling(20.0)["heading"], abs=1e-6)  # six decimals
+    assert run.columns["surge"] == pytest.approx(np.full(201, 0.5), abs=2e-6)
 
 
 def test_of_several_hulls_one_is_chosen_and_its_lines_keep_their_numbers(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """From files of others to one dataset of ours, whole or not at all."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -66,8 +66,8 @@ def import_runs(
         runs = [import_free_running(file, boat, about.repair) for file in files]
         meta = _described(about, boat, about.boat or "esso_osaka", None, runs, wishes)
         return _write(Path(out), meta, runs, None)
-    found = [_reader(kind, about)(file) for file in files]
-    told = next((one.dataset for one in found if one.dataset is not None), None)
+    found, wishes = _read(files, kind, about, wishes)
+    told = _agreed(found)
     home = next((file.parent for file in files if (file.parent / META).is_file()), None)
     beside = home if told and about.boat is None and home and (home / told.vehicle).is_file() else None
     vehicle = about.boat or (told.vehicle if told else "swamp")
@@ -100,12 +100,28 @@ def _refuse_twins(files: Sequence[Path]) -> None:
         by_name[file.stem] = file
 
 
-def _reader(kind: Kind, about: About) -> Callable[[Path], Foreign]:
+def _read(files: Sequence[Path], kind: Kind, about: About, wishes: Wishes) -> tuple[list[Foreign], Wishes]:
+    """The tables, and what is then still to be done to them."""
     if kind == "mcap":
-        return lambda path: read_mcap(path, about.topic)
+        return [read_mcap(file, about.topic) for file in files], wishes
     if kind == "telemetry":
-        return lambda path: read_telemetry(path, about.sender)
-    return lambda path: _read_table(path, kind)
+        # The velocities hang on the yaw, so its unit matters before there is a table.
+        units = {name: unit for name, unit in wishes.units.items() if (name, unit) != ("heading", "deg")}
+        degrees = len(units) < len(wishes.units)
+        found = [read_telemetry(file, about.sender, degrees) for file in files]
+        return found, replace(wishes, units=units)
+    return [_read_table(file, kind) for file in files], wishes
+
+
+def _agreed(found: Sequence[Foreign]) -> DatasetMeta | None:
+    """What all the files say of their dataset; UserError where they are of different ones."""
+    told = [
+        (one.file, one.dataset.model_copy(update={"runs": []})) for one in found if one.dataset is not None
+    ]
+    for file, dataset in told:
+        if dataset != told[0][1]:
+            raise UserError(f"{file}: is of another dataset than {told[0][0]}; import each by itself")
+    return told[0][1] if told else None
 
 
 def _read_table(path: Path, kind: Kind) -> Foreign:

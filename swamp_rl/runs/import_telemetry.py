@@ -47,10 +47,11 @@ EPOCHS = {1: (10**9, 10**10), 10**3: (10**12, 10**13), 10**6: (10**15, 10**16), 
 """Ticks in a second, by the span of stamps since 1970 that then fall into the years 2001 to 2286."""
 
 
-def read_telemetry(path: Path, sender: int | None = None) -> Foreign:
+def read_telemetry(path: Path, sender: int | None = None, degrees: bool = False) -> Foreign:
     """A file of such lines as a table; UserError with line and field for the first that is wrong.
 
     Times are from the first line's stamp. sender: whose lines to take, where the file holds several hulls'.
+    degrees: yaw, pitch and roll are in degrees there; the table has radians.
     Every field but sender and stamp is kept, under the names of `FIELDS`.
     """
     numbers, words = _lines(path)
@@ -63,7 +64,10 @@ def read_telemetry(path: Path, sender: int | None = None) -> Foreign:
     lines = np.array([numbers[i] for i in chosen], np.int64)
     values = dict(zip(FIELDS, np.array([words[i] for i in chosen], float).T, strict=True))
     _refuse_invalid(path, lines, values)
-    _refuse_degrees(path, values)
+    if degrees:
+        values |= {name: np.radians(values[name]) for name in ("yaw", "pitch", "roll")}
+    else:
+        _refuse_degrees(path, values)
     stamps = [int(words[i][FIELDS.index("utc")]) for i in chosen]
     ticks = _ticks(path, lines[0], stamps[0])
     time = np.array([stamp - stamps[0] for stamp in stamps], float) / ticks
@@ -130,8 +134,7 @@ def _refuse_degrees(path: Path, values: dict[str, Array]) -> None:
     degrees = np.cos(np.radians(values["yaw"])) * np.cos(np.radians(values["pitch"]))
     if np.abs(degrees - told).max() < 0.01 < np.abs(radians - told).max():
         raise UserError(
-            f"{path}: field 2 (yaw) is in degrees, as the orientation matrix shows; "
-            "give radians in fields 2 to 4"
+            f"{path}: field 2 (yaw) is in degrees, as the orientation matrix shows; say so: --degrees heading"
         )
 
 
