@@ -10,6 +10,7 @@ import typer
 
 if TYPE_CHECKING:
     from swamp_rl.pilots.pilot import Pilot
+    from swamp_rl.teleop.afloat import MakeEnv
     from swamp_rl.teleop.session import Session
 
 LEVELS = ("calm", "standard", "severe")
@@ -53,13 +54,13 @@ def record(
 
     checked_token(host, token)
     source = "scripted" if scripted else "human"
-    levels = tuple(dict.fromkeys((disturbances, *LEVELS)))
     pilots = _named(pilot or [])
 
     def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:
         return GatesEnv(boat, course, level, observation=senses)
 
-    make_env(disturbances, ("north", "east"))  # refuses bad names before anything is written
+    make_env(disturbances, ("north",))  # refuses bad names before anything is written
+    levels = [disturbances, *(name for name in LEVELS if name != disturbances and _fits(make_env, name))]
     recordings = Recordings(out, _meta(boat, course, source), typer.echo)
     session = Session(make_env, recordings, levels, np.random.default_rng(), pilots)
     _warm(session)
@@ -105,6 +106,17 @@ def _named(folders: Sequence[Path]) -> dict[str, "Pilot"]:
         same = sum(taken.partition(" ")[0] == name for taken in pilots)
         pilots[f"{name} {same + 1}" if same else name] = load_pilot(folder)
     return pilots
+
+
+def _fits(make_env: "MakeEnv", level: str) -> bool:
+    """Whether the boat has the thrusters that a level disturbs."""
+    from swamp_rl.errors import UserError
+
+    try:
+        make_env(level, ("north",))
+    except UserError:
+        return False
+    return True
 
 
 def _warm(session: "Session") -> None:

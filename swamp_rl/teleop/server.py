@@ -68,6 +68,7 @@ def application(hub: Hub, guard: Guard) -> ASGIApp:
     @contextlib.asynccontextmanager
     async def living(_: Starlette) -> AsyncIterator[None]:
         ticking = asyncio.create_task(hub.keep_time())
+        ticking.add_done_callback(_tell_of_failure)
         try:
             yield
         finally:
@@ -95,6 +96,11 @@ def application(hub: Hub, guard: Guard) -> ASGIApp:
         Mount("/", StaticFiles(directory=PAGE)),
     ]
     return Gate(Starlette(routes=routes, lifespan=living), guard)
+
+
+def _tell_of_failure(task: "asyncio.Task[None]") -> None:
+    if not task.cancelled() and task.exception() is not None:
+        log.critical("the clock has stopped; start the recorder again", exc_info=task.exception())
 
 
 def bound(host: str, port: int) -> socket.socket:

@@ -62,6 +62,7 @@ class Session:
         self.phase, self.helm, self.began = READY, PERSON, 0.0
         self.rows = self.kicks = self.corrections = 0
         self.drivers: set[str] = set()
+        self._start: dict[str, float] = {}
         self._last_driver: str | None = None
         if self.pilot is not None:
             self.pilots[self.pilot].reset(1)
@@ -179,9 +180,8 @@ class Session:
         first = min(1, len(self.boat.fleet.course.gates) - 1)
         if self.journal is None and after.passed >= first:
             self.phase = RUN
-            about = {**self.about(), "initial_state": initial_state(self.boat.fleet.boat, before.state)}
-            self._about_start = about["initial_state"]
-            self.journal = self.recordings.begin(self._columns(), about)
+            self._start = initial_state(self.boat.fleet.boat, before.state)
+            self.journal = self.recordings.begin(self._columns(), self.about())
         if self.journal is not None:
             self._note_driver()
             self._write(before)
@@ -226,14 +226,13 @@ class Session:
         drivers = "both" if len(self.drivers) > 1 else next(iter(self.drivers), self.helm)
         about: dict[str, Any] = {
             "seed": self.boat.seed,
+            "initial_state": self._start,
             "disturbances": self.boat.drawn["effects"],
             "gust_seed": self.boat.drawn["gust_seed"],
             "nickname": self.nickname,
             "level": self.level,
             "helm": drivers,
         }
-        if self.journal is not None:
-            about["initial_state"] = self._about_start
         if self.outcome is not None:
             about |= {"outcome": self.outcome, "seconds": round((self.rows - 1) * self.boat.step, 6)}
         if self.kicks:

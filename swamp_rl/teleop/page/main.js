@@ -48,7 +48,7 @@ function hear(message) {
     by("kick-port").hidden = by("kick-starboard").hidden = !scene.boat.stern.length;
     by("boat-name").textContent = `${scene.boat.name} · ${scene.course.name}`;
     const kept = localStorage.getItem("nickname");
-    if (kept) { by("nickname").value = kept; send({ type: "choose", nickname: kept }); }
+    if (kept) by("nickname").value = kept;
   } else if (message.type === "status") stand(message);
   else if (message.type === "accepted") say("Kept. Thank you!", true);
   else if (message.type === "say") say(message.text);
@@ -72,6 +72,7 @@ function stand(message) {
   const before = status;
   status = message;
   document.body.classList.toggle("watching", !status.driving);
+  if (status.driving && !before.driving && by("nickname").value) send({ type: "choose", nickname: by("nickname").value });
   by("seat").textContent = status.driving ? "Leave" : status.seat_taken ? "Taken" : "Drive";
   by("seat").disabled = !status.driving && status.seat_taken;
   if (status.driving) sessionStorage.setItem("driver", "yes");
@@ -160,7 +161,10 @@ for (const id of ["accept", "retry", "discard", "helm", "seat"]) {
 }
 by("seat").addEventListener("click", () => sessionStorage.removeItem("driver"));
 by("more").addEventListener("click", () => document.body.classList.toggle("board-open"));
-by("nickname").addEventListener("change", ({ target }) => { localStorage.setItem("nickname", target.value); send({ type: "choose", nickname: target.value }); });
+by("nickname").addEventListener("change", ({ target }) => {
+  localStorage.setItem("nickname", target.value);
+  if (status.driving) send({ type: "choose", nickname: target.value });
+});
 by("nickname").addEventListener("keydown", (event) => { if (event.code === "Enter") event.target.blur(); });
 for (const id of ["level", "pilot"]) by(id).addEventListener("change", ({ target }) => { send({ type: "choose", [id]: target.value }); target.blur(); });
 
