@@ -63,6 +63,13 @@ def percent(throttle: float) -> str:
     return "" if math.isnan(throttle) else f"{throttle:.3g} %"
 
 
+def _legend(canvas: Canvas, axes: Any, columns: int) -> None:
+    """A legend beneath all panels, one entry for what is drawn twice, as to either side."""
+    handles, labels = axes.get_legend_handles_labels()
+    shown = dict(zip(labels[::-1], handles[::-1], strict=True))
+    canvas.legend(list(shown.values())[::-1], list(shown)[::-1], loc="outside lower center", ncols=columns)
+
+
 def _turned_upright(place: Any, heading: float) -> tuple[Any, Any]:
     """Ahead and starboard of a track's start, by the heading it began on."""
     north, east = (place - place[0]).T
@@ -98,9 +105,7 @@ def circles(canvas: Canvas, results: Sequence[Result], length: float) -> None:
         panel.set(title=title, xlabel="to starboard [L]", aspect="equal")
         panel.plot(0.0, 0.0, "k+", ms=7)
     axes[0].set_ylabel("ahead [L]")
-    handles, labels = axes[0].get_legend_handles_labels()
-    shown = dict(zip(labels, handles, strict=True))  # one entry for both sides
-    canvas.legend(shown.values(), shown.keys(), loc="outside lower center", ncols=5)
+    _legend(canvas, axes[0], 5)
     canvas.suptitle("Turning circles, from the execute", fontweight="bold")
 
 
@@ -123,6 +128,8 @@ def diameters(canvas: Canvas, results: Sequence[Result], length: float) -> None:
                 lw=1.2,
             )
         panel.set(title=name.replace("_", " "), xlabel="steering angle [deg]")
+        angles = sorted({round(abs(angle_of(result)), 1) for result in results})
+        panel.set(xticks=angles, xlim=(angles[0] - 5.0, angles[-1] + 5.0))
     axes[0].set_ylabel("diameter [L]")
     axes[0].set_ylim(bottom=0.0)
     from matplotlib.lines import Line2D
@@ -160,7 +167,10 @@ def zig_zags(canvas: Canvas, results: Sequence[Result], length: float) -> None:
         for result in sorted(some, key=throttle_of):
             throttle, trace = throttle_of(result), result.traces
             sailed = trace["time"] * result.figures["approach_speed"].value / length
-            panel.plot(sailed, trace["heading"], color=shades[throttle], lw=1.1, label=percent(throttle))
+            dash = "-" if angle_of(result) > 0 else "--"
+            panel.plot(
+                sailed, trace["heading"], dash, color=shades[throttle], lw=1.1, label=percent(throttle)
+            )
         panel.plot(sailed, trace["angle"], color="#999999", lw=0.8, zorder=1, label="steering, fastest")
         panel.set_title(f"{angle:g}°/{heading:g}°")
         low, high = panel.get_ylim()
@@ -171,8 +181,7 @@ def zig_zags(canvas: Canvas, results: Sequence[Result], length: float) -> None:
         panel.set_xlabel("time · approach speed / L")
     for panel in grid[: len(asked) : columns]:
         panel.set_ylabel("heading, steering [deg]")
-    handles, labels = grid[0].get_legend_handles_labels()
-    canvas.legend(handles, labels, loc="outside lower center", ncols=6)
+    _legend(canvas, grid[0], 6)
     canvas.suptitle("Zig-zags, from the first execute", fontweight="bold")
 
 
@@ -202,7 +211,7 @@ def overshoots(canvas: Canvas, results: Sequence[Result], length: float) -> None
                 color=shade,
                 label=percent(throttle),
             )
-        panel.set(title=title, xticks=range(len(asked)))
+        panel.set(title=title, xticks=range(len(asked)), xlim=(-0.6, len(asked) - 0.4))
         panel.set_xticklabels([f"{a:g}/{h:g}" for a, h in asked])
         panel.set_xlabel("steering angle / heading [deg]")
     axes[0].set_ylabel("overshoot [deg]")

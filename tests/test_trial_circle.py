@@ -104,15 +104,17 @@ def noisy(run: Run, seed: int, deviation: float = 0.03) -> Run:
     return Run(run.name, columns, run.meta)
 
 
-def test_with_noisy_positions_the_interval_of_the_advance_holds_its_value_nearly_always() -> None:
+def test_with_noisy_positions_the_intervals_hold_the_true_ways_about_as_often_as_they_say() -> None:
     run = circle_run(D, BETA, current=(0.12, -0.05))
     truth = analysed(circle_run(D, BETA)).figures
-    drifts = [analysed(noisy(run, seed)) for seed in range(8)]
-    for found in drifts:
-        assert found.corrected["steady_diameter"].value == pytest.approx(D, abs=0.03)
-        assert found.corrected["advance"].value == pytest.approx(truth["advance"].value, abs=0.15)
-        figure = found.corrected["tactical_diameter"]
-        assert figure.low < figure.value < figure.high
+    held = []
+    for seed in range(40):
+        found = analysed(noisy(run, seed)).corrected
+        assert found["steady_diameter"].value == pytest.approx(D, abs=0.03)
+        for name in ("advance", "tactical_diameter"):
+            held.append(found[name].low <= truth[name].value <= found[name].high)
+    # 95 % of 80, by the binomial law within 0.87 to 1 but once in a hundred times.
+    assert np.mean(held) >= 0.87
 
 
 def test_a_pair_of_circles_names_the_side_that_it_turns_tighter_to() -> None:

@@ -58,6 +58,7 @@ def test_an_entry_stands_for_every_pair_of_its_angles_and_throttles(tmp_path: Pa
         ("throttle: [0.5, 0.6]", "throttle: [0.5, 60.0]", "less than or equal to 1"),
         ("throttle: [0.5, 0.6]", "rpm: [800.0]", "needs full_rpm"),
         (", throttle: [0.5, 0.6]", "", "either it or rpm"),
+        ("throttle: [0.5, 0.6]", "throttle: []", "is empty"),
         ("name: mine", "name: mine\nspeed: 2", "unknown key"),
         ("boat: swamp", "", "boat: is missing"),
     ],
@@ -71,3 +72,4 @@ def test_what_a_plan_cannot_hold_is_one_line_with_file_and_key(
     assert str(refused.value).startswith(f"{path}: ")
     assert words in str(refused.value)
     assert "\n" not in str(refused.value)
+    assert "more)" not in str(refused.value)

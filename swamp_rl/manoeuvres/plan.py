@@ -6,7 +6,7 @@ from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from swamp_rl.boat.part import FROM_LIST, NAME, Part
 from swamp_rl.files import find_config, read_yaml, validated
@@ -16,7 +16,17 @@ from swamp_rl.manoeuvres.controller import Kind, Pattern, Trial
 Degrees = Annotated[float, Field(ge=-90.0, le=90.0)]
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
 Positive = Annotated[float, Field(gt=0.0)]
-Several = Annotated[tuple[Positive, ...], Field(min_length=1), FROM_LIST]
+
+
+def _filled(given: tuple[Any, ...]) -> tuple[Any, ...]:
+    # A least length declared as such would be missed, too, by a list whose items are at fault.
+    if not given:
+        raise ValueError("is empty; give at least one")
+    return given
+
+
+FILLED = AfterValidator(_filled)
+Several = Annotated[tuple[Positive, ...], FROM_LIST, FILLED]
 
 STEERED = {"angle_deg", "pattern"}
 KEYS: dict[Kind, set[str]] = {  # what an entry may hold beside the throttle, by manoeuvre
@@ -39,9 +49,9 @@ class Entry(Part):
     """
 
     manoeuvre: Kind
-    throttle: Annotated[tuple[Share, ...], Field(min_length=1), FROM_LIST] | None = None
+    throttle: Annotated[tuple[Share, ...], FROM_LIST, FILLED] | None = None
     rpm: Several | None = None
-    angle_deg: Annotated[tuple[Degrees, ...], Field(min_length=1), FROM_LIST] | None = None
+    angle_deg: Annotated[tuple[Degrees, ...], FROM_LIST, FILLED] | None = None
     heading_deg: Several | None = None
     pattern: Pattern = "opposed"
     turns: Annotated[int, Field(ge=1, le=20)] = 3
@@ -85,7 +95,7 @@ class Plan(Part):
     area: AreaPart = AreaPart()
     seed: Annotated[int, Field(ge=0)] = 0
     full_rpm: Positive | None = None
-    trials: Annotated[tuple[Entry, ...], Field(min_length=1), FROM_LIST]
+    trials: Annotated[tuple[Entry, ...], FROM_LIST, FILLED]
 
     @model_validator(mode="after")
     def _rpm_are_shares(self) -> Self:

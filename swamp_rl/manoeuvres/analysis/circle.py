@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.manoeuvres.analysis.drift import Drift, Turning, drift_of, turning_of
-from swamp_rl.manoeuvres.analysis.figure import Figure, Result, interval, over
+from swamp_rl.manoeuvres.analysis.figure import RESAMPLES, Figure, Result, interval, over
 from swamp_rl.manoeuvres.analysis.motion import Motion
 from swamp_rl.manoeuvres.analysis.recognise import Recognised
 
@@ -22,14 +22,18 @@ PLACES = {  # turned angle [rad], and whether the way there is measured across t
 
 @dataclass(frozen=True)
 class Circle:
-    """A turn by the angle turned, with the heading [rad] it began on, its side (+1 starboard), its approach
-    velocity over ground (2,) [m/s] and the turns [1] that were completed."""
+    """A turn by the angle turned, with the heading [rad] it began on and its side (+1 starboard).
+
+    approach: velocity over ground (2,) before it [m/s]; turns: how many were completed; noise: standard
+    deviation [m] of a place, by the track's third differences.
+    """
 
     turning: Turning
     heading: float
     side: float
     approach: Array
     turns: int
+    noise: float
 
 
 def circle_of(motion: Motion, found: Recognised) -> Circle:
@@ -46,7 +50,10 @@ def circle_of(motion: Motion, found: Recognised) -> Circle:
     if before < first:
         made = motion.position[first] - motion.position[before]
         approach = made / (motion.time[first] - motion.time[before])
-    return Circle(turning, heading, side, approach, int(turning.turned[-1] / FULL + 1e-3))
+    turns = int(turning.turned[-1] / FULL + 1e-3)
+    rough = np.diff(motion.position[rows], 3, axis=0)  # of white noise 20 times its variance
+    noise = float(np.sqrt(np.mean(rough**2) / 20.0)) if len(rough) else 0.0
+    return Circle(turning, heading, side, approach, turns, noise)
 
 
 def analyse_circle(motion: Motion, found: Recognised, result: Result, rng: np.random.Generator) -> None:
@@ -122,11 +129,12 @@ def _way(
     """The way along a direction from the start of each turn to `angle` further on; the first counts."""
     starts = [FULL * k for k in range(circle.turns + 1)]
     each = [float((turning.at(start + angle) - turning.at(start)) @ along) for start in starts]
-    low = high = math.nan
+    off = rng.normal(0.0, math.sqrt(2.0) * circle.noise, RESAMPLES)  # of its two ends
     if drift is not None:
         # The way hangs on the drift linearly, so the resampled drifts need no new search for the angle.
         gone = turning.moment(angle) - turning.moment(0.0)
-        low, high = interval(each[0] - gone * (drift.resamples - drift.velocity) @ along)
+        off -= gone * (drift.resamples - drift.velocity) @ along
+    low, high = interval(each[0] + off)
     return Figure(each[0], "m", tuple(way for way in each if math.isfinite(way)), low, high)
 
 
