@@ -94,6 +94,10 @@ def test_in_a_browser_it_plays_pauses_seeks_and_changes_its_layout(tmp_path: Pat
         assert float(tab.input_value("#slider")) > 2.6 or tab.inner_text("#now").startswith("0.")
         tab.click("#play")
         assert tab.inner_text("#play") == "Play"
+        tab.set_viewport_size({"width": 390, "height": 760})
+        assert tab.evaluate("document.documentElement.scrollWidth") == 390
+        assert tab.is_visible("#play")
+        tab.screenshot(path=tmp_path / "phone.png")
         browser.close()
     assert wrong == []
     assert len(asked) == 1 and asked[0].startswith("file:")
