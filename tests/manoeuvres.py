@@ -100,7 +100,7 @@ def gate_run(rng: Rng) -> tuple[Driver, Array]:
         gate = gates[passed[0]]
         if math.hypot(gate[0] - state[NORTH], gate[1] - state[EAST]) < 1.0:
             passed[0] = (passed[0] + 1) % len(gates)
-        look(state, passed[0], gates, seen)
+        look((state[NORTH], state[EAST], state[HEADING]), state, passed[0], gates, seen)
         throttle, angle = pilot.act(seen[None, places])[0]
         turned = angle * math.pi / 2
         return np.array([turned, turned, 0.0, 0.0, throttle, throttle, 0.0, 0.0])

@@ -19,6 +19,7 @@ from swamp_rl.criticism.ladder import ladder_of
 from swamp_rl.criticism.leftover import missing_forces
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.result import Diagnosis
+from swamp_rl.criticism.rivals import separating_trial
 from swamp_rl.criticism.search import search
 from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.effects import apply_effects, parse_effects
@@ -65,10 +66,11 @@ def trials(effects: list[dict[str, Any]], seed: int = 0, velocities: bool = True
     return Trials(boat, DT, ("a", "b", "c"), given, measured, np.full(3, given.shape[1]))
 
 
-def searched(found: Trials) -> Any:
-    """The search over every candidate."""
+def searched(found: Trials, *effects: str) -> Any:
+    """The search over every candidate, or over those effects alone."""
     weight = weights(found, noise_levels(found))
-    return search(ladder_of(found, weight), candidates(found.boat, SECONDS), hull_nuisance())
+    every = [a for a in candidates(found.boat, SECONDS) if not effects or a.effect.name in effects]
+    return search(ladder_of(found, weight), every, None if effects else hull_nuisance())
 
 
 def test_the_noise_is_told_from_the_data_alone() -> None:
@@ -110,8 +112,28 @@ def test_wind_is_named_and_not_a_current_or_a_push() -> None:
     assert np.hypot(*found.winner.x) == pytest.approx(4.0, rel=0.05)
 
 
+def test_one_straight_run_cannot_tell_drag_from_thrust_and_a_trial_is_proposed() -> None:
+    truth = trials([{"effect": "linear_drag", "coefficient": 6.0}], seed=9)
+    commands = np.zeros_like(truth.commands)
+    commands[..., 4:] = 0.7
+    record = parameters(truth.boat, 3)
+    asked = [{"effect": "linear_drag", "coefficient": 6.0}]
+    apply_effects(record, parse_effects(asked, "test", truth.boat.thruster_names), truth.boat.thruster_names)
+    start = initial_state(record, np.array([[0.0, 0.0, 0.5], [5.0, -3.0, 2.5], [-4.0, 8.0, -2.0]]))
+    start[:, 3] = 0.8  # under way at its own speed, so that getting there tells nothing
+    track = simulate(record, tank(truth.boat), start, commands[:, :-1].copy(), np.zeros(3, np.uint64), DT, 2)
+    noise = SIGMA * np.random.default_rng(9).standard_normal((3, commands.shape[1], 6))
+    steady = replace(truth, commands=commands, measured=observe(track, record, DT) + noise)
+    found = searched(steady, "linear_drag", "thrust_scale", "thruster_gain", "current")
+    names = {found.winner.hypothesis.label, *(one.hypothesis.label for one in found.rivals)}
+    assert {"linear_drag", "thrust_scale"} <= names
+    trial = separating_trial(steady, noise_levels(steady), found.winner, found.rivals)
+    assert trial.separation > 10.0
+
+
 def test_two_swapped_channels_are_named() -> None:
-    found = searched(trials([{"effect": "channel_swap", "thruster": ["bs", "sp"]}], seed=5))
+    truth = trials([{"effect": "channel_swap", "thruster": ["bs", "sp"]}], seed=5)
+    found = searched(truth, "channel_swap", "thruster_gain", "azimuth_offset")
     assert found.winner.hypothesis.label == "channel_swap bs sp"
 
 

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.adequacy import adequacy
 from swamp_rl.criticism.candidates import NUISANCE, Hypothesis, candidates, hull_nuisance
+from swamp_rl.criticism.conclude import Search
+from swamp_rl.criticism.cost import score
 from swamp_rl.criticism.data import CHANNELS, Trials, read_trials
 from swamp_rl.criticism.estimate import causes_of
 from swamp_rl.criticism.extend import write_extended
@@ -23,12 +25,13 @@ from swamp_rl.criticism.leftover import Forces, leftovers, missing_forces
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, Verdict
 from swamp_rl.criticism.rivals import contrast, separating_trial
-from swamp_rl.criticism.search import Search, score, search
+from swamp_rl.criticism.search import search
 from swamp_rl.files import folder_beside
 
 Array = NDArray[np.float64]
 
 RESULT = "diagnosis.json"
+NONE = np.zeros(0)
 LISTED = 20  # candidates in the report
 
 
@@ -94,7 +97,9 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
         separating_trial=separating_trial(trials, sigmas, found.winner, found.rivals)
         if found.rivals
         else None,
-        leftover=[] if found.adequate else leftovers(forces),
+        leftover=[]
+        if found.adequate
+        else leftovers([forces, missing_forces(trials, weight, Hypothesis(), NONE)]),
         candidates=_candidates(ladder, found, rng),
         unseen=found.unseen,
         gain=_gains(trials, weight, other, ladder, found, rng),

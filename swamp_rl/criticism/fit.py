@@ -268,8 +268,13 @@ def _released(
     if not could.any():
         return None
     base, states, residual = at.base.copy(), at.states.copy(), at.residual.copy()
-    found = settle(problem.part(could), hypothesis, at.x, states[could], 2 * ROUNDS)
-    states[could], base[could], residual[could] = found
+    part, held = problem.part(could), problem.windows.measured[could, 0]
+    starts = [states[could]] if problem.windows.pad == 0 else [states[could], held]
+    for start in starts:  # where the fit stands, and where the boat was seen
+        found = settle(part, hypothesis, at.x, start, 2 * ROUNDS)
+        better = (found[2] ** 2).sum(axis=1) < (residual[could] ** 2).sum(axis=1)
+        place = np.flatnonzero(could)[better]
+        states[place], base[place], residual[place] = (one[better] for one in found)
     moved = Point(at.x, states, base, residual, at.penalty)
     return moved if moved.chi2 < at.chi2 - ENOUGH else None
 

@@ -17,6 +17,10 @@ Array = NDArray[np.float64]
 AROUND = 5.0  # s to either side of a gap that two readings are compared over
 HARMLESS = 2.0  # chi2 between the earliest and the latest change that no fit needs to bother with
 CLEARLY = 1.0  # chi2 by which the other reading of a lost row must be better
+ELSEWHERE, UNLIKELY = (
+    (0.5, -1.0, 2.0),
+    9.0,
+)  # shares of the change, and the chi2 that such a reading must save
 LONGEST = 5  # rows beyond which the commands of a gap are not guessed
 ROUNDS = 5  # steps that a reading's initial state is given
 
@@ -36,16 +40,15 @@ def without_harmless(trials: Trials, weight: Array) -> Trials:
 
 
 def resolved(trials: Trials, weight: Array, every: Sequence[Gap], hypothesis: Hypothesis, x: Array) -> Trials:
-    """The trials with each short gap of `every` read as fits best under a hypothesis at x (p,): the command
-    changed before, after or between the lost rows.
-    """
-    short = [gap for gap in every if gap.rows <= LONGEST and steps_over(trials, gap)]
+    """The trials with each short gap of `every` read as fits best under a hypothesis at x (p,)."""
+    short = [gap for gap in every if gap.rows <= LONGEST and stepwise(trials, gap.run)]
     if not short:
         return trials
     commands = trials.commands.copy()
     problem, group = _readings(trials, weight, short)
     _, _, residual = settle(problem, hypothesis, x, problem.guess(), ROUNDS)
     loss = (residual**2).sum(axis=1)
+    loss += [needed for gap in short for _, needed in choices(trials, gap)]
     for number, gap in enumerate(short):
         mine = np.flatnonzero(group == number)
         best = problem.trials.commands[mine[loss[mine].argmin()]]
@@ -55,12 +58,27 @@ def resolved(trials: Trials, weight: Array, every: Sequence[Gap], hypothesis: Hy
     return replace(trials, commands=commands, gaps=kept)
 
 
-def steps_over(trials: Trials, gap: Gap) -> bool:
-    """Whether the command stood still before and after the gap; one that always moves is drawn straight."""
+def stepwise(trials: Trials, run: int) -> bool:
+    """Whether a run's commands stand still most of the time; those that always move are drawn straight over a
+    gap.
+    """
+    commands = trials.commands[run, : trials.lengths[run]]
+    return bool((commands[1:] == commands[:-1]).all(axis=1).mean() > 0.5)
+
+
+def choices(trials: Trials, gap: Gap) -> list[tuple[Array, float]]:
+    """Commands (rows, 2K) that may have stood in a gap, and the chi2 that each must save: the change came
+    after so many rows of it; or another command stood there, half way or as far to either side, for a moment.
+    """
     commands = trials.commands[gap.run]
-    after = gap.row + gap.rows
-    before = np.array_equal(commands[max(gap.row - 2, 0)], commands[gap.row - 1])
-    return before and np.array_equal(commands[after], commands[min(after + 1, len(commands) - 1)])
+    before, after = commands[gap.row - 1], commands[gap.row + gap.rows]
+    late = np.arange(gap.rows)[:, None]
+    found = [(np.where(late < keeps, before, after), 0.0) for keeps in range(gap.rows, -1, -1)]
+    for share in ELSEWHERE:
+        held = before + share * (after - before)
+        held[len(held) // 2 :] = np.clip(held[len(held) // 2 :], -1.0, 1.0)
+        found.append((np.repeat(held[None], gap.rows, axis=0), UNLIKELY))
+    return found
 
 
 def reread(problem: Shooting, at: Fit, every: Sequence[Gap]) -> Trials:
@@ -69,23 +87,24 @@ def reread(problem: Shooting, at: Fit, every: Sequence[Gap]) -> Trials:
     commands = trials.commands.copy()
     for gap in every:
         window = np.flatnonzero(problem.windows.run == gap.run)
-        if gap.rows != 1 or len(window) != 1 or not steps_over(trials, gap):
+        if gap.rows > LONGEST or len(window) != 1 or not stepwise(trials, gap.run):
             continue
         one = problem.part(problem.windows.run == gap.run)
-        row = commands[gap.run, gap.row].copy()
-        ends = (commands[gap.run, gap.row - 1], commands[gap.run, gap.row + 1])
-        other = ends[int(np.array_equal(row, ends[0]))]
-        loss = []
-        for reading in (row, other):
+        rows = slice(gap.row, gap.row + gap.rows)
+        losses = []
+        readings = [(commands[gap.run, rows].copy(), 0.0), *choices(trials, gap)]
+        for reading, needed in readings:
             changed = trials.commands.copy()
-            changed[gap.run, gap.row] = reading
+            changed[gap.run, rows] = reading
             one.trials = replace(trials, commands=changed)
-            del one.plain_actuators
+            one.plain_actuators = one.actuators(Hypothesis(), np.zeros((1, 0)))[0]
             track = one.predict(at.hypothesis, at.x[None], at.states[window][None])[0]
-            slopes = np.zeros((1, track.size, 0))
-            loss.append(normal_equations(at.states_jacobian[window], slopes, one.residuals(track)).free.sum())
-        if loss[1] < loss[0] - CLEARLY:
-            commands[gap.run, gap.row] = other
+            none = np.zeros((1, track.size, 0))
+            normal = normal_equations(at.states_jacobian[window], none, one.residuals(track))
+            losses.append(needed + float(normal.free.sum()))
+        best = int(np.argmin(losses))
+        if losses[best] < losses[0] - CLEARLY:
+            commands[gap.run, rows] = readings[best][0]
     return replace(trials, commands=commands)
 
 
@@ -96,10 +115,11 @@ def _readings(
 
     ends_alone: only the latest and the earliest change.
     """
+    every = [choices(trials, gap) for gap in gaps]
     rows = [
-        (number, keeps)
-        for number, gap in enumerate(gaps)
-        for keeps in ((gap.rows, 0) if ends_alone else range(gap.rows + 1))
+        (number, reading)
+        for number, found in enumerate(every)
+        for reading, _ in ((found[0], found[gaps[number].rows]) if ends_alone else found)
     ]
     group = np.array([number for number, _ in rows])
     runs = np.array([gaps[number].run for number in group])
@@ -107,10 +127,9 @@ def _readings(
     around = math.ceil(AROUND / trials.dt)
     first = np.array([max(0, gaps[number].row - around) for number in group])
     last = np.array([gaps[number].row + gaps[number].rows + around for number in group])
-    for i, (number, keeps) in enumerate(rows):
+    for i, (number, reading) in enumerate(rows):
         gap = gaps[number]
-        commands[i, gap.row : gap.row + keeps] = trials.commands[gap.run, gap.row - 1]
-        commands[i, gap.row + keeps : gap.row + gap.rows] = trials.commands[gap.run, gap.row + gap.rows]
+        commands[i, gap.row : gap.row + gap.rows] = reading
     lengths = trials.lengths[runs]
     several = replace(
         trials,

@@ -59,6 +59,8 @@ def _promise(information: Array, gradient: Array, basis: Array, p: int) -> tuple
     H[:p, p:], H[p:, :p] = cross, cross.T
     H[p:, p:] = np.einsum("wbk,wbl->kl", basis, information[:, p:, p:] @ basis)
     g = np.concatenate([gradient[:, :p].sum(axis=0), np.einsum("wb,wbk->k", gradient[:, p:], basis)])
+    if not (np.isfinite(H).all() and np.isfinite(g).all()):  # a rollout has run away
+        return 0.0, np.zeros(4)
     solved = inverse(H) @ g
     return float(g @ solved), solved[p:]
 

@@ -1,5 +1,6 @@
 """Forces that the model lacks, and which variable they go with."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,10 +17,14 @@ Array = NDArray[np.float64]
 
 # s of a window with a start of its own, and of the pieces in it that a force is constant in
 WINDOW, PIECE = 5.0, 2.5
-WINDOW_WITHOUT_VELOCITY, PIECE_WITHOUT_VELOCITY = 20.0, 5.0
+WINDOW_WITHOUT_VELOCITY, PIECE_WITHOUT_VELOCITY = 10.0, 5.0
 BINS = 6
-ROUNDS = 4  # steps towards the forces
+ROUNDS = 6  # steps towards the forces
 REACH = 3.0  # standard deviation of a missing force beforehand, in thrusts of the strongest thruster
+CLIP = 4.0  # spreads from the median beyond which a force is drawn nearer
+SIGNIFICANT = 0.8  # median of force over error, 0.67 where there is none
+ALIKE = 0.05  # of variance explained, within which two variables are listed side by side
+LISTED = 4
 SHOWN = 0.15  # share of a force's variance that a variable must explain, on other runs, to be named
 FORCES: tuple[Force, ...] = ("surge", "sway", "yaw", "north", "east")
 
@@ -79,18 +84,19 @@ def _fitted(
     reach = REACH * float(np.max(problem.boat_thrust))
     prior = np.tile(1.0 / np.array([reach, reach, reach * problem.boat.length]), pushes.count) ** 2
     force = np.zeros(shape)
-    damping = 0.0
+    damping = np.zeros(shape[0])
     covariance = np.zeros((shape[0], AXES * shape[1], AXES * shape[1]))
     for _ in range(ROUNDS):
         acting = force.reshape(-1, pushes.count, AXES)
         push: Array = acting / pushes.inertia
         by_state = problem.state_jacobian(hypothesis, x, states, track, push, pushes.block)
         by_force = push_slopes(problem, hypothesis, x, states, pushes, (0, 1, 2), acting)
-        normal = normal_equations(by_state, by_force, residual, damping)
+        normal = normal_equations(by_state, by_force, residual, damping[:, None])
         H = normal.information + np.diag(prior)
+        covariance = np.asarray(np.linalg.inv(H))
+        H = H + (damping[:, None] * np.einsum("wii->wi", H))[..., None] * np.eye(H.shape[1])
         g = normal.gradient - prior * force.reshape(shape[0], -1)
         step = np.asarray(np.linalg.solve(H, g[..., None])[..., 0])
-        covariance = np.asarray(np.linalg.inv(H))
         shift = np.linalg.solve(
             normal.states_information,
             (normal.states_gradient - (normal.cross @ step[..., None])[..., 0])[..., None],
@@ -102,7 +108,7 @@ def _fitted(
         better = (left**2).sum(axis=1) < (residual**2).sum(axis=1)
         states[better] += shift[better]
         force[better], track[better], residual[better] = tried[better], moved[better], left[better]
-        damping = 0.0 if better.mean() > 0.5 else 2.0 * damping + 1.0
+        damping = np.where(better, np.where(damping < 0.1, 0.0, damping / 10.0), 10.0 * damping + 0.1)
     return track, force, covariance
 
 
@@ -130,10 +136,14 @@ def _variables(
 
 
 def explained(values: Array, force: Array, error: Array, run: NDArray[np.int64]) -> float:
-    """Share of a force's power that bins of a variable explain on runs that the bins were not filled from."""
+    """Share of a force's power that bins of a variable explain on runs that the bins were not filled from;
+    what lies far out counts as if it were nearer.
+    """
     edges = np.quantile(values, np.linspace(0, 1, BINS + 1)[1:-1])
     bins = np.searchsorted(edges, values)
-    weight = 1.0 / (error**2 + np.median(np.abs(force)) ** 2 + 1e-12)
+    spread = float(np.median(np.abs(force - np.median(force)))) + float(np.median(error))
+    force = np.clip(force, np.median(force) - CLIP * spread, np.median(force) + CLIP * spread)
+    weight = 1.0 / (error**2 + spread**2)
     left, whole = 0.0, 0.0
     for one in np.unique(run):
         mine = run == one
@@ -146,17 +156,24 @@ def explained(values: Array, force: Array, error: Array, run: NDArray[np.int64])
     return 1.0 - left / max(whole, 1e-12)
 
 
-def leftovers(forces: Forces) -> list[Leftover]:
-    """Force and variable of what remains, the best explained first, one variable for each force."""
-    found = []
-    for c, name in enumerate(FORCES):
-        shares = {
-            variable: explained(values, forces.force[:, c], forces.error[:, c], forces.run)
-            for variable, values in forces.variables.items()
-        }
-        best = max(shares, key=lambda variable: shares[variable])
-        significance = float(np.mean((forces.force[:, c] / np.maximum(forces.error[:, c], 1e-9)) ** 2))
-        if shares[best] > SHOWN and significance > 1.5:
-            found.append(Leftover(force=name, variable=best, explained=shares[best]))
-
-    return sorted(found, key=lambda one: -one.explained)
+def leftovers(every: Sequence[Forces]) -> list[Leftover]:
+    """Force and variable of what remains, the best explained first, at most `LISTED`, with the variables that
+    explain a force about as well as the best one; every: what is missing beside one model and another, as a
+    wrong cause bends what is left over.
+    """
+    found: dict[tuple[Force, str], float] = {}
+    for forces in every:
+        for c, name in enumerate(FORCES):
+            significance = np.median(np.abs(forces.force[:, c]) / np.maximum(forces.error[:, c], 1e-9))
+            if significance < SIGNIFICANT:
+                continue
+            shares = {
+                variable: explained(values, forces.force[:, c], forces.error[:, c], forces.run)
+                for variable, values in forces.variables.items()
+            }
+            best = max(shares.values())
+            for variable, share in shares.items():
+                if share > max(SHOWN, best - ALIKE):
+                    found[name, variable] = max(share, found.get((name, variable), 0.0))
+    listed = sorted(found.items(), key=lambda one: -one[1])[:LISTED]
+    return [Leftover(force=name, variable=variable, explained=share) for (name, variable), share in listed]

@@ -2,17 +2,19 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from swamp_rl.criticism.adequacy import adequacy
-from swamp_rl.criticism.candidates import NUISANCE, Atom, Hypothesis
+from swamp_rl.criticism.candidates import Atom, Hypothesis
+from swamp_rl.criticism.conclude import Search, climb, concluded
+from swamp_rl.criticism.cost import cost as cost_of
+from swamp_rl.criticism.cost import needed, score
 from swamp_rl.criticism.fit import Fit, fit
-from swamp_rl.criticism.ladder import RUNGS, Ladder, whole_runs
+from swamp_rl.criticism.ladder import Ladder
 from swamp_rl.criticism.score import Prospect, prospects
 
-PATIENCE = 30.0  # s after which no further depth is begun
+PATIENCE = 35.0  # s of the processor's time after which no further depth is begun
 MOST = 3  # atoms together, the hull's coefficients counted as one
 BEAM = 5  # sets of causes that a further one is sought beside
 SHORTLIST = 8  # sets that are fitted at each depth
@@ -20,51 +22,21 @@ FIRST = 3  # of them, those fitted before any other
 CLIMBERS = 4  # of them, those that are followed to longer windows
 SEEN = 10.0  # least information about a candidate, in squared typical sizes over variance
 HOPE = 0.2  # share of the best one's gain by which another may stay behind and still be followed
-GAP = 9.0  # of penalised chi2 within which two names cannot be told apart
-NEAR = 40.0  # the same on shorter windows, beyond which longer ones will not bring two together
-LAST = len(RUNGS) - 1
-
-
-def cost(hypothesis: Hypothesis) -> float:
-    """Chi2 that a hypothesis must earn: for choosing among some sixty candidates and for its numbers."""
-    return sum(24.0 if a.effect.name == NUISANCE else 10.0 + 4.0 * a.size for a in hypothesis.atoms)
-
-
-def score(made: Fit) -> float:
-    """Chi2 and cost, less is better."""
-    return made.chi2 + cost(made.hypothesis)
-
-
-@dataclass(frozen=True)
-class Search:
-    """What was found: the winner by rung, its rivals on the deepest rung used, and everything that was tried.
-
-    rung: the longest windows on which the winner is adequate, or the middle ones where it is on none.
-    first: prospects beside nothing, in order, on the shortest windows; unseen: labels the data cannot show.
-    """
-
-    winner: Fit
-    adequate: bool
-    rung: int
-    rivals: list[Fit]
-    tried: list[Fit]
-    first: list[Prospect]
-    unseen: list[str]
 
 
 def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None) -> Search:
     """Climb from nothing to `MOST` atoms, until what is left is noise and nothing more is to be gained."""
     every = [*atoms, *([hull] if hull else [])]
-    nothing = _climb(ladder, Hypothesis(), np.zeros(0))
+    nothing = climb(ladder, Hypothesis(), np.zeros(0))
     first = prospects(ladder.problems[0], ladder.fit(0, Hypothesis(), np.zeros(0)), every)
     unseen = [one.atom.label for one in first if one.seen < SEEN]
     every = [atom for atom in every if atom.label not in unseen]
     tried: dict[str, Fit] = {}
     best = nothing
     beam = [ladder.fit(0, Hypothesis(), np.zeros(0))]
-    began = time.perf_counter()
+    began = time.thread_time()
     for depth in range(MOST):
-        if time.perf_counter() - began > PATIENCE or _is_enough(ladder, best, every):
+        if time.thread_time() - began > PATIENCE or _is_enough(ladder, best, every):
             break
         fitted = _extend(ladder, beam, every, first if depth == 0 else None)
         if not fitted:
@@ -73,28 +45,17 @@ def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None) -> Search:
         limit = score(fitted[0]) + 200.0 + HOPE * (beam[0].chi2 - fitted[0].chi2)
         beam = [one for one in fitted[:BEAM] if score(one) < limit]
         climbed = sorted(
-            (_climb(ladder, one.hypothesis, one.x) for one in _climbers(ladder, fitted)), key=score
+            (climb(ladder, one.hypothesis, one.x) for one in _climbers(ladder, fitted)), key=score
         )
         if score(climbed[0]) < score(best):
             best = climbed[0]
-    return _concluded(ladder, best, list(tried.values()), first, unseen)
-
-
-def _climb(ladder: Ladder, hypothesis: Hypothesis, x: np.ndarray) -> Fit:
-    """The fit on the middle rung, by way of the shortest."""
-    ladder.fit(0, hypothesis, x)
-    return ladder.fit(1, hypothesis, x)
+    return concluded(ladder, best, list(tried.values()), first, unseen, every)
 
 
 def _climbers(ladder: Ladder, fitted: list[Fit]) -> list[Fit]:
     best = score(fitted[0])
     room = 100.0 if adequacy(ladder.problems[0], fitted[0]).adequate else 0.5 * best + 100.0
     return [one for one in fitted[:CLIMBERS] if score(one) < best + room]
-
-
-def needed(atom: Atom) -> float:
-    """Fall of chi2 that makes an atom worth adding."""
-    return cost(Hypothesis((atom,))) + 8.0
 
 
 def _is_enough(ladder: Ladder, at: Fit, atoms: Sequence[Atom]) -> bool:
@@ -128,7 +89,7 @@ def _extend(
             label = one.hypothesis.label
             if one.seen >= SEEN and (label not in found or one.promised < found[label].promised):
                 found[label] = one
-    chosen = sorted(found.values(), key=lambda one: one.promised + cost(one.hypothesis))[:SHORTLIST]
+    chosen = sorted(found.values(), key=lambda one: one.promised + cost_of(one.hypothesis))[:SHORTLIST]
     fitted = [ladder.fit(0, one.hypothesis, one.x, one.states) for one in chosen[:FIRST]]
     best = min(fitted, key=score, default=None)
     limit = np.inf
@@ -136,36 +97,6 @@ def _extend(
         share = HOPE if adequacy(ladder.problems[0], best).adequate else 2 * HOPE
         limit = score(best) + 300.0 + share * max(at.chi2 - best.chi2 for at in beam)
     for one in chosen[FIRST:]:
-        if one.promised + cost(one.hypothesis) < limit:
+        if one.promised + cost_of(one.hypothesis) < limit:
             fitted.append(ladder.fit(0, one.hypothesis, one.x, one.states))
     return sorted(fitted, key=score)
-
-
-def _concluded(
-    ladder: Ladder, best: Fit, tried: list[Fit], first: list[Prospect], unseen: list[str]
-) -> Search:
-    rung = 1
-    adequate = adequacy(ladder.problems[1], best).adequate
-    if adequate:
-        whole = whole_runs(ladder, best.hypothesis, best.x)
-        if adequacy(ladder.problems[LAST], whole).adequate:
-            best, rung = whole, LAST
-    rivals = []
-    near = score(ladder.fit(1, best.hypothesis, best.x)) + NEAR
-    here = score(ladder.fit(0, best.hypothesis, best.x)) + NEAR
-    for one in tried if adequate else []:
-        if one.hypothesis.label == best.hypothesis.label or score(one) > here:
-            continue
-        made = _climb(ladder, one.hypothesis, one.x)
-        if score(made) > near:
-            continue
-        made = ladder.fit(rung, one.hypothesis, one.x)
-        rivals.append(made)
-    if rivals and score(min(rivals, key=score)) < score(best):
-        rivals.append(best)
-        best = min(rivals, key=score)
-        rivals = [one for one in rivals if one is not best]
-    near_ones = sorted((one for one in rivals if score(one) < score(best) + GAP), key=score)
-    apart = {one.hypothesis.accused: one for one in reversed(near_ones)}
-    apart.pop(best.hypothesis.accused, None)
-    return Search(best, adequate, rung, sorted(apart.values(), key=score), tried, first, unseen)

@@ -1,0 +1,156 @@
+"""From what the search found best to what may be said: on whole runs, without the superfluous, confirmed on
+runs held out, with its rivals.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from swamp_rl.criticism.adequacy import adequacy
+from swamp_rl.criticism.candidates import NUISANCE, NUISANCE_SD, Atom, Hypothesis
+from swamp_rl.criticism.cost import score
+from swamp_rl.criticism.fit import Fit, fit
+from swamp_rl.criticism.heldout import Confirmation, confirmation
+from swamp_rl.criticism.ladder import RUNGS, Ladder, whole_runs
+from swamp_rl.criticism.score import Prospect
+
+GAP = 9.0  # of penalised chi2 within which two names cannot be told apart
+NEAR = 40.0  # the same on shorter windows, beyond which longer ones will not bring two together
+FAR = 1.8  # standard deviations of a derivative's prior beyond which it may be more than a nuisance
+LAST = len(RUNGS) - 1
+
+
+@dataclass(frozen=True)
+class Search:
+    """What was found: the winner by rung, its rivals on the deepest rung used, and everything that was tried.
+
+    rung: the longest windows on which the winner is adequate, or the middle ones where it is on none.
+    first: prospects beside nothing, in order, on the shortest windows; unseen: labels the data cannot show.
+    confirmed: of each cause, by its label.
+    """
+
+    winner: Fit
+    adequate: bool
+    rung: int
+    rivals: list[Fit]
+    tried: list[Fit]
+    first: list[Prospect]
+    unseen: list[str]
+    confirmed: dict[str, Confirmation] = field(default_factory=dict)
+
+
+def climb(ladder: Ladder, hypothesis: Hypothesis, x: np.ndarray) -> Fit:
+    """The fit on the middle rung, by way of the shortest."""
+    ladder.fit(0, hypothesis, x)
+    return ladder.fit(1, hypothesis, x)
+
+
+def concluded(
+    ladder: Ladder,
+    best: Fit,
+    tried: list[Fit],
+    first: list[Prospect],
+    unseen: list[str],
+    atoms: Sequence[Atom],
+) -> Search:
+    """What may be said of the best; atoms: all that could have been picked."""
+    chances = len(atoms) * (1 + len(best.hypothesis.atoms))
+    rung, adequate = 1, adequacy(ladder.problems[1], best).adequate
+    if adequate:
+        whole = whole_runs(ladder, best.hypothesis, best.x)
+        if adequacy(ladder.problems[LAST], whole).adequate:
+            best, rung = whole, LAST
+        best = pruned(ladder, best, rung)
+    confirmed = confirmations(ladder, best, chances)
+    for label, one in confirmed.items():
+        if adequate and not one.holds:
+            less = without(ladder, best, label, rung)
+            if adequacy(ladder.problems[rung], less).adequate:
+                best = less
+            else:
+                adequate = False
+    kept = {atom.label for atom in best.hypothesis.atoms}
+    confirmed = {label: one for label, one in confirmed.items() if label in kept}
+    others = [*tried, *beside_nuisance(ladder, best, atoms)] if adequate else []
+    best, rivals = compared(ladder, best, others, rung)
+    return Search(best, adequate, rung, rivals, tried, first, unseen, confirmed)
+
+
+def without(ladder: Ladder, best: Fit, label: str, rung: int) -> Fit:
+    """The best less one atom, fitted on a rung from where the best is."""
+    less = best.hypothesis.without(label)
+    x = np.concatenate([np.zeros(0), *(own for a, own in best.hypothesis.parts(best.x) if a.label != label)])
+    made = fit(ladder.problems[rung], less, x, best.states, 8, fresh=True)
+    known = ladder.fits.get((rung, less.label))
+    if known is None or made.chi2 < known.chi2:
+        ladder.fits[(rung, less.label)] = made
+    return ladder.fits[(rung, less.label)]
+
+
+def pruned(ladder: Ladder, best: Fit, rung: int) -> Fit:
+    """The best less the atoms that do not earn their cost."""
+    for atom in best.hypothesis.atoms:
+        less = without(ladder, best, atom.label, rung)
+        if score(less) <= score(best):
+            return pruned(ladder, less, rung)
+    return best
+
+
+def confirmations(ladder: Ladder, best: Fit, chances: int) -> dict[str, Confirmation]:
+    """Of every cause of the best: whether runs that its numbers were not fitted to gain by it."""
+    found: dict[str, Confirmation] = {}
+    for atom in best.hypothesis.atoms:
+        if atom.effect.name == NUISANCE and len(best.hypothesis.atoms) > 1:
+            continue
+        for rung in (1, 0):  # longer windows see more, shorter ones are more
+            whole = ladder.fit(rung, best.hypothesis, best.x)
+            less = without(ladder, whole, atom.label, rung)
+            one = confirmation(ladder.problems[rung], whole, less, 2 * chances)
+            if atom.label not in found or one.ratio > found[atom.label].ratio:
+                found[atom.label] = one
+            if one.holds:
+                break
+    return found
+
+
+def beside_nuisance(ladder: Ladder, best: Fit, atoms: Sequence[Atom]) -> list[Fit]:
+    """The best with a cause that moves the same number as one of the hull's derivatives, where that
+    derivative is farther from the file than a nuisance should be.
+    """
+    nuisance = {a.effect.name: (a, own) for a, own in best.hypothesis.parts(best.x)}.get(NUISANCE)
+    if nuisance is None:
+        return []
+    far = {
+        parameter.field
+        for parameter, value in zip(nuisance[0].effect.parameters, nuisance[1], strict=True)
+        if abs(value - 1.0) > FAR * NUISANCE_SD
+    }
+    found = []
+    for atom in atoms:
+        moves = {parameter.field for parameter in atom.effect.parameters}
+        if atom.effect.name != NUISANCE and moves & far and atom not in best.hypothesis.atoms:
+            more = best.hypothesis.with_atom(atom)
+            values = {a.label: own for a, own in best.hypothesis.parts(best.x)}
+            values[atom.label] = np.array(atom.starts[0])
+            start = np.concatenate([values[one.label] for one in more.atoms])
+            states = ladder.fit(0, best.hypothesis, best.x).states
+            found.append(ladder.fit(0, more, start, states))
+    return found
+
+
+def compared(ladder: Ladder, best: Fit, tried: Sequence[Fit], rung: int) -> tuple[Fit, list[Fit]]:
+    """The best of all that was tried and its rivals, on one rung; each only on shorter windows before."""
+    near = score(ladder.fit(1, best.hypothesis, best.x)) + NEAR
+    here = score(ladder.fit(0, best.hypothesis, best.x)) + NEAR
+    every = [best]
+    for one in tried:
+        if one.hypothesis.label == best.hypothesis.label or score(one) > here:
+            continue
+        if score(climb(ladder, one.hypothesis, one.x)) <= near:
+            every.append(ladder.fit(rung, one.hypothesis, one.x))
+    every.sort(key=score)
+    close = [one for one in every[1:] if score(one) < score(every[0]) + GAP]
+    apart = {one.hypothesis.accused: one for one in reversed(close)}
+    apart.pop(every[0].hypothesis.accused, None)
+    return every[0], sorted(apart.values(), key=score)
