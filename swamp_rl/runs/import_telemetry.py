@@ -42,7 +42,7 @@ FIELDS = (
     "utc_flags",
 )
 VALID = 1
-"""The bit of a flag field that says that the whole of it can be used."""
+"""Bit of the flags, by the sensor's protocol: latitude and longitude, or the velocities, can be used."""
 EPOCHS = {1: (10**9, 10**10), 10**3: (10**12, 10**13), 10**6: (10**15, 10**16), 10**9: (10**18, 10**19)}
 """Ticks in a second, by the span of stamps since 1970 that then fall into the years 2001 to 2286."""
 
