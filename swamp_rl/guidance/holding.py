@@ -42,7 +42,7 @@ class Holding:
     @property
     def reason(self) -> str:
         """One line for the person who must decide."""
-        x, y, n = self.needed
+        x, y, n = np.round(self.needed, 2) + 0.0  # no minus before nought
         need = f"{x:+.1f} N ahead, {y:+.1f} N to starboard and {n:+.2f} N m are needed"
         at = f"at heading {math.degrees(self.heading):.0f} deg"
         if self.holds:
