@@ -54,11 +54,15 @@ def yaw_model(
 @identify_app.command()
 def elementary(dataset: Folder, boat: BoatOption = None, smooth: Smooth = 0.0) -> None:
     """Mass and quadratic drag of surge and yaw by paper 003's bounded least squares."""
+    import numpy as np
+
     from swamp_rl.errors import UserError
-    from swamp_rl.identification.elementary import expected, identify_surge, identify_yaw
+    from swamp_rl.identification.elementary import expected, identify_surge, identify_yaw, surge_motion
 
     motion, known = _motion(dataset, boat, smooth)
-    given = expected(known)
+    ahead = surge_motion(motion).velocity[:, 0]
+    speed = float(np.sqrt(np.mean(ahead**2))) if ahead.any() else 0.7
+    given = expected(known, speed)
     for name, identify in (("surge", identify_surge), ("yaw", identify_yaw)):
         try:
             found = identify(motion, known)
@@ -67,7 +71,10 @@ def elementary(dataset: Folder, boat: BoatOption = None, smooth: Smooth = 0.0) -
             continue
         for what, one, file in zip(("mass", "drag"), found, given[name], strict=True):
             between = f"95 % {one.low:.4g} to {one.high:.4g}"
-            typer.echo(f"{name:<5} {what} {one.value:>9.4g} {one.unit:<8} {between:<30} boat file {file:.4g}")
+            at = f" at {speed:.2f} m/s" if (name, what) == ("surge", "drag") else ""
+            typer.echo(
+                f"{name:<5} {what} {one.value:>9.4g} {one.unit:<8} {between:<30} boat file {file:.4g}{at}"
+            )
 
 
 @identify_app.command("thrust-deduction")

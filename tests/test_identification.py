@@ -1,6 +1,7 @@
 """The papers' regressions: exact on their own models without noise, biased with it, clear on bad input."""
 
 import math
+import re
 import sys
 from pathlib import Path
 
@@ -24,6 +25,9 @@ from swamp_rl.identification.yaw_model import (
     rollout,
 )
 from swamp_rl.runs import DatasetMeta, Run, append_run, create_dataset
+from swamp_rl.sensors.observe import CHANNELS
+from swamp_rl.simulator import initial_state, parameters, step, tank
+from swamp_rl.simulator.state import HEADING, YAW_RATE
 
 Array = NDArray[np.float64]
 
@@ -167,6 +171,31 @@ def test_a_current_shifts_one_direction_and_cancels_in_the_pair() -> None:
     assert paired(points, BOAT)[0.7] == pytest.approx(truth, abs=0.01)
 
 
+def steered(throttle: float, held_angle: float | None) -> Run:
+    """60 s steered by hand: on a course where no angle is held, for the boat does not keep it by itself."""
+    rng, count = np.random.default_rng(0), 600
+    params = parameters(BOAT)
+    state = initial_state(params, np.array([[0.0, 0.0, 0.1]]))
+    states, commands = np.zeros((count, 6)), np.zeros((count, 8))
+    for i in range(count):
+        states[i] = state[0, :6]
+        angle = held_angle
+        if angle is None:
+            wanted = -state[0, HEADING] - 1.5 * state[0, YAW_RATE] + 0.02 * rng.standard_normal()
+            angle = min(max(wanted, -0.2), 0.2)
+        commands[i] = [angle, angle, -angle, -angle, *(4 * [throttle])]
+        step(state, params, tank(BOAT), commands[i : i + 1], np.zeros(1, np.uint64), 0.1, 1)
+    columns = {"time": 0.1 * np.arange(count)} | dict(zip(CHANNELS, states.T, strict=True))
+    named = [f"{kind}_{name}" for kind in ("azimuth", "throttle") for name in BOAT.thruster_names]
+    return Run("steered", columns | dict(zip(named, commands.T, strict=True)))
+
+
+def test_a_course_held_by_small_steering_is_a_straight_run_and_a_circle_is_none() -> None:
+    points = deduction_points(motion_of(steered(0.7, None), BOAT), BOAT)
+    assert [point.factor for point in points] == pytest.approx([0.30 + 0.4 / 0.7 * 0.45], abs=0.02)
+    assert deduction_points(motion_of(steered(0.7, 0.1), BOAT), BOAT) == []
+
+
 def test_the_steering_angle_is_the_bows() -> None:
     run = record_run(BOAT, zigzag(BOAT, 0.1, 0.35), 0.1, QUIET, np.random.default_rng(0))
     motion = motion_of(run, BOAT)
@@ -205,6 +234,7 @@ def test_the_verbs_run_on_a_folder(
     assert all(f"{name} " in said["yaw-model"] for name in ("k_r", "c_ru", "c_rv", "b_r"))
     assert "throttles from" in said["yaw-model"]
     assert "boat file 11.82" in said["elementary"]
+    assert re.search(r"boat file \d+\.?\d* at \d\.\d\d m/s", said["elementary"])
     assert said["thrust-deduction"].count("95 %") == 2
 
 

@@ -17,7 +17,10 @@ Array = NDArray[np.float64]
 
 LEAST = 10.0  # s of steady straight running that make a speed
 SETTLE = 30.0  # s after a change of throttle that are left out
-TURNING = 0.1  # rad/s of mean yaw rate above which a stretch was no straight run
+TURNING = 0.08  # rad/s of yaw rate, root mean square, above which a stretch was no straight run
+STEERING = 0.15  # rad, the same of the steering angle
+SIDEWAYS = 0.2  # share of the thrust that may go sideways
+SAME = 0.01  # throttle within which two are the same
 
 
 class Point(NamedTuple):
@@ -45,21 +48,32 @@ def bollard_of_all(boat: Boat, throttle: float) -> float:
 
 
 def stretches(motion: Motion) -> list[slice]:
-    """Rows of constant throttle and azimuth with the jets along the hull, settled and straight."""
+    """Rows of one throttle and one way along the hull, settled and straight; small steering is let be."""
     found = []
     settle, least = (round(seconds / motion.step) for seconds in (SETTLE, LEAST))
     ends = np.cumsum((0, *motion.lengths))
+    way = np.sign(motion.jets[:, 0])
     for a, b in pairwise(ends):
-        same = np.all(np.abs(np.diff(motion.jets[a:b], axis=0)) < 1e-6, axis=1)
-        edges = np.concatenate([[0], np.flatnonzero(~same) + 1, [b - a]]) + a
+        changes = (np.abs(np.diff(motion.throttle[a:b])) > SAME) | (np.diff(way[a:b]) != 0)
+        edges = np.concatenate([[0], np.flatnonzero(changes) + 1, [b - a]]) + a
         for start, stop in pairwise(edges):
             part = slice(int(start) + settle, int(stop))
-            if stop - start - settle < least or motion.throttle[part].mean() < 0.05:
-                continue
-            sideways = np.abs(motion.jets[part, 1:]).max() > 0.05 * np.abs(motion.jets[part, 0]).max()
-            if not sideways and abs(motion.velocity[part, 2].mean()) < TURNING:
+            if (
+                stop - start - settle >= least
+                and motion.throttle[part].mean() > SAME
+                and straight(motion, part)
+            ):
                 found.append(part)
     return found
+
+
+def straight(motion: Motion, part: slice) -> bool:
+    """Whether the jets push along the hull and the boat keeps its course."""
+    surge, sway, _ = np.sqrt(np.mean(motion.jets[part] ** 2, axis=0))
+    steering, turning = (
+        float(np.sqrt(np.mean(values**2))) for values in (motion.steering[part], motion.velocity[part, 2])
+    )
+    return bool(sway < SIDEWAYS * surge and steering < STEERING and turning < TURNING)
 
 
 def deduction_points(motion: Motion, boat: Boat) -> list[Point]:

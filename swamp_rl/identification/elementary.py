@@ -19,14 +19,14 @@ SLOW, STILL = 0.05, 0.15  # rad/s and m/s below which a motion does not count
 LEAST_ROWS = 50
 
 
-def expected(boat: Boat) -> dict[str, tuple[float, float]]:
+def expected(boat: Boat, speed: float = 0.7) -> dict[str, tuple[float, float]]:
     """Mass or inertia with the water's, and quadratic drag, of surge and of yaw as the boat file has them.
 
-    Drag [N s2/m2] at 0.7 m/s ahead, [N m s2] in turning on the spot.
+    Drag [N s2/m2] at `speed` [m/s] ahead, for the towing tank's is not quadratic; [N m s2] on the spot.
     """
     record, curves = parameters(boat)[0], tank(boat)
     tow = towing(record, curves)
-    surge = -hull_forces(0.7, 0.0, 0.0, record, curves, tow)[0] / 0.7**2
+    surge = -hull_forces(speed, 0.0, 0.0, record, curves, tow)[0] / speed**2
     yaw = -hull_forces(0.0, 0.0, 1.0, record, curves, tow)[2]
     inertia = inertia_of(boat)
     return {"surge": (float(inertia[0]), float(surge)), "yaw": (float(inertia[2]), float(yaw))}
