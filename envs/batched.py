@@ -92,6 +92,13 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         Observations (n, d), rewards, terminations, truncations (n,); the info of boats that end holds
         `outcome` and `time` [s], each with its mask `_outcome` and `_time` (n,).
         """
+        return self.step_held(actions, 1)
+
+    def step_held(self, actions: Array, steps: int) -> Step:
+        """As `step`, but the actions (n, 2) are held for so many steps, whose rewards are summed.
+
+        A boat that ends on the way lies still until all have sailed their steps.
+        """
         if not self._started:
             raise UserError("step: the boats have not started; call reset first")
         asked = np.array(actions, dtype=np.float64)
@@ -101,10 +108,14 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
             self.fleet.begin(self._ended)
             self.fleet.boats["fresh"][self._ended] = True
             self._ended = self._ended[:0]
-        observations, rewards = np.empty(self._shape, np.float32), np.empty(self.num_envs)
+        observations, rewards = np.empty(self._shape, np.float32), np.zeros(self.num_envs)
         over, truncated = np.zeros(self.num_envs, np.bool_), np.zeros(self.num_envs, np.bool_)
         info: dict[str, Any] = {}
-        if self.fleet.sail(asked, rewards, observations):
+        paid, ended = np.empty(self.num_envs), 0
+        for _ in range(steps):
+            ended = self.fleet.sail(asked, paid, observations)
+            rewards += paid
+        if ended:
             outcome = self.fleet.boats["outcome"]
             over, truncated = outcome != RUNNING, outcome == TIMEOUT
             info = self._end(over, observations)

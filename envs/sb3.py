@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from gymnasium import spaces
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
@@ -14,17 +15,25 @@ from envs.batched import GatesVectorEnv
 class GatesVecEnv(VecEnv):
     """A `GatesVectorEnv` behind stable-baselines3's own interface, without a Python loop over the boats.
 
+    Actions are in [-1, 1], as the library wants them, and reach over the whole way of each lever: a learner
+    whose first guess is nought begins at half throttle, where trying less and more both do something.
     The info of a boat that ends holds `terminal_observation` (d,), `TimeLimit.truncated`, `outcome` and
     `time` [s].
     """
 
-    def __init__(self, boats: GatesVectorEnv) -> None:
-        """boats: with `autoreset_mode` SAME_STEP, which is what the library expects; ValueError otherwise."""
+    def __init__(self, boats: GatesVectorEnv, hold: int = 1) -> None:
+        """boats: with `autoreset_mode` SAME_STEP, which is what the library expects; ValueError otherwise.
+
+        hold: steps of the boats for which each action is held; their rewards are summed.
+        """
         if boats.autoreset_mode != AutoresetMode.SAME_STEP:
             raise ValueError("stable-baselines3 needs boats with autoreset_mode=AutoresetMode.SAME_STEP")
-        self.boats = boats
+        self.boats, self.hold = boats, hold
         self._actions: NDArray[Any] | None = None
-        super().__init__(boats.num_envs, boats.single_observation_space, boats.single_action_space)
+        levers = boats.single_action_space
+        self._middle, self._reach = 0.5 * (levers.high + levers.low), 0.5 * (levers.high - levers.low)
+        whole = spaces.Box(-1.0, 1.0, levers.shape, np.float32)
+        super().__init__(boats.num_envs, boats.single_observation_space, whole)
 
     def reset(self) -> NDArray[np.float32]:
         """Observations (n, d); boat i takes the seed of `seed()` plus i, if that was called since the last
@@ -43,7 +52,8 @@ class GatesVecEnv(VecEnv):
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """Observations (n, d), rewards, dones (n,) and an info for each boat."""
         assert self._actions is not None
-        observations, rewards, terminated, truncated, info = self.boats.step(self._actions)
+        levers = self._middle + self._reach * self._actions
+        observations, rewards, terminated, truncated, info = self.boats.step_held(levers, self.hold)
         dones = terminated | truncated
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for i in np.flatnonzero(dones):

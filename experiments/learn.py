@@ -82,4 +82,4 @@ def _by_trying(scene: Scene, plan: PilotPlan, settings: PPOSettings, tick: Tick)
     from envs.sb3 import GatesVecEnv
 
     boats = scene.boats_at(plan.disturbances, at_once=True)(settings.boats, settings.senses)
-    return train_ppo(GatesVecEnv(boats), settings, tick)
+    return train_ppo(GatesVecEnv(boats, settings.hold), settings, tick)

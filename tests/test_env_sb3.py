@@ -35,11 +35,46 @@ def test_it_steps_as_the_single_boats_and_starts_anew_by_itself() -> None:
     assert np.array_equal(observation[1], alone.reset()[0])
 
 
+def test_actions_reach_over_the_whole_way_of_each_lever() -> None:
+    together = sb3.GatesVecEnv(boats(3))
+    together.reset()
+    together.step(np.array([[-1.0, -1.0], [0.0, 0.0], [1.0, 1.0]], dtype=np.float32))
+    assert np.array_equal(together.boats.fleet.boats["lever"], [[0.0, -1.0], [0.5, 0.0], [1.0, 1.0]])
+
+
+def test_a_held_action_is_as_many_steps_whose_rewards_add_up() -> None:
+    held, stepped = sb3.GatesVecEnv(boats(2), hold=3), boats(2)
+    held.seed(11)
+    held.reset()
+    stepped.reset(seed=11)
+    for levers in ([1.0, 0.2], [0.5, -0.6]):
+        asked = np.tile(np.array(levers, dtype=np.float32), (2, 1))
+        observation, rewards, _, _ = held.step(asked * [2.0, 1.0] - [1.0, 0.0])
+        alone = [stepped.step(asked) for _ in range(3)]
+        assert np.array_equal(observation, alone[-1][0])
+        np.testing.assert_allclose(rewards, sum(step[1] for step in alone), rtol=1e-6)
+
+
+def test_a_boat_that_ends_while_an_action_is_held_is_paid_once_and_starts_afresh() -> None:
+    held, once = sb3.GatesVecEnv(boats(1), hold=5), sb3.GatesVecEnv(boats(1))
+    paid, began = [], []
+    for together in (held, once):
+        together.seed(4)
+        together.reset()
+        together.boats.fleet.boats["state"][0, :2] = [8.0, 2.0]
+        observation, rewards, dones, _ = together.step(np.array([[-1.0, 0.0]]))
+        assert dones[0]
+        paid.append(rewards[0])
+        began.append(observation[0])
+    assert paid[0] == paid[1]
+    assert np.array_equal(began[0], began[1])
+
+
 def test_a_failure_is_no_time_out() -> None:
     together = sb3.GatesVecEnv(boats(1))
     together.reset()
     together.boats.fleet.boats["state"][0, :2] = [8.0, 2.0]
-    _, rewards, dones, infos = together.step(np.array([[0.0, 0.0]]))
+    _, rewards, dones, infos = together.step(np.array([[-1.0, 0.0]]))
     assert dones[0] and infos[0]["outcome"] == "buoy" and infos[0]["TimeLimit.truncated"] is False
     assert rewards[0] < -1.0
 

@@ -36,6 +36,31 @@ def test_weights_that_do_not_fit_each_other_are_refused() -> None:
         NetworkPilot("cloning", POSE, good | layers_of([torch.nn.Linear(4, 3)]))
 
 
+def test_a_decision_is_held_and_a_boat_that_starts_anew_decides_at_once() -> None:
+    layers = layers_of([torch.nn.Linear(4, 2)])
+    scaling = {"mean": np.zeros(4), "scale": np.ones(4)}
+    now = NetworkPilot("ppo", POSE, {**scaling, **layers})
+    held = NetworkPilot("ppo", POSE, {**scaling, **layers}, hold=3)
+    seen = 0.3 * np.random.default_rng(0).normal(size=(8, 2, 4))
+    held.reset(2)
+    decided = [now.act(observation) for observation in seen]
+    driven = [held.act(observation) for observation in seen[:5]]
+    held.reset_boats(np.array([False, True]))
+    driven += [held.act(observation) for observation in seen[5:]]
+    first, second = ([step[boat] for step in driven] for boat in (0, 1))
+    np.testing.assert_allclose(first, [decided[t][0] for t in (0, 0, 0, 3, 3, 3, 6, 6)], rtol=1e-6)
+    np.testing.assert_allclose(second, [decided[t][1] for t in (0, 0, 0, 3, 3, 5, 5, 5)], rtol=1e-6)
+    held.reset(1)
+    np.testing.assert_allclose(held.act(seen[7][:1]), decided[7][:1], rtol=1e-6)
+
+
+@pytest.mark.parametrize("hold", [0, 2.0, True])
+def test_a_hold_that_is_no_count_of_steps_is_refused(hold: int) -> None:
+    weights = layers_of([torch.nn.Linear(4, 2)]) | {"mean": np.zeros(4), "scale": np.ones(4)}
+    with pytest.raises(ValueError, match="hold"):
+        NetworkPilot("ppo", POSE, weights, hold)
+
+
 def test_cloning_learns_what_the_levers_did_on_runs_it_has_not_seen() -> None:
     quick = CloningSettings(senses=POSE, epochs=40, batch_size=64, hidden=(32, 32))
     now = [wandering(seed, lag=0) for seed in range(8)]
@@ -62,10 +87,10 @@ def test_cloning_with_the_same_seed_gives_the_same_pilot_and_leaves_torch_s_chan
 
 
 def learned(seed: int) -> tuple[NetworkPilot, list[float]]:
-    settings = PPOSettings(boats=8, steps=1024, horizon=64, batch_size=128, epochs=2, seed=seed)
+    settings = PPOSettings(boats=8, decisions=1024, horizon=64, batch_size=128, epochs=2, seed=seed)
     boats = GatesVectorEnv(8, observation=settings.senses, autoreset_mode="SameStep")
     heard: list[float] = []
-    return train_ppo(GatesVecEnv(boats), settings, heard.append), heard
+    return train_ppo(GatesVecEnv(boats, settings.hold), settings, heard.append), heard
 
 
 def test_ppo_learns_the_same_from_the_same_seed_and_tells_how_far_it_is() -> None:
@@ -76,6 +101,20 @@ def test_ppo_learns_the_same_from_the_same_seed_and_tells_how_far_it_is() -> Non
     seen = np.random.default_rng(0).normal(size=(20, len(first.senses)))
     assert np.isfinite(first.act(seen)).all()
     assert (first.act(seen) != other.act(seen)).any()
+
+
+def test_ppo_drives_as_its_policy_does_and_holds_what_it_decides() -> None:
+    from swamp_rl.pilots.ppo import mean_layers
+    from stable_baselines3 import PPO
+
+    boats = GatesVectorEnv(2, observation=PPOSettings().senses, autoreset_mode="SameStep")
+    policy = PPO("MlpPolicy", GatesVecEnv(boats), n_steps=8, batch_size=8, seed=0, device="cpu").policy
+    neutral = {"mean": np.zeros(12), "scale": np.ones(12)}
+    pilot = NetworkPilot("ppo", PPOSettings().senses, {**neutral, **mean_layers(policy)})
+    seen = np.random.default_rng(0).normal(size=(30, 12)).astype(np.float32)
+    asked, _ = policy.predict(seen, deterministic=True)
+    np.testing.assert_allclose(pilot.act(seen), np.clip(asked, -1.0, 1.0) * [0.5, 1.0] + [0.5, 0.0], atol=1e-5)
+    assert learned(0)[0].hold == PPOSettings().hold > 1
 
 
 def test_ppo_leaves_torch_with_the_threads_it_had() -> None:

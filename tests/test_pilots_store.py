@@ -77,7 +77,7 @@ def test_damage_is_told_in_one_line_that_names_the_pilot(tmp_path: Path) -> None
         "'settings' is missing": (whole, json.dumps({"kind": "reservoir"})),
         "centre has the shape": (whole, said.replace('"north",', "")),
         "does not hold a whole pilot": (whole, "[]"),
-        "two outputs": (whole, json.dumps({"kind": "ppo", "settings": {"kind": "ppo", "senses": []}})),
+        "two outputs": (whole, json.dumps({"kind": "ppo", "settings": {"kind": "ppo", "senses": [], "hold": 1}})),
     }
     for message, (array, text) in spoilt.items():
         weights.write_bytes(array)

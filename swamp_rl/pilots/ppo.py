@@ -6,6 +6,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
 from swamp_rl.pilots.settings import Count, Positive, Seed, Settings, Share
 
@@ -28,24 +29,27 @@ SENSES = (
 class PPOSettings(Settings):
     """How long and how it learns.
 
-    Exploration is state-dependent and held for `hold` steps (gSDE, Raffin and others 2021): noise drawn anew
-    ten times a second would move the levers but hardly the boat.
+    The learner decides every `hold` steps, for a lever that is moved ten times a second to and fro hardly
+    moves the boat. It explores by state-dependent noise (gSDE, Raffin and others 2021) which is drawn anew
+    every `keep` decisions.
     """
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = SENSES
     hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
+    hold: Count = 4
+    "Steps of the boat for which a decision is held, in training and after."
     boats: Count = 64
-    steps: Count = 2_200_000
+    decisions: Count = 1_400_000
     "Of all boats together."
-    horizon: Count = 256
-    "Steps of each boat between two updates."
+    horizon: Count = 128
+    "Decisions of each boat between two updates."
     batch_size: Count = 512
     epochs: Count = 8
-    discount: Share = 0.995
-    "For each step."
-    learning_rate: Positive = 3e-4
+    discount: Share = 0.98
+    "For each decision."
+    learning_rate: Positive = 1e-3
     "At the start; it falls linearly to nought at the end, without which the success gained is lost again."
-    hold: Count = 8
+    keep: Count = 2
     seed: Seed = 0
 
 
@@ -54,7 +58,8 @@ def train_ppo(
 ) -> NetworkPilot:
     """Learn by trying in `boats`, a stable-baselines3 VecEnv of `settings.boats` observing `settings.senses`.
 
-    What comes back is the mean of the policy, without its exploration. `tick` hears the share done.
+    Its actions, from -1 to 1, are to reach over the whole way of each lever and to be held for
+    `settings.hold` steps of the boats. What comes back is the mean of the policy, without its exploration. `tick` hears the share done.
     """
     import torch
     from stable_baselines3.common.callbacks import ConvertCallback
@@ -65,21 +70,29 @@ def train_ppo(
     scaled = VecNormalize(boats, clip_obs=REACH, gamma=settings.discount)
 
     def hear(known: dict[str, Any], _: dict[str, Any]) -> bool:
-        tick(min(1.0, known["self"].num_timesteps / settings.steps))
+        tick(min(1.0, known["self"].num_timesteps / settings.decisions))
         return True
 
     threads = torch.get_num_threads()
     torch.set_num_threads(1)  # layers this small are slower when divided among threads
     try:
         learner = _learner(scaled, settings)
-        learner.learn(settings.steps, callback=ConvertCallback(hear))
+        learner.learn(settings.decisions, callback=ConvertCallback(hear))
     finally:
         torch.set_num_threads(threads)
-    layers = layers_of([*learner.policy.mlp_extractor.policy_net, learner.policy.action_net])
     seen: Any = scaled.obs_rms
-    return NetworkPilot(
-        "ppo", settings.senses, {"mean": seen.mean, "scale": np.sqrt(seen.var + scaled.epsilon), **layers}
-    )
+    scaling = {"mean": seen.mean, "scale": np.sqrt(seen.var + scaled.epsilon)}
+    return NetworkPilot("ppo", settings.senses, {**scaling, **mean_layers(learner.policy)}, settings.hold)
+
+
+def mean_layers(policy: Any) -> dict[str, Array]:
+    """The mean of a policy with actions from -1 to 1, as the layers of a NetworkPilot, which moves levers."""
+    layers = layers_of([*policy.mlp_extractor.policy_net, policy.action_net])
+    last = len(layers) // 2 - 1
+    reach = 0.5 * (HIGHEST - LOWEST)
+    layers[f"weight_{last}"] *= reach
+    layers[f"bias_{last}"] = 0.5 * (HIGHEST + LOWEST) + reach * layers[f"bias_{last}"]
+    return layers
 
 
 def _learner(scaled: Any, settings: PPOSettings) -> Any:
@@ -95,7 +108,7 @@ def _learner(scaled: Any, settings: PPOSettings) -> Any:
         gamma=settings.discount,
         learning_rate=lambda left: left * settings.learning_rate,
         use_sde=True,
-        sde_sample_freq=settings.hold,
+        sde_sample_freq=settings.keep,
         policy_kwargs={"net_arch": list(settings.hidden), "log_std_init": -0.5},
         seed=settings.seed,
         device="cpu",
