@@ -1,4 +1,4 @@
-"""What a step is worth: the way made good and the gates passed, less the use of the levers and a failure."""
+"""What a step is worth: way made good and gates passed, less the levers' use, the time and a failure."""
 
 from swamp_rl.physics.compile import compiled
 
@@ -6,6 +6,7 @@ PROGRESS = 0.1  # for each metre by which the distance to go has decreased
 GATE = 1.0  # for each gate passed
 FAILURE = 2.0  # for touching a buoy or leaving the bounds, once
 EFFORT = 0.01  # for each second at full throttle
+TIME = 0.02  # for each second under way, so that waiting costs more than it puts off
 CHANGE = 0.0005  # for each second in which a lever moves over its unit range once a second
 
 
@@ -28,4 +29,4 @@ def reward(
     """
     effort = EFFORT * throttle * throttle
     change = CHANGE * (throttle_rate * throttle_rate + angle_rate * angle_rate)
-    return PROGRESS * way_made + GATE * gates - (effort + change) * dt - (FAILURE if failed else 0.0)
+    return PROGRESS * way_made + GATE * gates - (effort + change + TIME) * dt - (FAILURE if failed else 0.0)

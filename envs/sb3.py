@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
 from envs.batched import GatesVectorEnv
+from envs.spaces import joypad_space
 
 
 class GatesVecEnv(VecEnv):
@@ -30,7 +31,7 @@ class GatesVecEnv(VecEnv):
             raise ValueError("stable-baselines3 needs boats with autoreset_mode=AutoresetMode.SAME_STEP")
         self.boats, self.hold = boats, hold
         self._actions: NDArray[Any] | None = None
-        levers = boats.single_action_space
+        levers = joypad_space()
         self._middle, self._reach = 0.5 * (levers.high + levers.low), 0.5 * (levers.high - levers.low)
         whole = spaces.Box(-1.0, 1.0, levers.shape, np.float32)
         super().__init__(boats.num_envs, boats.single_observation_space, whole)

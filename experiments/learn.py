@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from envs.hindsight import with_gates
 from experiments.progress import Stages, Tick
 from experiments.scene import Scene
 from experiments.schema import PilotPlan, settings_kind
@@ -72,7 +73,7 @@ def train(scene: Scene, dataset: Dataset, plan: PilotPlan, tick: Tick) -> Pilot:
         return ScriptedPilot(settings.seed, step=scene.experiment.step)
     if plan.kind == "ppo":
         return _by_trying(scene, plan, settings, tick)
-    runs = choose_runs(dataset.runs, plan.runs)
+    runs = [with_gates(run, scene.course) for run in choose_runs(dataset.runs, plan.runs)]
     if plan.kind == "reservoir":
         return fit_reservoir(runs, settings)
     return fit_cloning(runs, settings, tick)

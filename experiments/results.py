@@ -47,7 +47,7 @@ def learned_from(plan: PilotPlan) -> str:
     if plan.kind == "scripted":
         return ""
     if plan.kind == "ppo":
-        trained = f"{plan.options['steps']:,} steps of trying"
+        trained = f"{plan.options['decisions']:,} decisions of trying"
         learned = f"{trained}, disturbed as in `{plan.disturbances}`" if plan.disturbances else trained
     else:
         learned = "all successful runs" if plan.runs is None else f"the first {plan.runs} successful runs"

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from envs.reward import CHANGE, EFFORT, FAILURE, GATE, PROGRESS
+from envs.reward import CHANGE, EFFORT, FAILURE, GATE, PROGRESS, TIME
 from envs.single import GatesEnv
 from swamp_rl.course import Course, Gate, Point, Pose, Start, gate_table, load_course
 from swamp_rl.course.progress import distance_to_go
@@ -84,7 +84,7 @@ def test_time_out_truncates_at_the_limit() -> None:
     assert (info["outcome"], info["terminated"], len(seen) - 1) == ("timeout", False, 20)
 
 
-def test_the_reward_of_a_whole_run_depends_on_its_ends_its_gates_and_its_levers() -> None:
+def test_the_reward_of_a_whole_run_depends_on_its_ends_its_gates_its_levers_and_its_time() -> None:
     def hand(t: float) -> tuple[float, float]:
         return 0.7 + 0.3 * math.sin(t), 0.05 * math.sin(0.7 * t)
 
@@ -99,8 +99,9 @@ def test_the_reward_of_a_whole_run_depends_on_its_ends_its_gates_and_its_levers(
     effort = EFFORT * 0.1 * np.sum(levers[1:, 0] ** 2)
     change = CHANGE / 0.1 * np.sum(np.diff(levers, axis=0) ** 2)
     failure = FAILURE if info["outcome"] in ("buoy", "out_of_bounds") else 0.0
+    spent = effort + change + TIME * info["time"]
     assert passed == 1
-    assert sum(rewards) == pytest.approx(PROGRESS * way + GATE * passed - effort - change - failure, abs=1e-5)
+    assert sum(rewards) == pytest.approx(PROGRESS * way + GATE * passed - spent - failure, abs=1e-5)
 
 
 def test_the_mirrored_course_with_mirrored_levers_gives_the_mirrored_run() -> None:

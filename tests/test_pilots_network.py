@@ -6,6 +6,7 @@ import torch
 
 from envs.batched import GatesVectorEnv
 from envs.sb3 import GatesVecEnv
+from swamp_rl.errors import UserError
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.demonstrations import observed
 from swamp_rl.pilots.network import NetworkPilot, layers_of
@@ -62,7 +63,7 @@ def test_a_hold_that_is_no_count_of_steps_is_refused(hold: int) -> None:
 
 
 def test_cloning_learns_what_the_levers_did_on_runs_it_has_not_seen() -> None:
-    quick = CloningSettings(senses=POSE, epochs=40, batch_size=64, hidden=(32, 32))
+    quick = CloningSettings(senses=POSE, reaction=0.0, epochs=40, batch_size=64, hidden=(32, 32))
     now = [wandering(seed, lag=0) for seed in range(8)]
     heard: list[float] = []
     pilot = fit_cloning(now, quick, heard.append)
@@ -70,6 +71,24 @@ def test_cloning_learns_what_the_levers_did_on_runs_it_has_not_seen() -> None:
     error = pilot.act(observed(unseen, POSE)) - unseen.joypad
     assert np.sqrt(np.mean(error**2, axis=0)).max() < 0.2 * unseen.joypad[:, 1].std()
     np.testing.assert_allclose(heard, np.arange(1, 41) / 40)
+
+
+def test_a_clone_does_at_once_what_the_logged_pilot_did_a_reaction_later() -> None:
+    quick = CloningSettings(senses=POSE, reaction=0.3, epochs=40, batch_size=64, hidden=(32, 32))
+    pilot = fit_cloning([wandering(seed, lag=3) for seed in range(8)], quick)
+    unseen, prompt = wandering(99, lag=3), wandering(99, lag=0)
+    error = pilot.act(observed(unseen, POSE)) - prompt.joypad
+    assert np.sqrt(np.mean(error**2, axis=0)).max() < 0.2 * prompt.joypad[:, 1].std()
+
+
+def test_a_reaction_longer_than_a_run_is_refused() -> None:
+    with pytest.raises(UserError, match=r"run-0: lasts 0\.9 s"):
+        fit_cloning([wandering(0, rows=10)], CloningSettings(senses=POSE, reaction=1.0))
+
+
+def test_runs_without_the_gates_cannot_be_cloned_by_a_pilot_that_senses_them() -> None:
+    with pytest.raises(UserError, match="gate_ahead"):
+        fit_cloning(RUNS, CloningSettings(senses=("north", "gate_ahead")))
 
 
 def test_cloning_with_the_same_seed_gives_the_same_pilot_and_leaves_torch_s_chance_alone() -> None:
@@ -104,8 +123,9 @@ def test_ppo_learns_the_same_from_the_same_seed_and_tells_how_far_it_is() -> Non
 
 
 def test_ppo_drives_as_its_policy_does_and_holds_what_it_decides() -> None:
-    from swamp_rl.pilots.ppo import mean_layers
     from stable_baselines3 import PPO
+
+    from swamp_rl.pilots.ppo import mean_layers
 
     boats = GatesVectorEnv(2, observation=PPOSettings().senses, autoreset_mode="SameStep")
     policy = PPO("MlpPolicy", GatesVecEnv(boats), n_steps=8, batch_size=8, seed=0, device="cpu").policy
@@ -113,7 +133,9 @@ def test_ppo_drives_as_its_policy_does_and_holds_what_it_decides() -> None:
     pilot = NetworkPilot("ppo", PPOSettings().senses, {**neutral, **mean_layers(policy)})
     seen = np.random.default_rng(0).normal(size=(30, 12)).astype(np.float32)
     asked, _ = policy.predict(seen, deterministic=True)
-    np.testing.assert_allclose(pilot.act(seen), np.clip(asked, -1.0, 1.0) * [0.5, 1.0] + [0.5, 0.0], atol=1e-5)
+    np.testing.assert_allclose(
+        pilot.act(seen), np.clip(asked, -1.0, 1.0) * [0.5, 1.0] + [0.5, 0.0], atol=1e-5
+    )
     assert learned(0)[0].hold == PPOSettings().hold > 1
 
 

@@ -70,6 +70,7 @@ def test_damage_is_told_in_one_line_that_names_the_pilot(tmp_path: Path) -> None
     save_pilot(PILOTS["reservoir"], folder)
     weights, description = folder / "weights.safetensors", folder / "pilot.json"
     whole, said = weights.read_bytes(), description.read_text(encoding="utf-8")
+    bare = {"kind": "ppo", "senses": [], "hold": 1}
     spoilt = {
         "is damaged": (whole[: len(whole) // 2], said),
         "is not JSON": (whole, said[:-3]),
@@ -77,7 +78,7 @@ def test_damage_is_told_in_one_line_that_names_the_pilot(tmp_path: Path) -> None
         "'settings' is missing": (whole, json.dumps({"kind": "reservoir"})),
         "centre has the shape": (whole, said.replace('"north",', "")),
         "does not hold a whole pilot": (whole, "[]"),
-        "two outputs": (whole, json.dumps({"kind": "ppo", "settings": {"kind": "ppo", "senses": [], "hold": 1}})),
+        "two outputs": (whole, json.dumps({"kind": "ppo", "settings": bare})),
     }
     for message, (array, text) in spoilt.items():
         weights.write_bytes(array)

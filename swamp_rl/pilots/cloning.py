@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from swamp_rl.pilots.demonstrations import POSE, examples
+from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import NetworkPilot, layers_of
 from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings
 from swamp_rl.runs import Run
@@ -20,7 +20,9 @@ class CloningSettings(Settings):
     that senses surge and sway as well does worse: from the motion it learns what the levers have just done.
     """
 
-    senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, "yaw_rate")
+    senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, "yaw_rate", *NEXT_GATE)
+    reaction: NotNegative = 0.4
+    "Time [s] from what the logged pilot saw to the lever that it led to: the clone is to act at once."
     hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
     epochs: Count = 60
     batch_size: Count = 256
@@ -39,12 +41,13 @@ def fit_cloning(
     """A pilot regressed on `runs`; the same seed gives the same pilot on the same machine.
 
     Where pilots at the same place held a lever hard over to either side, the clone holds it in between.
-    `tick` hears the share done. UserError where a run lacks a column.
+    `tick` hears the share done. UserError where a run lacks a column; those of the next gate
+    are put there by `envs.hindsight.with_gates`.
     """
     import torch
 
     settings = settings or CloningSettings()
-    seen, levers = (np.concatenate(parts) for parts in examples(runs, settings.senses))
+    seen, levers = (np.concatenate(parts) for parts in examples(runs, settings.senses, settings.reaction))
     mean, scale = seen.mean(axis=0), np.maximum(seen.std(axis=0), 1e-6)
     inputs = torch.tensor((seen - mean) / scale, dtype=torch.float32)
     with torch.random.fork_rng(devices=[]):

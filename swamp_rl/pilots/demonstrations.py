@@ -9,6 +9,7 @@ from swamp_rl.pilots.arrays import Array
 from swamp_rl.runs import Run
 
 POSE = ("north", "east", "cos_heading", "sin_heading")
+NEXT_GATE = ("gate_ahead", "gate_starboard", "gate_cos", "gate_sin", "gates_passed")
 
 
 def choose_runs(
@@ -40,6 +41,19 @@ def observed(run: Run, senses: Sequence[str]) -> Array:
     return np.column_stack([columns[n]() if n in columns else run.stacked((n,))[:, 0] for n in senses])
 
 
-def examples(runs: Sequence[Run], senses: Sequence[str]) -> tuple[list[Array], list[Array]]:
-    """Per run the observations (T, d) and levers (T, 2); UserError where a run lacks a column."""
-    return [observed(run, senses) for run in runs], [run.joypad for run in runs]
+def examples(
+    runs: Sequence[Run], senses: Sequence[str], reaction: float = 0.0
+) -> tuple[list[Array], list[Array]]:
+    """Per run the observations (T, d) and the levers (T, 2) `reaction` [s] later, as far as the run goes.
+
+    UserError where a run lacks a column, or ends before anyone could react.
+    """
+    seen, levers = [], []
+    for run in runs:
+        late = round(reaction * (len(run.time) - 1) / run.duration) if reaction > 0.0 else 0
+        rows = len(run.time) - late
+        if rows < 1:
+            raise UserError(f"{run.name}: lasts {run.duration:g} s, less than the reaction of {reaction:g} s")
+        seen.append(observed(run, senses)[:rows])
+        levers.append(run.joypad[late:])
+    return seen, levers
