@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from envs.hindsight import OF_GATES, with_gates
+from envs.hindsight import with_gates
 from envs.single import GatesEnv
 from swamp_rl.course import load_course
 from swamp_rl.errors import UserError
@@ -14,7 +14,7 @@ from swamp_rl.runs import Run
 
 
 def test_the_gates_of_a_logged_run_are_those_that_its_pilot_saw() -> None:
-    env = GatesEnv(disturbances="standard", observation=OF_GATES)
+    env = GatesEnv(disturbances="standard", observation=NEXT_GATE)
     env.reset(seed=3)
     env.fleet.boats["state"][0, :3] = [6.5, 0.1, 0.2]
     seen: list[np.ndarray] = []
@@ -28,13 +28,9 @@ def test_the_gates_of_a_logged_run_are_those_that_its_pilot_saw() -> None:
     poses.append(env.fleet.pose[0].copy())
     track = np.array(poses)
     columns = dict(zip(("north", "east", "heading"), track.T, strict=True)) | {"time": np.arange(len(track))}
-    again = observed(with_gates(Run("driven", columns), load_course("camogli")), OF_GATES)
+    again = observed(with_gates(Run("driven", columns), load_course("camogli")), NEXT_GATE)
     assert again[0, 4] == 0.0 and again[-1, 4] == 1.0
     np.testing.assert_allclose(again[1:], np.array(seen), atol=1e-4)
-
-
-def test_what_a_clone_senses_of_the_gates_is_what_hindsight_gives() -> None:
-    assert NEXT_GATE == OF_GATES
 
 
 def test_a_run_without_a_pose_is_refused() -> None:
