@@ -42,13 +42,15 @@ def size_of(name: str, results: Sequence[Result], size: tuple[float, float]) -> 
 
 
 def angle_of(result: Result) -> float:
-    """The steering angle [deg] of a result."""
-    return math.degrees(float(result.setting.get("angle", math.nan)))
+    """The steering angle [deg] of a result; where it is not known the one math.nan, which a mapping finds."""
+    angle = math.degrees(float(result.setting.get("angle", math.nan)))
+    return angle if math.isfinite(angle) else math.nan
 
 
 def throttle_of(result: Result) -> float:
-    """The throttle [percent] of a result."""
-    return 100.0 * float(result.setting.get("throttle", math.nan))
+    """The throttle [percent] of a result; math.nan as for `angle_of`."""
+    throttle = 100.0 * float(result.setting.get("throttle", math.nan))
+    return throttle if math.isfinite(throttle) else math.nan
 
 
 def colours(values: Sequence[float]) -> dict[float, Any]:
@@ -60,7 +62,7 @@ def colours(values: Sequence[float]) -> dict[float, Any]:
 
 def percent(throttle: float) -> str:
     """A throttle for a legend."""
-    return "" if math.isnan(throttle) else f"{throttle:.3g} %"
+    return "throttle not told" if math.isnan(throttle) else f"{throttle:.3g} %"
 
 
 def _legend(canvas: Canvas, axes: Any, columns: int) -> None:
@@ -185,6 +187,30 @@ def zig_zags(canvas: Canvas, results: Sequence[Result], length: float) -> None:
     canvas.suptitle("Zig-zags, from the first execute", fontweight="bold")
 
 
+def zig_zag_tracks(canvas: Canvas, results: Sequence[Result], length: float) -> None:
+    """Tracks over ground of the zig-zags at the highest throttle, in lengths, side by side."""
+    axes = canvas.subplots()
+    most = max(throttle_of(result) for result in results)
+    some = sorted(
+        (r for r in results if throttle_of(r) is most or throttle_of(r) == most),
+        key=lambda r: (abs(angle_of(r)), angle_of(r)),
+    )
+    shades = colours([abs(angle_of(result)) for result in some])
+    apart = 0.0
+    for result in some:
+        ahead, aside = _turned_upright(result.traces["place"], float(result.traces["course"]))
+        apart -= float(aside.min()) / length
+        label = f"{angle_of(result):g}°/{heading_of(result):g}°"
+        axes.plot(
+            ahead / length, aside / length + apart, color=shades[abs(angle_of(result))], lw=1.2, label=label
+        )
+        apart += float(aside.max()) / length + 2.0
+    axes.set(xlabel="ahead [L]", ylabel="to starboard, drawn apart [L]", aspect="equal")
+    axes.invert_yaxis()  # as seen from above, bow to the right
+    canvas.legend(loc="outside lower center", ncols=8)
+    canvas.suptitle(f"Tracks of the zig-zags at {percent(most)}", fontweight="bold")
+
+
 def overshoots(canvas: Canvas, results: Sequence[Result], length: float) -> None:
     """First overshoot, and mean of all with its interval, against the setting."""
     axes = canvas.subplots(1, 2, sharey=True)
@@ -281,7 +307,11 @@ def speeds(canvas: Canvas, results: Sequence[Result], length: float) -> None:
 
 DRAWINGS: dict[str, list[tuple[str, tuple[float, float], Draw]]] = {
     "turning-circle": [("circles.png", (9.5, 4.0), circles), ("diameters.png", (9.0, 4.2), diameters)],
-    "zig-zag": [("zig_zags.png", (11.0, 6.0), zig_zags), ("overshoots.png", (10.0, 4.2), overshoots)],
+    "zig-zag": [
+        ("zig_zags.png", (11.0, 6.0), zig_zags),
+        ("overshoots.png", (10.0, 4.2), overshoots),
+        ("zig_zag_tracks.png", (9.0, 6.0), zig_zag_tracks),
+    ],
     "spiral": [("spiral.png", (7.0, 5.4), spirals)],
     "reverse-spiral": [("reverse_spiral.png", (7.0, 5.4), spirals)],
     "pull-out": [("pull_out.png", (7.0, 4.6), pull_outs)],

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from experiments import cli
-from swamp_rl.runs import read_dataset
+from swamp_rl.runs import Run, RunMeta, append_run, create_dataset, read_dataset
 from tests.test_cli import Call, assert_complains
 from tests.test_cli import call as call  # the fixture
 
@@ -54,6 +54,27 @@ def test_a_plan_takes_another_boat(call: Call) -> None:
     Path("p.yaml").write_text("name: p\nboat: swamp\ntrials: [{manoeuvre: stopping, throttle: [0.5]}]\n")
     assert call("trial", "plan", "p.yaml", "--boat", "swamp-light", "--out", "a")[0] == 0
     assert read_dataset("a").meta.vehicle == "swamp-light"
+
+
+def test_a_measured_track_alone_is_analysed_once_its_manoeuvre_and_marks_are_told(call: Call) -> None:
+    Path("p.yaml").write_text(
+        "name: p\nboat: swamp\ntrials:\n"
+        "  - {manoeuvre: turning-circle, angle_deg: [40.0], throttle: [0.6], turns: 2}\n"
+        "  - {manoeuvre: zig-zag, angle_deg: [20.0], throttle: [0.6]}\n"
+    )
+    assert call("trial", "plan", "p.yaml", "--out", "a")[0] == 0
+    recorded = read_dataset("a")
+    create_dataset("b", recorded.meta.model_copy(update={"source": "measured", "runs": []}))
+    for run in recorded.runs:
+        track = {name: run.columns[name] for name in ("time", "north", "east", "heading")}
+        extra = run.meta.model_extra or {}
+        told = {"manoeuvre": extra["manoeuvre"]["kind"], "marks": extra["marks"]}
+        append_run("b", Run(run.name, track, RunMeta.model_validate(told)))
+    code, _, error = call("trial", "analyse", "b")
+    assert (code, error) == (0, "")
+    one, other = (json.loads(Path(x, "analysis/analysis.json").read_text())["runs"] for x in ("a", "b"))
+    for i, name in ((0, "advance"), (1, "first_overshoot")):
+        assert other[i]["figures"][name]["value"] == pytest.approx(one[i]["figures"][name]["value"], rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
 from swamp_rl.manoeuvres.analysis.imo import first_overshoot_limit, second_overshoot_limit
-from swamp_rl.runs import Run
+from swamp_rl.runs import Run, RunMeta
 from tests.trial_runs import commanded, nomoto_first_overshoot, nomoto_zig_zag
 
 BOAT = load_boat("swamp")
@@ -68,3 +68,17 @@ def test_a_run_whose_manoeuvre_is_unknown_names_the_known_ones() -> None:
     told = Run("odd", run.columns, run.meta.model_copy(update={"manoeuvre": "waltz"}))
     with pytest.raises(UserError, match="'waltz' is none of turning-circle, zig-zag"):
         analyse_run(told, BOAT)
+
+
+def test_marks_without_an_angle_are_refused_in_one_line() -> None:
+    run = nomoto_zig_zag(0.8, 1.5, 0.35, 0.35)
+    told = {"manoeuvre": "zig-zag", "marks": [{"time": 1.0, "phase": "execute"}]}
+    with pytest.raises(UserError, match="odd: marks of a zig-zag need the angle"):
+        analyse_run(Run("odd", run.columns, RunMeta.model_validate(told)), BOAT)
+
+
+def test_marks_that_are_none_are_refused_in_one_line() -> None:
+    run = nomoto_zig_zag(0.8, 1.5, 0.35, 0.35)
+    told = {"manoeuvre": "zig-zag", "marks": [{"at": 1.0}]}
+    with pytest.raises(UserError, match="odd: marks must be mappings with time"):
+        analyse_run(Run("odd", run.columns, RunMeta.model_validate(told)), BOAT)

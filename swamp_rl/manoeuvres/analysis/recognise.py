@@ -50,7 +50,10 @@ def recognised(meta: RunMeta, motion: Motion, name: str) -> Recognised:
         raise UserError(f"run {name}: manoeuvre {kind!r} is none of {', '.join(get_args(Kind))}; correct it")
     marks = [_mark(given, name) for given in (meta.model_extra or {}).get("marks", [])]
     if kind is not None and marks:
-        return Recognised(kind, setting, marks)
+        ordered = [mark.angle for mark in marks if math.isfinite(mark.angle) and mark.angle != 0.0]
+        if not ordered and "angle" not in setting and kind not in ("stopping", "straight"):
+            raise UserError(f"run {name}: marks of a {kind} need the angle [rad] that was ordered; add it")
+        return Recognised(kind, ({"angle": ordered[0]} if ordered else {}) | setting, marks)
     found = _found(motion, kind)
     if found is None:
         what = f"no {kind}" if kind else "no turning circle or zig-zag"

@@ -46,7 +46,8 @@ def analyse_zig_zag(motion: Motion, found: Recognised, result: Result, rng: np.r
         "time": motion.time[first:] - motion.time[first],
         "heading": np.degrees(deviation[first:]),
         "angle": np.degrees(motion.angle[first:]),
-        "place": motion.position[first:],
+        "place": motion.position[first : min(end, len(motion.time) - 1) + 1],
+        "course": np.array(motion.heading_before(first)),
         "executes": np.array([mark.time - executes[0].time for mark in executes]),
         "ordered": np.degrees(heard),
     }
