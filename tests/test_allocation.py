@@ -14,7 +14,7 @@ from swamp_rl.allocation import Jets, Wish, allocate, force_region, jets_of, lar
 from swamp_rl.allocation.sectors import sectors_of
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
-from swamp_rl.physics.thrusters import effective_thrust, jet_force
+from swamp_rl.physics.thrusters import bollard_thrust, effective_thrust, jet_force
 from swamp_rl.simulator import parameters
 
 Array = NDArray[np.float64]
@@ -263,3 +263,14 @@ def test_one_jet_holds_only_forces_through_its_place() -> None:
 def test_four_jets_push_four_times_as_hard_every_way_at_no_moment() -> None:
     border = force_region(JETS, directions=8)
     assert np.hypot(*border.T) == pytest.approx(np.full(8, 4 * 9.15), rel=1e-5)
+
+
+def test_deduction_makes_two_jets_cheaper_than_four_in_thrust_but_not_in_power() -> None:
+    """Thesis 7.3.5 has it that two fast jets do better than four slow ones: of the thrust before deduction."""
+    record = parameters(BOAT)[0]
+    four, two = (
+        [bollard_thrust(p, k, record) for k, p in enumerate(jets.throttles(share))]
+        for jets, share in ((JETS, np.full(4, 1.0)), (JETS, np.array([2.0, 2.0, 0.0, 0.0])))
+    )
+    assert sum(two) < sum(four)
+    assert sum(np.power(two, 1.5)) > sum(np.power(four, 1.5))
