@@ -266,7 +266,7 @@ def test_four_jets_push_four_times_as_hard_every_way_at_no_moment() -> None:
 
 
 def test_deduction_makes_two_jets_cheaper_than_four_in_thrust_but_not_in_power() -> None:
-    """Thesis 7.3.5 has it that two fast jets do better than four slow ones: of the thrust before deduction."""
+    """Thesis 7.3.5 has it that two fast jets do better than four slow ones: of thrust before deduction."""
     record = parameters(BOAT)[0]
     four, two = (
         [bollard_thrust(p, k, record) for k, p in enumerate(jets.throttles(share))]
