@@ -73,9 +73,15 @@ def intervals(truth: Judged, causes: Sequence[Judged]) -> list[float]:
     return away
 
 
-def share(flags: Sequence[bool]) -> float | None:
-    """Mean of flags, None of none."""
-    return float(np.mean(flags)) if len(flags) else None
+def share(flags: Sequence[bool]) -> dict[str, float] | None:
+    """Rate of flags with Wilson's 95 % interval, None of none."""
+    n = len(flags)
+    if not n:
+        return None
+    rate, z2 = float(np.mean(flags)), Z95**2
+    centre = (rate + z2 / (2 * n)) / (1 + z2 / n)
+    half = Z95 * float(np.sqrt(rate * (1 - rate) / n + z2 / (4 * n * n))) / (1 + z2 / n)
+    return {"rate": rate, "low": max(centre - half, 0.0), "high": min(centre + half, 1.0), "of": n}
 
 
 def summary(results: Sequence[Judged]) -> dict[str, Any]:
@@ -83,6 +89,7 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
     of = {kind: [r for r in results if r["kind"] == kind] for kind in {r["kind"] for r in results}}
     single, pair, clean, outside = (of.get(k, []) for k in ("single", "pair", "clean", "outside"))
     away = [z for r in results for z in r["intervals"]]
+    busy = [r["processor_s"] for r in results if r.get("processor_s") is not None]
     times = [r["elapsed_s"] for r in results if r["elapsed_s"] is not None]
     return {
         "cases": len(results),
@@ -98,6 +105,8 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
         "interval_coverage": share([abs(z) <= Z95 for z in away]),
         "intervals": len(away),
         "failed": sum(r["verdict"] == "failed" for r in results),
+        "processor_s_median": float(np.median(busy)) if busy else None,
+        "processor_s_longest": max(busy, default=None),
         "longest_s": max(times, default=None),
     }
 
@@ -107,6 +116,8 @@ def markdown(scores: Mapping[str, Mapping[str, Any]]) -> str:
     rows = list(next(iter(scores.values())))
 
     def cell(value: Any) -> str:
+        if isinstance(value, dict):
+            return f"{value['rate']:.3f} ({value['low']:.2f} to {value['high']:.2f}; {value['of']:.0f})"
         return "-" if value is None else f"{value:.3g}"
 
     lines = ["| | " + " | ".join(scores) + " |", "|---" * (len(scores) + 1) + "|"]
@@ -142,12 +153,12 @@ def figures(results: Sequence[Judged], out: Path) -> None:
     figure = Figure(figsize=(6, 4), layout="constrained")
     axes = figure.subplots()
     for level in sorted({r["level"] for r in results}):
-        found = [r for r in results if r["level"] == level and r["kind"] == "single"]
-        bins = np.clip(np.digitize([r["size"] for r in found], [0.75, 1.0, 1.25]), 0, 3)
+        single = [r for r in results if r["level"] == level and r["kind"] == "single"]
+        bins = np.clip(np.digitize([r["size"] for r in single], [0.75, 1.0, 1.25]), 0, 3)
         shares = [
-            share([r["small_set"] for r, b in zip(found, bins, strict=True) if b == i]) for i in range(4)
+            share([r["small_set"] for r, b in zip(single, bins, strict=True) if b == i]) for i in range(4)
         ]
-        known = [(0.625 + 0.25 * i, rate) for i, rate in enumerate(shares) if rate is not None]
+        known = [(0.625 + 0.25 * i, one["rate"]) for i, one in enumerate(shares) if one is not None]
         axes.plot(*zip(*known, strict=True), "o-", label=level) if known else None
     axes.set_ylim(0, 1.05)
     axes.set_xlabel("size of the effect, against a typical one")
