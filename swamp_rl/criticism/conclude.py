@@ -18,6 +18,7 @@ from swamp_rl.criticism.score import Prospect
 GAP = 9.0  # of penalised chi2 within which two names cannot be told apart
 NEAR = 40.0  # the same on shorter windows, beyond which longer ones will not bring two together
 FAR = 1.8  # standard deviations of a derivative's prior beyond which it may be more than a nuisance
+MOST_RIVALS = 4
 LAST = len(RUNGS) - 1
 
 
@@ -72,8 +73,11 @@ def concluded(
                 adequate = False
     kept = {atom.label for atom in best.hypothesis.atoms}
     confirmed = {label: one for label, one in confirmed.items() if label in kept}
-    others = [*tried, *beside_nuisance(ladder, best, atoms)] if adequate else []
-    best, rivals = compared(ladder, best, others, rung)
+    rivals: list[Fit] = []
+    if adequate:
+        special = beside_nuisance(ladder, best, atoms)
+        others = [one for one in tried if not nested(best.hypothesis, one.hypothesis)]
+        best, rivals = compared(ladder, best, [*others, *special], rung)
     return Search(best, adequate, rung, rivals, tried, first, unseen, confirmed)
 
 
@@ -139,6 +143,25 @@ def beside_nuisance(ladder: Ladder, best: Fit, atoms: Sequence[Atom]) -> list[Fi
     return found
 
 
+def nested(small: Hypothesis, large: Hypothesis) -> bool:
+    """Whether `large` is `small` with numbers to spare, which fits as well but is no other explanation."""
+
+    def holds(atom: Atom) -> bool:
+        """Whether an atom, or one that moves the same numbers and more, is in `large`."""
+        fields = {parameter.field for parameter in atom.effect.parameters}
+        return any(
+            one.label == atom.label
+            or (
+                fields
+                and fields < {p.field for p in one.effect.parameters}
+                and one.selectors == atom.selectors
+            )
+            for one in large.atoms
+        )
+
+    return all(holds(atom) for atom in small.atoms)
+
+
 def compared(ladder: Ladder, best: Fit, tried: Sequence[Fit], rung: int) -> tuple[Fit, list[Fit]]:
     """The best of all that was tried and its rivals, on one rung; each only on shorter windows before."""
     near = score(ladder.fit(1, best.hypothesis, best.x)) + NEAR
@@ -153,4 +176,4 @@ def compared(ladder: Ladder, best: Fit, tried: Sequence[Fit], rung: int) -> tupl
     close = [one for one in every[1:] if score(one) < score(every[0]) + GAP]
     apart = {one.hypothesis.accused: one for one in reversed(close)}
     apart.pop(every[0].hypothesis.accused, None)
-    return every[0], sorted(apart.values(), key=score)
+    return every[0], sorted(apart.values(), key=score)[:MOST_RIVALS]

@@ -13,6 +13,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.adequacy import adequacy
 from swamp_rl.criticism.candidates import NUISANCE, Hypothesis, candidates, hull_nuisance
 from swamp_rl.criticism.conclude import Search
+from swamp_rl.criticism.consistency import refuse_inconsistent
 from swamp_rl.criticism.cost import score
 from swamp_rl.criticism.data import CHANNELS, Trials, read_trials
 from swamp_rl.criticism.estimate import causes_of
@@ -57,6 +58,7 @@ def diagnose(
     """
     model = load_boat(boat)
     trials = read_trials(dataset, model)
+    refuse_inconsistent(trials, str(dataset))
     other = read_trials(holdout, model) if holdout else None
     from swamp_rl.criticism.report import write_report
 

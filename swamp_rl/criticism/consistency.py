@@ -1,0 +1,106 @@
+"""Measured columns against each other: what was swapped, turned, in degrees or out of step is refused."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data import CHANNELS, Trials
+from swamp_rl.errors import UserError
+
+Array = NDArray[np.float64]
+
+SPAN, LONG_SPAN, LONGEST_LAG = 0.5, 2.0, 2.0  # s
+ROUGH = 0.15  # m of scatter between samples from which positions are compared over the long span
+POOR, GOOD = 0.3, 0.7  # shares explained as it stands, and otherwise, at which a column is refused
+OUT_OF_STEP = 0.3  # s
+NORTH, EAST, HEADING, SURGE, SWAY, YAW_RATE = range(6)
+
+
+def refuse_inconsistent(trials: Trials, folder: str) -> None:
+    """UserError naming the columns that contradict each other while another reading of them does not.
+
+    Positions are held against heading and velocities over ground, the heading against the yaw rate. Biases,
+    delays and lever arms of a usual size pass: those are for the diagnosis to name.
+    """
+    measured = [trials.measured[run, :length] for run, length in enumerate(trials.lengths)]
+    if {"surge", "sway"} <= set(trials.present):
+        _positions_and_velocities(measured, trials.dt, folder)
+    if "yaw_rate" in trials.present:
+        _heading_and_yaw_rate(measured, trials.dt, folder)
+
+
+def _slope(values: Array, reach: int, dt: float) -> Array:
+    """Rate of change (T - 2 reach, ...) over `reach` rows to either side."""
+    return np.asarray((values[2 * reach :] - values[: -2 * reach]) / (2 * reach * dt))
+
+
+def explained(truth: Array, told: Array) -> float:
+    """Share of the power of `truth` (n, k) that `told` (n, k) explains."""
+    good = np.isfinite(truth).all(axis=-1) & np.isfinite(told).all(axis=-1)
+    power = float((truth[good] ** 2).sum())
+    return 1.0 - float(((truth[good] - told[good]) ** 2).sum()) / max(power, 1e-12)
+
+
+def _positions_and_velocities(measured: list[Array], dt: float, folder: str) -> None:
+    scatter = np.nanmedian(np.abs(np.concatenate([np.diff(run[:, :2], 2, axis=0) for run in measured])))
+    reach = max(1, round((LONG_SPAN if scatter > ROUGH else SPAN) / dt))
+    long = [run for run in measured if len(run) > 4 * reach]
+    if not long:
+        return
+    moved = np.concatenate([_slope(run[:, :2], reach, dt) for run in long])
+    inner = np.concatenate([run[reach:-reach] for run in long])
+    psi, u, v = inner[:, HEADING], inner[:, SURGE], inner[:, SWAY]
+
+    def told(angle: Array, ahead: Array, starboard: Array) -> Array:
+        cos, sin = np.cos(angle), np.sin(angle)
+        return np.stack([ahead * cos - starboard * sin, ahead * sin + starboard * cos], axis=1)
+
+    if explained(moved, told(psi, u, v)) > POOR:
+        return
+    readings = {
+        "north and east look swapped": told(psi, u, v)[:, ::-1],
+        "surge and sway look swapped": told(psi, v, u),
+        "heading looks anticlockwise": told(-psi, u, v),
+        "heading looks measured from east, anticlockwise": told(math.pi / 2 - psi, u, v),
+        "heading looks half a turn off": told(psi + math.pi, u, v),
+        "heading looks like degrees": told(np.radians(psi), u, v),
+        "sway looks positive to port": told(psi, u, -v),
+    }
+    best = max(readings, key=lambda reading: explained(moved, readings[reading]))
+    if explained(moved, readings[best]) > GOOD:
+        raise UserError(
+            f"{folder}: {best}: positions do not follow heading, surge and sway; correct the columns"
+        )
+
+
+def _heading_and_yaw_rate(measured: list[Array], dt: float, folder: str) -> None:
+    reach = max(1, round(SPAN / dt))
+    lag = round(LONGEST_LAG / dt)
+    long = [run for run in measured if len(run) > 4 * (reach + lag)]
+    if not long:
+        return
+    turned = [_slope(run[:, [HEADING]], reach, dt) for run in long]
+    told = [run[reach:-reach, [YAW_RATE]] for run in long]
+    every = np.concatenate(turned), np.concatenate(told)
+    as_it_is = explained(*every)
+    if as_it_is < POOR:
+        readings = {"look like degrees a second": math.pi / 180.0, "look positive to port": -1.0}
+        for reading, factor in readings.items():
+            if explained(every[0], factor * every[1]) > GOOD:
+                raise UserError(f"{folder}: yaw_rate {reading}: the heading says so; correct the column")
+    shifts = [shift for shift in range(-lag, lag + 1) if abs(shift) * dt >= OUT_OF_STEP]
+    shares = [explained(*_shifted(turned, told, shift)) for shift in shifts]
+    best = int(np.argmax(shares))
+    if shares[best] > GOOD and 1.0 - shares[best] < 0.5 * (1.0 - as_it_is):
+        raise UserError(
+            f"{folder}: yaw_rate is {abs(shifts[best]) * dt:.1f} s {'late' if shifts[best] > 0 else 'early'} "
+            f"against heading; bring the columns ({', '.join(CHANNELS)}) to one clock"
+        )
+
+
+def _shifted(turned: list[Array], told: list[Array], shift: int) -> tuple[Array, Array]:
+    """Both, the second read `shift` rows later."""
+    first = [one[max(0, -shift) : len(one) - max(0, shift)] for one in turned]
+    second = [one[max(0, shift) : len(one) - max(0, -shift)] for one in told]
+    return np.concatenate(first), np.concatenate(second)
