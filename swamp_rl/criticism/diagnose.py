@@ -24,7 +24,7 @@ from swamp_rl.criticism.heldout import bootstrap_interval, heldout_loss, heldout
 from swamp_rl.criticism.ladder import Ladder, ladder_of
 from swamp_rl.criticism.leftover import Forces, leftovers, missing_forces
 from swamp_rl.criticism.noise import noise_levels, weights
-from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, Verdict
+from swamp_rl.criticism.result import Candidate, Cause, Diagnosis, Gain, HeldOut, Verdict
 from swamp_rl.criticism.rivals import contrast, separating_trial
 from swamp_rl.criticism.search import search
 from swamp_rl.files import folder_beside
@@ -82,7 +82,7 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
     measure = adequacy(ladder.problems[found.rung], found.winner)
     forces = missing_forces(trials, weight, found.winner.hypothesis, found.winner.x)
 
-    every = causes_of(found.winner)
+    every = confirmed_causes(found)
     alone = all(cause.effect == NUISANCE for cause in every)
 
     def apart(rival: Fit) -> float:
@@ -110,6 +110,16 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
         elapsed_s=time.perf_counter() - began,
     )
     return Finding(diagnosis, trials, weight, ladder, found, forces)
+
+
+def confirmed_causes(found: Search) -> list[Cause]:
+    """Every atom of the winner as a cause, with what it saves on runs held out."""
+    every = causes_of(found.winner)
+    for atom, cause in zip(found.winner.hypothesis.atoms, every, strict=True):
+        if atom.label in found.confirmed:
+            one = found.confirmed[atom.label]
+            cause.held_out = HeldOut(gain=one.gain, ratio=one.ratio, needed=one.needed)
+    return every
 
 
 def verdict_of(found: Search) -> Verdict:

@@ -22,14 +22,27 @@ class Estimate(Part):
     unit: str
 
 
+class HeldOut(Part):
+    """What a cause saves on runs that its numbers were not fitted to, as saturated chi2.
+
+    ratio: mean of the blocks' gains over its standard error; needed: the ratio that one of all the candidates
+    exceeds by chance once in forty times.
+    """
+
+    gain: float
+    ratio: float
+    needed: float
+
+
 class Cause(Part):
     """An effect that explains the misfit. thruster: a name, `all`, or two names; none where it has no
-    selector.
+    selector. held_out: the confirmation, none of the hull's derivatives beside a cause.
     """
 
     effect: str
     thruster: str | list[str] | None = None
     parameters: dict[str, Estimate]
+    held_out: HeldOut | None = None
 
 
 class Candidate(Part):
