@@ -11,7 +11,6 @@ import typer
 if TYPE_CHECKING:
     from swamp_rl.pilots.pilot import Pilot
     from swamp_rl.teleop.afloat import MakeEnv
-    from swamp_rl.teleop.session import Session
 
 LEVELS = ("calm", "standard", "severe")
 "Levels of disturbance that the page offers, after the one that was asked for."
@@ -63,7 +62,7 @@ def record(
     levels = [disturbances, *(name for name in LEVELS if name != disturbances and _fits(make_env, name))]
     recordings = Recordings(out, _meta(boat, course, source), typer.echo)
     session = Session(make_env, recordings, levels, np.random.default_rng(), pilots)
-    _warm(session)
+    session.warm()
     logging.basicConfig(format="swamp-rl: %(message)s", level=logging.WARNING)
     try:
         serve(Hub(session, source), host, port, token, lambda address: typer.echo(f"drive at {address}"))
@@ -117,10 +116,3 @@ def _fits(make_env: "MakeEnv", level: str) -> bool:
     except UserError:
         return False
     return True
-
-
-def _warm(session: "Session") -> None:
-    """Compile what the first step needs, which would otherwise halt the first run."""
-    session.boat.foresee((0.0, 0.0))
-    session.boat.weather(session.boat.at(0.5))
-    session.renew()

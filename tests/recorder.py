@@ -33,8 +33,7 @@ def serving(
     kept = recordings(folder)
     rng: Any = np.random.default_rng(seed)
     session = Session(make_env, kept, levels, rng, pilots, dead_man=DEAD_MAN * factor)
-    session.boat.foresee((0.0, 0.0))  # compiles
-    session.renew()
+    session.warm()
     hub = Hub(session, "scripted", factor)
     listening = bound(host, 0)
     server = server_of(hub, Guard(host, token))

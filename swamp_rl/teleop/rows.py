@@ -90,6 +90,14 @@ def sailed_again(run: Run, boat: Boat) -> Array:
     return track
 
 
+def try_a_step(boat: Boat, state: Array, commands: Array) -> None:
+    """Compile what `sailed_again` needs, which takes seconds once."""
+    params = parameters(boat)
+    sail(
+        state[None].copy(), params, tank(boat), commands[None], np.zeros(1, np.uint64), 0.1, substeps_of(0.1)
+    )
+
+
 def largest_difference(run: Run, boat: Boat | str) -> float:
     """How far the run sailed again is from the recorded one, over motion and actuators; nought if exact."""
     boat = load_boat(boat) if isinstance(boat, str) else boat

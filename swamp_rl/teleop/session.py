@@ -12,7 +12,7 @@ from swamp_rl.teleop.afloat import IDLE, Afloat, Array, Instant, Levers, MakeEnv
 from swamp_rl.teleop.journal import Journal
 from swamp_rl.teleop.messages import Choose, Command, clean_nickname
 from swamp_rl.teleop.recordings import Recordings
-from swamp_rl.teleop.rows import columns_of, initial_state, row_of
+from swamp_rl.teleop.rows import columns_of, initial_state, row_of, try_a_step
 
 DEAD_MAN = 0.25  # s without a command, until the thrusters stop
 READY, APPROACH, RUN, ENDED, SAVING = "ready", "approach", "run", "ended", "saving"
@@ -67,6 +67,13 @@ class Session:
         if self.pilot is not None:
             self.pilots[self.pilot].reset(1)
         self._decide()
+
+    def warm(self) -> None:
+        """Compile what would otherwise halt the first run and the first replay."""
+        self.boat.foresee(IDLE)
+        self.boat.weather(self.boat.at(0.5))
+        try_a_step(self.boat.fleet.boat, self.boat.now.state, self.boat.now.commands)
+        self.renew(self.boat.seed)
 
     # --- what the person does ---
 

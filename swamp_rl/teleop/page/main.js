@@ -37,7 +37,7 @@ function hear(message) {
     const { phase } = frame;
     if (document.body.dataset.phase !== phase) enter(phase);
     document.body.dataset.helm = frame.helm;
-    if (phase === "approach" || phase === "run") leave();
+    if (moving()) leave();
     if (asked && !asked.heard && matches(frame)) asked.heard = arrived;
   } else if (message.type === "scene") {
     scene = message;
@@ -131,6 +131,7 @@ function headline() {
 // --- commands ---
 
 const live = () => document.hasFocus() && !document.hidden;
+const moving = () => frame?.phase === "approach" || frame?.phase === "run";
 const matches = ({ levers }) => Math.abs(levers[0] - asked.throttle) < 1e-3 && Math.abs(levers[1] - asked.angle) < 1e-3;
 let sent = "";
 
@@ -140,7 +141,8 @@ function command(since) {
   const text = JSON.stringify(levers);
   const now = performance.now();
   if (text === sent && now - sentAt < HEARTBEAT) return;
-  if (text !== sent) asked = { ...levers, since: since ?? now, heard: 0 };
+  // Timed is only what the boat will obey: not the autopilot's boat, nor one that lies at the start.
+  if (text !== sent) asked = moving() && frame.helm === "person" ? { ...levers, since: since ?? now, heard: 0 } : null;
   sent = text;
   sentAt = now;
   send({ type: "command", ...levers });
@@ -172,7 +174,7 @@ for (const id of ["level", "pilot"]) by(id).addEventListener("change", ({ target
 
 // Where the boat is now: the last frame, carried on for the few milliseconds since it came.
 function present() {
-  const age = frame.phase === "approach" || frame.phase === "run" ? Math.min(0.05, (performance.now() - arrived) / 1000) : 0;
+  const age = moving() ? Math.min(0.05, (performance.now() - arrived) / 1000) : 0;
   const [north, east, heading] = frame.pose;
   const [u, v, r] = frame.velocity;
   const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
