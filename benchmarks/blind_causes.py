@@ -24,6 +24,7 @@ from typing import Any, cast
 import numpy as np
 
 from benchmarks.blind_score import figures, judged, markdown, summary
+from benchmarks.update_readme import between_marks
 from tests.hidden_effects import EFFECTS, LEVELS, NOT_IN_GATE_RUNS, draw_case, write_case
 
 # Reads folders of data and of answers, one pair a line; sees nothing else, and says done or what went wrong.
@@ -124,6 +125,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--level", choices=(*LEVELS, "all"), default="all")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path("blind_causes"))
+    parser.add_argument("--into", type=Path, help="a document whose table is written anew")
     asked = parser.parse_args(arguments)
     levels = LEVELS if asked.level == "all" else (asked.level,)
     numbers = range(asked.first, asked.first + asked.cases)
@@ -147,6 +149,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     (asked.out / "blind_causes.json").write_text(json.dumps(written, indent=1))
     (asked.out / "blind_causes.md").write_text(markdown(scores))
     figures(results, asked.out)
+    if asked.into:
+        text = asked.into.read_text(encoding="utf-8")
+        asked.into.write_text(between_marks(text, "blind causes", markdown(scores)), encoding="utf-8")
     print(markdown(scores))
     print(Counter(result["verdict"] for result in results))
 

@@ -17,6 +17,7 @@ from swamp_rl.criticism.harmonic import wave_starts
 from swamp_rl.criticism.heldout import heldout_loss
 from swamp_rl.criticism.ladder import ladder_of
 from swamp_rl.criticism.leftover import missing_forces
+from swamp_rl.criticism.manoeuvres import manoeuvres
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.criticism.rivals import separating_trial
@@ -112,23 +113,44 @@ def test_wind_is_named_and_not_a_current_or_a_push() -> None:
     assert np.hypot(*found.winner.x) == pytest.approx(4.0, rel=0.05)
 
 
-def test_one_straight_run_cannot_tell_drag_from_thrust_and_a_trial_is_proposed() -> None:
-    truth = trials([{"effect": "linear_drag", "coefficient": 6.0}], seed=9)
-    commands = np.zeros_like(truth.commands)
-    commands[..., 4:] = 0.7
-    record = parameters(truth.boat, 3)
-    asked = [{"effect": "linear_drag", "coefficient": 6.0}]
-    apply_effects(record, parse_effects(asked, "test", truth.boat.thruster_names), truth.boat.thruster_names)
-    start = initial_state(record, np.array([[0.0, 0.0, 0.5], [5.0, -3.0, 2.5], [-4.0, 8.0, -2.0]]))
-    start[:, 3] = 0.8  # under way at its own speed, so that getting there tells nothing
-    track = simulate(record, tank(truth.boat), start, commands[:, :-1].copy(), np.zeros(3, np.uint64), DT, 2)
-    noise = SIGMA * np.random.default_rng(9).standard_normal((3, commands.shape[1], 6))
-    steady = replace(truth, commands=commands, measured=observe(track, record, DT) + noise)
-    found = searched(steady, "linear_drag", "thrust_scale", "thruster_gain", "current")
+def driven(effects: list[dict[str, Any]], commands: np.ndarray, surge: float, seed: int) -> Trials:
+    """Runs under commands (R, T, 8), with noise, begun at a surge [m/s], of a boat that has those effects."""
+    boat, runs = load_boat("swamp"), len(commands)
+    record = parameters(boat, runs)
+    apply_effects(record, parse_effects(effects, "test", boat.thruster_names), boat.thruster_names)
+    pose = np.array([[0.0, 0.0, 0.5], [5.0, -3.0, 2.5], [-4.0, 8.0, -2.0]])[:runs]
+    start = initial_state(record, pose)
+    start[:, 3] = surge
+    seeds = np.zeros(runs, np.uint64)
+    track = simulate(record, tank(boat), start, commands[:, :-1].copy(), seeds, DT, 2)
+    noise = SIGMA * np.random.default_rng(seed).standard_normal((*commands.shape[:2], 6))
+    lengths = np.full(runs, commands.shape[1])
+    return Trials(boat, DT, ("a", "b", "c")[:runs], commands, observe(track, record, DT) + noise, lengths)
+
+
+def test_straight_runs_cannot_tell_drag_from_thrust_and_the_trial_that_is_proposed_can() -> None:
+    truth = [{"effect": "linear_drag", "coefficient": 6.0}]
+    possible = ("linear_drag", "thrust_scale", "thruster_gain", "current")
+    straight = np.zeros((3, round(SECONDS / DT), 8))
+    straight[..., 4:] = 0.7
+    steady = driven(truth, straight, 0.8, seed=9)
+    found = searched(steady, *possible)
     names = {found.winner.hypothesis.label, *(one.hypothesis.label for one in found.rivals)}
     assert {"linear_drag", "thrust_scale"} <= names
     trial = separating_trial(steady, noise_levels(steady), found.winner, found.rivals)
     assert trial.separation > 10.0
+    proposed = manoeuvres(steady.boat, DT)[trial.manoeuvre][None, : straight.shape[1]]
+    sailed = driven(truth, proposed, 0.0, seed=10)
+    both = replace(
+        steady,
+        names=("a", "b", "c", "trial"),
+        commands=np.concatenate([steady.commands, sailed.commands]),
+        measured=np.concatenate([steady.measured, sailed.measured]),
+        lengths=np.concatenate([steady.lengths, sailed.lengths]),
+    )
+    settled = searched(both, *possible)
+    assert settled.winner.hypothesis.label == "linear_drag"
+    assert not settled.rivals
 
 
 def test_two_swapped_channels_are_named() -> None:

@@ -76,8 +76,13 @@ def concluded(
     rivals: list[Fit] = []
     if adequate:
         special = beside_nuisance(ladder, best, atoms)
-        others = [one for one in tried if not nested(best.hypothesis, one.hypothesis)]
-        best, rivals = compared(ladder, best, [*others, *special], rung)
+        best, rivals = compared(ladder, best, [*tried, *special], rung)
+        rivals = [
+            one
+            for one in rivals
+            if not nested(best.hypothesis, one.hypothesis)
+            or any(one.hypothesis.label == other.hypothesis.label for other in special)
+        ][:MOST_RIVALS]
     return Search(best, adequate, rung, rivals, tried, first, unseen, confirmed)
 
 
@@ -176,4 +181,4 @@ def compared(ladder: Ladder, best: Fit, tried: Sequence[Fit], rung: int) -> tupl
     close = [one for one in every[1:] if score(one) < score(every[0]) + GAP]
     apart = {one.hypothesis.accused: one for one in reversed(close)}
     apart.pop(every[0].hypothesis.accused, None)
-    return every[0], sorted(apart.values(), key=score)[:MOST_RIVALS]
+    return every[0], sorted(apart.values(), key=score)
