@@ -7,6 +7,7 @@ The measured data are not part of the project; where the folder is absent the do
 
 import math
 import sys
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -225,9 +226,21 @@ def circle_summary(found: Sequence[Circle]) -> str:
     return "\n".join(lines)
 
 
+def filled(text: str) -> str:
+    """The same Markdown with its paragraphs filled to one width; headings, lists and tables stay."""
+    blocks = text.split("\n\n")
+    plain = [not block.lstrip().startswith(("#", "|", "*")) for block in blocks]
+    return "\n\n".join(
+        textwrap.fill(" ".join(block.split()), 110, break_long_words=False, break_on_hyphens=False)
+        if fill
+        else block
+        for block, fill in zip(blocks, plain, strict=True)
+    )
+
+
 def document(folder: Path) -> str:
     """The text of docs/validation.md."""
-    return f"""# The simulator against what was measured
+    text = f"""# The simulator against what was measured
 
 Written by `python -m benchmarks.validation`, every number in it. Nothing was tuned to this list.
 Sections, tables
@@ -236,6 +249,7 @@ Characterization: From Ships to Marine Robots*.
 
 {swamp_part()}
 {esso_part(folder)}"""
+    return filled(text).rstrip() + "\n"
 
 
 def main() -> None:

@@ -45,12 +45,10 @@ def turning_of(time: Array, place: Array, turned: Array) -> Turning:
 
 @dataclass(frozen=True)
 class Drift:
-    """Mean velocity (2,) north, east [m/s] of the centre, its resamples (B, 2), and how far the local ones
-    scatter about it, sd (2,)."""
+    """Mean velocity (2,) north, east [m/s] of the centre, and its resamples (B, 2)."""
 
     velocity: Array
     resamples: Array
-    sd: Array
 
 
 def drift_of(turning: Turning, rng: np.random.Generator) -> Drift | None:
@@ -68,4 +66,4 @@ def drift_of(turning: Turning, rng: np.random.Generator) -> Drift | None:
     way = turning.place[first + shift] - turning.place[first]
     local = way / (turning.time[first + shift] - turning.time[first])[:, None]
     picks = resampled_blocks(len(local), BLOCK, rng)
-    return Drift(local.mean(axis=0), local[picks].mean(axis=1), local.std(axis=0))
+    return Drift(local.mean(axis=0), local[picks].mean(axis=1))

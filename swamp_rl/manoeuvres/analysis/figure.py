@@ -1,7 +1,6 @@
 """A figure of a trial with its spread and its interval, and the block bootstrap behind it."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -91,20 +90,16 @@ def interval(values: ArrayLike) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def over(
-    each: ArrayLike, unit: str, rng: np.random.Generator, of: Callable[[Array], Array] | None = None
-) -> Figure:
-    """The figure of several values, resampled one by one; of: along the last axis, the mean by default."""
+def over(each: ArrayLike, unit: str, rng: np.random.Generator) -> Figure:
+    """The mean of several values, resampled one by one; those that are NaN are left out."""
     values = np.asarray(each, float)
     values = values[np.isfinite(values)]
-    taken = of or (lambda many: many.mean(axis=-1))
     if len(values) == 0:
         return Figure(math.nan, unit)
-    value = float(taken(values))
-    if len(values) < 2:
-        return Figure(value, unit, tuple(values.tolist()))
-    low, high = interval(taken(values[resampled_blocks(len(values), 1, rng)]))
-    return Figure(value, unit, tuple(values.tolist()), low, high)
+    low = high = math.nan
+    if len(values) > 1:
+        low, high = interval(values[resampled_blocks(len(values), 1, rng)].mean(axis=1))
+    return Figure(float(values.mean()), unit, tuple(values.tolist()), low, high)
 
 
 def over_blocks(series: Array, blocks: int, unit: str, rng: np.random.Generator) -> Figure:

@@ -41,15 +41,12 @@ def analyse_zig_zag(motion: Motion, found: Recognised, result: Result, rng: np.r
         "initial_turning": _initial_turning(motion, side[0] * deviation, first),
     }
     result.figures = figures
-    heard = [mark.angle for mark in executes]
     result.traces |= {
         "time": motion.time[first:] - motion.time[first],
         "heading": np.degrees(deviation[first:]),
         "angle": np.degrees(motion.angle[first:]),
         "place": motion.position[first : min(end, len(motion.time) - 1) + 1],
         "course": np.array(motion.heading_before(first)),
-        "executes": np.array([mark.time - executes[0].time for mark in executes]),
-        "ordered": np.degrees(heard),
     }
     if len(executes) < 2:
         result.notes.append("the heading never reached the second execute: no overshoot")
