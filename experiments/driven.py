@@ -4,7 +4,8 @@ from pathlib import Path
 
 from experiments.scene import Scene
 from experiments.trial import Tried
-from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, create_dataset
+from swamp_rl.runs import DatasetMeta, Run, RunMeta, create_dataset
+from swamp_rl.runs.writer import append_runs
 
 NOTES = "Driven in evaluation by the pilot of that name; each run tells its level and its disturbances."
 
@@ -24,10 +25,12 @@ def write_driven(scene: Scene, tried: Tried, folder: Path) -> None:
             notes=NOTES,
         )
         create_dataset(folder / pilot, meta)
+        runs = []
         for level in scene.levels:
             for run, disturbed in zip(tried.shown[pilot, level], drawn[level], strict=False):
                 told = run.meta.model_dump() | disturbed | {"pilot": pilot, "level": level}
-                append_run(folder / pilot, Run(run.name, run.columns, RunMeta.model_validate(told)))
+                runs.append(Run(run.name, run.columns, RunMeta.model_validate(told)))
+        append_runs(folder / pilot, runs)
 
 
 def _drawn(scene: Scene, level: str) -> list[dict[str, object]]:

@@ -15,6 +15,8 @@ from swamp_rl.errors import UserError
 
 HOST = "127.0.0.1"
 """Rerun itself would bind every address of the machine."""
+RERUN = (sys.executable, "-m", "rerun_cli")
+"""Its command alone, which starts without its Python library."""
 PATIENCE = 30.0
 """How long rerun may take to listen, s."""
 
@@ -26,7 +28,7 @@ def has_display() -> bool:
 
 def open_viewer(recording: Path) -> None:
     """Show a recording in a window, until it is closed; UserError where the viewer cannot start."""
-    done = subprocess.run([sys.executable, "-m", "rerun", str(recording), "--bind", HOST, "--port", "auto"])
+    done = subprocess.run([*RERUN, str(recording), "--bind", HOST, "--port", "auto"])
     if done.returncode:
         raise UserError("rerun's viewer could not be started; --web shows the same in a browser")
 
@@ -38,7 +40,7 @@ def serve(recording: Path, port: int | None, ready: Callable[[str], None]) -> No
     where the port is taken or rerun does not start.
     """
     port, data_port = free_port(port), free_port(None)
-    asked = [sys.executable, "-m", "rerun", str(recording), "--serve-web", "--bind", HOST]
+    asked = [*RERUN, str(recording), "--serve-web", "--bind", HOST]
     asked += ["--port", str(data_port), "--web-viewer-port", str(port), "--hide-welcome-screen"]
     before = signal.signal(signal.SIGTERM, _interrupt)
     # In a group of its own, as rerun's Python command starts the server as a process of its own.

@@ -9,7 +9,7 @@ from swamp_rl.runs.dataset import Dataset, read_dataset
 from swamp_rl.runs.export_lerobot import write_lerobot
 from swamp_rl.runs.export_minari import write_minari
 from swamp_rl.runs.mcap_files import write_mcap
-from swamp_rl.runs.writer import append_run, create_dataset
+from swamp_rl.runs.writer import append_runs, create_dataset
 
 Format = Literal["minari", "lerobot", "mcap", "csv", "parquet"]
 
@@ -44,5 +44,4 @@ def _write_tables(dataset: Dataset, folder: Path, to: Literal["csv", "parquet"])
     if boat.is_file():
         (folder / dataset.meta.vehicle).write_bytes(boat.read_bytes())
     create_dataset(folder, dataset.meta.model_copy(update={"runs": []}))
-    for run in dataset.runs:
-        append_run(folder, run, to)
+    append_runs(folder, dataset.runs, to)

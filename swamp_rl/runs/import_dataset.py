@@ -1,5 +1,6 @@
 """From files of others to one dataset of ours, whole or not at all."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,7 +19,7 @@ from swamp_rl.runs.mcap_files import read_mcap
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta, Source
 from swamp_rl.runs.table import read_table
-from swamp_rl.runs.writer import append_run, create_dataset
+from swamp_rl.runs.writer import append_runs, create_dataset
 
 Kind = Literal["csv", "parquet", "mcap", "telemetry", "free-running"]
 SUFFIXES = {
@@ -73,7 +74,8 @@ def import_runs(
     vehicle = about.boat or (told.vehicle if told else "swamp")
     boat = boat_of(beside, told) if beside and told else load_boat(vehicle)
     runs = [run_from(one, wishes, boat) for one in found]
-    return _write(Path(out), _described(about, boat, vehicle, told, runs, wishes), runs, beside)
+    meta = _described(about, boat, vehicle, told, runs, wishes)
+    return _write(Path(out), meta, runs, beside)
 
 
 def _files(source: Path, kind: Kind) -> list[Path]:
@@ -171,10 +173,9 @@ def _write(out: Path, meta: DatasetMeta, runs: Sequence[Run], beside: Path | Non
         if beside is not None:
             (part / meta.vehicle).write_bytes((beside / meta.vehicle).read_bytes())
         create_dataset(part, meta)
-        for run in runs:
-            try:
-                append_run(part, run)
-            except UserError as error:
-                # The folder that is being built is nobody's business.
-                raise UserError(str(error).replace(f"{part}/", "")) from error
+        try:
+            append_runs(part, runs)
+        except UserError as error:
+            # The folder that is being built is nobody's business.
+            raise UserError(str(error).replace(f"{part}{os.sep}", "")) from error
     return read_meta(out)
