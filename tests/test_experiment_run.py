@@ -125,7 +125,7 @@ def test_the_recording_for_rerun_can_be_read(folder: Path) -> None:
     listed = subprocess.run(asked, capture_output=True, text=True, check=True).stdout
     for who in ["scripted", *PILOTS[1:]]:
         assert f"/chart/runs/{who}/track:" in listed
-        assert f"/levers/angle/{who}:" in listed
+        assert rf"/series/angle\ lever\ \[1\]/{who}:" in listed
 
 
 def test_the_report_names_every_pilot_and_shows_pictures_that_are_there(folder: Path) -> None:
