@@ -1,11 +1,17 @@
 """Nothing that was accepted is ever lost; what was not is there, marked, after any crash."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -102,6 +108,53 @@ def test_a_run_accepted_but_not_yet_listed_is_listed(tmp_path: Path, renamed: bo
     assert again.read("run-0001").meta.outcome == "success"
     assert again.count == 1 and len(again.board) == 1
     assert check_dataset(folder) == []
+
+
+class PowerCutError(BaseException):
+    """Nothing handles it, as nothing handles the end of a process."""
+
+
+def test_an_acceptance_cut_off_at_any_of_its_steps_on_the_disk_loses_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    game = session(tmp_path / "driven")
+    drive(game)
+    assert game.journal is not None
+    game.journal.close()
+    game.recordings.close()
+    seen = set()
+    for step in range(100):
+        folder = tmp_path / f"cut-{step}"
+        kept = recordings(folder)
+        shutil.copytree(tmp_path / "driven" / "unfinished", kept.unfinished, dirs_exist_ok=True)
+        table = kept.unfinished / "run-0001.csv"
+        ended = SimpleNamespace(table=table, description=table.with_suffix(".json"), close=lambda: None)
+        left = [step]
+
+        def cut(whole: Callable[..., Any], *given: Any, left: list[int] = left) -> Any:
+            left[0] -= 1
+            if left[0] < 0:
+                raise PowerCutError
+            return whole(*given)
+
+        with monkeypatch.context() as patch:
+            for name in ("replace", "fsync", "unlink"):
+                patch.setattr(os, name, partial(cut, getattr(os, name)))
+            with suppress(PowerCutError):
+                kept.accept(ended, game.about())  # type: ignore[arg-type]
+        kept.close()
+        again = recordings(folder)
+        run = again.read("run-0001")
+        seen.add(run.meta.outcome)
+        assert check_dataset(folder) == []
+        assert largest_difference(run, BOAT) == 0.0
+        # Once it was noted that the run is accepted, it stays so.
+        if "success" in seen:
+            assert run.meta.outcome == "success"
+        again.close()
+        if left[0] > 0:
+            break
+    assert seen == {"interrupted", "success"} and step > 5
 
 
 def test_a_description_that_cannot_be_read_still_lets_the_rows_be_found(tmp_path: Path) -> None:
