@@ -117,6 +117,12 @@ def test_with_noisy_positions_the_intervals_hold_the_true_ways_about_as_often_as
     assert np.mean(held) >= 0.87
 
 
+def test_a_short_turn_still_has_an_interval_of_its_drift() -> None:
+    found = analysed(noisy(circle_run(D, BETA, turns=1.8, current=(0.12, -0.05)), 0)).figures["drift_speed"]
+    assert 0.0 < found.high - found.low < 0.03
+    assert found.value == pytest.approx(0.13, abs=0.01)
+
+
 def test_a_pair_of_circles_names_the_side_that_it_turns_tighter_to() -> None:
     results = [analysed(circle_run(6.6, BETA)), analysed(circle_run(6.0, BETA, side=-1.0))]
     (pair,) = pairs(results, BOAT.length)

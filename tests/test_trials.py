@@ -15,6 +15,7 @@ from swamp_rl.manoeuvres.execute import STEP, Executed, execute
 from swamp_rl.manoeuvres.record import record_trials, run_of_trial
 from swamp_rl.manoeuvres.steering import steering
 from swamp_rl.runs import read_dataset
+from swamp_rl.simulator.replay import replay
 
 DEG = math.radians(1.0)
 NORTH, EAST, HEADING, SURGE, SWAY, YAW_RATE = range(6)
@@ -233,12 +234,14 @@ def test_the_steering_turns_the_boat_the_same_way_ahead_and_astern(angle: float,
     assert forces[:, 1].sum() == pytest.approx(0.0, abs=1e-12)
 
 
-def test_a_recorded_trial_can_be_read_and_analysed_from_its_commands_alone(tmp_path: Path) -> None:
+def test_a_recorded_trial_replays_exactly_and_is_analysed_from_its_commands_alone(tmp_path: Path) -> None:
     trials = [Trial("turning-circle", 0.6, 40 * DEG, turns=2), Trial("zig-zag", 0.6, 20 * DEG, 20 * DEG)]
     record_trials(tmp_path / "runs", "swamp-light", trials)
     boat, dataset = load_boat("swamp-light"), read_dataset(tmp_path / "runs")
     assert [run.meta.outcome for run in dataset.runs] == ["success", "success"]
     for run in dataset.runs:
+        again = replay(boat, run)
+        assert np.allclose(again.pose[:, :2], run.pose[:, :2], atol=1e-6)
         bare = type(run)(run.name, run.columns)
         told, found = analyse_run(run, boat), analyse_run(bare, boat)
         assert found.kind == told.kind

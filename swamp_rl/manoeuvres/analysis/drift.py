@@ -12,6 +12,7 @@ Array = NDArray[np.float64]
 
 GRID = math.radians(1.0)
 BLOCK = 90  # degrees of heading that are resampled together: neighbours share their error
+BLOCKS = 3  # at least, or a short turn would have no spread at all
 LEAST = math.radians(90.0)  # of pairs, below which no drift is estimated
 
 
@@ -65,5 +66,5 @@ def drift_of(turning: Turning, rng: np.random.Generator) -> Drift | None:
     first = np.arange(math.ceil(start / GRID), len(turning.turned) - shift)
     way = turning.place[first + shift] - turning.place[first]
     local = way / (turning.time[first + shift] - turning.time[first])[:, None]
-    picks = resampled_blocks(len(local), BLOCK, rng)
+    picks = resampled_blocks(len(local), min(BLOCK, len(local) // BLOCKS), rng)
     return Drift(local.mean(axis=0), local[picks].mean(axis=1))
