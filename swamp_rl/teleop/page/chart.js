@@ -9,7 +9,7 @@ const ripples = document.createElement("canvas");
 export class Chart {
   constructor(canvas) {
     this.canvas = canvas;
-    this.context = canvas.getContext("2d");
+    this.context = canvas.getContext("2d", { alpha: false });
     this.camera = null;
     this.streaks = Array.from({ length: 46 }, () => ({ x: Math.random(), y: Math.random(), age: Math.random() }));
     drawRipples();

@@ -8,7 +8,7 @@ const NEAR = 0.35;
 export class Chase {
   constructor(canvas) {
     this.canvas = canvas;
-    this.context = canvas.getContext("2d");
+    this.context = canvas.getContext("2d", { alpha: false });
     this.heading = null;
   }
 
