@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.candidates import Atom, Hypothesis
-from swamp_rl.physics.resistance import resistance_of_tank, resistance_scale
+from swamp_rl.physics.resistance import resistance_of_tank, towing
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.state import EAST, HEADING, SURGE, SWAY, YAW_RATE
 
@@ -123,7 +123,7 @@ def apparent_factor(track: Array, boat: Boat, record: Record, run: Run) -> float
     """(1 - t) as the thesis got it (7.3): the tank's resistance at the speed reached, over bollard pull."""
     nominal = parameters(boat)
     ahead = speed(track, boat, record, run)
-    drag = -resistance_of_tank(ahead, 0.0, nominal[0], tank(boat), resistance_scale(nominal[0]))
+    drag = -resistance_of_tank(ahead, 0.0, nominal[0], tank(boat), towing(nominal[0], tank(boat)))
     pull = sum(boat.thrusters[k].thrust_quadratic * run.throttles[k] ** 2 for k in range(4))
     return drag / pull
 
