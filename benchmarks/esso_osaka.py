@@ -136,12 +136,14 @@ def variant_table(boat: Boat, runs: Sequence[Run]) -> str:
 def document(boat: Boat, random: Sequence[Run], turning: Sequence[Run]) -> str:
     """The text of docs/esso_osaka.md."""
     every: list[Named] = [named(boat, run) for run in random]
+    calm, measured = (rms(window_errors(boat, random, HORIZON, wind)) for wind in (False, True))
+    known = {"calm": calm, "measured": measured}
     return f"""# The Esso Osaka model ship against its pond tests
 
-Written by `python -m benchmarks.esso_osaka ../shared/data/esso_osaka`. The boat is `configs/boats/esso_osaka.yaml`: a 3 m model, one
-propeller, one rudder, with the coefficients published for it; nothing in it was fitted here. The measured
-runs (Wakita et al. 2022, 10.1007/s00773-021-00867-1; Miyauchi et al. 2022, 10.1007/s00773-022-00889-3; CC
-BY-NC-SA) are not part of this project.
+Written by `python -m benchmarks.esso_osaka ../shared/data/esso_osaka`. The boat is
+`configs/boats/esso_osaka.yaml`: a 3 m model, one propeller, one rudder, with the coefficients published for
+it; nothing in it was fitted here. The measured runs (Wakita et al. 2022, 10.1007/s00773-021-00867-1; Miyauchi
+et al. 2022, 10.1007/s00773-022-00889-3; CC BY-NC-SA) are not part of this project.
 
 ## Half a minute ahead
 
@@ -162,10 +164,10 @@ numbers give the independent program's error without wind:
 
 ## The wind, named from the motion alone
 
-The wind columns are hidden; the rest of each run is cut in minutes, each with an initial state of its own, and
-effects are fitted by rollouts as `swamp-rl diagnose` fits them (docs/criticism.md). The wind differs from run
-to run, so each run has its own. Residuals are weighted by what the wind's own fit leaves, since here the model
-errs by more than the sensors do. One constant wind, beside what the anemometer measured in its gusts:
+The wind columns are hidden; the rest of each run is cut in minutes, each with an initial state of its own,
+and effects are fitted by rollouts as `swamp-rl diagnose` fits them (docs/criticism.md). The wind differs from
+run to run, so each run has its own. Residuals are weighted by what the wind's own fit leaves, since here the
+model errs by more than the sensors do. One constant wind, beside what the anemometer measured in its gusts:
 
 {wind_table(every)}
 
@@ -173,25 +175,16 @@ What the motion calls for, held-out misfit minute by minute (1 is what the wind 
 
 {ranking_table(every)}
 
-So the misfit has an earth-fixed cause, and a wind with a slow current beside it tells it best. The pond has no
-stream; a current down the wind is what a wind makes of a pond's surface, at one or two percent of its speed.
-What the two are when named together:
+So the misfit has an earth-fixed cause, and a wind with a slow current beside it tells it best. The pond has
+no stream; a current down the wind is what a wind makes of a pond's surface, at one or two percent of its
+speed. What the two are when named together:
 
 {drift_table(every)}
 
 How far that carries, in windows of {HORIZON:.0f} s from measured states, every minute predicted with numbers
 from the other half of the minutes:
 
-{
-        error_table(
-            boat,
-            every,
-            {
-                "calm": rms(window_errors(boat, random, HORIZON, False)),
-                "measured": rms(window_errors(boat, random, HORIZON, True)),
-            },
-        )
-    }
+{error_table(boat, every, known)}
 
 ## Circles
 

@@ -11,7 +11,7 @@ from experiments.report import table
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.data import CHANNELS, trials_of
-from swamp_rl.criticism.fit import Fit, fit
+from swamp_rl.criticism.fit import Fit, fit, settle
 from swamp_rl.criticism.heldout import heldout_loss
 from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.effects import EffectEntry
@@ -22,9 +22,10 @@ Array = NDArray[np.float64]
 
 WINDOW = 60.0  # s, each with an initial state of its own
 HORIZON = 30.0  # s from a measured state, as the independent program has it
-# Where the weights begin: what a model with the wind right may miss in a minute. The misfit itself then sets them.
+# Where the weights begin: what a model with the wind right may miss in a minute; then the misfit sets them.
 FIRST_SIGMA = np.array([0.1, 0.1, 0.05, 0.02, 0.02, 0.004])
-BREEZE = 1.0  # m/s, from any of eight directions, to begin a wind with
+ROUNDS = 4  # steps that the initial states are given alone, before the effects move
+BREEZES = (1.0, 2.5)  # m/s
 CANDIDATES: tuple[tuple[str, ...], ...] = (
     (),
     ("wind",),
@@ -53,8 +54,7 @@ def named(boat: Boat, run: Run) -> Named:
     trials = trials_of([hidden(run)], boat, run.name)
     problem = Shooting(trials, np.isfinite(trials.measured) / FIRST_SIGMA, WINDOW)
     states = problem.guess()
-    breezes = [BREEZE * np.array([math.cos(a), math.sin(a)]) for a in np.arange(4) * math.pi / 2]
-    found = min((fitted(boat, problem, ("wind",), x, states) for x in breezes), key=lambda one: one.chi2)
+    found = fitted(boat, problem, ("wind",), likely_wind(boat, problem, states), states)
     residual = found.residual.reshape(found.residual.shape[0], -1, len(CHANNELS))
     sigma = FIRST_SIGMA * np.sqrt(np.mean(residual**2, axis=(0, 1)))
     problem = Shooting(trials, np.isfinite(trials.measured) / sigma, WINDOW)
@@ -67,10 +67,19 @@ def named(boat: Boat, run: Run) -> Named:
     return Named(run, problem, fits)
 
 
+def likely_wind(boat: Boat, problem: Shooting, states: Array) -> Array:
+    """(2,) the wind's vector that leaves least, of a few speeds from eight directions: where a fit begins."""
+    hypothesis = Hypothesis((by_label(candidates(boat, 1e3))["wind"],))
+    tried = [s * np.array([math.cos(a), math.sin(a)]) for s in BREEZES for a in np.arange(8) * math.pi / 4]
+    left = [float((settle(problem, hypothesis, x, states, ROUNDS)[2] ** 2).sum()) for x in tried]
+    return tried[int(np.argmin(left))]
+
+
 def fitted(boat: Boat, problem: Shooting, names: tuple[str, ...], x: Array, states: Array) -> Fit:
     """The named effects fitted together from x (p,) and states (W, 6)."""
     atoms = by_label(candidates(boat, 1e3))
-    return fit(problem, Hypothesis(tuple(atoms[name] for name in names)), x, states)
+    hypothesis = Hypothesis(tuple(atoms[name] for name in names))
+    return fit(problem, hypothesis, x, settle(problem, hypothesis, x, states, ROUNDS)[0])
 
 
 def wind_of(found: Fit) -> tuple[float, float]:

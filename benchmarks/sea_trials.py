@@ -208,7 +208,7 @@ def document(boat: Boat) -> str:
     jet = next(one for one in even if one.model.name.endswith("advance_thrust_loss"))
     other = next(one for one in even if one is not jet)
     ahead = fitted(boat, NOTHING, AHEAD)
-    curve_table, curve_trial = trial_table(boat, [ahead, jet, other], AHEAD)
+    curve_table, curve_trial = trial_table(boat, [ahead, jet], AHEAD)
     steady = other_reading()
     alike = [one for one in single if NUISANCE not in one.model.name][:3]  # it holds the others' coefficients
     circle_table, circle_trial = trial_table(boat, alike, PUBLISHED)
@@ -275,7 +275,7 @@ For each trial: what each model predicts, and the least separation of any two in
 right, the other refitted to the old figures and the new one together. The errors of the trials are those of
 RTK positions, a compass and a spring balance (ours). {ENOUGH:g} standard errors decide.
 
-The (1 - t) curve, the jet's loss, or `{other.model.name}` (known: the straight figures): {curve_trial}.
+The (1 - t) curve as it stands, or the jet's loss (known: the straight figures): {curve_trial}.
 
 {curve_table}
 

@@ -1,0 +1,59 @@
+"""A wind named from the motion of the model ship alone, on a run that was made with a known one."""
+
+import math
+
+import numpy as np
+import pytest
+
+from benchmarks.esso_wind import anemometer, apart, drift_table, hidden, named, wind_of, wind_table
+from swamp_rl.boat import load_boat
+from swamp_rl.effects import parse_effects
+from swamp_rl.runs import Run
+from swamp_rl.simulator.replay import replay
+
+BOAT = load_boat("esso_osaka")
+FROM = 2.0
+
+
+def sailed(seconds: float = 190.0) -> Run:
+    """A run in a steady wind of 2 m/s, the anemometer's columns beside it."""
+    rng = np.random.default_rng(0)
+    time = 0.1 * np.arange(round(seconds / 0.1) + 1)
+    held = (time // 20.0).astype(int)
+    columns = {
+        name: np.zeros_like(time) for name in ("north", "east", "heading", "surge", "sway", "yaw_rate")
+    }
+    columns["surge"] += 0.3
+    columns["rudder_main"] = rng.uniform(-0.4, 0.4, held.max() + 1)[held]
+    columns["propeller_main"] = rng.uniform(6.0, 12.0, held.max() + 1)[held]
+    windy = BOAT.model_copy(
+        update={
+            "effects": tuple(
+                parse_effects([{"effect": "wind", "speed": 2.0, "from": FROM}], "test", ("main",))
+            )
+        }
+    )
+    made = replay(windy, Run("made", {"time": time} | columns)).columns
+    made |= {"wind_speed": np.full_like(time, 2.0), "wind_from": np.full_like(time, FROM)}
+    kept = {name: values for name, values in made.items() if not name.startswith("applied_")}
+    for name, size in (("north", 0.02), ("east", 0.02), ("heading", 0.005)):
+        kept[name] = kept[name] + size * rng.standard_normal(len(time))
+    return Run("made", kept)
+
+
+def test_the_motion_alone_tells_the_wind() -> None:
+    run = sailed()
+    assert not {"wind_speed", "wind_from"} & set(hidden(run).columns)
+    found = named(BOAT, run)
+    speed, angle = wind_of(found.fits["wind",])
+    assert speed == pytest.approx(2.0, rel=0.05)
+    assert apart(angle, FROM) == pytest.approx(0.0, abs=3.0)
+    assert found.fits["wind",].chi2 < found.fits["current",].chi2 < found.fits[()].chi2
+    assert f"2.00 from {math.degrees(FROM):.0f}" in wind_table([found])
+    assert "made" in drift_table([found])
+
+
+def test_gusts_are_averaged_as_vectors_for_the_direction_and_as_speeds_for_the_size() -> None:
+    columns = {"wind_speed": np.array([1.0, 1.0]), "wind_from": np.array([0.0, math.pi / 2])}
+    assert anemometer(Run("two", columns)) == pytest.approx((1.0, math.pi / 4))
+    assert apart(math.radians(-179.0), math.radians(179.0)) == pytest.approx(2.0)
