@@ -41,6 +41,7 @@ AHEAD = PUBLISHED[:4]
 NOT_ASKED = ("thruster_failure", "channel_swap")  # would have been noticed on the day
 EARTH = ("current", "drifting_current", "wind", "waves", "external_force")  # no courses are published
 SHOWN = 12
+SAILED = 7  # trials shown, the best first
 PAIRED = 6  # of the best single effects, tried two by two
 ENOUGH = 3.0  # standard errors that decide
 
@@ -173,7 +174,7 @@ def trial_table(boat: Boat, rivals: Sequence[Fitted], known: Sequence[Figure]) -
     head = ["trial", "measured", *(one.model.name for one in rivals), "least separation"]
     best = TRIALS[int(order[0])].name
     decides = "decides" if max(least) >= ENOUGH else "would need to be repeated to decide"
-    return table(head, [rows[i] for i in order[:SHOWN]]), f"**{best}** {decides} ({max(least):.1f})"
+    return table(head, [rows[i] for i in order[:SAILED]]), f"**{best}** {decides} ({max(least):.1f})"
 
 
 def explained(single: Sequence[Fitted]) -> str:
@@ -209,6 +210,7 @@ def document(boat: Boat) -> str:
     other = next(one for one in even if one is not jet)
     ahead = fitted(boat, NOTHING, AHEAD)
     curve_table, curve_trial = trial_table(boat, [ahead, jet], AHEAD)
+    other_table, other_trial = trial_table(boat, [ahead, other], AHEAD)
     steady = other_reading()
     alike = [one for one in single if NUISANCE not in one.model.name][:3]  # it holds the others' coefficients
     circle_table, circle_trial = trial_table(boat, alike, PUBLISHED)
@@ -245,7 +247,8 @@ Two at once, of the best {PAIRED} single effects: {fitting} of {len(both)} pairs
 
 {ranking(both[:5])}
 
-The thesis does not say how it took the tactical diameter. Read as the diameter of the steady circle:
+The thesis does not say how it took the tactical diameter. Read as the diameter of the steady circle (where the
+boat file then turns too tightly at both angles): {explained(again)}
 
 {ranking(reread[:6])}
 
@@ -278,6 +281,10 @@ RTK positions, a compass and a spring balance (ours). {ENOUGH:g} standard errors
 The (1 - t) curve as it stands, or the jet's loss (known: the straight figures): {curve_trial}.
 
 {curve_table}
+
+The curve, or `{other.model.name}` (known: the straight figures): {other_trial}.
+
+{other_table}
 
 The three best single effects, but for `hull_coefficients`, which holds the others' numbers (known: all
 figures): {circle_trial}.
