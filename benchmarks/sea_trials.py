@@ -247,8 +247,8 @@ Two at once, of the best {PAIRED} single effects: {fitting} of {len(both)} pairs
 
 {ranking(both[:5])}
 
-The thesis does not say how it took the tactical diameter. Read as the diameter of the steady circle (where the
-boat file then turns too tightly at both angles): {explained(again)}
+The thesis does not say how it took the tactical diameter. Read as the diameter of the steady circle (where
+the boat file then turns too tightly at both angles): {explained(again)}
 
 {ranking(reread[:6])}
 
