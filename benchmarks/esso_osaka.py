@@ -171,8 +171,8 @@ model errs by more than the sensors do. One constant wind, beside what the anemo
 
 {wind_table(every)}
 
-The run that is farthest off is the calmest: there the wind lowers the misfit hardly at all (first column below),
-so its direction is a guess.
+The run that is farthest off is the calmest: there the wind lowers the misfit hardly at all (first column
+below), so its direction is a guess.
 
 What the motion calls for, held-out misfit minute by minute (1 is what the wind alone leaves in the fit):
 
