@@ -23,7 +23,7 @@ from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.criticism.rivals import separating_trial
 from swamp_rl.criticism.search import search
 from swamp_rl.criticism.shooting import Shooting
-from swamp_rl.effects import apply_effects, parse_effects
+from swamp_rl.effects import LIBRARY, apply_effects, parse_effects
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from swamp_rl.sensors import observe
@@ -190,6 +190,13 @@ def test_waves_are_found_by_a_scan_of_frequencies() -> None:
     values = wave_values(start)
     assert values["force"] == pytest.approx(2.0, rel=0.15)
     assert values["from"] == pytest.approx(1.0, abs=0.2)
+
+
+def test_every_effect_that_is_not_chance_or_somebody_elses_doing_is_a_candidate() -> None:
+    found = {atom.effect.name for atom in candidates(load_boat("swamp"), SECONDS)}
+    nuisance = hull_nuisance()
+    assert nuisance is not None
+    assert found | {nuisance.effect.name} == set(LIBRARY) - {"gusts", "thruster_kick"}
 
 
 def test_the_extended_boat_can_be_loaded_and_holds_the_effect(tmp_path: Any) -> None:

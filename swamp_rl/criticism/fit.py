@@ -299,10 +299,3 @@ def _moved(
         found = settle(problem.part(off), hypothesis, x, at.states[off], ROUNDS)
         states[off], base[off], residual[off] = found
     return Point(x, states, base, residual, prior_penalty(hypothesis, x))
-
-
-def linear_gain(information: Array, gradient: Array) -> float:
-    """Fall of chi2 that a Newton step promises, for summed information (p, p) and gradient (p,)."""
-    if not len(gradient):
-        return 0.0
-    return float(gradient @ inverse(information + 1e-9 * np.diag(np.diag(information))) @ gradient)
