@@ -98,7 +98,9 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
         "pair_named_alone": share([r["alone"] for r in pair]),
         "pair_in_a_small_set": share([r["small_set"] for r in pair]),
         "confounded_in_a_small_set": share([r["small_set"] for r in of.get("confounded", [])]),
-        "clean_accused": share([r["verdict"] in ("cause", "indistinguishable") for r in clean]),
+        "clean_accused": share(
+            [r["verdict"] in ("cause", "indistinguishable") and not r["right"] for r in clean]
+        ),
         "clean_said_unexplained": share([r["verdict"] == "unexplained" for r in clean]),
         "outside_admitted": share([r["verdict"] == "unexplained" for r in outside]),
         "outside_pointed_at": share([bool(r["pointed"]) for r in outside]),

@@ -116,7 +116,7 @@ def confirmations(ladder: Ladder, best: Fit, chances: int) -> dict[str, Confirma
             whole = ladder.fit(rung, best.hypothesis, best.x)
             less = without(ladder, whole, atom.label, rung)
             one = confirmation(ladder.problems[rung], whole, less, 2 * chances)
-            if atom.label not in found or one.ratio > found[atom.label].ratio:
+            if atom.label not in found or one.low > found[atom.label].low:
                 found[atom.label] = one
             if one.holds:
                 break

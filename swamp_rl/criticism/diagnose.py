@@ -118,7 +118,7 @@ def confirmed_causes(found: Search) -> list[Cause]:
     for atom, cause in zip(found.winner.hypothesis.atoms, every, strict=True):
         if atom.label in found.confirmed:
             one = found.confirmed[atom.label]
-            cause.held_out = HeldOut(gain=one.gain, ratio=one.ratio, needed=one.needed)
+            cause.held_out = HeldOut(gain=one.gain, low=one.low, level=one.level)
     return every
 
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
 
 from swamp_rl.criticism.fit import Fit, inverse
 from swamp_rl.criticism.shooting import Shooting
@@ -12,6 +11,7 @@ from swamp_rl.criticism.shooting import Shooting
 Array = NDArray[np.float64]
 
 RESAMPLES = 2000
+RARE = 50000  # resamples for a level far out in the tail
 
 
 def heldout_loss(problem: Shooting, at: Fit) -> Array:
@@ -56,36 +56,36 @@ def heldout_numbers(problem: Shooting, at: Fit) -> Array:
 class Confirmation:
     """Whether a cause lowers the loss on runs that the numbers were not fitted to.
 
-    gain: of the saturated loss; ratio: mean gain of a block over its standard error; needed: the ratio that
-    chance alone exceeds, among all that could have been picked, once in forty times.
+    gain: of the saturated loss; low: lower end of its interval at `level`, the share that the interval covers
+    once the number of candidates that could have been picked is accounted for.
     """
 
     gain: float
-    ratio: float
-    needed: float
+    low: float
+    level: float
 
     @property
     def holds(self) -> bool:
         """Whether the interval of the gain excludes zero."""
-        return self.ratio > self.needed
+        return self.low > 0.0
 
 
 def confirmation(problem: Shooting, whole: Fit, less: Fit, chances: int) -> Confirmation:
-    """Of what `whole` has more than `less`, both fitted on the same windows, which are the blocks.
+    """Of what `whole` has more than `less`, both fitted on the same windows, which are the blocks of a
+    bootstrap of the sum, at a level divided by the number of chances (Bonferroni).
 
-    So far out in the tail a bootstrap of a few dozen blocks would be told by their largest ones; Student's
-    distribution of the blocks' mean takes its place, at a level divided by the number of chances
-    (Bonferroni). The loss of a window saturates, n ln(1 + chi2 / n), or a few wild ones would hide the rest.
+    Percentiles, not Student's distribution: a cause that acts in few windows gives a skewed sum, whose spread
+    comes from the very gains that speak for it. The loss of a window saturates, n ln(1 + chi2 / n), or a few
+    wild ones would hide the rest.
     """
     seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)), 1)
     losses = [np.maximum(heldout_loss(problem, one), 0.0) for one in (less, whole)]
     gains = seen * (np.log1p(losses[0] / seen) - np.log1p(losses[1] / seen))
-    count = len(gains)
-    spread = float(gains.std(ddof=1)) / np.sqrt(count) if count > 1 else np.inf
-    ratio = float(gains.mean()) / max(spread, 1e-12)
-    return Confirmation(
-        float(gains.sum()), ratio, float(student.ppf(1.0 - 0.025 / chances, max(count - 1, 1)))
-    )
+    tail = 0.025 / chances
+    rng = np.random.default_rng(len(gains))
+    shares = np.full(len(gains), 1.0 / len(gains))
+    sums = rng.multinomial(len(gains), shares, RARE) @ gains
+    return Confirmation(float(gains.sum()), float(np.quantile(sums, tail)), 1.0 - 2.0 * tail)
 
 
 def bootstrap_interval(gains: Array, share: float, rng: np.random.Generator) -> tuple[float, float]:

@@ -25,13 +25,12 @@ class Estimate(Part):
 class HeldOut(Part):
     """What a cause saves on runs that its numbers were not fitted to, as saturated chi2.
 
-    ratio: mean of the blocks' gains over its standard error; needed: the ratio that one of all the candidates
-    exceeds by chance once in forty times.
+    low: lower end of the gain's interval, which covers `level`, once all candidates are accounted for.
     """
 
     gain: float
-    ratio: float
-    needed: float
+    low: float
+    level: float
 
 
 class Cause(Part):
