@@ -7,6 +7,8 @@ import subprocess
 import sys
 import threading
 import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from websockets.sync.client import connect
@@ -17,7 +19,8 @@ from tests.driving import aim
 RECORD = "import sys; from experiments.cli import main; sys.argv[0] = 'swamp-rl'; main()"
 
 
-def started(folder: Path) -> tuple["subprocess.Popen[str]", list[str], str]:
+@contextmanager
+def started(folder: Path) -> Iterator[tuple["subprocess.Popen[str]", list[str], str]]:
     """A recorder in a process of its own, the lines it said so far, and its address."""
     words = ["record", "--out", str(folder), "--course", "camogli", "--port", "0", "--scripted"]
     process = subprocess.Popen(
@@ -28,12 +31,17 @@ def started(folder: Path) -> tuple["subprocess.Popen[str]", list[str], str]:
     guard = threading.Timer(150.0, process.kill)
     guard.start()
     said = []
-    for line in process.stdout:
-        said.append(line)
-        if "drive at" in line:
-            break
-    guard.cancel()
-    return process, said, re.findall(r"http\S+", said[-1])[0]
+    try:
+        for line in process.stdout:
+            said.append(line)
+            if "drive at" in line:
+                break
+        guard.cancel()
+        yield process, said, re.findall(r"http\S+", said[-1])[0]
+    finally:
+        guard.cancel()
+        process.kill()
+        process.wait()
 
 
 def stopped(process: "subprocess.Popen[str]", how: signal.Signals) -> tuple[int, str]:
@@ -42,14 +50,11 @@ def stopped(process: "subprocess.Popen[str]", how: signal.Signals) -> tuple[int,
     return process.returncode, out
 
 
-def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_interrupt(tmp_path: Path) -> None:
-    folder = tmp_path / "runs"
-    process, _, address = started(folder)
-    host = address.split("/")[2]
-    assert b"<canvas" in urllib.request.urlopen(address, timeout=10).read()
+def drive_for_rows(host: str, wanted: int, then: Callable[[], object]) -> None:
+    """Drive past the first gate for so many rows, then do something while still connected."""
     rows = 0
     with connect(f"ws://{host}/socket", origin=f"http://{host}") as socket:
-        while rows < 8:
+        while rows < wanted:
             seen = json.loads(socket.recv(timeout=10))
             if seen["type"] != "frame":
                 continue
@@ -57,10 +62,18 @@ def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_inter
             rows = round(10 * seen["run_time"])
             angle = aim(*seen["pose"], seen["velocity"][2], seen["passed"])
             socket.send(json.dumps({"type": "command", "throttle": 1.0, "angle": angle}))
-        stopped(process, signal.SIGKILL)
-    process, said, _ = started(folder)
-    assert "run-0001: never finished, taken into the dataset" in said[0]
-    assert stopped(process, signal.SIGINT) == (0, f"{folder}: 0 runs\n")
+        then()
+
+
+def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_interrupt(tmp_path: Path) -> None:
+    folder = tmp_path / "runs"
+    with started(folder) as (process, _, address):
+        host = address.split("/")[2]
+        assert b"<canvas" in urllib.request.urlopen(address, timeout=10).read()
+        drive_for_rows(host, 8, lambda: stopped(process, signal.SIGKILL))
+    with started(folder) as (process, said, _):
+        assert "run-0001: never finished, taken into the dataset" in said[0]
+        assert stopped(process, signal.SIGINT) == (0, f"{folder}: 0 runs\n")
     dataset = read_dataset(folder)
     assert dataset.meta.source == "scripted"
     (run,) = dataset.runs
