@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 MOST_CHOICES = 1024  # combinations of sectors tried at most
 MET = 1e-5  # N, and N m over the farthest jet's distance, within which a force counts as achieved
 IDLE = 1e-6  # share of a jet's greatest thrust below which it rests
+AT_THE_END = 1e-5  # rad beyond the azimuth's last end that are the solver's rounding
 PAST_THE_END = 0.5  # rad beyond the azimuth's last end that are not worth turning all the way round
 WISH = Wish()
 
@@ -61,8 +62,8 @@ def allocate(
     now = np.zeros(len(jets.names)) if azimuth is None else np.asarray(azimuth, dtype=float)
     before = np.zeros((len(now), 2)) if before is None else before
     free = best(jets, [sectors_of(jets, k, now[k], math.inf) for k in range(len(now))], wanted, wish, before)
-    goal = goals(jets, free.forces, now)
     reach = jets.azimuth_rate * step
+    goal = goals(jets, free.forces, now, PAST_THE_END if math.isfinite(step) else AT_THE_END)
     found = free
     if np.any(np.abs(goal - now) > reach):
         limited = [
@@ -101,11 +102,12 @@ def distance(jets: Jets, shortfall: Array, moment: float = 1.0) -> float:
     return float(np.linalg.norm(shortfall / np.array([1.0, 1.0, jets.lever / moment])))
 
 
-def goals(jets: Jets, forces: Array, now: Array) -> Array:
+def goals(jets: Jets, forces: Array, now: Array, past_the_end: float = AT_THE_END) -> Array:
     """(K,) azimuths [rad] within each jet's range that give forces (K, 2) their directions.
 
     The one nearest to `now`, jets that rest and those that failed staying where they are. A jet that
-    reverses pushes astern where that needs less turning.
+    reverses pushes astern where that needs less turning. A direction up to `past_the_end` [rad] beyond the
+    end of the range is answered by that end.
     """
     found = now.copy()
     for k in range(len(now)):
@@ -116,16 +118,17 @@ def goals(jets: Jets, forces: Array, now: Array) -> Array:
         ways = [ahead]
         if thrust <= jets.astern_max[k]:
             ways.append(ahead + math.pi)
-        found[k] = min((_within(jets, k, way, now[k]) for way in ways), key=lambda goal: abs(goal - now[k]))
+        reached = (_within(jets, k, way, now[k], past_the_end) for way in ways)
+        found[k] = min(reached, key=lambda goal: abs(goal - now[k]))
     return found
 
 
-def _within(jets: Jets, k: int, azimuth: float, now: float) -> float:
+def _within(jets: Jets, k: int, azimuth: float, now: float, past_the_end: float) -> float:
     """The nearest azimuth to `now` equal to `azimuth` up to whole turns, inside the range of jet k."""
     low, high = float(jets.azimuth_min[k]), float(jets.azimuth_max[k])
     nearest = now + wrapped(azimuth - now)
     clipped = min(max(nearest, low), high)
-    if abs(clipped - nearest) <= PAST_THE_END:
+    if abs(clipped - nearest) <= past_the_end:
         return clipped
     turns = [nearest + turn * TURN for turn in (-2, -1, 1, 2) if low <= nearest + turn * TURN <= high]
     return min(turns, key=lambda way: abs(way - now)) if turns else clipped
