@@ -7,7 +7,7 @@ GATE = 1.0  # for each gate passed
 FAILURE = 2.0  # for touching a buoy or leaving the bounds, once
 EFFORT = 0.01  # for each second at full throttle
 TIME = 0.02  # for each second under way, so that waiting costs more than it puts off
-CHANGE = 0.0005  # for each second in which a lever moves over its unit range once a second
+CHANGE = 0.002  # for each second in which a lever moves over its unit range once a second
 
 
 @compiled

@@ -37,7 +37,7 @@ class PPOSettings(Settings):
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = SENSES
     hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
-    hold: Count = 4
+    hold: Count = 6
     "Steps of the boat for which a decision is held, in training and after."
     boats: Count = 128
     decisions: Count = 1_200_000
