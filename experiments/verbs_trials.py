@@ -11,13 +11,13 @@ Out = Annotated[Path, typer.Option(help="The folder for the runs; their figures 
 BoatName = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
 Throttle = Annotated[list[float], typer.Option(help="Share of full throttle, up to 1; may be repeated.")]
 Angle = Annotated[
-    list[float], typer.Option(help="Steering angle [deg], + first to starboard; may be repeated.")
+    list[float], typer.Option(help="Steering angle (deg), + first to starboard; may be repeated.")
 ]
 Pattern = Annotated[
     str, typer.Option(help="What azimuth thrusters do: opposed (bow +, stern -), bow alone, or parallel.")
 ]
-StartSpeed = Annotated[float | None, typer.Option(help="Speed [m/s] that the approach is to reach.")]
-Direction = Annotated[float, typer.Option(help="Course [deg] on which the trials begin.")]
+StartSpeed = Annotated[float | None, typer.Option(help="Speed (m/s) that the approach is to reach.")]
+Direction = Annotated[float, typer.Option(help="Course (deg) on which the trials begin.")]
 Seed = Annotated[int, typer.Option(min=0, help="Of the wind's gusts.")]
 
 
@@ -58,7 +58,7 @@ def turning_circle(
     throttle: Throttle,
     boat: BoatName = "swamp",
     turns: Annotated[int, typer.Option(help="Full turns.")] = 3,
-    duration: Annotated[float, typer.Option(help="Of the pull-out [s].")] = 30.0,
+    duration: Annotated[float, typer.Option(help="Of the pull-out (s).")] = 30.0,
     pattern: Pattern = "opposed",
     start_speed: StartSpeed = None,
     direction: Direction = 0.0,
@@ -77,7 +77,7 @@ def zig_zag(
     throttle: Throttle,
     heading: Annotated[
         list[float] | None,
-        typer.Option(help="Where to reverse [deg], one for each angle; the angle itself by default."),
+        typer.Option(help="Where to reverse (deg), one for each angle; the angle itself by default."),
     ] = None,
     boat: BoatName = "swamp",
     executes: Annotated[
@@ -123,7 +123,7 @@ def pull_out(
     angle: Angle,
     throttle: Throttle,
     boat: BoatName = "swamp",
-    duration: Annotated[float, typer.Option(help="Of each pull-out [s].")] = 30.0,
+    duration: Annotated[float, typer.Option(help="Of each pull-out (s).")] = 30.0,
     pattern: Pattern = "opposed",
     start_speed: StartSpeed = None,
     direction: Direction = 0.0,
@@ -155,7 +155,7 @@ def straight(
     throttle: Throttle,
     astern: Annotated[bool, typer.Option("--astern", help="Run astern instead.")] = False,
     boat: BoatName = "swamp",
-    duration: Annotated[float, typer.Option(help="Of the measured part [s].")] = 30.0,
+    duration: Annotated[float, typer.Option(help="Of the measured part (s).")] = 30.0,
     pattern: Pattern = "opposed",
     start_speed: StartSpeed = None,
     direction: Direction = 0.0,

@@ -61,6 +61,11 @@ def test_help_lists_the_verbs_and_version_is_the_packages(call: Call) -> None:
     assert call("--version") == (0, f"swamp-rl {__version__}\n", "")
 
 
+def test_help_says_the_units_of_angles(call: Call) -> None:
+    _, out, _ = call("trial", "zig-zag", "--help")
+    assert "(deg)" in out
+
+
 def test_without_a_verb_the_help_is_printed() -> None:
     called = separately()
     assert called.returncode == cli.BAD_INPUT
