@@ -9,7 +9,9 @@ from swamp_rl.pilots.arrays import Array
 from swamp_rl.runs import Run
 
 POSE = ("north", "east", "cos_heading", "sin_heading")
-NEXT_GATE = ("gate_ahead", "gate_starboard", "gate_cos", "gate_sin", "gates_passed")
+MOTION = ("surge", "sway", "yaw_rate")
+GATE = ("gate_ahead", "gate_starboard", "gate_cos", "gate_sin")
+NEXT_GATE = (*GATE, "gates_passed")
 
 
 def choose_runs(

@@ -8,23 +8,11 @@ import numpy as np
 from pydantic import Field
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
 from swamp_rl.pilots.settings import Count, Positive, Seed, Settings, Share
 
-SENSES = (
-    "north",
-    "east",
-    "cos_heading",
-    "sin_heading",
-    "surge",
-    "sway",
-    "yaw_rate",
-    "gate_ahead",
-    "gate_starboard",
-    "gate_cos",
-    "gate_sin",
-    "gates_passed",
-)
+SENSES = (*POSE, *MOTION, *NEXT_GATE)
 
 
 class PPOSettings(Settings):

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from swamp_rl.pilots.arrays import Array, wrap
+from swamp_rl.pilots.demonstrations import GATE, MOTION
 from swamp_rl.pilots.settings import NotNegative, Positive, Range, Settings, Share
 
 
@@ -61,15 +62,7 @@ class ScriptedPilot:
     """
 
     kind: ClassVar[str] = "scripted"
-    senses: tuple[str, ...] = (
-        "surge",
-        "sway",
-        "yaw_rate",
-        "gate_ahead",
-        "gate_starboard",
-        "gate_cos",
-        "gate_sin",
-    )
+    senses: tuple[str, ...] = (*MOTION, *GATE)
 
     def __init__(self, seed: int, habits: Habits | None = None, step: float = 0.1) -> None:
         """seed >= 0; step is the time between decisions [s]."""
