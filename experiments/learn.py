@@ -1,19 +1,15 @@
 """From logged runs and from trying: the dataset of an experiment, and its pilots trained and saved."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-from envs.hindsight import with_gates
+from experiments.learners import Training, in_order, learner
 from experiments.progress import Stages, Tick
 from experiments.scene import Scene
-from experiments.schema import PilotPlan, settings_kind
+from experiments.schema import PilotPlan
 from swamp_rl.errors import UserError
-from swamp_rl.pilots.cloning import fit_cloning
-from swamp_rl.pilots.demonstrations import choose_runs
 from swamp_rl.pilots.pilot import Pilot
-from swamp_rl.pilots.ppo import PPOSettings, train_ppo
 from swamp_rl.pilots.record import record_scripted
-from swamp_rl.pilots.reservoir import fit_reservoir
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.store import save_pilot
 from swamp_rl.pilots.takeover import TakeoverPilot
@@ -53,34 +49,38 @@ def record(scene: Scene, folder: Path, tick: Tick) -> None:
 
 
 def train_pilots(scene: Scene, dataset: Dataset, folder: Path, progress: Stages) -> dict[str, Pilot]:
-    """Every pilot of the experiment by name, each saved into `folder`/NAME."""
-    pilots = {}
-    for name, plan in scene.experiment.pilots.items():
+    """Every pilot of the experiment by name, in the experiment's order, each saved into `folder`/NAME."""
+    plans = scene.experiment.pilots
+    alone: dict[str, Pilot] = {}
+    pilots: dict[str, Pilot] = {}
+    for name in in_order(plans):
         with progress.stage(f"train {name}", 1.0) as tick:
-            pilot = train(scene, dataset, plan, tick)
-        if plan.takeover > 0.0:
-            first = ScriptedPilot(scene.experiment.evaluation.seed, step=scene.experiment.step)
-            pilot = TakeoverPilot(first, pilot, plan.takeover, scene.experiment.step)
-        save_pilot(pilot, folder / name)
-        pilots[name] = pilot
-    return pilots
+            alone[name] = train(scene, dataset, plans[name], tick, trained=alone)
+        pilots[name] = with_takeover(scene, plans[name], alone[name])
+        save_pilot(pilots[name], folder / name)
+    return {name: pilots[name] for name in plans}
 
 
-def train(scene: Scene, dataset: Dataset, plan: PilotPlan, tick: Tick) -> Pilot:
-    """One pilot, by itself; `tick` hears the share done, where the kind tells."""
-    settings: Any = settings_kind(plan.kind).model_validate(plan.options)
-    if plan.kind == "scripted":
-        return ScriptedPilot(settings.seed, step=scene.experiment.step)
-    if plan.kind == "ppo":
-        return _by_trying(scene, plan, settings, tick)
-    runs = [with_gates(run, scene.course) for run in choose_runs(dataset.runs, plan.runs)]
-    if plan.kind == "reservoir":
-        return fit_reservoir(runs, settings)
-    return fit_cloning(runs, settings, tick)
+def train(
+    scene: Scene,
+    dataset: Dataset,
+    plan: PilotPlan,
+    tick: Tick,
+    checkpoint: Path | None = None,
+    trained: Mapping[str, Pilot] | None = None,
+) -> Pilot:
+    """One pilot, by itself; `tick` hears the share done, where the kind tells.
+
+    trained: the pilots that it starts from, by name. checkpoint: see `Training`.
+    """
+    learns = learner(plan.kind)
+    settings = learns.settings.model_validate(plan.options)
+    return learns.train(Training(scene, plan, settings, dataset, tick, checkpoint, trained or {}))
 
 
-def _by_trying(scene: Scene, plan: PilotPlan, settings: PPOSettings, tick: Tick) -> Pilot:
-    from envs.sb3 import GatesVecEnv
-
-    boats = scene.boats_at(plan.disturbances, at_once=True)(settings.boats, settings.senses)
-    return train_ppo(GatesVecEnv(boats, settings.hold), settings, tick)
+def with_takeover(scene: Scene, plan: PilotPlan, pilot: Pilot) -> Pilot:
+    """The pilot with the scripted one driving before it, where the plan says so."""
+    if plan.takeover == 0.0:
+        return pilot
+    first = ScriptedPilot(scene.experiment.evaluation.seed, step=scene.experiment.step)
+    return TakeoverPilot(first, pilot, plan.takeover, scene.experiment.step)

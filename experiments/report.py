@@ -90,8 +90,8 @@ def _training(results: Results) -> str:
     failed = data["runs"] - data["successful"]
     return (
         "## What they learned from\n\n"
-        f"There are {data['runs']} runs, {failed} of which failed. Failed runs are kept and marked, and no "
-        "pilot learns from them.\n\n"
+        f"There are {data['runs']} runs, {failed} of which failed. Failed runs are kept and marked; a "
+        "pilot learns from them only where that is said here.\n\n"
         + "\n".join(learners)
         + "\n\n![Training tracks](figures/training_tracks.png)"
     )

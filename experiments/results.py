@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from experiments.learners import learner
 from experiments.scene import Scene
 from experiments.schema import PilotPlan, Targets
 from swamp_rl.evaluation import Interval, Table, command_change, differences, summary
@@ -44,14 +45,8 @@ def gather(scene: Scene, dataset: Dataset, tables: Tables) -> dict[str, Any]:
 
 def learned_from(plan: PilotPlan) -> str:
     """In words, what a pilot learned from; empty where it learned nothing."""
-    if plan.kind == "scripted":
-        return ""
-    if plan.kind == "ppo":
-        trained = f"{plan.options['decisions']:,} decisions of trying"
-        learned = f"{trained}, disturbed as in `{plan.disturbances}`" if plan.disturbances else trained
-    else:
-        learned = "all successful runs" if plan.runs is None else f"the first {plan.runs} successful runs"
-    if plan.takeover == 0.0:
+    learned = learner(plan.kind).told(plan)
+    if not learned or plan.takeover == 0.0:
         return learned
     return f"{learned}; the scripted pilot drives for the first {plan.takeover:g} s, then it takes over"
 

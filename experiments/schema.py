@@ -2,14 +2,16 @@
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
+from experiments.learners import LEARNERS, in_order, learner
 from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
 from swamp_rl.files import find_config, read_yaml, validated
-from swamp_rl.pilots.settings import Settings, settings_from
+from swamp_rl.pilots.settings import settings_from
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
 Seed = Annotated[int, Field(ge=0, lt=2**31)]
@@ -18,7 +20,13 @@ Rate = Annotated[float, Field(ge=0.0, le=1.0)]
 Noise = Annotated[float, Field(ge=0.0)]
 
 
-LEARN_FROM_RUNS = ("reservoir", "cloning")
+def _known_kind(kind: str) -> str:
+    if kind not in LEARNERS:
+        raise ValueError(f"{kind!r} is no kind of pilot{nearest(kind, LEARNERS)}")
+    return kind
+
+
+Kind = Annotated[str, AfterValidator(_known_kind)]
 
 
 class Part(BaseModel):
@@ -68,31 +76,29 @@ class Hidden(Part):
     logs: Logs = Logs()
 
 
-class ScriptedSettings(Settings):
-    """Of the scripted pilot: another seed, other habits and slips."""
-
-    seed: Seed = 0
-
-
 class PilotPlan(Part):
     """A pilot to be trained and evaluated.
 
-    runs: how many of the successful runs it learns from (None is all). takeover: for so long [s] the scripted
-    pilot drives before it. disturbances: the level it trains in. options: of its training, by the names that
-    its kind gives them; once loaded, every one of them.
+    runs: how many of the runs with one of `outcomes` it learns from (None is all). takeover: for so long [s]
+    the scripted pilot drives before it. disturbances: the level it trains in. options: of its training, by
+    the names that its kind gives them; once loaded, every one of them.
     """
 
-    kind: Literal["scripted", "reservoir", "cloning", "ppo"]
+    kind: Kind
     runs: Count | None = None
+    outcomes: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] = ("success",)
     takeover: Annotated[float, Field(ge=0.0)] = 0.0
     disturbances: str | None = None
     options: dict[str, Any] = {}
 
     @model_validator(mode="after")
     def _asks_for_what_its_kind_has(self) -> Self:
-        if self.runs is not None and self.kind not in LEARN_FROM_RUNS:
+        learns = learner(self.kind)
+        if self.runs is not None and not learns.from_runs:
             raise ValueError(f"runs: {self.kind} does not learn from runs; drop the key")
-        if self.disturbances is not None and self.kind != "ppo":
+        if self.outcomes != ("success",) and not learns.from_runs:
+            raise ValueError(f"outcomes: {self.kind} does not learn from runs; drop the key")
+        if self.disturbances is not None and not learns.by_trying:
             raise ValueError(f"disturbances: {self.kind} does not train among them; drop the key")
         if self.takeover > 0.0 and self.kind == "scripted":
             raise ValueError("takeover: it would take over from itself; drop the key")
@@ -167,27 +173,16 @@ def load_experiment(name_or_path: str | Path, overrides: Iterable[str] = ()) -> 
     return _with_all_options(path, validated(path, Experiment, data))
 
 
-def settings_kind(kind: str) -> type[Settings]:
-    """The settings that pilots of a kind are trained with."""
-    from swamp_rl.pilots.cloning import CloningSettings
-    from swamp_rl.pilots.ppo import PPOSettings
-    from swamp_rl.pilots.reservoir import ReservoirSettings
-
-    kinds: dict[str, type[Settings]] = {
-        "scripted": ScriptedSettings,
-        "reservoir": ReservoirSettings,
-        "cloning": CloningSettings,
-        "ppo": PPOSettings,
-    }
-    return kinds[kind]
-
-
 def _with_all_options(path: Path, experiment: Experiment) -> Experiment:
     """The experiment with every option of its pilots written out; UserError for an unknown or wrong one."""
     pilots = {}
     for name, plan in experiment.pilots.items():
-        settings = settings_from(f"{path}: pilots.{name}.options", settings_kind(plan.kind), plan.options)
+        settings = settings_from(f"{path}: pilots.{name}.options", learner(plan.kind).settings, plan.options)
         pilots[name] = plan.model_copy(update={"options": settings.model_dump(mode="json")})
+    try:
+        in_order(pilots)
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error
     return experiment.model_copy(update={"pilots": pilots})
 
 

@@ -1,7 +1,7 @@
 """What pydantic refuses, in one line: the file, the key and what is allowed there."""
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -51,9 +51,13 @@ def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[st
 
 def _suggestion(loc: tuple[int | str, ...], model: type[BaseModel] | None) -> str:
     known = sorted(_known_keys(loc[:-1], model)) if model else []
-    if not known:
-        return "; remove it or correct its name"
-    near = difflib.get_close_matches(str(loc[-1]), known, 1)
+    return nearest(str(loc[-1]), known) if known else "; remove it or correct its name"
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The end of a complaint about an unknown word: the known one most like it, and all the known ones."""
+    known = list(known)
+    near = difflib.get_close_matches(word, known, 1)
     hint = f"; did you mean {near[0]!r}?" if near else ";"
     return f"{hint} known here: {', '.join(known)}"
 
