@@ -1,29 +1,23 @@
 """The pictures of a report, drawn without a screen: east to the right, north up, axes equal."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from experiments.curves import Curve
 from swamp_rl.course import Course
+from swamp_rl.errors import UserError
+from swamp_rl.evaluation import common_steps, curve_band
+from swamp_rl.figure_style import sheet
+from swamp_rl.files import write_beside
 from swamp_rl.runs import Run
 
 GATE_COLOURS = {"green": "#2ca02c", "red": "#d62728"}
 OTHER_GATE = "#ff7f0e"
 DRIVEN, FAILED = "#1f77b4", "#b0413e"
-STYLE: Any = {
-    "font.size": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#e6e9ec",
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "legend.frameon": False,
-    "axes.titlesize": 10,
-    "figure.dpi": 130,
-}
 
 Panel = tuple[str, Sequence[Run]]
 """A title and the runs drawn beneath it."""
@@ -57,7 +51,7 @@ def draw_course(axes: Any, course: Course) -> None:
 
 def tracks(path: Path, course: Course, rows: Sequence[Sequence[Panel]], title: str) -> None:
     """PNG of a grid of charts; successful runs are drawn blue, failed ones red and dashed."""
-    with _figure(path, 3.0 * len(rows[0]), 3.2 * len(rows) + 0.9) as figure:
+    with sheet(path, 3.0 * len(rows[0]), 3.2 * len(rows) + 0.9) as figure:
         grid = figure.subplots(len(rows), len(rows[0]), squeeze=False, sharex=True, sharey=True)
         for i, row in enumerate(rows):
             for j, (label, runs) in enumerate(row):
@@ -77,7 +71,7 @@ def commands(path: Path, runs: Mapping[str, Run], title: str) -> None:
     """PNG of the levers over time: one row for each pilot, throttle to the left, angle to the right."""
     arrived = [run for run in runs.values() if run.meta.outcome == "success"]
     end = max(run.duration for run in arrived or runs.values())
-    with _figure(path, 9.0, 1.45 * len(runs) + 1.0) as figure:
+    with sheet(path, 9.0, 1.45 * len(runs) + 1.0) as figure:
         grid = figure.subplots(len(runs), 2, squeeze=False, sharex=True)
         for i, (name, run) in enumerate(runs.items()):
             colour = "#555555" if i == 0 else DRIVEN
@@ -106,7 +100,7 @@ def success_rates(
     targets: the rates that were to be reached, likewise, where there are any.
     """
     levels = list(next(iter(rates.values())))
-    with _figure(path, 8.0, 3.4) as figure:
+    with sheet(path, 8.0, 3.4) as figure:
         axes = figure.subplots()
         for i, (pilot, by_level) in enumerate(rates.items()):
             shift = (i - (len(rates) - 1) / 2) * 0.12
@@ -124,6 +118,32 @@ def success_rates(
         axes.set_xticklabels(levels)
         axes.grid(axis="x", visible=False)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        figure.suptitle(title, fontsize=11, fontweight="bold")
+
+
+def learning_curves(
+    path: Path, curves: Mapping[str, Sequence[Curve]], title: str, seed: int = 0, unit: str = "decisions"
+) -> None:
+    """PNG of success against steps: for each name the interquartile mean over its seeds, and its 95 % band.
+
+    Each seed's own curve is drawn thinly behind. seed: of the bootstrap. UserError where the curves of a
+    name have no range of steps in common.
+    """
+    rng = np.random.default_rng(seed)
+    with write_beside(path) as part, sheet(part, 6.4, 3.6) as figure:
+        axes = figure.subplots()
+        for name, logged in curves.items():
+            try:
+                steps, values = common_steps(logged)
+            except ValueError as error:
+                raise UserError(f"{name}: {error}; log every seed over the same steps") from error
+            centre, low, high = curve_band(100.0 * values, rng)
+            label = f"{name}, {len(values)} seed{'s' * (len(values) > 1)}"
+            (line,) = axes.plot(steps, centre, lw=1.8, label=label, zorder=3)
+            axes.fill_between(steps, low, high, color=line.get_color(), alpha=0.22, lw=0, zorder=2)
+            axes.plot(steps, 100.0 * values.T, color=line.get_color(), lw=0.5, alpha=0.35, zorder=1)
+        axes.set(xlabel=unit, ylabel="success [%]", ylim=(-2, 102))
+        axes.legend(loc="lower right")
         figure.suptitle(title, fontsize=11, fontweight="bold")
 
 
@@ -155,18 +175,3 @@ def _track_legend(figure: Any) -> None:
         loc="outside lower center",
         ncols=3,
     )
-
-
-@contextmanager
-def _figure(path: Path, width: float, height: float) -> Iterator[Any]:
-    """A new figure [inches], saved as PNG at the end of the block."""
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.layout_engine import ConstrainedLayoutEngine
-
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.06))
-        FigureCanvasAgg(figure)
-        yield figure
-        figure.savefig(path)

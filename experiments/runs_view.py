@@ -7,9 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from rich.table import Table
 
-from experiments.figures import DRIVEN, FAILED, STYLE, draw_course
+from experiments.figures import DRIVEN, FAILED, draw_course
 from swamp_rl.course import load_course
 from swamp_rl.errors import UserError
+from swamp_rl.figure_style import STYLE
 from swamp_rl.files import write_beside
 from swamp_rl.runs import Dataset, Run
 

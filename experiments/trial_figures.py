@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib import colormaps, rc_context
 from matplotlib.figure import Figure as Canvas
 
-from experiments.figures import STYLE
+from swamp_rl.figure_style import STYLE
 from swamp_rl.files import write_beside
 from swamp_rl.manoeuvres.analysis.figure import Result
 

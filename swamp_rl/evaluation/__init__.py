@@ -2,7 +2,14 @@
 
 from swamp_rl.evaluation.episodes import COSTS, Table, differences, episode_table, summary, write_episodes
 from swamp_rl.evaluation.metrics import command_change, jet_power, path_length
+from swamp_rl.evaluation.permutation import holm, sign_flip_test
 from swamp_rl.evaluation.rollout import MakeBoats, Rollout, drive
+from swamp_rl.evaluation.seeds import (
+    common_steps,
+    curve_band,
+    interquartile_mean,
+    probability_of_improvement,
+)
 from swamp_rl.evaluation.statistics import Interval, paired_difference, wilson
 
 __all__ = [
@@ -12,12 +19,18 @@ __all__ = [
     "Rollout",
     "Table",
     "command_change",
+    "common_steps",
+    "curve_band",
     "differences",
     "drive",
     "episode_table",
+    "holm",
+    "interquartile_mean",
     "jet_power",
     "paired_difference",
     "path_length",
+    "probability_of_improvement",
+    "sign_flip_test",
     "summary",
     "wilson",
     "write_episodes",

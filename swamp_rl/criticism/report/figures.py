@@ -15,6 +15,7 @@ from swamp_rl.criticism.gain import QUANTITIES, errors_at, restarted
 from swamp_rl.criticism.leftover import Forces, missing_forces
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.criticism.shooting import SETTLING
+from swamp_rl.figure_style import sheet
 
 if TYPE_CHECKING:
     from swamp_rl.criticism.diagnose import Finding
@@ -34,17 +35,6 @@ SHOWN = {
     "surge_rmse_m_s": ("surge", "m/s", 1.0, "surge"),
     "sway_rmse_m_s": ("sway", "m/s", 1.0, "sway"),
     "yaw_rate_rmse_rad_s": ("yaw rate", "degrees/s", DEGREES, "yaw_rate"),
-}
-STYLE: Any = {
-    "font.size": 9.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#e6e9ec",
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "axes.titlesize": 10,
-    "legend.frameon": False,
 }
 
 
@@ -75,16 +65,8 @@ class Misfit:
 
 def draw(path: Path, misfit: Misfit, picture: Callable[[Any, Misfit], None]) -> Path:
     """Save a picture as PNG; returns `path`."""
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.layout_engine import ConstrainedLayoutEngine
-
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(10.5, 6.0), layout=ConstrainedLayoutEngine(h_pad=0.05, w_pad=0.05))
-        FigureCanvasAgg(figure)
+    with sheet(path, 10.5, 6.0) as figure:
         picture(figure, misfit)
-        figure.savefig(path, dpi=120)
     return path
 
 

@@ -1,0 +1,40 @@
+"""Learning curves as trainings log them: one JSON line for each point."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.errors import UserError
+
+Array = NDArray[np.float64]
+Curve = tuple[Array, Array]
+"""Steps (T,), rising, and success in [0, 1] (T,)."""
+
+
+def read_curve(path: Path | str) -> Curve:
+    """The curve of a file of JSON lines with the keys `step` and `success`; other keys are let be.
+
+    UserError with file and line for the first that is malformed, or does not lie behind the one before it.
+    """
+    points: list[tuple[float, float]] = []
+    try:
+        lines = Path(path).read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{path}: cannot be read as text ({error}); name a curve's .jsonl file") from error
+    for number, line in enumerate(lines, 1):
+        try:
+            point = json.loads(line)
+            step, success = float(point["step"]), float(point["success"])
+        except (ValueError, KeyError, TypeError) as error:
+            raise UserError(f"{path}: line {number}: must hold the numbers step and success") from error
+        if not 0.0 <= success <= 1.0:
+            raise UserError(f"{path}: line {number}: success is {success:g}; it must be within 0 and 1")
+        if points and not step > points[-1][0]:
+            raise UserError(f"{path}: line {number}: step {step:g} does not follow {points[-1][0]:g}")
+        points.append((step, success))
+    if not points:
+        raise UserError(f"{path}: holds no point; log at least one")
+    steps, values = np.array(points).T
+    return steps, values

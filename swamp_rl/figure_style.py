@@ -1,0 +1,34 @@
+"""How every chart of the project looks, and a sheet to draw one on without a screen."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+STYLE: Any = {
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e6e9ec",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "axes.titlesize": 10,
+    "figure.dpi": 130,
+}
+
+
+@contextmanager
+def sheet(path: Path, width: float, height: float) -> Iterator[Any]:
+    """A new figure [inches], saved as PNG at the end of the block; imports matplotlib only here."""
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.06))
+        FigureCanvasAgg(figure)
+        yield figure
+        figure.savefig(path)
