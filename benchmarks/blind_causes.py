@@ -1,9 +1,12 @@
 """Hide causes in simulated runs, have them diagnosed by a process that sees the files alone, keep the score.
 
     python -m benchmarks.blind_causes --cases 200 --level A --workers 2 --out blind
+    python -m benchmarks.blind_causes --score-only blind --into docs/criticism.md
 
-Each case is drawn from its own seed and stored, so a run that was stopped goes on where it was. Writes
-blind_causes.json, blind_causes.md and two figures into the output folder.
+Each case is drawn from its own seed and stored, so a run that was stopped goes on where it was, and what is
+done can be scored at any time. Writes blind_causes.json, blind_causes.md and two figures into the output
+folder, or into a document and beside it. Levels A to D are the four that have bars; P is A with faults down
+to nothing, for the power of detection; X is other boats, manoeuvres, rates and noise.
 """
 
 import argparse
@@ -23,43 +26,35 @@ from typing import Any, cast
 
 import numpy as np
 
-from benchmarks.blind_score import figures, judged, markdown, summary
+from benchmarks.blind_cases import SEEDS, every_score, scored, write_numbered
+from benchmarks.blind_document import document, pictures
 from benchmarks.update_readme import between_marks
-from tests.hidden_effects import EFFECTS, LEVELS, NOT_IN_GATE_RUNS, draw_case, write_case
+from tests.hidden_effects import LEVELS
 
-# Reads folders of data and of answers, one pair a line; sees nothing else, and says done or what went wrong.
+# Reads folders of data and of answers and a boat's name, three a line; sees nothing else, and says done or
+# what went wrong.
 DIAGNOSE = """
-import sys, time, numpy
+import sys, time, traceback, numpy
 from pathlib import Path
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data import read_trials
 from swamp_rl.criticism.diagnose import examine
+from swamp_rl.criticism.consistency import refuse_inconsistent
 for line in sys.stdin:
-    data, answer = map(Path, line.rstrip().split(chr(9)))
+    data, answer, boat = line.rstrip().split(chr(9))
     begun = time.process_time()
     try:
-        found = examine(read_trials(data, load_boat("swamp")), None, numpy.random.default_rng(0)).diagnosis
-        answer.mkdir(parents=True, exist_ok=True)
-        (answer / "diagnosis.json").write_text(found.model_dump_json())
+        trials = read_trials(Path(data), load_boat(boat))
+        refuse_inconsistent(trials, data)
+        found = examine(trials, None, numpy.random.default_rng(0)).diagnosis
+        Path(answer).mkdir(parents=True, exist_ok=True)
+        (Path(answer) / "diagnosis.json").write_text(found.model_dump_json())
         told = "done"
     except Exception as fault:
-        told = repr(fault).replace(chr(10), " ")
+        place = traceback.extract_tb(fault.__traceback__)[-1]
+        told = f"{fault!r} in {place.name}".replace(chr(10), " ")
     print(time.process_time() - begun, told, sep=chr(9), flush=True)
 """
-# of a hundred cases: the library's effects in turn, and what else there is
-KINDS = ("single",) * 10 + ("pair",) * 4 + ("clean",) * 3 + ("outside",) * 2 + ("confounded",)
-
-
-def kind_of(number: int, level: str) -> str:
-    """Kinds in a fixed turn, so that any number of cases has its share of each."""
-    kind = KINDS[(7 * number) % len(KINDS)]
-    return "single" if kind == "confounded" and level == "C" else kind
-
-
-def effect_of(number: int, level: str) -> tuple[str, ...]:
-    """The library's effects in turn for the single ones."""
-    names = [name for name in EFFECTS if level != "C" or name not in NOT_IN_GATE_RUNS]
-    return (names[(11 * number) % len(names)],)
 
 
 class Diagnoser:
@@ -75,10 +70,10 @@ class Diagnoser:
             env=limited,
         )
 
-    def diagnose(self, data: Path, answer: Path) -> tuple[float, str]:
+    def diagnose(self, data: Path, answer: Path, boat: str) -> tuple[float, str]:
         """Processor's time [s] taken, and what went wrong, if anything."""
         assert self.process.stdin is not None and self.process.stdout is not None
-        print(data.resolve(), answer.resolve(), sep="\t", file=self.process.stdin, flush=True)
+        print(data.resolve(), answer.resolve(), boat, sep="\t", file=self.process.stdin, flush=True)
         seconds, told = self.process.stdout.readline().rstrip("\n").split("\t")
         return float(seconds), "" if told == "done" else told
 
@@ -98,62 +93,68 @@ def run_case(number: int, level: str, out: Path) -> dict[str, Any]:
     """Write one case, have it diagnosed by a process of its own, and judge the answer; kept in a file."""
     name = f"{level}{number:04d}"
     kept = out / "judged" / f"{name}.json"
-    if kept.exists():
-        return dict(json.loads(kept.read_text()))
-    data, answer, truth = out / "data" / name, out / "answers" / name, out / "truth" / f"{name}.json"
-    if not truth.exists():
-        rng = np.random.default_rng([LEVELS.index(level), number])
-        kind = kind_of(number, level)
-        case = draw_case(rng, level, kind, effect_of(number, level) if kind == "single" else ())
-        shutil.rmtree(data, ignore_errors=True)
-        write_case(case, rng, data, truth, velocities=number % 4 != 3)
-    seconds, told = worker().diagnose(data, answer)
-    found = None if told else json.loads((answer / "diagnosis.json").read_text())
-    result = {"case": name} | judged(json.loads(truth.read_text()), found)
-    result |= {"error": told, "processor_s": seconds}
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    kept.write_text(json.dumps(result))
-    return result
+    if not kept.exists():
+        data, truth = out / "data" / name, out / "truth" / f"{name}.json"
+        if not truth.exists():
+            shutil.rmtree(data, ignore_errors=True)
+            write_numbered(number, level, data, truth)
+        boat = json.loads(truth.read_text()).get("boat", "swamp")
+        seconds, told = worker().diagnose(data, out / "answers" / name, boat)
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        kept.write_text(json.dumps({"case": name, "error": told, "processor_s": seconds}))
+    return scored(out, name)
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the cases of the levels asked for and write the score."""
+def asked_for() -> argparse.ArgumentParser:
+    """What the command takes."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--cases", type=int, default=200, help="for each level")
     parser.add_argument("--first", type=int, default=0, help="number of the first one")
     parser.add_argument("--minutes", type=float, default=np.inf, help="after which no case is begun")
-    parser.add_argument("--level", choices=(*LEVELS, "all"), default="all")
+    parser.add_argument("--level", choices=(*SEEDS, "all"), default="all", help="all: A to D")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path("blind_causes"))
-    parser.add_argument("--into", type=Path, help="a document whose table is written anew")
-    asked = parser.parse_args(arguments)
-    levels = LEVELS if asked.level == "all" else (asked.level,)
-    numbers = range(asked.first, asked.first + asked.cases)
-    work = [(number, level) for number in numbers for level in levels]
+    parser.add_argument(
+        "--score-only", type=Path, nargs="+", metavar="FOLDER", help="diagnose nothing, score what these hold"
+    )
+    parser.add_argument("--into", type=Path, help="a document that the score is written into")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the cases of the levels asked for, and write the score of all that the folder holds."""
+    asked = asked_for().parse_args(arguments)
+    folders = asked.score_only or [asked.out]
+    if not asked.score_only:
+        levels = LEVELS if asked.level == "all" else (asked.level,)
+        numbers = range(asked.first, asked.first + asked.cases)
+        diagnose_all([(number, level) for number in numbers for level in levels], asked)
+    results = [r for folder in folders for r in every_score(folder)]
+    if not results:
+        raise SystemExit(f"{', '.join(map(str, folders))}: no judged case; run some without --score-only")
+    text, place = document(results), asked.into.parent if asked.into else folders[0]
+    (folders[0] / "blind_causes.json").write_text(json.dumps(results, indent=1))
+    (folders[0] / "blind_causes.md").write_text(text)
+    pictures(results, place)
+    if asked.into:
+        whole = asked.into.read_text(encoding="utf-8")
+        asked.into.write_text(between_marks(whole, "blind causes", text + "\n"), encoding="utf-8")
+    print(text)
+    print(Counter(result["verdict"] for result in results))
+
+
+def diagnose_all(work: Sequence[tuple[int, str]], asked: argparse.Namespace) -> None:
+    """Run cases side by side, as long as there is time."""
     until = time.monotonic() + 60.0 * asked.minutes
 
-    def one(number: int, level: str) -> dict[str, Any] | None:
+    def one(numbered: tuple[int, str]) -> dict[str, Any] | None:
         """A case, if there is time."""
-        return run_case(number, level, asked.out) if time.monotonic() < until else None
+        return run_case(*numbered, asked.out) if time.monotonic() < until else None
 
-    results = []
     with ThreadPoolExecutor(asked.workers) as pool:
-        for result in pool.map(lambda numbered: one(*numbered), work):
-            if result is None:
-                continue
-            results.append(result)
+        for result in filter(None, pool.map(one, work)):
             said = (result["case"], result["kind"], result["truth"], result["verdict"], result["named"])
             print(*said, "right" if result["right"] else "WRONG", flush=True)
-    scores = {level: summary([r for r in results if r["level"] == level]) for level in levels}
-    written = {"scores": scores, "cases": results}
-    (asked.out / "blind_causes.json").write_text(json.dumps(written, indent=1))
-    (asked.out / "blind_causes.md").write_text(markdown(scores))
-    figures(results, asked.out)
-    if asked.into:
-        text = asked.into.read_text(encoding="utf-8")
-        asked.into.write_text(between_marks(text, "blind causes", markdown(scores)), encoding="utf-8")
-    print(markdown(scores))
-    print(Counter(result["verdict"] for result in results))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 """The score of blind diagnoses: who was named, who was accused wrongly, and whether the intervals hold."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +8,7 @@ import numpy as np
 Judged = Mapping[str, Any]
 Z95 = 1.959964
 AT_MOST = 3  # explanations in a set that still counts as an answer
+WITHIN = 1.5  # of the Cramér-Rao bound
 
 
 def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
@@ -21,12 +21,10 @@ def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
         sorted(names_in(label)) for group in (found or {}).get("indistinguishable", []) for label in group
     ]
     alone = verdict == "cause" and named == true
-    small = verdict == "indistinguishable" and true in sets and len(sets) <= AT_MOST
-    expected = {"clean": "nothing_wrong", "outside": "unexplained"}.get(truth["kind"])
-    right = verdict == expected if expected else alone or small
-    if truth["kind"] == "clean" and truth["hull"]:  # nothing but its hull's derivatives
-        right = right or (verdict == "cause" and named == ["hull_coefficients"])
-    pointed = pointed_at(truth, found) if truth["kind"] == "outside" and found else None
+    among = verdict == "indistinguishable" and true in sets
+    small = among and len(sets) <= AT_MOST
+    right = rightly(truth, verdict, named, alone or small)
+    outside = truth["kind"] == "outside" and found
     return {
         "level": truth["level"],
         "kind": truth["kind"],
@@ -37,11 +35,25 @@ def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
         "rivals": [" + ".join(one) for one in sets],
         "alone": alone,
         "small_set": alone or small,
+        "in_a_set": among,
+        "trial": bool((found or {}).get("separating_trial")),
         "right": right,
-        "pointed": pointed,
-        "intervals": intervals(truth, causes) if alone else [],
+        "place": same_places(truth, causes) if alone else None,
+        "pointed": pointed_at(truth, found, 4) if outside and found else None,
+        "pointed_first": pointed_at(truth, found, 1) if outside and found else None,
+        "estimates": estimates(truth, causes) if alone else [],
         "elapsed_s": found["elapsed_s"] if found else None,
     }
+
+
+def rightly(truth: Judged, verdict: str, named: Sequence[str], effects: bool) -> bool:
+    """Whether the verdict is the right one; `effects`: whether the true effects were named."""
+    if truth["kind"] == "outside":
+        return verdict == "unexplained"
+    if truth["kind"] == "clean":  # where it is off, nothing but its hull's derivatives
+        hull = bool(truth["hull"]) and verdict == "cause" and named == ["hull_coefficients"]
+        return verdict == "nothing_wrong" or hull
+    return effects
 
 
 def names_in(label: str) -> list[str]:
@@ -49,28 +61,41 @@ def names_in(label: str) -> list[str]:
     return [part.split()[0] for part in label.split(" + ") if part != "nothing"]
 
 
-def pointed_at(truth: Judged, found: Judged) -> bool:
-    """Whether a residual force is said to go with the right variable."""
+def same_places(truth: Judged, causes: Sequence[Judged]) -> bool | None:
+    """Whether every thruster is the right one; None where the effects have none."""
+    chosen = {e["effect"]: e["thruster"] for e in truth["effects"] if "thruster" in e}
+    said = {c["effect"]: c["thruster"] for c in causes if c["effect"] in chosen}
+    if not chosen:
+        return None
+    return all(sorted(said[name]) == sorted(place) for name, place in chosen.items())
+
+
+def pointed_at(truth: Judged, found: Judged, first: int) -> bool:
+    """Whether one of the first so many residual forces is said to go with the right variable."""
     wanted = truth["outside"]["variables"]
-    variables = [str(left["variable"]) for left in found.get("leftover", [])]
-    return any(variable in wanted or variable.split()[0] in wanted for variable in variables)
+    variables = [str(left["variable"]).replace(" ", "_") for left in found.get("leftover", [])[:first]]
+    return any(variable in wanted or variable.split("_")[0] in wanted for variable in variables)
 
 
-def intervals(truth: Judged, causes: Sequence[Judged]) -> list[float]:
-    """(estimate - truth) / standard error of every number of the causes named rightly."""
-    away = []
+def estimates(truth: Judged, causes: Sequence[Judged]) -> list[dict[str, Any]]:
+    """Every number of the causes named rightly: what was said, its standard error, and how many of these it
+    is away from the truth.
+    """
+    found = []
     for effect in truth["effects"]:
         for cause in causes:
             if cause["effect"] != effect["effect"]:
                 continue
             for name, number in cause["parameters"].items():
-                if name not in effect or number["standard_error"] <= 0:
+                error = number["standard_error"]
+                if name not in effect or error <= 0:
                     continue
                 difference = number["value"] - effect[name]
                 if number["unit"] == "rad":
                     difference = (difference + np.pi) % (2 * np.pi) - np.pi
-                away.append(float(difference / number["standard_error"]))
-    return away
+                one = {"effect": effect["effect"], "parameter": name, "value": number["value"]}
+                found.append(one | {"standard_error": error, "away": float(difference / error)})
+    return found
 
 
 def share(flags: Sequence[bool]) -> dict[str, float] | None:
@@ -88,7 +113,10 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
     """Rates of one level; None where no case tells."""
     of = {kind: [r for r in results if r["kind"] == kind] for kind in {r["kind"] for r in results}}
     single, pair, clean, outside = (of.get(k, []) for k in ("single", "pair", "clean", "outside"))
-    away = [z for r in results for z in r["intervals"]]
+    confounded = of.get("confounded", [])
+    undecided = [r for r in confounded if r["in_a_set"]]
+    numbers = [number for r in results for number in r["estimates"]]
+    ratios = [n["standard_error"] / n["bound"] for n in numbers if n.get("bound")]
     busy = [r["processor_s"] for r in results if r.get("processor_s") is not None]
     times = [r["elapsed_s"] for r in results if r["elapsed_s"] is not None]
     return {
@@ -97,15 +125,17 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
         "single_in_a_small_set": share([r["small_set"] for r in single]),
         "pair_named_alone": share([r["alone"] for r in pair]),
         "pair_in_a_small_set": share([r["small_set"] for r in pair]),
-        "confounded_in_a_small_set": share([r["small_set"] for r in of.get("confounded", [])]),
-        "clean_accused": share(
-            [r["verdict"] in ("cause", "indistinguishable") and not r["right"] for r in clean]
-        ),
+        "thruster_right_where_named": share([r["place"] for r in results if r["place"] is not None]),
+        "clean_accused": share([accused(r) for r in clean]),
         "clean_said_unexplained": share([r["verdict"] == "unexplained" for r in clean]),
         "outside_admitted": share([r["verdict"] == "unexplained" for r in outside]),
         "outside_pointed_at": share([bool(r["pointed"]) for r in outside]),
-        "interval_coverage": share([abs(z) <= Z95 for z in away]),
-        "intervals": len(away),
+        "outside_pointed_at_first": share([bool(r["pointed_first"]) for r in outside]),
+        "confounded_set_with_the_truth": share([r["in_a_set"] for r in confounded]),
+        "confounded_trial_named": share([r["trial"] for r in undecided]),
+        "interval_coverage": share([abs(n["away"]) <= Z95 for n in numbers]),
+        "error_over_bound_median": float(np.median(ratios)) if ratios else None,
+        "error_within_1.5_of_bound": share([ratio <= WITHIN for ratio in ratios]),
         "failed": sum(r["verdict"] == "failed" for r in results),
         "processor_s_median": float(np.median(busy)) if busy else None,
         "processor_s_longest": max(busy, default=None),
@@ -113,57 +143,6 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
     }
 
 
-def markdown(scores: Mapping[str, Mapping[str, Any]]) -> str:
-    """Scores as a table, a column for each level."""
-    rows = list(next(iter(scores.values())))
-
-    def cell(value: Any) -> str:
-        if isinstance(value, dict):
-            return f"{value['rate']:.3f} ({value['low']:.2f} to {value['high']:.2f}; {value['of']:.0f})"
-        return "-" if value is None else f"{value:.3g}"
-
-    lines = ["| | " + " | ".join(scores) + " |", "|---" * (len(scores) + 1) + "|"]
-    lines += [
-        f"| {row.replace('_', ' ')} | " + " | ".join(cell(s[row]) for s in scores.values()) + " |"
-        for row in rows
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def figures(results: Sequence[Judged], out: Path) -> None:
-    """Confusion matrix of the single effects, and the share found against the size of the effect."""
-    from matplotlib.figure import Figure
-
-    single = [r for r in results if r["kind"] in ("single", "clean")]
-    rows = sorted({r["truth"] for r in single})
-    said = {
-        id(r): r["named"] if r["verdict"] in ("cause", "indistinguishable") else r["verdict"] for r in single
-    }
-    columns = sorted(set(rows) | set(said.values()))
-    counts = np.zeros((len(rows), len(columns)))
-    for r in single:
-        counts[rows.index(r["truth"]), columns.index(said[id(r)])] += 1
-    figure = Figure(figsize=(2 + 0.3 * len(columns), 2 + 0.3 * len(rows)), layout="constrained")
-    axes = figure.subplots()
-    axes.imshow(counts / np.maximum(counts.sum(axis=1, keepdims=True), 1), cmap="Blues", vmin=0, vmax=1)
-    axes.set_xticks(range(len(columns)), columns, rotation=90)
-    axes.set_yticks(range(len(rows)), rows)
-    axes.set_xlabel("said")
-    axes.set_ylabel("hidden")
-    figure.savefig(out / "confusion.png", dpi=120)
-
-    figure = Figure(figsize=(6, 4), layout="constrained")
-    axes = figure.subplots()
-    for level in sorted({r["level"] for r in results}):
-        single = [r for r in results if r["level"] == level and r["kind"] == "single"]
-        bins = np.clip(np.digitize([r["size"] for r in single], [0.75, 1.0, 1.25]), 0, 3)
-        shares = [
-            share([r["small_set"] for r, b in zip(single, bins, strict=True) if b == i]) for i in range(4)
-        ]
-        known = [(0.625 + 0.25 * i, one["rate"]) for i, one in enumerate(shares) if one is not None]
-        axes.plot(*zip(*known, strict=True), "o-", label=level) if known else None
-    axes.set_ylim(0, 1.05)
-    axes.set_xlabel("size of the effect, against a typical one")
-    axes.set_ylabel("named, alone or among three")
-    axes.legend()
-    figure.savefig(out / "power.png", dpi=120)
+def accused(result: Judged) -> bool:
+    """Whether a boat of which nothing is wrong was said to have a fault."""
+    return result["verdict"] in ("cause", "indistinguishable") and not result["right"]

@@ -41,7 +41,7 @@ def simulate_windows(commands: Path, out: Path, boat: str, seconds: float) -> No
     from swamp_rl.runs import read_run, write_run
     from swamp_rl.simulator.restarts import replay_restarted
 
-    found = replay_restarted(load_boat(boat), read_run(commands), seconds)
+    found = replay_restarted(load_boat(boat), read_run(commands, lost_rows=True), seconds)
     write_run(out, found.run)
     position, heading = np.sqrt(np.mean(found.miss**2, axis=0))
     typer.echo(

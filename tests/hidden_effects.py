@@ -26,14 +26,19 @@ from swamp_rl.simulator.state import EAST, HEADING, NORTH
 from tests.manoeuvres import RICH, Array, Driver, gate_run, straight
 
 DT = 0.1
+SUBSTEP = 0.05  # s
 HULL = ("x_vr", "y_v", "y_r", "n_v", "n_r")
+HULL_SPREAD = 0.1  # standard deviation of their scales at level D
 LEVELS = ("A", "B", "C", "D")
+POWER = "P"  # as A, single effects of any size down to nothing
+SMALL = (3e-4, 0.1)  # sizes of its effects
 KINDS = ("single", "pair", "clean", "outside", "confounded")
 DEGREE = math.pi / 180
 # standard deviations of north, east [m], heading [rad], surge, sway [m/s], yaw rate [rad/s]
 RTK = np.array([0.05, 0.05, 0.5 * DEGREE, 0.03, 0.03, 0.3 * DEGREE])
 PLAIN = np.array([0.5, 0.5, 1.0 * DEGREE, np.inf, np.inf, 0.6 * DEGREE])
 DROPPED = 0.02  # share of the rows that are lost
+STEADY = 60.0  # s of straight running before a confounded case is recorded, so that it no longer gathers way
 
 Rng = np.random.Generator
 Hook = Callable[[NDArray[Any], Array, Array], None]
@@ -138,8 +143,9 @@ def draw_case(
     rng: Rng, level: str, kind: str, names: tuple[str, ...] = (), size: float | None = None
 ) -> Case:
     """A case at random. names: the effects, else drawn; size: against a typical one, else 0.5 to 1.5."""
-    size = float(rng.uniform(0.5, 1.5)) if size is None else size
-    hull = {name: float(rng.normal(1.0, 0.1)) for name in HULL} if level == "D" else {}
+    if size is None:
+        size = float(np.exp(rng.uniform(*np.log(SMALL))) if level == POWER else rng.uniform(0.5, 1.5))
+    hull = {name: float(rng.normal(1.0, HULL_SPREAD)) for name in HULL} if level == "D" else {}
     if kind == "outside":
         possible = [name for name in OUTSIDE if level != "C" or name not in NOT_IN_GATE_RUNS]
         return Case(level, kind, [], size, OUTSIDE[str(rng.choice(possible))](rng, size, level), hull)
@@ -219,27 +225,60 @@ def hook_of(outside: Mapping[str, Any] | None, boat: Boat) -> Hook:
     return stall
 
 
+@dataclass(frozen=True)
+class Voyage:
+    """A run as it truly was, T + 1 rows of `DT` or another step.
+
+    track: (T + 1, S) states; commands: (T + 1, 2K) as asked; record: (1,) of the true boat.
+    """
+
+    track: Array
+    commands: Array
+    record: NDArray[Any]
+
+
 def sail(
-    boat: Boat, case: Case, driver: Driver, start: Array, steps: int
-) -> tuple[Array, Array, NDArray[Any]]:
-    """Track (steps + 1, S), commands (steps + 1, 2K) as asked, and the record (1,) of the true boat."""
+    boat: Boat, case: Case, driver: Driver, start: Array, steps: int, before: int = 0, tick: float = DT
+) -> Voyage:
+    """A run from a start at rest: north, east [m], heading [rad]; before: steps that are not recorded;
+    tick [s]: of one step.
+    """
+    params = true_record(boat, case)
+    true, hook = params.copy(), hook_of(case.outside, boat)
+    state = initial_state(params, start[None])
+    every = before + steps
+    asked, arrived = np.zeros((every + 1, 2 * len(boat.thrusters))), np.zeros(2 * len(boat.thrusters))
+    track = np.zeros((every + 1, state.shape[1]))
+    track[0] = state[0]
+    for row in range(every):
+        asked[row] = driver(row * tick, state[0])
+        delayed_command(asked, row, float(params["command_delay"][0]) / tick, arrived)
+        hook(params, state[0], arrived)
+        step(state, params, tank(boat), arrived[None], np.zeros(1, np.uint64), tick, round(tick / SUBSTEP))
+        track[row + 1] = state[0]
+    asked[-1] = asked[-2]
+    return Voyage(track[before:], asked[before:], true)
+
+
+def true_record(boat: Boat, case: Case) -> NDArray[Any]:
+    """(1,) parameter record of the boat with what is wrong with it."""
     params = parameters(boat)
     apply_effects(params, parse_effects(case.effects, "truth", boat.thruster_names), boat.thruster_names)
     for name, value in case.hull.items():
         params[name] *= value
-    true, hook = params.copy(), hook_of(case.outside, boat)
-    state = initial_state(params, start[None])
-    asked, arrived = np.zeros((steps + 1, 2 * len(boat.thrusters))), np.zeros(2 * len(boat.thrusters))
-    track = np.zeros((steps + 1, state.shape[1]))
-    track[0] = state[0]
-    for tick in range(steps):
-        asked[tick] = driver(tick * DT, state[0])
-        delayed_command(asked, tick, float(params["command_delay"][0]) / DT, arrived)
-        hook(params, state[0], arrived)
-        step(state, params, tank(boat), arrived[None], np.zeros(1, np.uint64), DT, 2)
-        track[tick + 1] = state[0]
-    asked[-1] = asked[-2]
-    return track, asked, true
+    return params
+
+
+def voyages(case: Case, rng: Rng, runs: int = 5, seconds: float = 80.0) -> list[Voyage]:
+    """The runs of a case as they truly were."""
+    boat, steps = load_boat("swamp"), round(seconds / DT)
+    before = round(STEADY / DT) if case.kind == "confounded" else 0
+    return [sail(boat, case, driver, start, steps, before) for driver, start in drivers(case, rng, runs)]
+
+
+def deviations(level: str) -> Array:
+    """(6,) standard deviations of the noise, infinite where a channel is not measured."""
+    return PLAIN if level == "B" else RTK
 
 
 def drivers(case: Case, rng: Rng, runs: int) -> list[tuple[Driver, Array]]:
@@ -263,17 +302,12 @@ def write_case(
     velocities: bool = True,
 ) -> None:
     """Sail the case and write its runs into the folder `data` and what is wrong into the file `truth`."""
-    boat = load_boat("swamp")
-    noise = PLAIN if case.level == "B" else RTK
+    boat, noise = load_boat("swamp"), deviations(case.level)
     data.mkdir(parents=True)
     listed = []
-    for number, (driver, start) in enumerate(drivers(case, rng, runs)):
-        track, asked, params = sail(boat, case, driver, start, round(seconds / DT))
-        deviations = np.where(np.isfinite(noise), noise, 0.0)
-        measured = add_noise(observe(track[None], params, DT)[0], deviations, rng)
-        columns = table(boat, measured, asked, velocities and case.level != "B")
-        kept = rng.random(len(track)) >= DROPPED
-        kept[[0, -1]] = True
+    for number, voyage in enumerate(voyages(case, rng, runs, seconds)):
+        measured, kept = measure(voyage, noise, rng)
+        columns = table(boat, measured, voyage.commands, velocities and case.level != "B")
         name = f"run_{number}.csv"
         write_table(data / name, {key: values[kept] for key, values in columns.items()})
         listed.append(RunMeta(file=name, rows=int(kept.sum())))
@@ -289,6 +323,15 @@ def write_case(
     write_yaml(data / "dataset.yaml", meta.model_dump(exclude_defaults=True))
     truth.parent.mkdir(parents=True, exist_ok=True)
     truth.write_text(json.dumps(vars(case), indent=1))
+
+
+def measure(voyage: Voyage, noise: Array, rng: Rng) -> tuple[Array, NDArray[np.bool_]]:
+    """(T + 1, 6) channels with noise of those deviations, and (T + 1,) which rows are kept."""
+    seen = observe(voyage.track[None], voyage.record, DT)[0]
+    measured = add_noise(seen, np.where(np.isfinite(noise), noise, 0.0), rng)
+    kept = rng.random(len(measured)) >= DROPPED
+    kept[[0, -1]] = True
+    return measured, kept
 
 
 def table(boat: Boat, measured: Array, asked: Array, velocities: bool) -> dict[str, Array]:

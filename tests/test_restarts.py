@@ -10,6 +10,7 @@ from experiments.verbs_criticism import simulate_windows
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, read_run, write_run
+from swamp_rl.runs.table import write_table
 from swamp_rl.simulator.replay import replay
 from swamp_rl.simulator.restarts import WINDOW, replay_restarted
 from tests.conftest import circling
@@ -85,3 +86,32 @@ def test_a_run_without_commands_is_refused_by_the_column_that_is_missing() -> No
     columns = {name: values for name, values in sailed(BOAT).columns.items() if name != "throttle_ss"}
     with pytest.raises(UserError, match="throttle_ss is missing"):
         replay_restarted(BOAT, Run("bare", columns), 10.0)
+
+
+def test_rows_that_were_lost_are_sailed_through_and_windows_start_where_there_is_one(
+    other: Boat, tmp_path: Path
+) -> None:
+    steady = {f"{kind}_{name}": 0.3 for kind in ("azimuth", "throttle") for name in other.thruster_names}
+    columns = circling(35.0)
+    columns |= {name: np.full_like(columns["time"], value) for name, value in steady.items()}
+    run = replay(other, Run("sailed", columns))
+    kept = np.random.default_rng(1).random(len(run.time)) > 0.1
+    kept[95:108] = False  # a stretch about the start of the second window
+    kept[[0, -1]] = True
+    lossy = Run("lossy", {name: values[kept] for name, values in run.columns.items()})
+    found = replay_restarted(other, lossy, 10.0)
+    assert len(found.run.time) == len(run.time)
+    assert np.flatnonzero(np.diff(found.run.columns[WINDOW]))[0] + 1 == 95 + int(np.argmax(kept[95:]))
+    assert found.miss.shape == (3, 2)
+    assert found.miss.max() < 1e-9
+    write_table(tmp_path / "lossy.csv", lossy.columns)
+    simulate_windows(tmp_path / "lossy.csv", tmp_path / "again.csv", "swamp", 10.0)
+    assert len(read_run(tmp_path / "again.csv").time) == len(run.time)
+
+
+def test_times_that_lie_on_no_grid_are_refused_by_row() -> None:
+    columns = sailed(BOAT).columns | {}
+    columns["time"] = columns["time"].copy()
+    columns["time"][17] += 0.05
+    with pytest.raises(UserError, match=r"row 18: time 1\.75 s does not fit the sample step of 0\.1 s"):
+        replay_restarted(BOAT, Run("uneven", columns), 10.0)

@@ -142,8 +142,11 @@ def _look_for_unlisted_files(folder: Path, found: Inspection) -> None:
             found.faults.append(Fault(path.name, None, None, message))
 
 
-def read_run(path: Path | str) -> Run:
-    """One run's table, with what a `dataset.yaml` beside it says of it; UserError at the first fault."""
+def read_run(path: Path | str, lost_rows: bool = False) -> Run:
+    """One run's table, with what a `dataset.yaml` beside it says of it; UserError at the first fault.
+
+    lost_rows: whether faults of its times may pass, for a reader that puts the rows on a grid of its own.
+    """
     path = Path(path)
     if not path.is_file():
         raise UserError(f"{path}: no such file; name a run's .csv or .parquet file")
@@ -154,6 +157,8 @@ def read_run(path: Path | str) -> Run:
         meta = next((run for run in dataset.runs if run.file == path.name), meta)
     table = read_table(path)
     faults = check_table(path.name, table, boat, rate)
+    if lost_rows:
+        faults = [fault for fault in faults if fault.column != "time"]
     if faults:
         raise UserError(f"{path.parent}{os.sep}{faults[0]}")
     return Run(path.stem, table.columns, meta)

@@ -1,5 +1,6 @@
 """Replay of a run's commands, restarted from the measured state at even intervals."""
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -21,6 +22,7 @@ Array = NDArray[np.float64]
 
 WINDOW = "window"
 """Column of a restarted replay: the number of the window, from 1 on, that a row belongs to."""
+GRID_TOLERANCE = 0.3  # of a sample step, how far a row may lie from the grid
 SPAN = 1.0  # s to either side of a restart over which a velocity that was not measured is read off the track
 
 
@@ -28,8 +30,9 @@ SPAN = 1.0  # s to either side of a restart over which a velocity that was not m
 class Restarted:
     """A replay restarted every so often.
 
-    run: in the run format; each window begins with the measured state. miss: (n, 2) position [m] and heading
-    [rad] by which each whole window has missed at its end, where the next one starts.
+    run: in the run format, rows that are lost in the measured run included; each window begins with the
+    measured state. miss: (n, 2) position [m] and heading [rad] by which each whole window has missed at its
+    end, where the next one starts.
     """
 
     run: Run
@@ -41,28 +44,58 @@ def replay_restarted(boat: Boat, run: Run, seconds: float) -> Restarted:
 
     The actuators go on as the commands had them; only the hull is put back. The last window may be shorter.
     Velocities come from the run where it holds all three, else from a parabola through the track about the
-    restart. UserError where the run is shorter than a window, the window shorter than two samples, or a
-    command of this boat is missing.
+    restart. Where rows are lost, the command before stands, and a window starts with the next row that is
+    there. UserError where the run is shorter than a window, the window shorter than two samples, a command of
+    this boat is missing, or times do not lie on a grid.
     """
     dt = sample_step(run)
     steps = _steps(run, seconds, dt)
     run.stacked(thruster.command_columns[1] for thruster in boat.thrusters)  # refuses another boat's run
-    commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
-    starts = np.arange(0, len(run.time) - 1, steps)
+    places = grid_rows(run, dt)
+    whole = _held(run, places, dt)
+    commands = whole.commands(boat.thruster_names, fixed_thrusters(boat))
+    nominal = np.arange(0, places[-1], steps)
+    rows = np.unique(np.searchsorted(places, nominal))  # of the measured run, that windows start with
+    rows = rows[places[rows] < places[-1]]
     params = parameters(boat)
-    velocity = _velocities(run, starts)
-    pose = true_pose(run.pose[starts], velocity, np.repeat(params, len(starts)))
+    velocity = _velocities(run, rows)
+    pose = true_pose(run.pose[rows], velocity, np.repeat(params, len(rows)))
     state = start_of(run, boat, params, commands)
     tracks = []
-    for first, rigid in zip(starts, np.hstack([pose, velocity]), strict=True):
+    limits = [*places[rows].tolist(), int(places[-1])]
+    for (first, last), rigid in zip(itertools.pairwise(limits), np.hstack([pose, velocity]), strict=True):
         state[0, : YAW_RATE + 1] = rigid
-        rows = range(int(first), min(int(first) + steps, len(run.time) - 1))
-        tracks.append(_sailed(boat, params, state, commands, rows, dt))
+        tracks.append(_sailed(boat, params, state, commands, range(first, last), dt))
     seen = [observe(track[None], params, dt)[0] for track in tracks]
-    simulated = run_of(_joined(tracks), _joined(seen), run.time, run, boat)
-    simulated.columns[WINDOW] = 1.0 + np.minimum(np.arange(len(run.time)) // steps, len(starts) - 1)
-    ends = np.array([track[-1, :3] for track in seen if len(track) == steps + 1])
-    return Restarted(simulated, _miss(run, ends, steps))
+    simulated = run_of(_joined(tracks), _joined(seen), whole.time, whole, boat)
+    windows = np.searchsorted(limits[:-1], np.arange(len(whole.time)), side="right")
+    simulated.columns[WINDOW] = windows.astype(float)
+    ended = len(rows) if limits[-1] - limits[-2] >= steps else len(rows) - 1
+    ends = np.array([track[-1, :3] for track in seen[:ended]])
+    return Restarted(simulated, _miss(run.pose[np.append(rows, len(run.time) - 1)[1 : ended + 1]], ends))
+
+
+def grid_rows(run: Run, dt: float) -> NDArray[np.int64]:
+    """(T,) place of each row on an even grid of `dt` [s]; UserError for a row that lies between two."""
+    place = (run.time - run.time[0]) / dt
+    rows = np.rint(place).astype(np.int64)
+    wrong = np.abs(place - rows) > GRID_TOLERANCE
+    wrong[1:] |= np.diff(rows) <= 0
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise UserError(
+            f"run {run.name}, row {row + 1}: time {run.time[row]:.6g} s does not fit the sample step of "
+            f"{dt:.6g} s; resample the run to a fixed rate (lost rows are fine)"
+        )
+    return rows
+
+
+def _held(run: Run, places: NDArray[np.int64], dt: float) -> Run:
+    """The run on its whole grid, each lost row as the one before."""
+    every = np.arange(places[-1] + 1)
+    before = np.searchsorted(places, every, side="right") - 1
+    columns = {name: values[before] for name, values in run.columns.items()}
+    return Run(run.name, columns | {"time": run.time[0] + dt * every}, run.meta)
 
 
 def _sailed(boat: Boat, params: NDArray[Any], state: Array, commands: Array, rows: range, dt: float) -> Array:
@@ -86,7 +119,7 @@ def _steps(run: Run, seconds: float, dt: float) -> int:
     steps = round(seconds / dt) if math.isfinite(seconds) else 0
     if steps < 2:
         raise UserError(f"--window {seconds:g}: must be at least two samples of the run, {2 * dt:g} s")
-    if steps > len(run.time) - 1:
+    if seconds > run.duration + 0.5 * dt:
         raise UserError(
             f"run {run.name}: {run.duration:.6g} s long, too short for windows of {seconds:g} s; "
             "give a shorter --window"
@@ -110,7 +143,7 @@ def _velocities(run: Run, starts: NDArray[np.int64]) -> Array:
     return found
 
 
-def _miss(run: Run, ends: Array, steps: int) -> Array:
-    apart = ends - run.pose[steps * np.arange(1, len(ends) + 1)]
+def _miss(measured: Array, ends: Array) -> Array:
+    apart = ends - measured
     apart[:, 2] -= 2.0 * np.pi * np.round(apart[:, 2] / (2.0 * np.pi))
     return np.stack([np.hypot(apart[:, 0], apart[:, 1]), np.abs(apart[:, 2])], axis=1)
