@@ -16,7 +16,7 @@ from benchmarks.blind_figures import (
     said,
     shares,
 )
-from benchmarks.blind_score import AT_MOST, Judged, summary
+from benchmarks.blind_score import AT_MOST, WITHIN, Judged, summary
 from tests.hidden_effects import LEVELS
 from tests.hidden_effects import POWER as SMALL_ONES
 
@@ -30,6 +30,7 @@ BARS: dict[str, tuple[float | None, ...]] = {
     "outside_admitted": (0.95, 0.95, 0.95, 0.95),
     "outside_pointed_at": (0.70, 0.70, 0.70, 0.70),
     "interval_coverage": (0.90, 0.90, 0.90, 0.90),
+    "error_over_bound_median": (WITHIN,) * 4,
 }
 COVER_AT_MOST, LONGEST = 0.98, 60.0
 FEW = 200  # cases that a level should have
@@ -80,6 +81,8 @@ def judgement(row: str, level: str, value: Any) -> str:
     bar = BARS[row][LEVELS.index(level)] if row in BARS and level in LEVELS else None
     if bar is None or value is None:
         return ""
+    if not isinstance(value, dict):
+        return "reached" if value <= bar else "missed"
     if row == "clean_accused":
         return "reached" if value["rate"] <= bar else "missed" if value["low"] > bar else "short"
     if row == "interval_coverage" and value["rate"] > COVER_AT_MOST:
@@ -105,10 +108,9 @@ def reached(scores: Mapping[str, Mapping[str, Any]]) -> str:
     for row in BARS:
         for level, score in scores.items():
             if word := judgement(row, level, score[row]):
-                bar = BARS[row][LEVELS.index(level)]
-                found[word].append(
-                    f"{row.replace('_', ' ')} at {level} ({score[row]['rate']:.3f}, bar {bar:g})"
-                )
+                value, bar = score[row], BARS[row][LEVELS.index(level)]
+                rate = value["rate"] if isinstance(value, dict) else value
+                found[word].append(f"{row.replace('_', ' ')} at {level} ({rate:.3f}, bar {bar:g})")
     busiest = max(score["processor_s_longest"] or 0.0 for score in scores.values())
     sentences = [f"{len(found['reached'])} of {sum(map(len, found.values()))} bars are reached."]
     if found["short"]:
