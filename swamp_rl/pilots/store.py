@@ -1,6 +1,9 @@
-"""Pilots on the disk: `pilot.json` says what it is, `weights.safetensors` holds what it learned."""
+"""Pilots on the disk: `pilot.json` says what it is, `weights.safetensors` holds what it learned.
 
-import json
+Nothing in either is ever executed: a kind is looked up in `KINDS`, and arrays are numbers.
+"""
+
+import hashlib
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +12,7 @@ import numpy as np
 from swamp_rl.errors import UserError
 from swamp_rl.files import folder_beside
 from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.description import Description, FittedOn, described_arrays, sealed, unsealed
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.reservoir import ReservoirPilot
@@ -24,54 +28,76 @@ KINDS: dict[str, Any] = {
 }
 
 
-def save_pilot(pilot: Pilot, folder: Path | str) -> None:
-    """Write the pilot into `folder`, whole or not at all, over an earlier one; UserError if it cannot."""
+def save_pilot(pilot: Pilot, folder: Path | str, fitted_on: FittedOn | None = None) -> None:
+    """Write the pilot into `folder`, whole or not at all, over an earlier one; UserError if it cannot.
+
+    fitted_on: the runs it learned from; None where it learned from none.
+    """
     from safetensors.numpy import save
 
-    description = {"kind": pilot.kind, "settings": pilot.settings()}
+    arrays = {name: np.ascontiguousarray(array) for name, array in pilot.weights().items()}
+    stored = save(arrays)
+    description = Description(
+        kind=pilot.kind,
+        senses=tuple(pilot.senses),
+        settings=pilot.settings(),
+        fitted_on=fitted_on,
+        weights=described_arrays(arrays, stored),
+    )
     with folder_beside(folder, replaces=DESCRIPTION) as part:
-        text = json.dumps(description, indent=2, allow_nan=False) + "\n"
-        (part / DESCRIPTION).write_text(text, encoding="utf-8")
+        (part / DESCRIPTION).write_bytes(sealed(description).encode())
         # written here and not by the library, whose error on a full disk is one of its own
-        weights = save({name: np.ascontiguousarray(array) for name, array in pilot.weights().items()})
-        (part / WEIGHTS).write_bytes(weights)
+        (part / WEIGHTS).write_bytes(stored)
 
 
 def load_pilot(folder: Path | str) -> Pilot:
-    """The pilot stored in `folder`, ready to be reset; UserError where it is missing or damaged."""
+    """The pilot stored in `folder`, ready to be reset; UserError where it is missing, damaged or changed."""
     folder = Path(folder)
+    description = describe_pilot(folder)
+    weights = _read_weights(folder / WEIGHTS, description)
     try:
-        description = json.loads((folder / DESCRIPTION).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise UserError(
-            f"{folder / DESCRIPTION}: {error.strerror}; name a folder that holds a pilot"
-        ) from error
-    except ValueError as error:
-        raise UserError(f"{folder / DESCRIPTION}: is not JSON ({error}); train the pilot again") from error
-    weights = _read_weights(folder / WEIGHTS)
-    try:
-        return _build(description, weights)
-    except (KeyError, TypeError, ValueError) as error:
+        pilot = _build(description.kind, description.settings, weights)
+        if tuple(pilot.senses) != description.senses:
+            raise ValueError("its settings sense something else than it says")
+    except (LookupError, TypeError, AttributeError, ValueError, ArithmeticError, RecursionError) as error:
         cause = f"{error} is missing" if isinstance(error, KeyError) else " ".join(str(error).split())
         raise UserError(f"{folder}: does not hold a whole pilot ({cause}); train it again") from error
+    return pilot
 
 
-def _read_weights(path: Path) -> dict[str, Array]:
+def describe_pilot(folder: Path | str) -> Description:
+    """What the pilot stored in `folder` is, without its weights; UserError as for `load_pilot`."""
+    path = Path(folder) / DESCRIPTION
+    try:
+        return unsealed(path, path.read_bytes())
+    except OSError as error:
+        raise UserError(f"{path}: {error.strerror}; name a folder that holds a pilot") from error
+
+
+def _read_weights(path: Path, description: Description) -> dict[str, Array]:
     from safetensors import SafetensorError
-    from safetensors.numpy import load_file
+    from safetensors.numpy import load
 
     try:
-        return load_file(path)
+        stored = path.read_bytes()
+        if hashlib.sha256(stored).hexdigest() != description.weights.sha256:
+            raise UserError(f"{path}: is damaged, its SHA-256 is not in {DESCRIPTION}; train the pilot again")
+        weights = load(stored)
     except OSError as error:
         raise UserError(f"{path}: {error.strerror or 'cannot be read'}; train the pilot again") from error
-    except SafetensorError as error:
+    except (SafetensorError, KeyError, ValueError) as error:
         raise UserError(f"{path}: is damaged ({error}); train the pilot again") from error
+    if described_arrays(weights, stored) != description.weights:
+        raise UserError(f"{path}: holds other arrays than {DESCRIPTION} says; train the pilot again")
+    return weights
 
 
-def _build(description: dict[str, Any], weights: dict[str, Array]) -> Pilot:
-    kind, settings = description["kind"], description["settings"]
+def _build(kind: str, settings: dict[str, Any], weights: dict[str, Array]) -> Pilot:
     if kind == TakeoverPilot.kind:
-        first, then = (_build(settings[name], _of(name, weights)) for name in ("first", "then"))
+        first, then = (
+            _build(settings[name]["kind"], settings[name]["settings"], _of(name, weights))
+            for name in ("first", "then")
+        )
         return TakeoverPilot(first, then, settings["seconds"], settings["step"])
     if kind not in KINDS:
         raise ValueError(f"kind {kind!r} is none of {', '.join(KINDS)}, {TakeoverPilot.kind}")
