@@ -11,6 +11,7 @@ import experiments.verbs_exchange  # noqa: F401  it adds its verbs to `runs`
 from experiments.stopping import stoppable
 from experiments.verbs_criticism import diagnose
 from experiments.verbs_demo import demo
+from experiments.verbs_export import export
 from experiments.verbs_identification import identify_app
 from experiments.verbs_people import record
 from experiments.verbs_runs import runs_app
@@ -33,6 +34,7 @@ app.add_typer(identify_app, name="identify")
 app.add_typer(trial_app, name="trial")
 app.command()(diagnose)
 app.command()(demo)
+app.command()(export)
 app.command()(record)
 
 BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]

@@ -1,0 +1,36 @@
+"""`swamp-rl export`: a stored pilot's step as an ONNX file."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def export(
+    pilot: Annotated[Path, typer.Argument(help="The folder of a pilot, such as results/camogli/pilots/ppo.")],
+    out: Annotated[Path, typer.Option(help="The ONNX file to write.")] = Path("pilot.onnx"),
+) -> None:
+    """Write a pilot's step as ONNX, and tell how near it is to the step in NumPy and how long each takes."""
+    import numpy as np
+
+    from swamp_rl.export import OnnxPilot, greatest_difference, write_onnx
+    from swamp_rl.export.timing import step_microseconds
+    from swamp_rl.pilots.store import describe_pilot, load_pilot
+
+    description, loaded = describe_pilot(pilot), load_pilot(pilot)
+    about = {"weights_sha256": description.weights.sha256}
+    if description.fitted_on is not None:
+        about["fitted_on"] = description.fitted_on.model_dump_json()
+    write_onnx(loaded, out, about)
+    rng = np.random.default_rng(0)
+    difference = greatest_difference(loaded, out, rng)
+    typer.echo(f"{out}: greatest difference of a lever from the step in NumPy {difference:.1e}")
+    exported = OnnxPilot(out)
+    exported.reset(1)
+    loaded.reset(1)
+    first = np.zeros((1, 2)) if exported.wants_first else None
+    times = (
+        step_microseconds(loaded.act, len(loaded.senses), rng),
+        step_microseconds(lambda seen: exported.act(seen, first), len(exported.senses), rng),
+    )
+    typer.echo(f"one boat's step: {times[0]:.0f} µs in NumPy, {times[1]:.0f} µs in onnxruntime")

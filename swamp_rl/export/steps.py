@@ -1,0 +1,106 @@
+"""The step of each kind of pilot, said in ONNX operators exactly as its `act` says it in NumPy."""
+
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+
+from swamp_rl.errors import UserError
+from swamp_rl.export.graph import Graph
+from swamp_rl.pilots.network import REACH, NetworkPilot
+from swamp_rl.pilots.reservoir import ReservoirPilot
+from swamp_rl.pilots.scripted import ScriptedPilot
+from swamp_rl.pilots.takeover import TakeoverPilot
+
+FIRST_LEVERS = "first_levers"
+"Input of a takeover whose first pilot is not in the graph: the levers (n, 2) of whoever drives first."
+
+
+@singledispatch
+def step(pilot: Any, graph: Graph, observation: str, prefix: str = "") -> str:
+    """Add the pilot's step to the graph: levers (n, 2) from the observation (n, d), and its states.
+
+    prefix: before the names of its states. UserError for a pilot that has no step in ONNX.
+    """
+    raise UserError(f"a pilot of the kind {pilot.kind} has no step in ONNX; export another kind")
+
+
+@step.register
+def _(pilot: ScriptedPilot, graph: Graph, observation: str, prefix: str = "") -> str:
+    raise UserError(
+        "the scripted pilot draws its habits from NumPy's random generator, which ONNX has not; "
+        "export a pilot that learned"
+    )
+
+
+@step.register
+def _(pilot: NetworkPilot, graph: Graph, observation: str, prefix: str = "") -> str:
+    weights = pilot.weights()
+    mean, scale, reach = graph.constant(weights["mean"]), graph.constant(weights["scale"]), REACH
+    x = graph.op("Div", graph.op("Sub", observation, mean), scale)
+    x = graph.op("Min", graph.op("Max", x, graph.constant(-reach)), graph.constant(reach))
+    x = graph.cast(x, np.float32)
+    layers = sum(name.startswith("weight_") for name in weights)
+    for i in range(layers):
+        x = graph.op("MatMul", x, graph.constant(weights[f"weight_{i}"], np.float32))
+        x = graph.op("Add", x, graph.constant(weights[f"bias_{i}"], np.float32))
+        x = graph.op("Tanh", x) if i < layers - 1 else x
+    return _held(pilot.hold, graph, graph.within_reach(graph.cast(x, np.float64)), prefix)
+
+
+def _held(hold: int, graph: Graph, decided: str, prefix: str) -> str:
+    """Levers (n, 2): decided now where it is due, else those of an earlier step."""
+    if hold == 1:
+        return decided
+    held_for, before = (
+        graph.state(f"{prefix}held_for", None, np.int64),
+        graph.state(f"{prefix}levers", 2),
+    )
+    due = graph.column(graph.op("Equal", held_for, graph.constant(0, np.int64)))
+    levers = graph.op("Where", due, decided, before)
+    later = graph.op("Add", held_for, graph.constant(1, np.int64))
+    graph.keep(f"{prefix}held_for", graph.op("Mod", later, graph.constant(hold, np.int64)), None, np.int64)
+    graph.keep(f"{prefix}levers", levers, 2)
+    return levers
+
+
+@step.register
+def _(pilot: ReservoirPilot, graph: Graph, observation: str, prefix: str = "") -> str:
+    w = pilot.weights()
+    units, name = len(w["bias"]), f"{prefix}units"
+    state = graph.state(name, units)
+    seen = graph.op(
+        "Div", graph.op("Sub", observation, graph.constant(w["centre"])), graph.constant(w["scale"])
+    )
+    drive = graph.op("Add", graph.op("MatMul", state, graph.constant(w["W"].T)), graph.constant(w["bias"]))
+    drive = graph.op("Tanh", graph.op("Add", drive, graph.op("MatMul", seen, graph.constant(w["Win"].T))))
+    change = graph.op("Mul", graph.op("Sub", drive, state), graph.constant(w["leak"]))
+    state = graph.op("Add", state, change)
+    graph.keep(name, state, units)
+    levers = graph.op("MatMul", state, graph.constant(w["Wout"]))
+    return graph.within_reach(graph.op("Add", levers, graph.constant(w["out"])))
+
+
+@step.register
+def _(pilot: TakeoverPilot, graph: Graph, observation: str, prefix: str = "") -> str:
+    """Of a scripted first pilot only its levers are known, which are an input."""
+    places = {name: i for i, name in enumerate(seen_by(pilot))}
+
+    def of(one: Any) -> str:
+        return graph.choose(observation, [places[name] for name in one.senses])
+
+    watched = step(pilot.then, graph, of(pilot.then), f"{prefix}then_")
+    if isinstance(pilot.first, ScriptedPilot):
+        driven = graph.input(prefix + FIRST_LEVERS, 2)
+    else:
+        driven = step(pilot.first, graph, of(pilot.first), f"{prefix}first_")
+    tick = graph.state(f"{prefix}tick", None, np.int64)
+    early = graph.column(graph.op("Less", tick, graph.constant(round(pilot.seconds / pilot.step), np.int64)))
+    graph.keep(f"{prefix}tick", graph.op("Add", tick, graph.constant(1, np.int64)), None, np.int64)
+    return graph.op("Where", early, driven, watched)
+
+
+def seen_by(pilot: Any) -> tuple[str, ...]:
+    """Names of the d observations that the graph wants, in order: all but those of a first pilot left out."""
+    left_out = isinstance(pilot, TakeoverPilot) and isinstance(pilot.first, ScriptedPilot)
+    return seen_by(pilot.then) if left_out else tuple(pilot.senses)
