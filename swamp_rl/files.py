@@ -19,7 +19,7 @@ from swamp_rl.explain import explanations as explanations
 from swamp_rl.explain import validated as validated
 
 DEEPEST = 100  # levels of nesting in a YAML file
-CONFIG_KINDS = ("boats", "courses", "disturbances", "trials", "experiments")
+CONFIG_KINDS = ("boats", "courses", "disturbances", "trials", "experiments", "sweeps")
 HINTS = {
     errno.ENOSPC: "free some room",
     errno.EDQUOT: "free some room",

@@ -1,0 +1,50 @@
+"""Trials on a Ray cluster that is there already; a lost node's trials are reported as failed."""
+
+import logging
+from typing import Any
+
+from experiments.sweep.local import Work, attempt
+from swamp_rl.errors import UserError
+
+
+class RayCrew:
+    """As many trials at once as the cluster has processors; Ray chooses where."""
+
+    def __init__(self, work: Work, address: str) -> None:
+        """address: as of `ray.init`, such as 127.0.0.1:6379. UserError where no cluster answers there."""
+        try:
+            import ray
+        except ImportError as error:
+            raise UserError("Ray is not installed; install swamp-rl[ray]") from error
+        try:
+            ray.init(address, log_to_driver=False, logging_level=logging.ERROR, configure_logging=False)
+        except (ConnectionError, ValueError, RuntimeError, OSError) as error:
+            line = " ".join(str(error).split())[:200]
+            raise UserError(
+                f"--ray {address}: no cluster answers ({line}); start it with ray start"
+            ) from error
+        self._ray = ray
+        self._attempt = ray.remote(num_cpus=1, max_retries=0)(attempt)
+        self._work = work
+        self._running: dict[Any, int] = {}
+        self.places = max(1, int(ray.cluster_resources().get("CPU", 1)))
+
+    def __enter__(self) -> "RayCrew":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ray.shutdown()
+
+    def give(self, number: int, job: str) -> None:
+        """Have trial `number` done somewhere."""
+        self._running[self._attempt.remote(self._work, job)] = number
+
+    def take(self) -> tuple[int, str | None, str]:
+        """Wait for a trial to end: its number, its answer (None where it failed), what went wrong."""
+        (ended, *_), _ = self._ray.wait(list(self._running), num_returns=1)
+        number = self._running.pop(ended)
+        try:
+            answer, error = self._ray.get(ended)
+        except self._ray.exceptions.RayError as lost:
+            return number, None, f"its worker was lost ({type(lost).__name__})"
+        return number, answer, error

@@ -1,0 +1,137 @@
+"""What a sweep found: `sweep.json`, a table of it, and a chart of the objective over each parameter."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.figure_style import sheet
+from experiments.report import rate, table
+from experiments.sweep.propose import trials_of
+from experiments.sweep.schema import Sweep, override
+from experiments.sweep.store import Trial
+from swamp_rl.files import write_beside
+
+
+def write_report(folder: Path, sweep: Sweep, fixed: Sequence[str], trials: Mapping[int, Trial]) -> None:
+    """`sweep.json`, `sweep.md` and `sweep.png` into `folder`.
+
+    fixed: the `key=value` that every trial has. All but `measured` in the JSON is the same whenever the same
+    sweep is carried out, wherever and in whatever order.
+    """
+    found = results(sweep, fixed, trials)
+    with write_beside(folder / "sweep.json") as path:
+        path.write_text(json.dumps(found, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    with write_beside(folder / "sweep.md") as path:
+        path.write_text(_page(sweep, found), encoding="utf-8")
+    with write_beside(folder / "sweep.png") as path:
+        _draw(path, sweep, trials)
+
+
+def results(sweep: Sweep, fixed: Sequence[str], trials: Mapping[int, Trial]) -> dict[str, Any]:
+    """All of sweep.json."""
+    ended = [trials[number] for number in sorted(trials)]
+    best = best_of(sweep, ended)
+    return {
+        "name": sweep.name,
+        "description": sweep.description,
+        "experiment": sweep.experiment,
+        "set": list(fixed),
+        "objective": sweep.objective.model_dump(),
+        "planned": trials_of(sweep),
+        "failed": sum(trial.error is not None for trial in ended),
+        "best": None
+        if best is None
+        else {"trial": best.number, "value": best.value, **_again(sweep, fixed, best)},
+        "trials": [
+            {"trial": trial.number, "values": trial.values, "value": trial.value, "summary": trial.summary}
+            for trial in ended
+        ],
+        "measured": {
+            str(trial.number): {"seconds": trial.seconds, "attempts": trial.attempts, "error": trial.error}
+            for trial in ended
+        },
+    }
+
+
+def best_of(sweep: Sweep, trials: Sequence[Trial]) -> Trial | None:
+    """The one with the best value, the first of equals; None where none has a value."""
+    valued = [(trial.value, trial) for trial in trials if trial.value is not None]
+    if not valued:
+        return None
+    return max(valued, key=lambda pair: (sweep.objective.sign * pair[0], -pair[1].number))[1]
+
+
+def _again(sweep: Sweep, fixed: Sequence[str], trial: Trial) -> dict[str, str]:
+    """The command that carries out the whole experiment with a trial's values."""
+    keys = [*fixed, *(override(key, value) for key, value in trial.values.items())]
+    return {"again": " ".join(["swamp-rl run", sweep.experiment, *(f"--set '{key}'" for key in keys)])}
+
+
+def objective_line(sweep: Sweep) -> str:
+    """What was swept for, in words."""
+    wanted = sweep.objective
+    better = "more" if wanted.sign > 0 else "less"
+    return f"{wanted.measure} of {wanted.pilot} at {wanted.level}, {better} is better"
+
+
+def rows(sweep: Sweep, trials: Sequence[Mapping[str, Any]], measured: Mapping[str, Any]) -> list[list[str]]:
+    """Of the table, the best first and those without a value last."""
+
+    def order(trial: Mapping[str, Any]) -> tuple[bool, float]:
+        return trial["value"] is None, -sweep.objective.sign * (trial["value"] or 0.0)
+
+    def outcome(trial: Mapping[str, Any]) -> list[str]:
+        if trial["summary"] is None:
+            return ["failed", measured[str(trial["trial"])]["error"]]
+        value = "—" if trial["value"] is None else f"{trial['value']:.4g}"
+        return [value, rate(trial["summary"])]
+
+    return [
+        [str(trial["trial"]), *(str(value) for value in trial["values"].values()), *outcome(trial)]
+        for trial in sorted(trials, key=order)
+    ]
+
+
+def _page(sweep: Sweep, found: Mapping[str, Any]) -> str:
+    head = ["trial", *sweep.parameters, sweep.objective.measure, "success, percent"]
+    best = found["best"]
+    lines = [
+        f"# {sweep.name}: {objective_line(sweep)}",
+        *([sweep.description] if sweep.description else []),
+        table(head, rows(sweep, found["trials"], found["measured"])),
+        f"{len(found['trials'])} of {found['planned']} trials, {found['failed']} of them failed. "
+        "Brackets are Wilson 95 % intervals of one trial; the best of many is flattered, so try it again in "
+        "episodes of another seed before it is compared with anything.",
+        "![the objective over each parameter](sweep.png)",
+    ]
+    if best is not None:
+        lines.insert(-1, f"The best, trial {best['trial']}, in full:\n\n```\n{best['again']}\n```")
+    return "\n\n".join(lines) + "\n"
+
+
+def _draw(path: Path, sweep: Sweep, trials: Mapping[int, Trial]) -> None:
+    """One chart for each parameter, a dot for each trial; success with its interval."""
+    valued = [trial for trial in trials.values() if trial.value is not None]
+    with sheet(path, 3.2 * len(sweep.parameters) + 0.6, 3.0) as figure:
+        charts = figure.subplots(1, len(sweep.parameters), sharey=True, squeeze=False)[0]
+        for axes, (key, parameter) in zip(charts, sweep.parameters.items(), strict=True):
+            places, labels = _places([trial.values[key] for trial in valued])
+            axes.plot(places, [trial.value for trial in valued], "o", ms=4, zorder=3)
+            if sweep.objective.measure == "success":
+                ends = [trial.summary["wilson_95"] for trial in valued if trial.summary is not None]
+                axes.vlines(places, [low for low, _ in ends], [high for _, high in ends], lw=1.0, alpha=0.6)
+            if labels:
+                axes.set_xticks(range(len(labels)), labels)
+            elif parameter.kind == "log_uniform":
+                axes.set_xscale("log")
+            axes.set_xlabel(key)
+        charts[0].set_ylabel(f"{sweep.objective.measure}, {sweep.objective.pilot}")
+
+
+def _places(values: Sequence[Any]) -> tuple[list[float], list[str]]:
+    """Where values stand on the axis: numbers as they are; others side by side, with their labels."""
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return [float(value) for value in values], []
+    labels = list(dict.fromkeys(str(value) for value in values))
+    return [float(labels.index(str(value))) for value in values], labels

@@ -1,0 +1,162 @@
+"""`swamp-rl sweep`: each trial done once and kept, whatever is killed meanwhile, and then a report."""
+
+import json
+import os
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+from experiments.schema import Experiment, load_experiment
+from experiments.sweep.propose import Values, batches_of, propose, trials_of
+from experiments.sweep.schema import Objective, Sweep, load_sweep, override
+from experiments.sweep.store import Store, Trial, opened
+from experiments.sweep.trial import carry_out, job_of
+from swamp_rl import __version__
+from swamp_rl.errors import UserError
+
+Tell = Callable[[Trial, int], None]
+"""Hears each trial that ends, and how many there are in all."""
+
+
+class Crew(Protocol):
+    """Those who do the trials."""
+
+    @property
+    def places(self) -> int:
+        """How many at once."""
+
+    def give(self, number: int, job: str) -> None:
+        """Have a trial done."""
+
+    def take(self) -> tuple[int, str | None, str]:
+        """Wait for one to end: its number, its answer (None where it failed), what went wrong."""
+
+
+def run_sweep(
+    name_or_path: str | Path,
+    overrides: Iterable[str] = (),
+    out: Path | str | None = None,
+    workers: int | None = None,
+    ray: str | None = None,
+    tell: Tell = lambda trial, total: None,
+) -> Path:
+    """Carry a sweep out, or go on with it, and return its folder, by default results/sweeps/NAME.
+
+    overrides: keys of the experiment, the same in every trial. workers: processes, by default one for each
+    processor; ray: the address of a cluster to be used in their place. UserError for whatever is wrong in the
+    files, before any work is done.
+    """
+    from experiments.sweep.report import write_report
+
+    sweep = load_sweep(name_or_path)
+    fixed = [*(override(key, value) for key, value in sweep.set.items()), *overrides]
+    base = checked(sweep, fixed)
+    folder = Path(out) if out is not None else Path("results") / "sweeps" / sweep.name
+    plan = {
+        "sweep": sweep.model_dump(mode="json", exclude={"description", "retries"}),
+        "experiment": base.model_dump(mode="json"),
+        "swamp_rl": __version__,
+    }
+
+    def job(values: Values) -> str:
+        return job_of(_experiment(sweep, fixed, values), sweep.objective)
+
+    with opened(folder, plan) as store:
+        if len(store.trials()) < trials_of(sweep):
+            with _crew(workers, ray) as crew:
+                carry_on(sweep, store, crew, job, tell)
+        write_report(folder, sweep, fixed, store.trials())
+    return folder
+
+
+def carry_on(sweep: Sweep, store: Store, crew: Crew, job: Callable[[Values], str], tell: Tell) -> None:
+    """Have every trial done that has not ended yet, batch after batch."""
+    total = trials_of(sweep)
+    for numbers in batches_of(sweep):
+        ended = store.trials()
+        values = propose(sweep, numbers, ended)
+        left = {number: values[number] for number in numbers if number not in ended}
+        _do_batch(left, sweep.retries, store, crew, job, lambda trial: tell(trial, total))
+
+
+def _do_batch(
+    left: Mapping[int, Values],
+    retries: int,
+    store: Store,
+    crew: Crew,
+    job: Callable[[Values], str],
+    tell: Callable[[Trial], None],
+) -> None:
+    waiting, running = deque(left), set[int]()
+    attempts = dict.fromkeys(left, 0)
+    began: dict[int, float] = {}
+    while waiting or running:
+        while waiting and len(running) < crew.places:
+            number = waiting.popleft()
+            began.setdefault(number, time.perf_counter())
+            crew.give(number, job(left[number]))
+            running.add(number)
+        number, answer, error = crew.take()
+        running.remove(number)
+        attempts[number] += 1
+        if answer is None and attempts[number] <= retries:
+            waiting.append(number)
+            continue
+        seconds = round(time.perf_counter() - began[number], 2)
+        trial = _ended(number, left[number], answer, error, attempts[number], seconds)
+        store.add(trial)
+        tell(trial)
+
+
+def _ended(
+    number: int, values: Values, answer: str | None, error: str, attempts: int, seconds: float
+) -> Trial:
+    found = json.loads(answer) if answer is not None else {"value": None, "summary": None}
+    failed = error if answer is None else None
+    return Trial(number, dict(values), found["value"], found["summary"], failed, attempts, seconds)
+
+
+def checked(sweep: Sweep, fixed: list[str]) -> Experiment:
+    """The experiment before any parameter is set; UserError where a value, a pilot or a level cannot be."""
+    from experiments.scene import read_scene
+
+    base = load_experiment(sweep.experiment, fixed)
+    _check_objective(base, sweep.objective)
+    for key, parameter in sweep.parameters.items():
+        for value in parameter.examples:
+            read_scene(load_experiment(sweep.experiment, [*fixed, override(key, value)]))
+    return base
+
+
+def _check_objective(experiment: Experiment, objective: Objective) -> None:
+    levels = [Path(level).stem for level in experiment.evaluation.levels]
+    if experiment.hidden is not None:
+        raise UserError("experiment: one with a hidden boat is not swept; name another")
+    if objective.pilot not in experiment.pilots:
+        known = ", ".join(experiment.pilots)
+        raise UserError(
+            f"objective.pilot: no pilot {objective.pilot!r} in the experiment; name one of {known}"
+        )
+    if objective.level not in levels:
+        known = ", ".join(levels)
+        raise UserError(
+            f"objective.level: no level {objective.level!r} in the experiment; name one of {known}"
+        )
+
+
+def _experiment(sweep: Sweep, fixed: list[str], values: Values) -> Experiment:
+    return load_experiment(
+        sweep.experiment, [*fixed, *(override(key, value) for key, value in values.items())]
+    )
+
+
+def _crew(workers: int | None, ray: str | None) -> Any:
+    if ray is not None:
+        from experiments.sweep.cluster import RayCrew
+
+        return RayCrew(carry_out, ray)
+    from experiments.sweep.local import LocalCrew
+
+    return LocalCrew(carry_out, workers or os.cpu_count() or 1)

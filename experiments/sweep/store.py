@@ -1,0 +1,91 @@
+"""The trials of a sweep that have ended, in an SQLite file: a killed sweep has lost none of them."""
+
+import json
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.errors import UserError
+
+FILE = "trials.sqlite"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One that has ended, well or not.
+
+    value: of the objective, None where it failed or had none; summary: of its episodes; error: the last line
+    of a failed one; attempts and seconds: what it took, which another run of the same sweep need not repeat.
+    """
+
+    number: int
+    values: dict[str, Any]
+    value: float | None
+    summary: dict[str, Any] | None
+    error: str | None
+    attempts: int
+    seconds: float
+
+
+class Store:
+    """Ended trials by number; each is on the disk before `add` returns."""
+
+    def __init__(self, connection: sqlite3.Connection) -> None:
+        self._connection = connection
+
+    def trials(self) -> dict[int, Trial]:
+        """All that have ended."""
+        rows = self._connection.execute("SELECT trial FROM trials ORDER BY number")
+        return {trial.number: trial for trial in (Trial(**json.loads(row)) for (row,) in rows)}
+
+    def add(self, trial: Trial) -> None:
+        """Keep one for good."""
+        row = (trial.number, json.dumps(asdict(trial), allow_nan=False))
+        with self._connection:
+            self._connection.execute("INSERT INTO trials VALUES (?, ?)", row)
+
+
+@contextmanager
+def opened(folder: Path, plan: dict[str, Any]) -> Iterator[Store]:
+    """The store in `folder`, made where there is none; for this process alone until the block ends.
+
+    plan: all that the results depend on. UserError where the folder holds trials of another plan, or another
+    process is at work on it.
+    """
+    path = folder / FILE
+    connection = None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        connection = sqlite3.connect(path, timeout=0.5)
+        connection.execute("PRAGMA locking_mode = EXCLUSIVE")
+        connection.execute("PRAGMA synchronous = FULL")
+        _agree(connection, path, json.dumps(plan, sort_keys=True))
+        yield Store(connection)
+    except OSError as error:
+        raise UserError(f"{path}: {error.strerror}; name another folder with --out") from error
+    except sqlite3.OperationalError as error:
+        raise UserError(
+            f"{path}: {error}; is another sweep at work there? wait for it, or name --out"
+        ) from error
+    except sqlite3.DatabaseError as error:
+        raise UserError(f"{path}: {error}; name another folder with --out, or remove it") from error
+    finally:
+        if connection is not None:
+            connection.close()
+
+
+def _agree(connection: sqlite3.Connection, path: Path, plan: str) -> None:
+    with connection:
+        connection.execute("BEGIN EXCLUSIVE")
+        connection.execute("CREATE TABLE IF NOT EXISTS trials (number INTEGER PRIMARY KEY, trial TEXT)")
+        connection.execute("CREATE TABLE IF NOT EXISTS plan (plan TEXT)")
+        stored = connection.execute("SELECT plan FROM plan").fetchone()
+        if stored is None:
+            connection.execute("INSERT INTO plan VALUES (?)", (plan,))
+        elif stored[0] != plan:
+            raise UserError(
+                f"{path}: holds trials of another sweep or of other settings; name another folder with --out"
+            )

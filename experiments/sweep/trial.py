@@ -1,0 +1,58 @@
+"""One trial of a sweep, from text to text, so that it may run in any process of any machine."""
+
+import json
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from experiments.schema import Experiment, Targets
+from experiments.sweep.schema import Objective
+
+
+def job_of(experiment: Experiment, objective: Objective) -> str:
+    """What a trial needs to know: the experiment cut down to the one pilot and level, and the objective."""
+    pilots = {objective.pilot: experiment.pilots[objective.pilot]}
+    level = next(level for level in experiment.evaluation.levels if Path(level).stem == objective.level)
+    evaluation = experiment.evaluation.model_copy(update={"levels": (level,), "shown": 1})
+    cut = experiment.model_copy(update={"pilots": pilots, "evaluation": evaluation, "targets": Targets()})
+    return json.dumps({"experiment": cut.model_dump(mode="json"), "objective": objective.model_dump()})
+
+
+def carry_out(job: str) -> str:
+    """Train and evaluate; JSON of the objective's value and the summary of the episodes."""
+    from experiments.learn import get_data, train_pilots
+    from experiments.scene import read_scene
+    from experiments.trial import try_pilots
+    from swamp_rl.evaluation import summary
+
+    asked = json.loads(job)
+    objective = Objective.model_validate(asked["objective"])
+    scene = read_scene(Experiment.model_validate(asked["experiment"]))
+    with tempfile.TemporaryDirectory(prefix="swamp-rl-trial-") as name, _quiet() as progress:
+        dataset = get_data(scene, Path(name), progress)
+        pilots = train_pilots(scene, dataset, Path(name) / "pilots", progress)
+        one = {objective.pilot: pilots[objective.pilot]}
+        tables = try_pilots(scene, one, progress).tables
+    found = summary(tables[objective.pilot, objective.level])
+    return json.dumps({"value": _value(found, objective), "summary": found}, allow_nan=False)
+
+
+def _value(found: dict[str, Any], objective: Objective) -> float | None:
+    if objective.measure == "success":
+        return found["success_rate"]
+    return found["mean_of_successes"][objective.measure]
+
+
+def _quiet() -> Any:
+    from contextlib import contextmanager
+
+    from rich.progress import Progress
+
+    from experiments.progress import Stages
+
+    @contextmanager
+    def stages() -> Any:
+        with Progress(disable=True) as bars:
+            yield Stages(bars)
+
+    return stages()

@@ -1,0 +1,38 @@
+"""`swamp-rl sweep`: one experiment with many values of its parameters."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def sweep(
+    file: Annotated[str, typer.Argument(metavar="SWEEP", help="A name in configs/sweeps, or a YAML file.")],
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Override a key of the experiment, the same in every trial; may be repeated.",
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder, in place of results/sweeps/NAME.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes at once; by default one for each processor.")
+    ] = None,
+    ray: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Use the Ray cluster there, such as 127.0.0.1:6379."),
+    ] = None,
+) -> None:
+    """Try every trial of a sweep; the same command again goes on where one was interrupted or killed."""
+    from experiments.sweep.run import run_sweep
+    from experiments.sweep.store import Trial
+
+    def tell(trial: Trial, total: int) -> None:
+        what = trial.error or ("no value" if trial.value is None else f"{trial.value:.4g}")
+        values = ", ".join(f"{key.split('.')[-1]} {value}" for key, value in trial.values.items())
+        typer.echo(f"trial {trial.number} of {total} ({values}): {what}")
+
+    folder = run_sweep(file, set_ or [], out, workers, ray, tell)
+    typer.echo(f"see {folder / 'sweep.md'}")
