@@ -15,6 +15,7 @@ from experiments.verbs_export import export
 from experiments.verbs_identification import identify_app
 from experiments.verbs_people import record
 from experiments.verbs_runs import runs_app
+from experiments.verbs_sweep import sweep
 from experiments.verbs_trials import trial_app
 from swamp_rl import __version__
 from swamp_rl.errors import UserError
@@ -36,6 +37,7 @@ app.command()(diagnose)
 app.command()(demo)
 app.command()(export)
 app.command()(record)
+app.command()(sweep)
 
 BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
 

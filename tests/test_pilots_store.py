@@ -17,7 +17,7 @@ from hypothesis import given, settings, strategies
 from swamp_rl.errors import UserError
 from swamp_rl.pilots import Pilot, load_pilot, save_pilot
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
-from swamp_rl.pilots.description import FittedOn, dataset_hash, sealed
+from swamp_rl.pilots.description import FittedOn, sealed
 from swamp_rl.pilots.reservoir import fit_reservoir
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import describe_pilot
@@ -184,9 +184,7 @@ def test_a_pickle_in_the_place_of_either_file_is_refused_and_not_executed(
 
 
 def test_a_pilot_says_what_it_senses_by_what_it_normalises_and_what_it_was_fitted_on(tmp_path: Path) -> None:
-    (tmp_path / "runs").mkdir()
-    (tmp_path / "runs" / "one.csv").write_text("time\n", encoding="utf-8")
-    fitted = FittedOn(dataset=dataset_hash(tmp_path / "runs"), source="scripted", runs=("one", "two"))
+    fitted = FittedOn(dataset="0a" * 32, source="scripted", runs=("one", "two"))
     save_pilot(RESERVOIR, tmp_path / "pilot", fitted)
     found = describe_pilot(tmp_path / "pilot")
     assert (found.fitted_on, found.senses) == (fitted, SENSES)
@@ -194,14 +192,3 @@ def test_a_pilot_says_what_it_senses_by_what_it_normalises_and_what_it_was_fitte
     assert found.weights.shapes["Wout"] == ("float64", RESERVOIR.weights()["Wout"].shape)
     weights = (tmp_path / "pilot" / "weights.safetensors").read_bytes()
     assert found.weights.sha256 == hashlib.sha256(weights).hexdigest()
-
-
-def test_the_hash_of_a_dataset_knows_names_and_contents_and_not_where_it_lies(tmp_path: Path) -> None:
-    for name in ("a", "b", "renamed", "edited"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "one.csv").write_text("time\n", encoding="utf-8")
-    (tmp_path / "renamed" / "one.csv").rename(tmp_path / "renamed" / "two.csv")
-    (tmp_path / "edited" / "one.csv").write_text("tide\n", encoding="utf-8")
-    hashes = {name: dataset_hash(tmp_path / name) for name in ("a", "b", "renamed", "edited")}
-    assert hashes["a"] == hashes["b"]
-    assert len(set(hashes.values())) == 3

@@ -10,8 +10,14 @@ from experiments.sweep.schema import Objective
 
 
 def job_of(experiment: Experiment, objective: Objective) -> str:
-    """What a trial needs to know: the experiment cut down to the one pilot and level, and the objective."""
-    pilots = {objective.pilot: experiment.pilots[objective.pilot]}
+    """What a trial needs to know: the objective, and the experiment cut down to its pilot and level.
+
+    Pilots that this one starts from are kept.
+    """
+    from experiments.learners import in_order
+
+    needed = in_order(experiment.pilots, [objective.pilot])
+    pilots = {name: experiment.pilots[name] for name in needed}
     level = next(level for level in experiment.evaluation.levels if Path(level).stem == objective.level)
     evaluation = experiment.evaluation.model_copy(update={"levels": (level,), "shown": 1})
     cut = experiment.model_copy(update={"pilots": pilots, "evaluation": evaluation, "targets": Targets()})

@@ -27,7 +27,7 @@ class Part(BaseModel):
 class FittedOn(Part):
     """The runs that a pilot learned from.
 
-    dataset: SHA-256 of their files' contents, by `dataset_hash`; source: who drove, as the dataset says.
+    dataset: SHA-256 over the lines that `sha256sum` prints of its files; source: who drove, as it says.
     """
 
     dataset: Sha256
@@ -94,12 +94,3 @@ def _digest(data: dict[str, Any]) -> str:
 
 def _text(data: dict[str, Any]) -> str:
     return json.dumps(data, indent=2, allow_nan=False) + "\n"
-
-
-def dataset_hash(folder: Path) -> str:
-    """SHA-256 of the names and contents of a dataset's files, whatever the folder is called."""
-    digest = hashlib.sha256()
-    for file in sorted(path for path in folder.rglob("*") if path.is_file()):
-        digest.update(file.relative_to(folder).as_posix().encode() + b"\0")
-        digest.update(hashlib.sha256(file.read_bytes()).digest())
-    return digest.hexdigest()
