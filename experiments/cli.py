@@ -9,6 +9,7 @@ import typer
 
 import experiments.verbs_exchange  # noqa: F401  it adds its verbs to `runs`
 from experiments.stopping import stoppable
+from experiments.verbs_compare import compare
 from experiments.verbs_criticism import diagnose
 from experiments.verbs_demo import demo
 from experiments.verbs_export import export
@@ -33,6 +34,7 @@ app = typer.Typer(
 app.add_typer(runs_app, name="runs")
 app.add_typer(identify_app, name="identify")
 app.add_typer(trial_app, name="trial")
+app.command()(compare)
 app.command()(diagnose)
 app.command()(demo)
 app.command()(export)

@@ -1,6 +1,14 @@
 """How good a pilot is: the same seeded episodes for every pilot, with intervals."""
 
-from swamp_rl.evaluation.episodes import COSTS, Table, differences, episode_table, summary, write_episodes
+from swamp_rl.evaluation.episodes import (
+    COSTS,
+    Table,
+    differences,
+    episode_table,
+    read_episodes,
+    summary,
+    write_episodes,
+)
 from swamp_rl.evaluation.metrics import command_change, jet_power, path_length
 from swamp_rl.evaluation.permutation import holm, sign_flip_test
 from swamp_rl.evaluation.rollout import MakeBoats, Rollout, drive
@@ -30,6 +38,7 @@ __all__ = [
     "paired_difference",
     "path_length",
     "probability_of_improvement",
+    "read_episodes",
     "sign_flip_test",
     "summary",
     "wilson",

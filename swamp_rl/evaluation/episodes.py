@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.errors import UserError
 from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_power, path_length
 from swamp_rl.evaluation.rollout import Rollout
 from swamp_rl.evaluation.statistics import Interval, paired_difference, wilson
@@ -17,9 +18,11 @@ Table = dict[str, NDArray[Any]]
 COSTS = ("time", "path_length", "command_change", "energy")
 """Costs of an episode: s, m, 1 per step, J. Failed ones have them too, but only successes are averaged."""
 
+COLUMNS = ("seed", "success", "outcome", *COSTS)
+
 
 def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
-    """Columns (n,): seed, success, outcome, time [s], path_length [m], command_change [1], energy [J]."""
+    """`COLUMNS`, each (n,): time in s, path_length in m, command_change in 1, energy in J."""
     linear, quadratic = np.array([item.thrust_curve(boat.water_density) for item in boat.thrusters]).T
     power = jet_power(bollard_thrust(rollout.throttle, linear, quadratic), boat.water_density).sum(axis=-1)
     episodes = range(len(rollout.seeds))
@@ -73,3 +76,23 @@ def write_episodes(path: Path, tables: Mapping[tuple[str, str], Table]) -> None:
         n = len(table["seed"])
         parts.append(pa.table({"pilot": [pilot] * n, "level": [level] * n, **table}))
     pq.write_table(pa.concat_tables(parts), path)
+
+
+def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
+    """Episodes by pilot and level, as `write_episodes` wrote them; UserError for any other file."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        read = pq.read_table(path)
+    except (OSError, pa.ArrowException) as error:
+        raise UserError(f"{path}: is no readable Parquet file; run the experiment again") from error
+    missing = [name for name in ("pilot", "level", *COLUMNS) if name not in read.column_names]
+    if missing:
+        raise UserError(f"{path}: has no column {missing[0]}; it must be the episodes of an experiment")
+    columns = {name: read[name].to_numpy() for name in read.column_names}
+    keys = list(zip(columns.pop("pilot").tolist(), columns.pop("level").tolist(), strict=True))
+    rows: dict[tuple[str, str], list[int]] = {}
+    for row, key in enumerate(keys):
+        rows.setdefault(key, []).append(row)
+    return {key: {name: column[at] for name, column in columns.items()} for key, at in rows.items()}

@@ -1,0 +1,185 @@
+"""Results folders read again: which pilots they hold, and which of those are trainings of one kind."""
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swamp_rl.errors import UserError
+from swamp_rl.evaluation import Table, read_episodes
+from swamp_rl.files import read_yaml
+
+EPISODES = "episodes.parquet"
+FILES = {"boat": "boats", "course": "courses"}
+
+
+@dataclass(frozen=True)
+class Result:
+    """A folder of results: its experiment as it was run, its episodes by pilot and level, its own account."""
+
+    folder: Path
+    experiment: Mapping[str, Any]
+    tables: Mapping[tuple[str, str], Table]
+    told: Mapping[str, Any]
+    "`results.json`, empty where there is none"
+    versions: Mapping[str, Any]
+    "`versions.json`, likewise"
+
+    @property
+    def pilots(self) -> list[str]:
+        """Names of the pilots, in their order."""
+        return list(dict.fromkeys(pilot for pilot, _ in self.tables))
+
+    @property
+    def levels(self) -> list[str]:
+        """Names of the levels, in their order."""
+        return list(dict.fromkeys(level for _, level in self.tables))
+
+    def setting(self) -> dict[str, str]:
+        """What pilots must share to be compared: boat, course, step, hidden effects and levels, as marks."""
+        kept = self.folder / "config"
+        marks = {
+            what: _mark([read_yaml(file) for file in sorted((kept / files).glob("*.yaml"))])
+            for what, files in FILES.items()
+        }
+        levels = {level: kept / "disturbances" / f"{level}.yaml" for level in self.levels}
+        marks |= {f"level {name}": _mark(read_yaml(f)) for name, f in levels.items() if f.is_file()}
+        return marks | {key: _mark(self.experiment.get(key)) for key in ("step", "hidden")}
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """One way of training: its name, and the results of each of its training seeds."""
+
+    label: str
+    pilot: str
+    results: tuple[Result, ...]
+
+    def tables(self, level: str) -> list[Table]:
+        """Its episodes at a level, one table for each training seed."""
+        return [result.tables[self.pilot, level] for result in self.results]
+
+
+def find_results(paths: Iterable[Path]) -> list[Path]:
+    """The folders at or below `paths` that hold episodes; UserError for a path with none."""
+    found: list[Path] = []
+    for path in paths:
+        if not path.is_dir():
+            raise UserError(f"{path}: no such folder; name a folder of results")
+        below = [file.parent for file in sorted(path.rglob(EPISODES)) if not _hidden(file, path)]
+        if not below:
+            raise UserError(f"{path}: no {EPISODES} in it or below; name a folder that `run` has written")
+        found += below
+    return list({folder.resolve(): folder for folder in found}.values())
+
+
+def _hidden(file: Path, below: Path) -> bool:
+    return any(part.startswith(".") for part in file.relative_to(below).parts)
+
+
+def read_result(folder: Path) -> Result:
+    """A folder of results; UserError where the experiment or the episodes are missing or broken."""
+    experiment = read_yaml(folder / "config" / "experiment.yaml")
+    tables = read_episodes(folder / EPISODES)
+    told, versions = (_json(folder / name) for name in ("results.json", "versions.json"))
+    return Result(folder, experiment, tables, told, versions)
+
+
+def entrants(results: Sequence[Result]) -> list[Entrant]:
+    """The pilots of all results; those that differ in nothing but seeds are seeds of one entrant.
+
+    A pilot that did the same in every episode is counted once: one that its seeds do not touch, or a copied
+    folder. UserError where the same seeds did different things.
+    """
+    groups: dict[tuple[str, str], list[Result]] = {}
+    for result in results:
+        for pilot in result.pilots:
+            groups.setdefault((pilot, _mark(seedless(plan_of(result, pilot)))), []).append(result)
+    made = []
+    for (pilot, _), members in groups.items():
+        shared = sum(other == pilot for other, _ in groups) > 1
+        label = f"{pilot} ({members[0].folder.resolve().name})" if shared else pilot
+        made.append(Entrant(label, pilot, _different(pilot, members)))
+    labels = [one.label for one in made]
+    return [
+        Entrant(f"{one.pilot} ({one.results[0].folder})", one.pilot, one.results)
+        if labels.count(one.label) > 1
+        else one
+        for one in made
+    ]
+
+
+def _different(pilot: str, members: Sequence[Result]) -> tuple[Result, ...]:
+    kept: dict[str, Result] = {}
+    seeds: dict[str, Result] = {}
+    for result in members:
+        did = _did(pilot, result)
+        if did in kept:
+            continue
+        plan = _mark(plan_of(result, pilot))
+        if plan in seeds:
+            raise UserError(
+                f"{result.folder}: {pilot} did otherwise than in {seeds[plan].folder}, though trained alike "
+                "from the same seeds; other versions made them, name one of the two"
+            )
+        kept[did] = seeds[plan] = result
+    return tuple(kept.values())
+
+
+def _did(pilot: str, result: Result) -> str:
+    """A mark of all that a pilot did in its episodes, by their seeds."""
+    sha = hashlib.sha256()
+    for level in sorted(result.levels):
+        table = result.tables.get((pilot, level))
+        if table is not None:
+            order = np.argsort(table["seed"], kind="stable")
+            sha.update(level.encode())
+            for name in ("seed", "success", "time", "command_change"):
+                sha.update(np.ascontiguousarray(table[name][order]).tobytes())
+    return sha.hexdigest()
+
+
+def plan_of(result: Result, pilot: str) -> dict[str, Any]:
+    """All that went into a pilot's training: its plan, and the data it could learn from."""
+    plans = result.experiment.get("pilots", {})
+    name = pilot if pilot in plans else pilot.rsplit(", ", 1)[0]
+    return {"plan": plans.get(name, plans), "data": result.experiment.get("data")}
+
+
+def seedless(data: Any) -> Any:
+    """Without the keys `seed`, at any depth."""
+    if isinstance(data, Mapping):
+        return {key: seedless(value) for key, value in data.items() if key != "seed"}
+    return [seedless(value) for value in data] if isinstance(data, list) else data
+
+
+def refuse_other_settings(results: Sequence[Result]) -> None:
+    """UserError for the first result whose boat, course, levels or step differ from those of the first."""
+    first = results[0]
+    marks = first.setting()
+    for result in results[1:]:
+        theirs = result.setting()
+        for what in sorted(marks.keys() & theirs.keys()):
+            if marks[what] != theirs[what]:
+                raise UserError(
+                    f"{result.folder}: another {what} than in {first.folder}; only results of the same boat, "
+                    "course, levels and step compare"
+                )
+
+
+def _mark(data: Any) -> str:
+    return hashlib.sha256(json.dumps(data, sort_keys=True, default=str).encode()).hexdigest()
+
+
+def _json(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        return {}
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise UserError(f"{path}: is no JSON; run the experiment again") from error
+    return data if isinstance(data, dict) else {}
