@@ -121,9 +121,9 @@ def _number(value: float | None, form: str) -> tuple[str, float | str]:
 
 def _data(entrant: Entrant, result: Result) -> str:
     """What the pilot learned from, in the words of its results."""
-    learned = result.told.get("pilots", {}).get(entrant.pilot, {}).get("learned_from", "")
+    learned = str(result.told.get("pilots", {}).get(entrant.pilot, {}).get("learned_from", ""))
     source = result.told.get("data", {}).get("source", "")
-    return f"{source}: {learned}" if source and learned else str(learned or source or "")
+    return f"{source}: {learned}" if source and learned else learned
 
 
 STYLE = """
@@ -140,7 +140,7 @@ th button:hover,th button:focus-visible{color:var(--ink);text-decoration:underli
 th{border-bottom:2px solid var(--line);text-align:left;vertical-align:bottom;padding:.3rem .7rem .3rem 0}
 td{border-bottom:1px solid var(--line);padding:.3rem .7rem .3rem 0;vertical-align:top}
 .n{text-align:right;font-variant-numeric:tabular-nums}td.n{white-space:nowrap}
-td:nth-child(10){max-width:24rem;color:var(--soft)}td:first-child{font-weight:600}
+td:nth-child(10){max-width:24rem;color:var(--soft)}td:first-child{font-weight:600;white-space:nowrap}th:nth-child(10),td:nth-child(10){padding-left:1rem}
 tr:hover td{background:var(--tint)}
 [aria-sort=ascending] button::after{content:" ▲"}[aria-sort=descending] button::after{content:" ▼"}
 """

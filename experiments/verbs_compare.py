@@ -65,10 +65,11 @@ def print_comparison(found: dict[str, Any]) -> None:
 
     console = Console()
     table = Table(title="success [%]", box=SIMPLE_HEAD)
-    for i, head in enumerate(heads(found)):
-        table.add_column(head, justify="right" if i else "left", no_wrap=i > 0)
+    for head in ("pilot", "seeds", "level", "success"):
+        table.add_column(head, justify="right" if head in ("seeds", "success") else "left")
     for row in rows(found):
-        table.add_row(*row)
+        for level, rate in zip(heads(found)[2:], row[2:], strict=True):
+            table.add_row(*row[:2], level, rate)
     console.print(table)
     table = Table(title="success, paired differences [%]", box=SIMPLE_HEAD)
     for head in ("difference", "level", "mean", "p, corrected"):

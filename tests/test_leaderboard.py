@@ -1,6 +1,7 @@
 """The leaderboard page: complete, self-contained, and with every name as text."""
 
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,8 @@ import yaml
 from experiments.leaderboard import gather, page
 from swamp_rl.errors import UserError
 from tests.test_compare import folder_of
+
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 
 
 def test_each_pilot_has_a_row_at_each_level_best_first(tmp_path: Path) -> None:
@@ -57,3 +60,24 @@ def test_a_result_that_cannot_be_read_is_told_on_the_page(tmp_path: Path) -> Non
     (tmp_path / "a" / "episodes.parquet").write_bytes(b"")
     with pytest.raises(UserError, match="no result in it can be read"):
         gather(tmp_path)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+def test_a_heading_sorts_by_number_and_the_other_way_when_clicked_again(tmp_path: Path) -> None:
+    sync_playwright = pytest.importorskip("playwright.sync_api").sync_playwright
+    rates = {"ppo": np.arange(12) < 9, "reservoir": np.arange(12) < 12}
+    folder_of(tmp_path / "a", rates)
+    (tmp_path / "page.html").write_text(page(gather(tmp_path)), encoding="utf-8")
+    with sync_playwright() as browsers:
+        browser = browsers.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        shown = browser.new_page()
+        faults: list[str] = []
+        shown.on("pageerror", lambda error: faults.append(str(error)))
+        shown.goto((tmp_path / "page.html").as_uri())
+        read = "[...document.querySelectorAll('td:nth-child(3)')].map(cell => cell.textContent)"
+        orders = []
+        for _ in range(2):
+            shown.get_by_role("button", name="success").click()
+            orders.append(shown.evaluate(read))
+        browser.close()
+    assert (orders, faults) == ([["100.0", "75.0"], ["75.0", "100.0"]], [])
