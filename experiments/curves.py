@@ -1,16 +1,27 @@
 """Learning curves as trainings log them: one JSON line for each point."""
 
 import json
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
+from swamp_rl.files import write_beside
 
 Array = NDArray[np.float64]
 Curve = tuple[Array, Array]
 """Steps (T,), rising, and success in [0, 1] (T,)."""
+
+CURVE = "curve.jsonl"
+"What it is called beside the pilot."
+
+
+def write_curve(path: Path, points: Iterable[Mapping[str, float]]) -> None:
+    """Points with `step`, `success` and whatever else was logged, one a line; UserError if it cannot."""
+    with write_beside(path) as part:
+        part.write_text("".join(f"{json.dumps(dict(point))}\n" for point in points), encoding="utf-8")
 
 
 def read_curve(path: Path | str) -> Curve:

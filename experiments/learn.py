@@ -1,9 +1,11 @@
 """From logged runs and from trying: the dataset of an experiment, and its pilots trained and saved."""
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
-from experiments.learners import Training, in_order, learner
+from experiments.curves import CURVE, write_curve
+from experiments.learners import Log, Training, in_order, learner
 from experiments.progress import Stages, Tick
 from experiments.scene import Scene
 from experiments.schema import PilotPlan
@@ -54,10 +56,14 @@ def train_pilots(scene: Scene, dataset: Dataset, folder: Path, progress: Stages)
     alone: dict[str, Pilot] = {}
     pilots: dict[str, Pilot] = {}
     for name in in_order(plans):
+        curve: list[dict[str, float]] = []
         with progress.stage(f"train {name}", 1.0) as tick:
-            alone[name] = train(scene, dataset, plans[name], tick, trained=alone)
+            log = partial(_add_point, curve)
+            alone[name] = train(scene, dataset, plans[name], tick, trained=alone, log=log)
         pilots[name] = with_takeover(scene, plans[name], alone[name])
         save_pilot(pilots[name], folder / name)
+        if curve:
+            write_curve(folder / name / CURVE, curve)
     return {name: pilots[name] for name in plans}
 
 
@@ -68,14 +74,19 @@ def train(
     tick: Tick,
     checkpoint: Path | None = None,
     trained: Mapping[str, Pilot] | None = None,
+    log: Log = lambda step, values: None,
 ) -> Pilot:
     """One pilot, by itself; `tick` hears the share done, where the kind tells.
 
-    trained: the pilots that it starts from, by name. checkpoint: see `Training`.
+    trained: the pilots that it starts from, by name. checkpoint, log: see `Training`.
     """
     learns = learner(plan.kind)
     settings = learns.settings.model_validate(plan.options)
-    return learns.train(Training(scene, plan, settings, dataset, tick, checkpoint, trained or {}))
+    return learns.train(Training(scene, plan, settings, dataset, tick, checkpoint, log, trained or {}))
+
+
+def _add_point(curve: list[dict[str, float]], step: int, values: Mapping[str, float]) -> None:
+    curve.append({"step": step, **values})
 
 
 def with_takeover(scene: Scene, plan: PilotPlan, pilot: Pilot) -> Pilot:

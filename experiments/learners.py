@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from swamp_rl.pilots.pilot import Pilot
     from swamp_rl.runs import Dataset, Run
 
+Log = Callable[[int, Mapping[str, float]], None]
+
 
 @dataclass(frozen=True)
 class Training:
@@ -37,6 +39,8 @@ class Training:
     checkpoint: Path | None = None
     """The file that the learner may write, whole or not at all (`write_beside`), to go on from, and read
     where an interrupted training with the same settings has left one. Removed once the pilot is saved."""
+    log: Log = lambda step, values: None
+    "Hears points of the learning curve: decisions made, and how the episodes since the last point went."
     trained: Mapping[str, "Pilot"] = field(default_factory=dict)
     "The pilots that it starts from, by name, without those that drive before a takeover."
 
@@ -157,9 +161,23 @@ def _ppo() -> Learner:
 
         settings = training.settings
         boats = GatesVecEnv(training.boats(settings.boats, settings.senses), settings.hold)
-        return train_ppo(boats, settings, training.tick)
+        start = training.trained[settings.start] if settings.start is not None else None
+        return train_ppo(boats, settings, training.tick, training.log, training.checkpoint, start)
 
-    return Learner(PPOSettings, train, _tries_told, by_trying=True)
+    return Learner(PPOSettings, train, _tries_told, by_trying=True, starts_from=("start",))
+
+
+def _sac() -> Learner:
+    from swamp_rl.pilots.sac import SACSettings, train_sac
+
+    def train(training: Training) -> "Pilot":
+        from envs.sb3 import GatesVecEnv
+
+        settings = training.settings
+        boats = GatesVecEnv(training.boats(settings.boats, settings.senses), settings.hold)
+        return train_sac(boats, settings, training.tick, training.log)
+
+    return Learner(SACSettings, train, _tries_told, by_trying=True)
 
 
 LEARNERS: dict[str, Callable[[], Learner]] = {
@@ -167,4 +185,5 @@ LEARNERS: dict[str, Callable[[], Learner]] = {
     "reservoir": _reservoir,
     "cloning": _cloning,
     "ppo": _ppo,
+    "sac": _sac,
 }

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.curves import read_curve
+from experiments.curves import read_curve, write_curve
 from experiments.figures import learning_curves
 from swamp_rl.errors import UserError
 
@@ -49,3 +49,10 @@ def test_seeds_without_common_steps_are_told_by_name(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"ppo: .*in common"):
         learning_curves(tmp_path / "x.png", {"ppo": [early, late]}, "")
     assert not (tmp_path / "x.png").exists()
+
+
+def test_a_curve_that_was_written_is_read_again(tmp_path: Path) -> None:
+    points = [{"step": 100, "success": 0.25, "return": -1.5}, {"step": 300, "success": 0.5, "seconds": 2.0}]
+    write_curve(tmp_path / "curve.jsonl", points)
+    steps, success = read_curve(tmp_path / "curve.jsonl")
+    assert steps.tolist() == [100.0, 300.0] and success.tolist() == [0.25, 0.5]

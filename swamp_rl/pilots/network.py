@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.memory import Memory
 
 REACH = 10.0
 "Inputs are held within so many standard deviations of what was seen in training."
@@ -14,22 +15,25 @@ REACH = 10.0
 class NetworkPilot:
     """Tanh layers, then a linear one; the levers stop at the ends of their ways.
 
-    A decision depends on the present observation alone and is held for `hold` steps, counted for each boat
-    from the start of its run.
+    A decision depends on the present observation, and on what was seen and done at the `memory` decisions
+    before. It is held for `hold` steps, counted for each boat from the start of its run.
     """
 
-    def __init__(self, kind: str, senses: Sequence[str], weights: dict[str, Array], hold: int = 1) -> None:
-        """kind: how it was trained, `cloning` or `ppo`; hold: steps from one decision to the next.
+    def __init__(
+        self, kind: str, senses: Sequence[str], weights: dict[str, Array], hold: int = 1, memory: int = 0
+    ) -> None:
+        """kind: how it was trained, `cloning`, `ppo` or `sac`; hold: steps from one decision to the next.
 
-        weights, float32: mean, scale (d,) of the observations, and for each layer i from 0 `weight_<i>`
-        (in, out) and `bias_<i>` (out,). ValueError where their shapes do not fit, or `hold` is no whole
-        number of at least 1.
+        weights, float32: mean, scale (d,) of what `Memory` recalls, and for each layer i from 0
+        `weight_<i>` (in, out) and `bias_<i>` (out,). ValueError where their shapes do not fit, `hold` is no
+        whole number of at least 1, or `memory` none of at least 0.
         """
-        if isinstance(hold, bool) or not isinstance(hold, int) or hold < 1:
-            raise ValueError(f"hold must be a whole number of at least 1, not {hold!r}")
+        _check_count("hold", hold, 1)
+        _check_count("memory", memory, 0)
         self.kind = kind
         self.senses = tuple(senses)
         self.hold = hold
+        self._memory = Memory(memory, len(self.senses))
         self._weights = {name: np.asarray(value, dtype=np.float32) for name, value in weights.items()}
         count = sum(name.startswith("weight_") for name in weights)
         self._layers = [(self._weights[f"weight_{i}"], self._weights[f"bias_{i}"]) for i in range(count)]
@@ -40,23 +44,30 @@ class NetworkPilot:
         """Begin with n boats, each of which decides at its next step."""
         self._held_for = np.zeros(n, dtype=np.int64)
         self._levers = np.zeros((n, 2))
+        self._memory.begin(n)
 
     def reset_boats(self, mask: Array) -> None:
-        """The boats of `mask` (n,) decide at their next step, whatever they held."""
+        """The boats of `mask` (n,) decide at their next step, whatever they held and had seen."""
         self._held_for[np.asarray(mask, dtype=bool)] = 0
+        self._memory.forget(mask)
 
     def act(self, observation: Array) -> Array:
-        """Levers (n, 2) from the observation (n, d): decided now, or held since an earlier step."""
-        due = self._held_for == 0
-        if due.all():
-            self._levers = self._decide(observation)
-        elif due.any():
-            self._levers[due] = self._decide(observation[due])
+        """Levers (n, 2) from the observation (n, d): decided now, or held since an earlier step.
+
+        Another number of boats than before are boats that begin now.
+        """
+        if len(observation) != len(self._levers):
+            self.reset(len(observation))
+        due = np.flatnonzero(self._held_for == 0)
+        if due.size:
+            seen = np.asarray(observation)[due]
+            self._levers[due] = self._decide(self._memory.recall(seen, due))
+            self._memory.keep(seen, self._levers[due], due)
         self._held_for = (self._held_for + 1) % self.hold
         return self._levers.copy()
 
-    def _decide(self, observation: Array) -> Array:
-        x = (observation - self._weights["mean"]) / self._weights["scale"]
+    def _decide(self, recalled: Array) -> Array:
+        x = (recalled - self._weights["mean"]) / self._weights["scale"]
         x = np.clip(x, -REACH, REACH).astype(np.float32)
         for weight, bias in self._layers[:-1]:
             x = np.tanh(x @ weight + bias)
@@ -64,8 +75,13 @@ class NetworkPilot:
         return np.clip((x @ weight + bias).astype(np.float64), LOWEST, HIGHEST)
 
     def settings(self) -> dict[str, Any]:
-        """Kind, senses and hold."""
-        return {"kind": self.kind, "senses": list(self.senses), "hold": self.hold}
+        """Kind, senses, hold and memory."""
+        return {
+            "kind": self.kind,
+            "senses": list(self.senses),
+            "hold": self.hold,
+            "memory": self._memory.depth,
+        }
 
     def weights(self) -> dict[str, Array]:
         """As given at first."""
@@ -74,10 +90,10 @@ class NetworkPilot:
     @classmethod
     def build(cls, settings: dict[str, Any], weights: dict[str, Array]) -> "NetworkPilot":
         """The pilot of `settings()` and `weights()`."""
-        return cls(settings["kind"], settings["senses"], weights, settings["hold"])
+        return cls(settings["kind"], settings["senses"], weights, settings["hold"], settings.get("memory", 0))
 
     def _check_shapes(self) -> None:
-        widths = [len(self.senses), *(len(bias) for _, bias in self._layers)]
+        widths = [self._memory.seen_width, *(len(bias) for _, bias in self._layers)]
         if len(widths) < 2 or widths[-1] != 2:
             raise ValueError("the last layer must have two outputs, throttle and angle")
         shapes = {"mean": widths[:1], "scale": widths[:1]}
@@ -88,6 +104,11 @@ class NetworkPilot:
                 raise ValueError(
                     f"{name} has the shape {self._weights[name].shape}, {tuple(shape)} is needed"
                 )
+
+
+def _check_count(name: str, value: Any, least: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or value < least:
+        raise ValueError(f"{name} must be a whole number of at least {least}, not {value!r}")
 
 
 def layers_of(modules: Iterable[Any]) -> dict[str, Array]:

@@ -1,7 +1,9 @@
 """PPO (Schulman and others 2017) by stable-baselines3, on a batch of boats that is handed in."""
 
 import math
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -10,7 +12,17 @@ from pydantic import Field
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
+from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.pilots.ppo_checkpoint import Progress, load_progress, save_progress
+from swamp_rl.pilots.ppo_warm import freeze_policy, warm_start
 from swamp_rl.pilots.settings import Count, Positive, Seed, Settings, Share
+from swamp_rl.pilots.tally import Tally
+
+Log = Callable[[int, Mapping[str, float]], None]
+"""Told, after each leg, the decisions made so far, and of its episodes `success` and mean `return`."""
+
+FIRST_EPISODE = 2**31
+"Seeds of episodes to learn from begin here; those of experiments, which evaluate, end below."
 
 SENSES = (*POSE, *MOTION, *NEXT_GATE)
 
@@ -27,6 +39,8 @@ class PPOSettings(Settings):
     hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
     hold: Count = 6
     "Steps of the boat for which a decision is held, in training and after."
+    memory: Annotated[int, Field(ge=0, le=20)] = 0
+    "Earlier decisions that it knows of: what it then saw and chose."
     boats: Count = 128
     decisions: Count = 1_200_000
     "Of all boats together."
@@ -38,6 +52,12 @@ class PPOSettings(Settings):
     "For each decision."
     learning_rate: Positive = 7e-4
     "At the start; it falls linearly to nought at the end, without which the success gained is lost again."
+    leg: Count = 8
+    "Updates between two checkpoints. Each leg starts all boats anew, with random numbers of its own."
+    start: str | None = None
+    "The clone, by its name in the experiment, that the policy begins as; its `hidden` must be the same."
+    settle: Annotated[int, Field(ge=0)] = 2
+    "Legs at the start in which a learner that begins as a clone fits its value function only."
     keep: Count = 2
     exploration: Positive = 1.5
     """Standard deviation of the weights of the noise at the start. It is large, so that the levers first go
@@ -46,36 +66,43 @@ class PPOSettings(Settings):
 
 
 def train_ppo(
-    boats: Any, settings: PPOSettings | None = None, tick: Callable[[float], None] = lambda done: None
+    boats: Any,
+    settings: PPOSettings | None = None,
+    tick: Callable[[float], None] = lambda done: None,
+    log: Log = lambda decisions, values: None,
+    checkpoint: Path | None = None,
+    start: Pilot | None = None,
 ) -> NetworkPilot:
     """Learn by trying in `boats`, a stable-baselines3 VecEnv of `settings.boats` observing `settings.senses`.
 
     Its actions, from -1 to 1, are to reach over the whole way of each lever and to be held for
     `settings.hold` steps of the boats. What comes back is the mean of the policy, without its exploration.
-    `tick` hears the share done.
+    `tick` hears the share done; `log` hears success, return, episodes and seconds after each leg in which
+    episodes ended. With a file `checkpoint`, a training that was killed goes on from its last leg and ends
+    with the same bits as one that was not. start: the pilot that `settings.start` names. UserError for a
+    checkpoint that is damaged or of other settings, and for a `start` that does not fit.
     """
     import torch
-    from stable_baselines3.common.callbacks import ConvertCallback
     from stable_baselines3.common.vec_env import VecNormalize
 
+    from swamp_rl.pilots.remembering import RememberingBoats
+
     settings = settings or PPOSettings()
-    boats.seed(settings.seed)
-    scaled = VecNormalize(boats, clip_obs=REACH, gamma=settings.discount)
-
-    def hear(known: dict[str, Any], _: dict[str, Any]) -> bool:
-        tick(min(1.0, known["self"].num_timesteps / settings.decisions))
-        return True
-
+    remembering = RememberingBoats(boats, settings.memory)
+    scaled = VecNormalize(remembering, clip_obs=REACH, gamma=settings.discount)
     threads = torch.get_num_threads()
     torch.set_num_threads(1)  # layers this small are slower when divided among threads
     try:
         learner = _learner(scaled, settings)
-        learner.learn(settings.decisions, callback=ConvertCallback(hear))
+        if start is not None:
+            warm_start(learner, scaled, start, settings.senses)
+        _train(learner, scaled, settings, tick, log, checkpoint, warm=start is not None)
     finally:
         torch.set_num_threads(threads)
     seen: Any = scaled.obs_rms
     scaling = {"mean": seen.mean, "scale": np.sqrt(seen.var + scaled.epsilon)}
-    return NetworkPilot("ppo", settings.senses, {**scaling, **mean_layers(learner.policy)}, settings.hold)
+    weights = {**scaling, **mean_layers(learner.policy)}
+    return NetworkPilot("ppo", settings.senses, weights, settings.hold, settings.memory)
 
 
 def mean_layers(policy: Any) -> dict[str, Array]:
@@ -88,21 +115,80 @@ def mean_layers(policy: Any) -> dict[str, Array]:
     return layers
 
 
+def _train(
+    learner: Any,
+    scaled: Any,
+    settings: PPOSettings,
+    tick: Callable[[float], None],
+    log: Log,
+    checkpoint: Path | None,
+    warm: bool,
+) -> None:
+    """Leg after leg, from the last checkpoint on. What was logged before it is logged again."""
+    progress = Progress(settings.model_dump(mode="json"))
+    if checkpoint is not None:
+        load_progress(checkpoint, progress, learner, scaled)
+    for row in progress.curve:
+        log(row["step"], {name: value for name, value in row.items() if name != "step"})
+    scaled.training = not warm  # a clone's own scaling stays
+    while learner.num_timesteps < settings.decisions:
+        began = time.perf_counter()
+        freeze_policy(learner, frozen=warm and progress.legs < settings.settle)
+        values = _leg(learner, settings, progress.legs, tick)
+        progress.legs += 1
+        progress.seconds += time.perf_counter() - began
+        if values:
+            values["seconds"] = round(progress.seconds, 2)
+            progress.curve.append({"step": learner.num_timesteps, **values})
+        if checkpoint is not None:
+            save_progress(checkpoint, progress, learner, scaled)
+        if values:
+            log(learner.num_timesteps, values)
+
+
+def _leg(learner: Any, settings: PPOSettings, leg: int, tick: Callable[[float], None]) -> dict[str, float]:
+    """Some updates; their boats and random numbers depend on the seed and the number of the leg alone."""
+    from stable_baselines3.common.callbacks import ConvertCallback
+    from stable_baselines3.common.utils import set_random_seed
+
+    chance, episodes = np.random.SeedSequence([settings.seed, leg]).generate_state(2).tolist()
+    set_random_seed(chance)
+    learner.env.seed(FIRST_EPISODE + episodes % FIRST_EPISODE)
+    learner._last_obs = None  # so that `learn` starts the boats anew
+    tally = Tally(settings.boats)
+
+    def hear(known: dict[str, Any], _: dict[str, Any]) -> bool:
+        tally.add(learner.env.get_original_reward(), known["dones"], known["infos"])
+        tick(min(1.0, learner.num_timesteps / settings.decisions))
+        return True
+
+    update = settings.boats * settings.horizon
+    left = -(-(settings.decisions - learner.num_timesteps) // update)
+    learner.learn(min(settings.leg, left) * update, ConvertCallback(hear), reset_num_timesteps=False)
+    return tally.means()
+
+
 def _learner(scaled: Any, settings: PPOSettings) -> Any:
-    """stable-baselines3's PPO; its learning rate falls in a straight line."""
+    """stable-baselines3's PPO; its learning rate falls in a straight line over the whole training."""
     from stable_baselines3 import PPO
 
-    return PPO(
+    def rate(_: float) -> float:
+        done = learner.num_timesteps / settings.decisions if learner is not None else 0.0
+        return settings.learning_rate * max(0.0, 1.0 - done)
+
+    learner: Any = None
+    learner = PPO(
         "MlpPolicy",
         scaled,
         n_steps=settings.horizon,
         batch_size=settings.batch_size,
         n_epochs=settings.epochs,
         gamma=settings.discount,
-        learning_rate=lambda left: left * settings.learning_rate,
+        learning_rate=rate,
         use_sde=True,
         sde_sample_freq=settings.keep,
         policy_kwargs={"net_arch": list(settings.hidden), "log_std_init": math.log(settings.exploration)},
         seed=settings.seed,
         device="cpu",
     )
+    return learner

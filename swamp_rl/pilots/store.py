@@ -25,6 +25,7 @@ KINDS: dict[str, Any] = {
     "reservoir": ReservoirPilot,
     "cloning": NetworkPilot,
     "ppo": NetworkPilot,
+    "sac": NetworkPilot,
 }
 
 
