@@ -178,9 +178,9 @@ class Hypothesis:
         """The effects with their numbers; x: (p,) or (V, p) for V boats at once."""
         return [entry for atom, own in self.parts(x) for entry in entries_of(atom, own)]
 
-    def records(self, boat: Boat, x: Array) -> NDArray[Any]:
-        """(V,) parameter records of the boat with x (V, p)."""
-        record = parameters(boat, len(x))
+    def records(self, boat: Boat, x: Array, plain: NDArray[Any] | None = None) -> NDArray[Any]:
+        """(V,) parameter records of the boat with x (V, p); plain: (1,) the boat's own, if at hand."""
+        record = np.repeat(parameters(boat) if plain is None else plain, len(x))
         apply_effects(record, self.entries(x), boat.thruster_names)
         return record
 

@@ -14,9 +14,13 @@ from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.heldout import Confirmation, confirmation
 from swamp_rl.criticism.ladder import RUNGS, Ladder, whole_runs
 from swamp_rl.criticism.score import Prospect
+from swamp_rl.criticism.shooting import Shooting
 
 GAP = 9.0  # of penalised chi2 within which two names cannot be told apart
+NEARLY = 1.2  # chi2 a sample up to which what is left may be a lost row or another start
 NEAR = 40.0  # the same on shorter windows, beyond which longer ones will not bring two together
+CLEARLY = 50.0  # of penalised chi2, beyond what longer windows can do to the comparison of two fits
+OVERWHELMING = 500.0  # the same, beyond what a fit that has not quite ended can be wrong by
 FAR = 1.8  # standard deviations of a derivative's prior beyond which it may be more than a nuisance
 MOST_RIVALS = 4
 LAST = len(RUNGS) - 1
@@ -47,6 +51,24 @@ def climb(ladder: Ladder, hypothesis: Hypothesis, x: np.ndarray) -> Fit:
     return ladder.fit(1, hypothesis, x)
 
 
+def near(problem: Shooting, at: Fit) -> bool:
+    """Whether so little is left that a closer look is worth while."""
+    return at.chi2 < NEARLY * problem.samples or adequacy(problem, at).adequate
+
+
+def adequate_rung(ladder: Ladder, at: Fit) -> int | None:
+    """The rung on which a fit to the middle windows leaves nothing but noise, None where none does: those
+    windows, or whole runs, which alone read a command that changed in a lost row as it fits.
+    """
+    if adequacy(ladder.problems[1], at).adequate:
+        return 1
+    if ladder.gaps and near(ladder.problems[1], at):
+        whole = whole_runs(ladder, at.hypothesis, at.x)
+        if adequacy(ladder.problems[LAST], whole).adequate:
+            return LAST
+    return None
+
+
 def concluded(
     ladder: Ladder,
     best: Fit,
@@ -57,7 +79,8 @@ def concluded(
 ) -> Search:
     """What may be said of the best; atoms: all that could have been picked."""
     chances = len(atoms) * (1 + len(best.hypothesis.atoms))
-    rung, adequate = 1, adequacy(ladder.problems[1], best).adequate
+    found = adequate_rung(ladder, best)
+    rung, adequate = found or 1, found is not None
     if adequate:
         whole = whole_runs(ladder, best.hypothesis, best.x)
         if adequacy(ladder.problems[LAST], whole).adequate:
@@ -89,9 +112,11 @@ def concluded(
 def without(ladder: Ladder, best: Fit, label: str, rung: int) -> Fit:
     """The best less one atom, fitted on a rung from where the best is."""
     less = best.hypothesis.without(label)
+    known = ladder.fits.get((rung, less.label))
+    if known is not None and (not less.atoms or known.chi2 > best.chi2 + OVERWHELMING):
+        return known
     x = np.concatenate([np.zeros(0), *(own for a, own in best.hypothesis.parts(best.x) if a.label != label)])
     made = fit(ladder.problems[rung], less, x, best.states, 8, fresh=True)
-    known = ladder.fits.get((rung, less.label))
     if known is None or made.chi2 < known.chi2:
         ladder.fits[(rung, less.label)] = made
     return ladder.fits[(rung, less.label)]
@@ -100,10 +125,23 @@ def without(ladder: Ladder, best: Fit, label: str, rung: int) -> Fit:
 def pruned(ladder: Ladder, best: Fit, rung: int) -> Fit:
     """The best less the atoms that do not earn their cost."""
     for atom in best.hypothesis.atoms:
+        if indispensable(ladder, best, atom.label, rung):
+            continue
         less = without(ladder, best, atom.label, rung)
         if score(less) <= score(best):
             return pruned(ladder, less, rung)
     return best
+
+
+def indispensable(ladder: Ladder, best: Fit, label: str, rung: int) -> bool:
+    """Whether even shorter windows, which forgive more, miss an atom by far: a bound that saves the fit to
+    longer ones.
+    """
+    for shorter in range(rung):
+        whole = ladder.fit(shorter, best.hypothesis, best.x)
+        if score(without(ladder, whole, label, shorter)) > score(best) + CLEARLY:
+            return True
+    return False
 
 
 def confirmations(ladder: Ladder, best: Fit, chances: int) -> dict[str, Confirmation]:
@@ -112,7 +150,7 @@ def confirmations(ladder: Ladder, best: Fit, chances: int) -> dict[str, Confirma
     for atom in best.hypothesis.atoms:
         if atom.effect.name == NUISANCE and len(best.hypothesis.atoms) > 1:
             continue
-        for rung in (1, 0):  # longer windows see more, shorter ones are more
+        for rung in (0, 1):  # shorter windows are more, and cheaper; longer ones see more
             whole = ladder.fit(rung, best.hypothesis, best.x)
             less = without(ladder, whole, atom.label, rung)
             one = confirmation(ladder.problems[rung], whole, less, 2 * chances)

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Hypothesis
+from swamp_rl.criticism.settle import enough, settle
 from swamp_rl.criticism.shooting import Shooting
 
 Array = NDArray[np.float64]
 
-ENOUGH = 0.3  # a step that lowers chi2 by less ends the fit
 DAMPINGS = (0.0, 1.0, 4.0, 16.0, 64.0)  # steps tried are shorter than one reach (below) over this
 STRAY, ROUNDS = 1.35, 4  # times the median loss that marks a stray window, steps it is given of its own
 # share of the promised gain below which a Jacobian is taken anew, where a step gains less than CLOSE and more
@@ -123,34 +123,6 @@ def bounded_step(H: Array, g: Array, x: Array, low: Array, high: Array) -> Array
     return step
 
 
-def settle(
-    problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, rounds: int
-) -> tuple[Array, Array, Array]:
-    """States (W, 6), prediction and residual at their best under a given x (p,): every window for itself, by
-    Marquardt's steps.
-    """
-    states = states.copy()
-    base = problem.predict(hypothesis, x[None], states[None])[0]
-    residual = problem.residuals(base)
-    damping = np.zeros(len(states))
-    for _ in range(rounds):
-        slopes = problem.state_jacobian(hypothesis, x, states, base)
-        transposed = np.swapaxes(slopes, 1, 2)
-        A = transposed @ slopes
-        diagonal = np.einsum("wii->wi", A) * (1e-11 + damping[:, None]) + 1e-12
-        A += diagonal[..., None] * np.eye(6)
-        tried = states + np.linalg.solve(A, transposed @ residual[..., None])[..., 0]
-        prediction = problem.predict(hypothesis, x[None], tried[None])[0]
-        left = problem.residuals(prediction)
-        gain = (residual**2).sum(axis=1) - (left**2).sum(axis=1)
-        better = gain > 0.0
-        states[better], base[better], residual[better] = tried[better], prediction[better], left[better]
-        if not (gain > ENOUGH).any() and (damping[~better] > 0.0).all():
-            break
-        damping = np.where(better, np.where(damping < 0.01, 0.0, damping / 10.0), 10.0 * damping + 0.01)
-    return states, base, residual
-
-
 def stray_windows(problem: Shooting, residual: Array) -> NDArray[np.bool_]:
     """(W,) windows that fit far worse than the others: their initial state went astray."""
     seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)), 1)
@@ -202,10 +174,15 @@ def fit(
         first = False
         gain = at.chi2 - moved.chi2
         at, newest = moved, newest and gain == 0.0
-        if gain > ENOUGH and kept > (TRUSTED if gain < CLOSE else TRUSTED_AFAR):
+        least = enough(problem, at.chi2)
+        if gain > least and kept > (TRUSTED if gain < CLOSE else TRUSTED_AFAR):
             continue
         if newest or used >= steps or (kept > TRUSTED and not fresh):
-            freed = _released(problem, hypothesis, at, slopes[0], STUCK) if released < RELEASES else None
+            freed = (
+                _released(problem, hypothesis, at, slopes[0], max(STUCK, least))
+                if released < RELEASES
+                else None
+            )
             if freed is None:
                 break
             at, released = freed, released + 1
@@ -249,7 +226,7 @@ def _step(
         g = normal.gradient.sum(axis=0) - precision * (at.x - mean)
         step = bounded_step(H, g, at.x, low, high)
         promised = at.chi2 - float(normal.free.sum()) - at.penalty + float(2 * g @ step - step @ H @ step)
-        if number == 0 and promised < ENOUGH:
+        if number == 0 and promised < enough(problem, at.chi2):
             return at, 0, 1.0
         moved = _moved(problem, hypothesis, at, step, normal.shift(step), first)
         if moved.chi2 < at.chi2:
@@ -276,7 +253,7 @@ def _released(
         place = np.flatnonzero(could)[better]
         states[place], base[place], residual[place] = (one[better] for one in found)
     moved = Point(at.x, states, base, residual, at.penalty)
-    return moved if moved.chi2 < at.chi2 - ENOUGH else None
+    return moved if moved.chi2 < at.chi2 - enough(problem, at.chi2) else None
 
 
 def _moved(

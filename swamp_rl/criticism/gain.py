@@ -148,6 +148,6 @@ def change(before: Array, after: Array, block: NDArray[np.int64], rng: np.random
 
 def expanded_tail(count: int, tail: float = 0.025) -> float:
     """The share to cut from each end of a percentile bootstrap of `count` blocks."""
-    from scipy.stats import norm, t
+    from scipy.special import ndtr, stdtrit
 
-    return float(norm.cdf(math.sqrt(count / (count - 1)) * t.ppf(tail, count - 1)))
+    return float(ndtr(math.sqrt(count / (count - 1)) * stdtrit(count - 1, tail)))

@@ -96,8 +96,7 @@ def reread(problem: Shooting, at: Fit, every: Sequence[Gap]) -> Trials:
         for reading, needed in readings:
             changed = trials.commands.copy()
             changed[gap.run, rows] = reading
-            one.trials = replace(trials, commands=changed)
-            one.plain_actuators = one.actuators(Hypothesis(), np.zeros((1, 0)))[0]
+            one = one.under(replace(trials, commands=changed))
             track = one.predict(at.hypothesis, at.x[None], at.states[window][None])[0]
             none = np.zeros((1, track.size, 0))
             normal = normal_equations(at.states_jacobian[window], none, one.residuals(track))

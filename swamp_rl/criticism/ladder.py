@@ -48,6 +48,11 @@ class Ladder:
         self.fits[key] = made
         return made
 
+    @property
+    def rolled(self) -> int:
+        """Steps of a boat that were rolled out so far."""
+        return sum(problem.rolled[0] for problem in self.problems)
+
     def put(self, rung: int, problem: Shooting) -> None:
         """Another comparison on a rung; what was fitted there is forgotten."""
         self.problems[rung], self.guesses[rung] = problem, problem.guess()
@@ -77,7 +82,7 @@ def whole_runs(ladder: Ladder, hypothesis: Hypothesis, x: Array) -> Fit:
     """The fit to whole runs, the commands of lost rows read as fits it best; later fits keep that reading."""
     last = len(RUNGS) - 1
     first = ladder.problems[last]
-    if not ladder.gaps:
+    if not ladder.gaps or (last, hypothesis.label) in ladder.fits:
         return ladder.fit(last, hypothesis, x)
     trials = resolved(first.trials, first.weight, ladder.gaps, hypothesis, x)
     ladder.put(last, Shooting(trials, first.weight, first.seconds))

@@ -1,24 +1,24 @@
 """The simplest set of causes that leaves only noise: a beam search up a ladder of complexity."""
 
-import time
 from collections.abc import Sequence
 
 import numpy as np
 
 from swamp_rl.criticism.adequacy import adequacy
 from swamp_rl.criticism.candidates import Atom, Hypothesis
-from swamp_rl.criticism.conclude import Search, climb, concluded
+from swamp_rl.criticism.conclude import Search, adequate_rung, climb, concluded, near
 from swamp_rl.criticism.cost import cost as cost_of
 from swamp_rl.criticism.cost import needed, score
 from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.ladder import Ladder
 from swamp_rl.criticism.score import Prospect, prospects
+from swamp_rl.criticism.shooting import Shooting
 
-PATIENCE = 35.0  # s of the processor's time after which no further depth is begun
+PATIENCE = 2.5e7  # steps of a boat rolled out (some half a minute), after which no further depth is begun
 MOST = 3  # atoms together, the hull's coefficients counted as one
 BEAM = 5  # sets of causes that a further one is sought beside
 SHORTLIST = 8  # sets that are fitted at each depth
-FIRST = 3  # of them, those fitted before any other
+FIRST = 3  # of them, those fitted in any case, unless one leaves nothing but noise
 CLIMBERS = 4  # of them, those that are followed to longer windows
 SEEN = 10.0  # least information about a candidate, in squared typical sizes over variance
 HOPE = 0.2  # share of the best one's gain by which another may stay behind and still be followed
@@ -27,16 +27,19 @@ HOPE = 0.2  # share of the best one's gain by which another may stay behind and 
 def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None) -> Search:
     """Climb from nothing to `MOST` atoms, until what is left is noise and nothing more is to be gained."""
     every = [*atoms, *([hull] if hull else [])]
-    nothing = climb(ladder, Hypothesis(), np.zeros(0))
-    first = prospects(ladder.problems[0], ladder.fit(0, Hypothesis(), np.zeros(0)), every)
-    unseen = [one.atom.label for one in first if one.seen < SEEN]
+    best = climb(ladder, Hypothesis(), np.zeros(0))
+    rung = adequate_rung(ladder, best)
+    first = prospects(ladder.problems[rung or 0], ladder.fit(rung or 0, Hypothesis(), np.zeros(0)), every)
+    if rung is not None and not _promising(ladder, rung, best, first):
+        return concluded(ladder, best, [], first, _unseen(first), every)
+    if rung is not None:
+        first = prospects(ladder.problems[0], ladder.fit(0, Hypothesis(), np.zeros(0)), every)
+    unseen = _unseen(first)
     every = [atom for atom in every if atom.label not in unseen]
     tried: dict[str, Fit] = {}
-    best = nothing
     beam = [ladder.fit(0, Hypothesis(), np.zeros(0))]
-    began = time.thread_time()
     for depth in range(MOST):
-        if time.thread_time() - began > PATIENCE or _is_enough(ladder, best, every):
+        if ladder.rolled > PATIENCE or (depth > 0 and _is_enough(ladder, best, every)):
             break
         fitted = _extend(ladder, beam, every, first if depth == 0 else None)
         if not fitted:
@@ -44,11 +47,12 @@ def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None) -> Search:
         tried |= {one.hypothesis.label: one for one in fitted}
         limit = score(fitted[0]) + 200.0 + HOPE * (beam[0].chi2 - fitted[0].chi2)
         beam = [one for one in fitted[:BEAM] if score(one) < limit]
-        climbed = sorted(
-            (climb(ladder, one.hypothesis, one.x) for one in _climbers(ladder, fitted)), key=score
-        )
-        if score(climbed[0]) < score(best):
-            best = climbed[0]
+        hopeful = [one for one in _climbers(ladder, fitted) if near(ladder.problems[0], one)]
+        for one in hopeful:
+            best = min(best, climb(ladder, one.hypothesis, one.x), key=score)
+    if tried and adequate_rung(ladder, best) is None:
+        closest = min(tried.values(), key=score)
+        best = min(best, climb(ladder, closest.hypothesis, closest.x), key=score)
     return concluded(ladder, best, list(tried.values()), first, unseen, every)
 
 
@@ -59,19 +63,31 @@ def _climbers(ladder: Ladder, fitted: list[Fit]) -> list[Fit]:
 
 
 def _is_enough(ladder: Ladder, at: Fit, atoms: Sequence[Atom]) -> bool:
-    """Whether only noise is left on the middle windows and no further atom promises anything."""
-    if not adequacy(ladder.problems[1], at).adequate:
+    """Whether only noise is left on longer windows and no further atom promises anything there."""
+    rung = adequate_rung(ladder, at)
+    if rung is None:
         return False
-    here = ladder.fit(1, at.hypothesis, at.x)
-    return not any(
-        here.chi2 - one.promised > needed(one.atom) and _holds(ladder, one, here)
-        for one in prospects(ladder.problems[1], here, atoms)
+    here = ladder.fit(rung, at.hypothesis, at.x)
+    return not _promising(ladder, rung, here, prospects(ladder.problems[rung], here, atoms))
+
+
+def _unseen(ahead: Sequence[Prospect]) -> list[str]:
+    """Labels of those that the data cannot show."""
+    return [one.atom.label for one in ahead if one.seen < SEEN]
+
+
+def _promising(ladder: Ladder, rung: int, at: Fit, ahead: Sequence[Prospect]) -> bool:
+    """Whether an atom beside the hypothesis promises more than it costs, and keeps that when fitted."""
+    here = ladder.fit(rung, at.hypothesis, at.x)
+    return any(
+        here.chi2 - one.promised > needed(one.atom) and _holds(ladder.problems[rung], one, here)
+        for one in ahead
     )
 
 
-def _holds(ladder: Ladder, prospect: Prospect, here: Fit) -> bool:
+def _holds(problem: Shooting, prospect: Prospect, here: Fit) -> bool:
     """Whether a promise is kept by a true fit from there."""
-    made = fit(ladder.problems[1], prospect.hypothesis, prospect.x, here.states, 4)
+    made = fit(problem, prospect.hypothesis, prospect.x, here.states, 4)
     return here.chi2 - made.chi2 > needed(prospect.atom)
 
 
@@ -90,13 +106,14 @@ def _extend(
             if one.seen >= SEEN and (label not in found or one.promised < found[label].promised):
                 found[label] = one
     chosen = sorted(found.values(), key=lambda one: one.promised + cost_of(one.hypothesis))[:SHORTLIST]
-    fitted = [ladder.fit(0, one.hypothesis, one.x, one.states) for one in chosen[:FIRST]]
-    best = min(fitted, key=score, default=None)
+    fitted: list[Fit] = []
     limit = np.inf
-    if best is not None:
-        share = HOPE if adequacy(ladder.problems[0], best).adequate else 2 * HOPE
-        limit = score(best) + 300.0 + share * max(at.chi2 - best.chi2 for at in beam)
-    for one in chosen[FIRST:]:
+    for number, one in enumerate(chosen):
         if one.promised + cost_of(one.hypothesis) < limit:
             fitted.append(ladder.fit(0, one.hypothesis, one.x, one.states))
+        best = min(fitted, key=score)
+        enough = adequacy(ladder.problems[0], best).adequate
+        if enough or number + 1 >= FIRST:
+            gained = max(at.chi2 - best.chi2 for at in beam)
+            limit = score(best) + 300.0 + (1 if enough else 2) * HOPE * gained
     return sorted(fitted, key=score)

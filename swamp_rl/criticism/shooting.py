@@ -1,7 +1,7 @@
 """Multiple shooting: windows of runs, each from an initial state of its own, predicted by rollouts."""
 
 import math
-from dataclasses import dataclass
+from copy import copy
 from functools import cached_property
 from itertools import pairwise
 
@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Trials
+from swamp_rl.criticism.guess import guessed_states
 from swamp_rl.criticism.kernel import roll, roll_actuators
+from swamp_rl.criticism.windows import Windows
 from swamp_rl.sensors import observe
 from swamp_rl.simulator import initial_state, parameters, tank
 from swamp_rl.simulator.state import ACTUATORS
@@ -21,30 +23,11 @@ SUBSTEP, SUBSTEP_OF_RUNS = 0.1, 0.05  # s, the longest Runge-Kutta step; whole r
 PAD = 1.0  # s simulated before a window's first sample, so that delays see what went before
 SHORTEST = 1.5  # s of a window that a doubtful command leaves, below which it is not compared
 SETTLING = 3.0  # s at a run's start that are not compared: how the actuators stood there is not recorded
-GUESS_SPAN, LONGEST_SPAN = 1.0, 2.0  # s to either side that a first guess of a state is smoothed over
-CLEAN_POSITION = 0.1  # m of noise up to which the short span will do
 # sd of a guessed state, at least, and in standard deviations of the noise (m, m, rad, m/s, m/s, rad/s)
 BELIEVED, BELIEVED_NOISE = np.array([0.5, 0.5, 0.15, 0.5, 0.5, 0.3]), 3.0
+COURSES = 12  # of actuators over whole runs that are kept
 NO_PUSH = np.zeros((0, 1, 3))
 STATE_STEP = np.array([1e-3, 1e-3, 1e-4, 1e-4, 1e-4, 1e-4])
-
-
-@dataclass(frozen=True)
-class Windows:
-    """W windows: run, first sample simulated, steps from there; measured and weight (W, rows, 6)."""
-
-    run: NDArray[np.int64]
-    first: NDArray[np.int64]
-    steps: NDArray[np.int64]
-    measured: Array
-    weight: Array
-    pad: int
-    rows: int
-
-    @property
-    def count(self) -> int:
-        """W."""
-        return len(self.run)
 
 
 def cut(trials: Trials, weight: Array, seconds: float, before: float = PAD) -> Windows:
@@ -120,12 +103,16 @@ class Shooting:
         self.seconds = seconds
         self.weight = weight
         self.tank = tank(trials.boat)
+        self.record = parameters(trials.boat)
         self.dt = trials.dt
         self.windows = self._held(cut(trials, weight, seconds, before)) if windows is None else windows
         self.substeps = max(
             1, math.ceil(trials.dt / (SUBSTEP if math.isfinite(seconds) else SUBSTEP_OF_RUNS) - 1e-9)
         )
         self.samples = int((self.windows.weight[:, self.windows.pad :] > 0).sum())
+        self.last = int(self.windows.first.max()) + 1
+        self.rolled = [0]  # steps of a boat, over all parts of this comparison
+        self.courses: dict[tuple[str, bytes], Array] = {}
 
     def _held(self, windows: Windows) -> Windows:
         """The windows, their first row holding what the states are guessed to be, with little weight: so that
@@ -142,7 +129,7 @@ class Shooting:
     @cached_property
     def boat_thrust(self) -> Array:
         """(K,) most thrust [N] of each thruster, at rest."""
-        record = parameters(self.boat)[0]
+        record = self.record[0]
         jets = record["thrust_linear"] + record["thrust_quadratic"]
         return np.maximum(jets, 1.0)
 
@@ -163,22 +150,38 @@ class Shooting:
             win.pad,
             win.measured.shape[1],
         )
-        made = Shooting(self.trials, self.weight, self.seconds, windows)
+        made = copy(self)
+        made.windows = windows
+        made.samples = int((windows.weight[:, windows.pad :] > 0).sum())
         made.plain_actuators = self.plain_actuators[chosen]
+        return made
+
+    def under(self, trials: Trials) -> "Shooting":
+        """The same windows with other commands."""
+        made = copy(self)
+        made.trials, made.courses = trials, {}
+        made.plain_actuators = made.actuators(Hypothesis(), np.zeros((1, 0)))[0]
         return made
 
     def actuators(self, hypothesis: Hypothesis, x: Array) -> Array:
         """(V, W, S - 6) time and actuators at the windows' starts for each row of x (V, p)."""
-        runs, variants = len(self.trials.lengths), len(x)
-        records = np.repeat(hypothesis.records(self.boat, x), runs)
-        start = initial_state(records, np.zeros((len(records), 3)))
-        start[:, ACTUATORS:] = np.tile(self._first_actuators(start.shape[1] - ACTUATORS), (variants, 1))
-        run = np.tile(np.arange(runs), variants)
-        last = int(self.windows.first.max()) + 1
-        states = np.empty((len(records), last, start.shape[1] - 6))
-        roll_actuators(records, start, self.trials.commands, run, self.dt, states)
-        picked = states.reshape(variants, runs, last, -1)[:, self.windows.run, self.windows.first]
-        return np.ascontiguousarray(picked)
+        places = self.windows.run, self.windows.first
+        return np.stack([self._course(hypothesis, row)[places] for row in x])
+
+    def _course(self, hypothesis: Hypothesis, x: Array) -> Array:
+        """(R, rows, S - 6) time and actuators up to the last window's start under x (p,)."""
+        key = hypothesis.label, x.tobytes()
+        if key not in self.courses:
+            runs = len(self.trials.lengths)
+            records = np.repeat(hypothesis.records(self.boat, x[None], self.record), runs)
+            start = initial_state(records, np.zeros((runs, 3)))
+            start[:, ACTUATORS:] = self._first_actuators(start.shape[1] - ACTUATORS)
+            states = np.empty((runs, self.last, start.shape[1] - 6))
+            roll_actuators(records, start, self.trials.commands, np.arange(runs), self.dt, states)
+            if len(self.courses) >= COURSES:
+                del self.courses[next(iter(self.courses))]
+            self.courses[key] = states
+        return self.courses[key]
 
     def _first_actuators(self, width: int) -> Array:
         """(R, width) actuators where the first command wants them."""
@@ -194,7 +197,7 @@ class Shooting:
         starts; push: (V W or 0, B, 3) and block as in `roll`.
         """
         win, variants = self.windows, len(x)
-        records = hypothesis.records(self.boat, x)
+        records = hypothesis.records(self.boat, x, self.record)
         if hypothesis.moves_actuators:
             rows, place = np.unique(x, axis=0, return_inverse=True)
             actuators = self.actuators(hypothesis, rows)[place.reshape(-1)]
@@ -205,6 +208,7 @@ class Shooting:
         batch = np.repeat(records, win.count)
         run, first, steps = (np.tile(a, variants) for a in (win.run, win.first, win.steps))
         seeds = np.zeros(len(start), np.uint64)
+        self.rolled[0] += int(steps.sum()) * self.substeps
         roll(
             batch,
             self.tank,
@@ -272,38 +276,4 @@ class Shooting:
 
     def guess(self, windows: Windows | None = None) -> Array:
         """(W, 6) states at the starts, smoothed from what was measured about them."""
-        win = windows or self.windows
-        return np.array([self._guess(run, first) for run, first in zip(win.run, win.first, strict=True)])
-
-    def _guess(self, run: int, first: int) -> Array:
-        track, weight = self.trials.measured[run], self.weight[run]
-        known = weight[:, :1].max()
-        # the longer, the noisier the positions: the error of a slope falls with the span to the power 3/2
-        longer = (1.0 / max(known, 1e-6) / CLEAN_POSITION) ** (2 / 3) if track.shape[0] else 1.0
-        span = max(2, round(min(max(GUESS_SPAN * longer, GUESS_SPAN), LONGEST_SPAN) / self.dt))
-        near = np.arange(max(0, first - span), min(int(self.trials.lengths[run]), first + span + 1))
-        state = np.zeros(6)
-        rates = np.zeros(3)
-        for channel in range(3):
-            state[channel], rates[channel] = _level_and_slope(
-                near - first, track[near, channel], weight[near, channel]
-            )
-        rates /= self.dt
-        cos, sin = math.cos(state[2]), math.sin(state[2])
-        state[3:] = (rates[0] * cos + rates[1] * sin, rates[1] * cos - rates[0] * sin, rates[2])
-        for channel in range(3, 6):
-            if (weight[near, channel] > 0).sum() >= 3:
-                state[channel] = _level_and_slope(near - first, track[near, channel], weight[near, channel])[
-                    0
-                ]
-        return state
-
-
-def _level_and_slope(place: NDArray[np.int64], values: Array, weight: Array) -> tuple[float, float]:
-    """Value and slope at place 0 of a parabola through the samples that have weight."""
-    good = weight > 0
-    if not good.any():
-        return 0.0, 0.0
-    degree = min(2, int(good.sum()) - 1)
-    fitted = np.polynomial.polynomial.polyfit(place[good], values[good], degree)
-    return float(fitted[0]), float(fitted[1]) if degree else 0.0
+        return guessed_states(self.trials, self.weight, windows or self.windows)

@@ -1,0 +1,60 @@
+"""First guesses of a boat's state, smoothed from what was measured about an instant."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data import Trials
+from swamp_rl.criticism.windows import Windows
+
+Array = NDArray[np.float64]
+
+SPAN, LONGEST_SPAN = 1.0, 2.0  # s to either side that a guess is smoothed over
+CLEAN_POSITION = 0.1  # m of noise up to which the short span will do
+
+
+def guessed_states(trials: Trials, weight: Array, windows: Windows) -> Array:
+    """(W, 6) states at the windows' starts; weight: (R, T, 6).
+
+    Parabolas through the poses; their slopes stand in for velocities that were not measured.
+    """
+    # the longer, the noisier the positions: the error of a slope falls with the span to the power 3/2
+    noise = 1.0 / np.maximum(weight[:, :, 0].max(axis=1), 1e-6)
+    seconds = np.clip(SPAN * (noise / CLEAN_POSITION) ** (2 / 3), SPAN, LONGEST_SPAN)
+    spans = np.maximum(2, np.rint(seconds / trials.dt).astype(int))[windows.run]
+    states = np.empty((windows.count, 6))
+    for span in np.unique(spans):
+        mine = spans == span
+        states[mine] = _smoothed(trials, weight, windows.run[mine], windows.first[mine], int(span))
+    return states
+
+
+def _smoothed(
+    trials: Trials, weight: Array, run: NDArray[np.int64], first: NDArray[np.int64], span: int
+) -> Array:
+    place = np.arange(-span, span + 1)
+    near = first[:, None] + place
+    inside = (near >= 0) & (near < trials.lengths[run][:, None])
+    near = np.clip(near, 0, trials.measured.shape[1] - 1)
+    good = (weight[run[:, None], near] > 0) & inside[..., None]
+    level, slope = levels_and_slopes(place / span, trials.measured[run[:, None], near], good)
+    rate = slope[:, :3] / (span * trials.dt)
+    cos, sin = np.cos(level[:, 2]), np.sin(level[:, 2])
+    ahead, aside = rate[:, 0] * cos + rate[:, 1] * sin, rate[:, 1] * cos - rate[:, 0] * sin
+    told = np.stack([ahead, aside, rate[:, 2]], axis=1)
+    known = good[..., 3:].sum(axis=1) >= 3
+    return np.concatenate([level[:, :3], np.where(known, level[:, 3:], told)], axis=1)
+
+
+def levels_and_slopes(place: Array, values: Array, good: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Value and slope (W, C) at place 0 of parabolas through the good ones of values (W, T, C) at places
+    (T,); a line through two, zeros where there is none.
+    """
+    powers = place[:, None] ** np.arange(5)
+    moments = np.einsum("wtc,tk->wck", good.astype(float), powers)
+    sums = np.einsum("wtc,tk->wck", np.where(good, values, 0.0), powers[:, :3])
+    degrees = np.arange(3) < good.sum(axis=1)[..., None]
+    matrix = moments[..., np.arange(3)[:, None] + np.arange(3)]
+    both = degrees[..., :, None] & degrees[..., None, :]
+    matrix = np.where(both, matrix, np.eye(3))
+    solved = np.linalg.solve(matrix, np.where(degrees, sums, 0.0)[..., None])[..., 0]
+    return solved[..., 0], solved[..., 1]
