@@ -12,6 +12,7 @@ from experiments.stopping import stoppable
 from experiments.verbs_compare import compare
 from experiments.verbs_criticism import diagnose
 from experiments.verbs_demo import demo
+from experiments.verbs_experiments import evaluate, run, train
 from experiments.verbs_export import export
 from experiments.verbs_identification import identify_app
 from experiments.verbs_people import record
@@ -34,6 +35,8 @@ app = typer.Typer(
 app.add_typer(runs_app, name="runs")
 app.add_typer(identify_app, name="identify")
 app.add_typer(trial_app, name="trial")
+for verb in (run, train, evaluate):
+    app.command()(verb)
 app.command()(compare)
 app.command()(diagnose)
 app.command()(demo)
@@ -58,23 +61,6 @@ def _swamp_rl(
     ] = False,
 ) -> None:
     pass
-
-
-@app.command()
-def run(
-    experiment: Annotated[str, typer.Argument(help="A name in configs/experiments, or a YAML file.")],
-    set_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set", metavar="KEY=VALUE", help="Override a key of the file, dotted; may be repeated."
-        ),
-    ] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder of results, in place of results/NAME.")] = None,
-) -> None:
-    """Train, evaluate and report all that an experiment's YAML asks for."""
-    from experiments.run import run_experiment
-
-    run_experiment(experiment, set_ or [], out)
 
 
 @app.command()
@@ -151,7 +137,7 @@ def main() -> None:
         code = 128 + signals[0]  # whatever became of the exception on its way
     if code in (INTERRUPTED, TERMINATED):
         ended = "interrupted" if code == INTERRUPTED else "terminated"
-        _complain(f"{ended}; what was not finished was not kept", code)
+        _complain(f"{ended}; only what was finished is kept", code)
     sys.exit(code)
 
 

@@ -12,18 +12,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from experiments.kept import WORK, seeds, write_hashes
 from experiments.learn import get_data, train_pilots
-from experiments.progress import Stages, peak_memory
+from experiments.progress import Stages, measured
 from experiments.results import pilot_results
-from experiments.scene import Scene, write_config
+from experiments.scene import Scene
 from experiments.schema import Logs
 from experiments.trial import try_pilots
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.diagnose import diagnose
+from swamp_rl.criticism.diagnose import RESULT, diagnose
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.effects import parse_effects
 from swamp_rl.evaluation import Table, paired_difference, write_episodes
-from swamp_rl.files import read_yaml, write_yaml
+from swamp_rl.files import folder_beside, read_yaml, write_yaml
 from swamp_rl.pilots.record import NOTES, drive_episodes
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.store import save_pilot
@@ -51,20 +52,21 @@ def close_loop(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
     """Every stage in turn, each writing what it makes into `folder`; what goes into results.json."""
     truth, plan = true_scene(scene), scene.experiment.hidden
     assert plan is not None
-    write_config(scene, folder / "config")
-    with progress.stage("log the true boat"):
-        write_logs(truth, plan.logs, folder / "logs")
-    with progress.stage("diagnose"):
-        found = diagnose(folder / "logs", scene.experiment.boat, folder / "diagnosis")
+    if not (folder / "logs").exists():
+        with progress.stage("log the true boat"), folder_beside(folder / "logs") as part:
+            write_logs(truth, plan.logs, part)
+    if not (folder / "diagnosis").exists():
+        with progress.stage("diagnose"):
+            diagnose(folder / "logs", scene.experiment.boat, folder / "diagnosis")
+    found = Diagnosis.model_validate_json((folder / "diagnosis" / RESULT).read_text(encoding="utf-8"))
     extended = folder / "diagnosis" / "extended_boat.yaml"
     tables: dict[tuple[str, str], Table] = {}
     for simulator, boat in zip(SIMULATORS, (scene.experiment.boat, str(extended)), strict=True):
-        stages = Stages(progress.bars)
+        stages = Stages(progress.bars).logged_in(folder / simulator / WORK / "seconds.json")
         own = with_boat(scene, boat)
-        flown = fly(own, truth, folder / simulator, stages, simulator == SIMULATORS[0])
+        flown = fly(own, truth, folder / simulator, stages, extended)
         tables |= {(called(name, simulator), level): table for (name, level), table in flown.items()}
         progress.seconds.update({f"{name}, {simulator}": s for name, s in stages.seconds.items()})
-        relative_vehicle(folder / simulator / "data", extended, simulator)
     write_episodes(folder / "episodes.parquet", tables)
     return results_of(scene, found, tables, progress, folder)
 
@@ -81,15 +83,16 @@ def with_boat(scene: Scene, boat: str) -> Scene:
 
 
 def fly(
-    own: Scene, truth: Scene, folder: Path, progress: Stages, first: bool
+    own: Scene, truth: Scene, folder: Path, progress: Stages, extended: Path
 ) -> dict[tuple[str, str], Table]:
     """Train the pilots in their own simulator and fly them in the true boat; episodes by pilot and level."""
     dataset = get_data(own, folder, progress)
+    relative_vehicle(folder / "data", extended, folder.name)
     pilots = train_pilots(own, dataset, folder / "pilots", progress)
-    if first:
+    if folder.name == SIMULATORS[0]:
         pilots["scripted"] = ScriptedPilot(own.experiment.evaluation.seed, step=own.experiment.step)
         save_pilot(pilots["scripted"], folder / "pilots" / "scripted")
-    return dict(try_pilots(truth, pilots, progress).tables)
+    return dict(try_pilots(truth, pilots, progress, folder / WORK / "tried").tables)
 
 
 def relative_vehicle(data: Path, extended: Path, simulator: str) -> None:
@@ -169,11 +172,9 @@ def results_of(
         "pilots": {name: {"levels": by_level} for name, by_level in levels.items()},
         "differences": differences_of(scene, tables),
         "targets": [],
-        "measured": {
-            "seconds": {name: round(value, 2) for name, value in progress.seconds.items()},
-            "total_seconds": round(sum(progress.seconds.values()), 1),
-            "peak_memory_gb": round(peak_memory(), 2),
-        },
+        "data": {"sha256": write_hashes(folder / "logs", folder)},
+        "seeds": seeds(experiment),
+        "measured": measured(progress),
     }
     write_report(folder, results)
     return results

@@ -10,18 +10,23 @@ from experiments.progress import Stages, Tick
 from experiments.scene import Scene
 from experiments.schema import PilotPlan
 from swamp_rl.errors import UserError
+from swamp_rl.files import folder_beside
+from swamp_rl.pilots.description import FittedOn
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import record_scripted
 from swamp_rl.pilots.scripted import ScriptedPilot
-from swamp_rl.pilots.store import save_pilot
+from swamp_rl.pilots.store import load_pilot, save_pilot
 from swamp_rl.pilots.takeover import TakeoverPilot
 from swamp_rl.runs import Dataset, read_dataset
 
 
 def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:
-    """The dataset that the experiment names, or one recorded now into `folder`/data; UserError if unfit."""
+    """The dataset that the experiment names, or one recorded into `folder`/data, unless it is there already.
+
+    UserError where it is unfit.
+    """
     plan = scene.experiment.data
-    if plan.folder is None:
+    if plan.folder is None and not (folder / "data").exists():
         with progress.stage("record runs", plan.record.good) as tick:
             record(scene, folder / "data", tick)
     dataset = read_dataset(folder / "data" if plan.folder is None else plan.folder)
@@ -50,21 +55,49 @@ def record(scene: Scene, folder: Path, tick: Tick) -> None:
     )
 
 
-def train_pilots(scene: Scene, dataset: Dataset, folder: Path, progress: Stages) -> dict[str, Pilot]:
-    """Every pilot of the experiment by name, in the experiment's order, each saved into `folder`/NAME."""
+def train_pilots(
+    scene: Scene, dataset: Dataset, folder: Path, progress: Stages, only: list[str] | None = None
+) -> dict[str, Pilot]:
+    """Every pilot of the experiment (or `only` some) by name, each saved into `folder`/NAME with its curve.
+
+    Those that are there already are taken as they are, and a training that was cut short goes on where its
+    learner can. What comes back is read from `folder`, so that a first life and a later one have the same.
+    """
     plans = scene.experiment.pilots
-    alone: dict[str, Pilot] = {}
+    order = in_order(plans, only)
     pilots: dict[str, Pilot] = {}
-    for name in in_order(plans):
-        curve: list[dict[str, float]] = []
-        with progress.stage(f"train {name}", 1.0) as tick:
-            log = partial(_add_point, curve)
-            alone[name] = train(scene, dataset, plans[name], tick, trained=alone, log=log)
-        pilots[name] = with_takeover(scene, plans[name], alone[name])
-        save_pilot(pilots[name], folder / name)
+    for name in order:
+        if not (folder / name).exists():
+            others = {other: _alone(pilot) for other, pilot in pilots.items()}
+            _train_into(folder, name, scene, dataset, others, progress)
+        pilots[name] = load_pilot(folder / name)
+    return {name: pilots[name] for name in plans if name in order}
+
+
+def _train_into(
+    folder: Path,
+    name: str,
+    scene: Scene,
+    dataset: Dataset,
+    trained: Mapping[str, Pilot],
+    progress: Stages,
+) -> None:
+    plan = scene.experiment.pilots[name]
+    checkpoint = folder / f".checkpoint-{name}"
+    curve: list[dict[str, float]] = []
+    with progress.stage(f"train {name}", 1.0) as tick:
+        training = _training(scene, dataset, plan, tick, checkpoint, trained, partial(_add_point, curve))
+        pilot = learner(plan.kind).train(training)
+    with folder_beside(folder / name) as part:
+        save_pilot(with_takeover(scene, plan, pilot), part, _fitted_on(training))
         if curve:
-            write_curve(folder / name / CURVE, curve)
-    return {name: pilots[name] for name in plans}
+            write_curve(part / CURVE, curve)
+    checkpoint.unlink(missing_ok=True)
+
+
+def _alone(pilot: Pilot) -> Pilot:
+    """The learned pilot, without the one that drives before it."""
+    return pilot.then if isinstance(pilot, TakeoverPilot) else pilot
 
 
 def train(
@@ -80,9 +113,27 @@ def train(
 
     trained: the pilots that it starts from, by name. checkpoint, log: see `Training`.
     """
-    learns = learner(plan.kind)
-    settings = learns.settings.model_validate(plan.options)
-    return learns.train(Training(scene, plan, settings, dataset, tick, checkpoint, log, trained or {}))
+    return learner(plan.kind).train(_training(scene, dataset, plan, tick, checkpoint, trained or {}, log))
+
+
+def _training(
+    scene: Scene,
+    dataset: Dataset,
+    plan: PilotPlan,
+    tick: Tick,
+    checkpoint: Path | None,
+    trained: Mapping[str, Pilot],
+    log: Log,
+) -> Training:
+    settings = learner(plan.kind).settings.model_validate(plan.options)
+    return Training(scene, plan, settings, dataset, tick, checkpoint, log, trained)
+
+
+def _fitted_on(training: Training) -> FittedOn | None:
+    learns = learner(training.plan.kind)
+    if learns.fitted_on is not None:
+        return learns.fitted_on(training)
+    return training.fitted_on() if learns.from_runs else None
 
 
 def _add_point(curve: list[dict[str, float]], step: int, values: Mapping[str, float]) -> None:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from envs.batched import GatesVectorEnv
     from experiments.scene import Scene
     from experiments.schema import PilotPlan
+    from swamp_rl.pilots.description import FittedOn
     from swamp_rl.pilots.pilot import Pilot
     from swamp_rl.runs import Dataset, Run
 
@@ -47,10 +48,24 @@ class Training:
     def runs(self) -> "list[Run]":
         """The runs it learns from, with the gates it was heading for; UserError where there are too few."""
         from envs.hindsight import with_gates
+
+        return [with_gates(run, self.scene.course) for run in self._chosen()]
+
+    def fitted_on(self) -> "FittedOn":
+        """Which runs these are, to be stored with the pilot."""
+        from experiments.kept import digest, hashes
+        from swamp_rl.pilots.description import FittedOn
+
+        return FittedOn(
+            dataset=digest(hashes(self.dataset.folder)),
+            source=self.dataset.meta.source,
+            runs=tuple(run.name for run in self._chosen()),
+        )
+
+    def _chosen(self) -> "list[Run]":
         from swamp_rl.pilots.demonstrations import choose_runs
 
-        chosen = choose_runs(self.dataset.runs, self.plan.runs, self.plan.outcomes)
-        return [with_gates(run, self.scene.course) for run in chosen]
+        return choose_runs(self.dataset.runs, self.plan.runs, self.plan.outcomes)
 
     def boats(self, n: int, senses: tuple[str, ...]) -> "GatesVectorEnv":
         """Boats to try in, among the disturbances it trains in; a boat that has ended starts anew at once."""
@@ -71,6 +86,8 @@ class Learner:
     "It learns in the simulator, so that `disturbances` has a meaning."
     starts_from: tuple[str, ...] = ()
     "Options that name other pilots of the experiment, which are trained first; None names nobody."
+    fitted_on: "Callable[[Training], FittedOn | None] | None" = None
+    "The runs that are stored with the pilot as those it learned from; by default those of its training."
 
 
 def learner(kind: str) -> Learner:
@@ -180,10 +197,28 @@ def _sac() -> Learner:
     return Learner(SACSettings, train, _tries_told, by_trying=True)
 
 
+class StoredSettings(Settings):
+    """Of a pilot that was trained before."""
+
+    folder: str
+
+
+def _stored() -> Learner:
+    from swamp_rl.pilots.store import describe_pilot, load_pilot
+
+    return Learner(
+        StoredSettings,
+        train=lambda training: load_pilot(training.settings.folder),
+        told=lambda plan: f"as it was stored in `{plan.options['folder']}`",
+        fitted_on=lambda training: describe_pilot(training.settings.folder).fitted_on,
+    )
+
+
 LEARNERS: dict[str, Callable[[], Learner]] = {
     "scripted": _scripted,
     "reservoir": _reservoir,
     "cloning": _cloning,
     "ppo": _ppo,
     "sac": _sac,
+    "stored": _stored,
 }

@@ -157,20 +157,24 @@ def _again(results: Results) -> str:
         "`swamp-rl demo` on this folder shows these and any other runs of `data/` and `driven/`.\n"
         "* `episodes.parquet` has a row for each episode of each pilot.\n"
         "* `pilots/` holds the pilots, `config/` the experiment with every option written out and copies of "
-        "the files it names, `versions.json` the versions.\n"
-        "* `swamp-rl run config/experiment.yaml` does it again.\n\n"
-        f"It took {measured['total_seconds']:.0f} s ({_stages(measured['seconds'])}) and at most "
-        f"{measured['peak_memory_gb']:.1f} GB."
+        "the files it names, `versions.json` the versions; `sha256sum -c data.sha256` checks the runs.\n"
+        "* `swamp-rl run` on this folder does it again, with the same numbers on the same machine.\n\n"
+        "## Where the time went\n\n" + time_table(measured)
     )
 
 
-def _stages(seconds: Mapping[str, float]) -> str:
-    """Seconds by the first word of the stages' names."""
-    sums: dict[str, float] = {}
-    for name, value in seconds.items():
-        word = name.split()[0]
-        sums[word] = sums.get(word, 0.0) + value
-    return ", ".join(f"{word} {value:.0f} s" for word, value in sums.items())
+def time_table(measured: Mapping[str, Any]) -> str:
+    """Every stage of a job with its wall-clock time, and the machine that it ran on."""
+    total, machine = measured["total_seconds"], measured["hardware"]
+    rows = [
+        [name, f"{seconds:.1f}", f"{100 * seconds / max(total, 1e-9):.0f}"]
+        for name, seconds in measured["seconds"].items()
+    ]
+    return (
+        f"{total:.0f} s of wall-clock and at most {measured['peak_memory_gb']:.1f} GB, "
+        f"on {machine['processors']} processors ({machine['processor']}, {machine['platform']}).\n\n"
+        + table(["stage", "seconds", "percent"], rows)
+    )
 
 
 def _number(cost: str, value: float | None) -> str:

@@ -1,27 +1,21 @@
-"""The main job: from one YAML to pilots, what they are worth, and a report, in one folder of results."""
+"""From an experiment's YAML to a folder of results; or only to its pilots, to be evaluated later."""
 
-import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from experiments.driven import write_driven
+from experiments.job import job, same_job, say
+from experiments.kept import RESULTS, TRAINED, kept_config, same_configs, with_data_hash
 from experiments.learn import get_data, train_pilots
-from experiments.pictures import choose_race, draw_figures, write_race
-from experiments.progress import Stages, peak_memory, stages
-from experiments.report import rate, report
-from experiments.results import gather
-from experiments.scene import Scene, read_scene, write_config
-from experiments.schema import load_experiment
-from experiments.trial import try_pilots
-from experiments.versions import versions
-from swamp_rl.evaluation import write_episodes
-from swamp_rl.files import folder_beside
+from experiments.main_job import do_experiment
+from experiments.printed import print_results, read_json, write_json
+from experiments.progress import Stages, measured
+from experiments.scene import Scene, read_scene
+from experiments.schema import Experiment, load_experiment
+from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
 
-RESULTS = "results.json"
-"""A folder that holds it is a whole result, which a later one may replace."""
+Work = Callable[[Scene, Path, Stages], dict[str, Any]]
 
 
 def run_experiment(
@@ -30,80 +24,90 @@ def run_experiment(
     """Do all that an experiment's YAML asks for and return the folder of results, by default results/NAME.
 
     The folder is built beside and renamed when whole; only then an earlier result in its place is replaced,
-    and anything else there is refused. UserError for whatever is wrong in the file, before any work is done.
+    and anything else there is refused. What an unfinished life of the same job has left, and what
+    `train_experiment` has trained, is gone on from. Given a folder of results, it does the same again, from
+    the configuration that is kept there. UserError for whatever is wrong in the file, before any work.
     """
-    from experiments.closed_loop import close_loop, true_scene
+    with same_configs(kept_config(name_or_path)):
+        experiment = load_experiment(name_or_path, overrides)
+        folder = _folder(experiment, out)
+        return evaluated(experiment, name_or_path, folder, None)
 
-    scene = read_scene(load_experiment(name_or_path, overrides))
-    work = do_experiment
-    if scene.experiment.hidden is not None:
-        true_scene(scene)  # whose effects are refused now, not after an hour
-        work = close_loop
-    folder = Path(out) if out is not None else Path("results") / scene.experiment.name
-    with folder_beside(folder, replaces=RESULTS) as part, stages() as progress:
-        results = work(scene, part, progress)
-        write_json(part / RESULTS, results)
+
+def evaluated(experiment: Experiment, given: str | Path, folder: Path, trained: Path | None) -> Path:
+    """The folder of results of an experiment `given` so; runs and pilots in `trained` are taken over.
+
+    Without it, those in `folder` are, where that holds pilots of the same job and no evaluation.
+    """
+    scene, work = _sound(experiment, given)
+    with job(scene, folder, (RESULTS, TRAINED), trained or _earlier(folder, scene)) as (part, progress):
+        if not (part / RESULTS).is_file():
+            write_json(part / RESULTS, work(scene, part, progress))
+        (part / TRAINED).unlink(missing_ok=True)
+        results = read_json(part / RESULTS)
     print_results(results, folder)
     return folder
 
 
-def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
-    """Every stage in turn, each writing what it makes into `folder`; what goes into results.json."""
-    write_config(scene, folder / "config")
-    write_json(folder / "versions.json", versions())
-    dataset = get_data(scene, folder, progress)
-    pilots = train_pilots(scene, dataset, folder / "pilots", progress)
-    tried = try_pilots(scene, pilots, progress)
-    with progress.stage("compare and draw"):
-        write_episodes(folder / "episodes.parquet", tried.tables)
-        results = gather(scene, dataset, tried.tables)
-        race = choose_race(scene, dataset, tried)
-        results["race"] = {"level": race.level, "runs": {who: run.name for who, run in race.runs.items()}}
-        draw_figures(scene, dataset, tried, race, results, folder / "figures")
-        write_race(scene, race, folder / "demo.rrd")
-        write_driven(scene, tried, folder / "driven")
-    results["measured"] = {
-        "seconds": {name: round(value, 2) for name, value in progress.seconds.items()},
-        "total_seconds": round(sum(progress.seconds.values()), 1),
-        "peak_memory_gb": round(peak_memory(), 2),
-    }
-    (folder / "report.md").write_text(report(results), encoding="utf-8")
-    return results
+def train_experiment(
+    name_or_path: str | Path,
+    overrides: Iterable[str] = (),
+    out: Path | str | None = None,
+    only: list[str] | None = None,
+) -> Path:
+    """Record and train what an experiment asks for, all its pilots or `only` some, and evaluate none.
+
+    The folder, by default results/NAME, is one that `run_experiment` goes on from, and so does a later call
+    for other pilots of the same experiment. UserError where it holds a whole result.
+    """
+    with same_configs(kept_config(name_or_path)):
+        scene, work = _sound(load_experiment(name_or_path, overrides), name_or_path)
+        plans = scene.experiment.pilots
+        if work is not do_experiment:
+            raise UserError(f"{name_or_path}: its pilots learn from what its logs tell; use swamp-rl run")
+        for name in only or ():
+            if name not in plans:
+                raise UserError(f"{name_or_path}: no pilot {name!r}{nearest(name, plans)}")
+        folder = _folder(scene.experiment, out)
+        there = _train(scene, folder, only)
+    print(f"{folder}: {len(there)} of {len(plans)} pilots trained ({', '.join(there)})")
+    return folder
 
 
-def write_json(path: Path, data: Mapping[str, Any]) -> None:
-    """Strict JSON: what has no value is null, never NaN."""
-    path.write_text(json.dumps(data, indent=2, allow_nan=False, default=_plain) + "\n", encoding="utf-8")
+def _train(scene: Scene, folder: Path, only: list[str] | None) -> list[str]:
+    """The names of the pilots that lie in `folder` afterwards."""
+    if (folder / RESULTS).is_file():
+        raise UserError(
+            f"{folder}: holds a whole result, which is not replaced by pilots alone; name another with --out"
+        )
+    with job(scene, folder, (TRAINED,), _earlier(folder, scene)) as (part, progress):
+        dataset = get_data(scene, part, progress)
+        train_pilots(scene, dataset, part / "pilots", progress, only)
+        there = [name for name in scene.experiment.pilots if (part / "pilots" / name).exists()]
+        write_json(part / TRAINED, {"pilots": there, "measured": measured(progress)})
+    return there
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.generic):
-        return value.item()
-    raise TypeError(f"{type(value).__name__} does not go into JSON")
+def _folder(experiment: Experiment, out: Path | str | None) -> Path:
+    return Path(out) if out is not None else Path("results") / experiment.name
 
 
-def print_results(results: Mapping[str, Any], folder: Path) -> None:
-    """The table that ends the job: success by pilot and level, the targets missed, where everything lies."""
-    from rich.box import SIMPLE_HEAD
-    from rich.console import Console
-    from rich.table import Table
+def _sound(experiment: Experiment, given: str | Path) -> tuple[Scene, Work]:
+    """The scene of an experiment, and what is to be done in it; UserError for whatever is wrong."""
+    from experiments.closed_loop import close_loop, true_scene
 
-    levels = results["evaluation"]["levels"]
-    episodes = results["evaluation"]["episodes"]
-    table = Table(title=f"{results['name']}: success in {episodes} episodes, percent", box=SIMPLE_HEAD)
-    table.add_column("pilot")
-    for level in levels:
-        table.add_column(level, justify="right", no_wrap=True)
-    for name, pilot in results["pilots"].items():
-        table.add_row(name, *(rate(pilot["levels"][level]) for level in levels))
-    console = Console()
-    console.print(table)
-    missed = [target for target in results["targets"] if not target["reached"]]
-    reached = len(results["targets"]) - len(missed)
-    console.print(f"{reached} of {len(results['targets'])} targets reached")
-    for target in missed:
-        console.print(f"  not: {target['what']} of {target['pilot']}, {target['level']}")
-    measured = results["measured"]
-    console.print(
-        f"{measured['total_seconds']:.0f} s, {measured['peak_memory_gb']:.1f} GB: see {folder}/report.md"
-    )
+    scene = read_scene(with_data_hash(experiment, str(given)))
+    if experiment.hidden is None:
+        return scene, do_experiment
+    true_scene(scene)  # whose effects are refused now, not after an hour
+    return scene, close_loop
+
+
+def _earlier(folder: Path, scene: Scene) -> Path | None:
+    """The folder itself, where it holds pilots of the same job that are not evaluated yet."""
+    if (folder / RESULTS).is_file() or not (folder / TRAINED).is_file():
+        return None
+    if same_job(folder, scene):
+        return folder
+    say(f"{folder}: was trained with another configuration or version; begun anew")
+    return None

@@ -1,6 +1,5 @@
-"""Everything an experiment names, read and found to be sound, and a copy of it kept with the results."""
+"""Everything an experiment names, read and found to be sound."""
 
-import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,7 @@ from experiments.schema import Experiment
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.course import Course, load_course
 from swamp_rl.errors import UserError
-from swamp_rl.files import find_config, read_yaml, write_yaml
+from swamp_rl.files import find_config, read_yaml
 
 
 @dataclass(frozen=True)
@@ -66,15 +65,19 @@ def read_scene(experiment: Experiment) -> Scene:
     return scene
 
 
-def write_config(scene: Scene, folder: Path) -> None:
-    """The experiment as it is run, and copies of the boat, course and level files that it names."""
-    write_yaml(folder / "experiment.yaml", scene.experiment.model_dump(mode="json"))
+def config_files(scene: Scene) -> dict[str, Path]:
+    """The boat, course and level files that an experiment names, by the path that a copy of each is kept at.
+
+    UserError where two of a kind have the same name.
+    """
     named = [("boats", file) for file in _boat_files(scene.experiment.boat)]
     named += [("courses", find_config("courses", scene.experiment.course))]
     named += [("disturbances", find_config("disturbances", level)) for level in _levels(scene)]
+    files: dict[str, Path] = {}
     for kind, file in named:
-        (folder / kind).mkdir(exist_ok=True)
-        shutil.copyfile(file, folder / kind / file.name)
+        if not files.setdefault(f"{kind}/{file.name}", file).samefile(file):
+            raise UserError(f"{file}: another of the {kind} has the same name; rename one of the two")
+    return files
 
 
 def _levels(scene: Scene) -> list[str]:

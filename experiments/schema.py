@@ -48,9 +48,13 @@ class Record(Part):
 
 
 class Data(Part):
-    """What the pilots learn from: the dataset in `folder`, or one recorded now into the results."""
+    """What the pilots learn from: the dataset in `folder`, or one recorded now into the results.
+
+    sha256: what the folder's files must add up to, written out in the configuration kept with results.
+    """
 
     folder: str | None = None
+    sha256: str | None = None
     record: Record = Record()
 
 
@@ -161,19 +165,38 @@ class Experiment(Part):
 
 
 def load_experiment(name_or_path: str | Path, overrides: Iterable[str] = ()) -> Experiment:
-    """The experiment of a file, given by path or by its bare name in configs/experiments.
+    """The experiment of a file, given by path, by its bare name in configs/experiments or by its results.
 
     An `extends:` in the file names another whose keys it overrides; `overrides` are `key=value` with a dotted
     key and a YAML value, and come last. UserError names the file and the key of the first fault.
     """
-    path = find_config("experiments", name_or_path)
-    data = _extended(path, ())
+    path = _file_of(name_or_path)
+    return _read(path, _extended(path, ()), overrides)
+
+
+def overridden(
+    where: str | Path, experiment: Experiment, changes: Mapping[str, Any], overrides: Iterable[str] = ()
+) -> Experiment:
+    """The experiment with `changes` by key over it, then `overrides`; UserError names `where` and the key."""
+    return _read(where, merged(experiment.model_dump(mode="json"), changes), overrides)
+
+
+def _read(where: str | Path, data: dict[str, Any], overrides: Iterable[str]) -> Experiment:
     for override in overrides:
         data = merged(data, _parsed(override))
-    return _with_all_options(path, validated(path, Experiment, data))
+    return _with_all_options(where, validated(where, Experiment, data))
 
 
-def _with_all_options(path: Path, experiment: Experiment) -> Experiment:
+def _file_of(name_or_path: str | Path) -> Path:
+    """The file meant; a folder of results means the one in its `config`, where there is one."""
+    given = Path(name_or_path)
+    for file in (given / "config" / "experiment.yaml", given / "experiment.yaml"):
+        if file.is_file():
+            return file
+    return find_config("experiments", name_or_path)
+
+
+def _with_all_options(path: str | Path, experiment: Experiment) -> Experiment:
     """The experiment with every option of its pilots written out; UserError for an unknown or wrong one."""
     pilots = {}
     for name, plan in experiment.pilots.items():

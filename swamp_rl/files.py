@@ -6,8 +6,9 @@ import os
 import re
 import shutil
 import uuid
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,9 @@ from swamp_rl.explain import validated as validated
 
 DEEPEST = 100  # levels of nesting in a YAML file
 CONFIG_KINDS = ("boats", "courses", "disturbances", "trials", "experiments", "sweeps")
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
 HINTS = {
-    errno.ENOSPC: "free some room",
-    errno.EDQUOT: "free some room",
+    **dict.fromkeys(NO_ROOM, "free some room"),
     errno.EEXIST: "a folder is needed there, name another path",
     errno.ENOTDIR: "a folder is needed there, name another path",
 }
@@ -72,7 +73,7 @@ def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Pat
     mark = uuid.uuid4().hex[:8]
     part, old = (path.with_name(f".{what}-{mark}-{path.name}") for what in ("part", "old"))
     try:
-        _refuse_to_replace(path, replaces)
+        refuse_to_replace(path, () if replaces is None else (replaces,))
         part.mkdir(parents=True)
         yield part
         for file in sorted(part.rglob("*"), reverse=True):
@@ -91,12 +92,13 @@ def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Pat
             shutil.rmtree(leftover, ignore_errors=True)
 
 
-def _refuse_to_replace(path: Path, replaces: str | None) -> None:
+def refuse_to_replace(path: Path, replaces: Collection[str]) -> None:
+    """UserError unless folder `path` is absent, empty, or holds one of the files named `replaces`."""
     if not path.exists():
         return
     if not path.is_dir():
         raise UserError(f"{path}: is a file, a folder was to be written here; name another or remove it")
-    ours = replaces is not None and (path / replaces).exists()
+    ours = any((path / name).exists() for name in replaces)
     if not ours and any(path.iterdir()):
         raise UserError(
             f"{path}: already exists and is not an earlier result; name another folder or remove it"
@@ -112,10 +114,26 @@ def flush(path: Path) -> None:
         os.close(handle)
 
 
+_copies: ContextVar[Mapping[tuple[str, str], Path]] = ContextVar("copies", default={})  # noqa: B039
+
+
+@contextmanager
+def config_copies(copies: Mapping[tuple[str, str], Path]) -> Iterator[None]:
+    """Within the block `find_config` gives these files, by kind and name or path, in place of its own."""
+    token = _copies.set(copies)
+    try:
+        yield
+    finally:
+        _copies.reset(token)
+
+
 def find_config(kind: str, name_or_path: str | Path) -> Path:
     """The YAML file meant by a bare name (`swamp` -> configs/boats/swamp.yaml) or by a path."""
     if kind not in CONFIG_KINDS:
         raise ValueError(f"kind is one of {CONFIG_KINDS}, not {kind!r}")
+    copy = _copies.get().get((kind, str(name_or_path)))
+    if copy is not None:
+        return copy
     given = Path(name_or_path)
     if given.suffix in (".yaml", ".yml") or len(given.parts) != 1:
         if not given.is_file():
@@ -206,8 +224,12 @@ def _kind_of(data: Any) -> str:
     return named.get(type(data), f"a lone {type(data).__name__}")
 
 
+def yaml_text(data: Mapping[str, Any]) -> str:
+    """A mapping as YAML; floats keep every bit."""
+    return yaml.dump(dict(data), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+
+
 def write_yaml(path: Path | str, data: Mapping[str, Any]) -> None:
-    """Write a mapping as YAML, beside it first and then renamed; floats keep every bit."""
-    text = yaml.dump(dict(data), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+    """Write a mapping as `yaml_text`, beside it first and then renamed."""
     with write_beside(path) as part:
-        part.write_text(text, encoding="utf-8")
+        part.write_text(yaml_text(data), encoding="utf-8")

@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from envs.batched import GatesVectorEnv
-from experiments import run as job
+from experiments import learn, main_job
 from experiments.run import run_experiment
 from experiments.schema import load_experiment
 from swamp_rl.errors import UserError
@@ -158,23 +158,20 @@ def stopped(*_: Any) -> None:
     raise KeyboardInterrupt
 
 
-def test_an_interrupted_job_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(job, "train_pilots", stopped)
-    with pytest.raises(KeyboardInterrupt):
-        run_experiment("smoke", out=tmp_path / "smoke")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_an_interrupted_job_leaves_the_earlier_result(
+def test_an_interrupted_job_leaves_the_earlier_result_and_goes_on_when_asked_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "smoke").mkdir()
     (tmp_path / "smoke" / "results.json").write_text("earlier")
-    monkeypatch.setattr(job, "train_pilots", stopped)
+    monkeypatch.setattr(main_job, "train_pilots", stopped)
     with pytest.raises(KeyboardInterrupt):
         run_experiment("smoke", out=tmp_path / "smoke")
-    assert [path.name for path in tmp_path.rglob("*")] == ["smoke", "results.json"]
+    assert [path.name for path in (tmp_path / "smoke").iterdir()] == ["results.json"]
     assert (tmp_path / "smoke" / "results.json").read_text() == "earlier"
+    monkeypatch.setattr(learn, "record", stopped)  # the runs are there already
+    with pytest.raises(KeyboardInterrupt):
+        run_experiment("smoke", out=tmp_path / "smoke")
+    assert len(read_dataset(tmp_path / ".part-smoke" / "data").successful) == 4
 
 
 def test_a_folder_that_holds_something_else_is_not_replaced(tmp_path: Path) -> None:

@@ -1,0 +1,47 @@
+"""The stages of the main job, each of which a later life of the job finds done or does anew."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+from experiments.driven import write_driven
+from experiments.kept import WORK, seeds, write_hashes
+from experiments.learn import get_data, train_pilots
+from experiments.pictures import choose_race, draw_figures, write_race
+from experiments.progress import Stages, measured
+from experiments.report import report
+from experiments.results import gather
+from experiments.scene import Scene
+from experiments.trial import Tried, try_pilots
+from swamp_rl.evaluation import write_episodes
+from swamp_rl.runs import Dataset
+
+
+def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
+    """Every stage in turn, each writing what it makes into `folder`; what goes into results.json."""
+    dataset = get_data(scene, folder, progress)
+    pilots = train_pilots(scene, dataset, folder / "pilots", progress)
+    tried = try_pilots(scene, pilots, progress, folder / WORK / "tried")
+    with progress.stage("compare"):
+        write_episodes(folder / "episodes.parquet", tried.tables)
+        results = gather(scene, dataset, tried.tables) | {"seeds": seeds(scene.experiment)}
+        results["data"]["sha256"] = write_hashes(dataset.folder, folder)
+    _show(scene, folder, dataset, tried, results, progress)
+    results["measured"] = measured(progress)
+    (folder / "report.md").write_text(report(results), encoding="utf-8")
+    return results
+
+
+def _show(
+    scene: Scene, folder: Path, dataset: Dataset, tried: Tried, results: dict[str, Any], progress: Stages
+) -> None:
+    """Figures, recordings and the runs of the pilots, as far as an earlier life wrote any, anew."""
+    for name in ("figures", "driven"):
+        shutil.rmtree(folder / name, ignore_errors=True)
+    race = choose_race(scene, dataset, tried)
+    results["race"] = {"level": race.level, "runs": {who: run.name for who, run in race.runs.items()}}
+    with progress.stage("draw figures"):
+        draw_figures(scene, dataset, tried, race, results, folder / "figures")
+    with progress.stage("write recordings"):
+        write_race(scene, race, folder / "demo.rrd")
+        write_driven(scene, tried, folder / "driven")

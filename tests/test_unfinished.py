@@ -1,0 +1,114 @@
+"""Folders built over more than one life of a process: taken up, begun anew, locked, whole in their place."""
+
+import errno
+import os
+from pathlib import Path
+
+import pytest
+
+from swamp_rl import unfinished
+from swamp_rl.errors import UserError
+from swamp_rl.unfinished import taken_up
+
+SAME = {"config/it.yaml": b"a: 1\n"}
+
+
+def interrupted(path: Path, description: dict[str, bytes] = SAME) -> None:
+    """A life that wrote one file and was ended while it wrote another."""
+    with pytest.raises(KeyboardInterrupt), taken_up(path, ("mark",), description) as part:
+        (part / "done").write_text("done")
+        (part / ".part-half").write_text("ha")
+        raise KeyboardInterrupt
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+def test_a_whole_folder_takes_its_place_and_leaves_nothing_beside_it(tmp_path: Path) -> None:
+    with taken_up(tmp_path / "out", (), SAME) as part:
+        (part / "mark").write_text("new")
+    assert names(tmp_path) == ["out/config/it.yaml", "out/mark"]
+    assert (tmp_path / "out" / "config" / "it.yaml").read_bytes() == SAME["config/it.yaml"]
+
+
+def test_the_same_job_finds_what_was_finished_and_nothing_half_written(tmp_path: Path) -> None:
+    interrupted(tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    with taken_up(tmp_path / "out", (), SAME) as part:
+        assert (part / "done").read_text() == "done"
+        assert not (part / ".part-half").exists()
+    assert names(tmp_path) == ["out/config/it.yaml", "out/done"]
+
+
+def test_another_job_begins_anew_and_says_so(tmp_path: Path) -> None:
+    interrupted(tmp_path / "out")
+    said: list[str] = []
+    with taken_up(tmp_path / "out", (), {"config/it.yaml": b"a: 2\n"}, said.append) as part:
+        assert not (part / "done").exists()
+    assert len(said) == 1 and "begun anew" in said[0]
+    assert (tmp_path / "out" / "config" / "it.yaml").read_bytes() == b"a: 2\n"
+
+
+def test_an_earlier_result_stays_until_a_whole_one_replaces_it(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "mark").write_text("earlier")
+    interrupted(out)
+    assert (out / "mark").read_text() == "earlier"
+    with taken_up(out, ("mark",), SAME) as part:
+        (part / "mark").write_text("later")
+    assert (out / "mark").read_text() == "later"
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_a_process_that_dies_between_the_two_renames_loses_neither_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "mark").write_text("earlier")
+    replace = os.replace
+
+    def dies(source: Path, target: Path) -> None:
+        if Path(target) == out:
+            raise KeyboardInterrupt
+        replace(source, target)
+
+    monkeypatch.setattr(unfinished.os, "replace", dies)
+    with pytest.raises(KeyboardInterrupt), taken_up(out, ("mark",), SAME) as part:
+        (part / "mark").write_text("later")
+    monkeypatch.undo()
+    assert not out.exists()
+    with taken_up(out, ("mark",), SAME) as part:
+        assert (out / "mark").read_text() == "earlier"
+        assert (part / "mark").read_text() == "later"
+    assert (out / "mark").read_text() == "later"
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_a_second_command_on_the_same_folder_is_refused_and_disturbs_nothing(tmp_path: Path) -> None:
+    with taken_up(tmp_path / "out", (), SAME) as part:
+        (part / "done").write_text("done")
+        with pytest.raises(UserError, match="at work on it"), taken_up(tmp_path / "out", (), {"other": b""}):
+            pass
+        assert (part / "done").exists()
+    assert names(tmp_path) == ["out/config/it.yaml", "out/done"]
+
+
+def test_a_job_that_cannot_be_done_leaves_nothing_and_one_without_room_goes_on_later(tmp_path: Path) -> None:
+    with pytest.raises(UserError), taken_up(tmp_path / "out", (), SAME):
+        raise UserError("no such level")
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(UserError, match="free some room"), taken_up(tmp_path / "out", (), SAME) as part:
+        (part / "done").write_text("done")
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    with taken_up(tmp_path / "out", (), SAME) as part:
+        assert (part / "done").exists()
+
+
+def test_what_is_no_earlier_result_is_not_replaced(tmp_path: Path) -> None:
+    (tmp_path / "thesis.txt").write_text("years of work")
+    with pytest.raises(UserError, match="not an earlier result"), taken_up(tmp_path, ("mark",), SAME):
+        pass
+    assert names(tmp_path) == ["thesis.txt"]

@@ -1,0 +1,47 @@
+"""An experiment of a few seconds, and what two results of it must have in common."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+TINY = """
+name: tiny
+boat: swamp
+course: camogli
+data: {record: {good: 3, failed: 0}}
+pilots:
+  scripted: {kind: scripted}
+  reservoir: {kind: reservoir, takeover: 1.0, options: {units: 20}}
+  net: {kind: cloning, options: {epochs: 3}}
+  ppo: {kind: ppo, disturbances: calm, options: {decisions: 1024, boats: 16, horizon: 16, batch_size: 64, leg: 1}}
+evaluation: {levels: [calm], episodes: 3, seed: 1, shown: 2}
+"""
+EXACT = ("config", "data", "pilots", "driven", "episodes.parquet", "data.sha256", "versions.json")
+
+
+def write_tiny(folder: Path, *only: str) -> Path:
+    """The experiment's file, with only some of its pilots if any are named."""
+    data = yaml.safe_load(TINY)
+    data["pilots"] = {name: plan for name, plan in data["pilots"].items() if not only or name in only}
+    (folder / "tiny.yaml").write_text(yaml.safe_dump(data, sort_keys=False))
+    return folder / "tiny.yaml"
+
+
+def content(folder: Path) -> dict[str, Any]:
+    """All of a result that does not depend on when and how it came about: bytes by file, and results.json."""
+    files = [
+        path for name in EXACT for path in (folder / name, *(folder / name).rglob("*")) if path.is_file()
+    ]
+    found: dict[str, Any] = {path.relative_to(folder).as_posix(): _bytes(path) for path in files}
+    results = json.loads((folder / "results.json").read_text())
+    return found | {"results.json": {key: value for key, value in results.items() if key != "measured"}}
+
+
+def _bytes(path: Path) -> Any:
+    """What a file holds; a curve without how long its points took."""
+    if path.suffix != ".jsonl":
+        return path.read_bytes()
+    points = [json.loads(line) for line in path.read_text().splitlines()]
+    return [{key: value for key, value in point.items() if key != "seconds"} for point in points]
