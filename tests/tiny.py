@@ -15,7 +15,10 @@ pilots:
   scripted: {kind: scripted}
   reservoir: {kind: reservoir, takeover: 1.0, options: {units: 20}}
   net: {kind: cloning, options: {epochs: 3}}
-  ppo: {kind: ppo, disturbances: calm, options: {decisions: 1024, boats: 16, horizon: 16, batch_size: 64, leg: 1}}
+  ppo:
+    kind: ppo
+    disturbances: calm
+    options: {decisions: 1024, boats: 16, horizon: 16, batch_size: 64, leg: 1}
 evaluation: {levels: [calm], episodes: 3, seed: 1, shown: 2}
 """
 EXACT = ("config", "data", "pilots", "driven", "episodes.parquet", "data.sha256", "versions.json")
