@@ -19,6 +19,8 @@ def diagnose(
 
     found = examine(dataset, boat, out, holdout)
     typer.echo(f"verdict: {found.verdict}")
+    if found.verdict == "indistinguishable":
+        typer.echo("  the one that fits best:")
     for cause in found.causes:
         on = f" {cause.thruster}" if cause.thruster else ""
         numbers = ", ".join(
@@ -30,6 +32,18 @@ def diagnose(
     if found.separating_trial:
         trial = found.separating_trial
         typer.echo(f"  would tell them apart: {trial.manoeuvre} ({trial.separation:.1f} standard errors)")
+    for left in found.leftover[:1]:
+        typer.echo(
+            f"  unexplained: {left.force}, which goes with {left.variable} ({left.explained:.0%} of it)"
+        )
+    for gain in found.gain:
+        if gain.horizon_s == 10.0 and gain.position_rmse_m:
+            missed = gain.position_rmse_m
+            typer.echo(
+                f"  position 10 s ahead is off by {missed.before:.3g} m, with it by {missed.after:.3g} m"
+            )
+    for lack in found.missing_motion:
+        typer.echo(f"  the runs lack {lack}")
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
 
 

@@ -1,10 +1,19 @@
 """The report in words and figures: the verdict is a sentence, numbers have units and plain digits."""
 
+import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.report.page import gain_rows, table
-from swamp_rl.criticism.report.words import cause_rows, headline, leftover_sentence, rounded, spoken
+from swamp_rl.criticism.data import Trials
+from swamp_rl.criticism.report.page import gain_rows, gained, lacking, named, table
+from swamp_rl.criticism.report.words import (
+    cause_rows,
+    headline,
+    leftover_sentence,
+    rounded,
+    spoken,
+    unseen_of,
+)
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Gain, Leftover, Paired
 
 
@@ -69,3 +78,33 @@ def test_what_is_left_is_said_with_its_force_and_variable() -> None:
 def test_digits_are_plain_and_cells_are_escaped() -> None:
     assert [rounded(v) for v in (1234.5, 0.01234, 0.0, 5.0e-7)] == ["1234", "0.0123", "0", "0.00000"]
     assert "&lt;b&gt;" in table(("a",), [("<b>",)]) and "<b>" in table(("a",), [("<b>",)], raw=True)
+
+
+def test_what_cannot_be_seen_is_told_by_effect_with_the_thrusters_it_holds_of() -> None:
+    pairs = ["bs bp", "bs ss", "bs sp", "bp ss", "bp sp", "ss sp"]
+    unseen = ["azimuth_lag", *(f"channel_swap {pair}" for pair in pairs), "thruster_failure bp", "mass"]
+    told = unseen_of(diagnosis("cause", unseen=unseen), load_boat("swamp"))
+    assert told == "azimuth lag, channel swap, thruster failure (bp), mass"
+    some = unseen_of(
+        diagnosis("cause", unseen=["channel_swap bs bp", "channel_swap ss sp"]), load_boat("swamp")
+    )
+    assert some == "channel swap (bs and bp, ss and sp)"
+
+
+def test_the_page_says_what_was_held_out_and_what_to_record() -> None:
+    paired = Paired(before=0.1, after=0.05, ci95=(0.01, 0.1))
+    gain = Gain(horizon_s=10.0, restarts=9, blocks="runs", position_rmse_m=paired)
+    found = diagnosis(
+        "cause", causes=[LAG], gain=[gain], gain_on="same_run", missing_motion=["turns to port"]
+    )
+    assert "since there is no other: they flatter" in gained(found)
+    assert "<li>turns to port</li>" in lacking(found, trials())
+    best = diagnosis("indistinguishable", causes=[LAG], indistinguishable=[["mass", "azimuth_lag"]])
+    assert "The one of them that fits best" in named(best, trials())
+
+
+def trials() -> Trials:
+    """Of SWAMP, with nothing in them."""
+    return Trials(
+        load_boat("swamp"), 0.1, (), np.zeros((0, 1, 8)), np.zeros((0, 1, 6)), np.zeros(0, np.int64)
+    )

@@ -23,6 +23,7 @@ from swamp_rl.criticism.gain import gains
 from swamp_rl.criticism.heldout import bootstrap_interval, heldout_loss, heldout_numbers
 from swamp_rl.criticism.ladder import Ladder, ladder_of
 from swamp_rl.criticism.leftover import Forces, leftovers, missing_forces
+from swamp_rl.criticism.motion import missing_motion
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.result import Candidate, Cause, Diagnosis, Gain, HeldOut, Verdict
 from swamp_rl.criticism.rivals import contrast, separating_trial
@@ -104,7 +105,9 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
         else leftovers([forces, missing_forces(trials, weight, Hypothesis(), NONE)]),
         candidates=_candidates(ladder, found, rng),
         unseen=found.unseen,
+        missing_motion=missing_motion(trials),
         gain=_gains(trials, weight, other, ladder, found, rng),
+        gain_on="other_runs" if other else "same_run" if len(trials.lengths) == 1 else "each_run_in_turn",
         noise={n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)},
         adequacy={"worst_excess": measure.worst, "channel": measure.channel, "adequate": found.adequate},
         elapsed_s=time.perf_counter() - began,

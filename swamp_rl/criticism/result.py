@@ -5,6 +5,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict
 
 Force = Literal["surge", "sway", "yaw", "north", "east"]
+GainOn = Literal["each_run_in_turn", "other_runs", "same_run"]
 Verdict = Literal["nothing_wrong", "cause", "indistinguishable", "unexplained"]
 
 
@@ -109,7 +110,9 @@ class Gain(Part):
 
 class Diagnosis(Part):
     """The answer. nuisance: the hull's linear derivatives where they had to be fitted beside a cause; noise:
-    standard deviation by channel (SI, rad); unseen: candidates that these data cannot show.
+    standard deviation by channel (SI, rad); unseen: candidates that these data cannot show; missing_motion:
+    what to record so that they would show more; gain_on: the runs that the gain is measured on: each in turn,
+    its numbers from the others, other runs that were given, or the very run that the numbers are from.
     """
 
     verdict: Verdict
@@ -121,7 +124,9 @@ class Diagnosis(Part):
     leftover: list[Leftover]
     candidates: list[Candidate]
     unseen: list[str]
+    missing_motion: list[str] = []
     gain: list[Gain]
+    gain_on: GainOn = "each_run_in_turn"
     noise: dict[str, float]
     adequacy: dict[str, Any]
     elapsed_s: float

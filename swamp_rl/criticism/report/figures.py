@@ -227,7 +227,7 @@ def shown_variables(trials: Trials, forces: Forces) -> dict[str, tuple[str, floa
 
 def _scatter(axes: Any, values: Array, force: Array, colour: str) -> None:
     """Faint points, and the mean of each bin with its standard error."""
-    axes.plot(values, force, ".", ms=3.5, color=colour, alpha=0.25, mew=0)
+    axes.plot(values, force, ".", ms=4.5, color=colour, alpha=0.4, mew=0)
     edges = np.unique(np.quantile(values, np.linspace(0, 1, BINS + 1)[1:-1]))
     place = np.searchsorted(edges, values)
     kept = [here for b in range(len(edges) + 1) if (here := place == b).sum() >= 4]

@@ -7,6 +7,7 @@ from swamp_rl.criticism.data import CHANNELS, UNITS, Trials
 from swamp_rl.criticism.gain import QUANTITIES
 from swamp_rl.criticism.report.figures import DEGREES, SHOWN
 from swamp_rl.criticism.report.words import (
+    GAINED_ON,
     cause_rows,
     headline,
     leftover_sentence,
@@ -15,6 +16,7 @@ from swamp_rl.criticism.report.words import (
     places_of,
     rounded,
     spoken,
+    unseen_of,
 )
 from swamp_rl.criticism.result import Diagnosis, Gain
 
@@ -49,6 +51,7 @@ def page(found: Diagnosis, trials: Trials, images: Mapping[str, str]) -> str:
         told_apart(found),
         left_over(found),
         gained(found),
+        lacking(found, trials),
         details(found, trials),
     ]
     title = f"What the simulation of {trials.boat.name} gets wrong"
@@ -117,7 +120,11 @@ def named(found: Diagnosis, trials: Trials) -> str:
     """The causes with their numbers."""
     if not found.causes:
         return ""
-    title = "Part of the cause at most" if found.verdict == "unexplained" else "What was found"
+    titles = {
+        "unexplained": "Part of the cause at most",
+        "indistinguishable": "The one of them that fits best",
+    }
+    title = titles.get(found.verdict, "What was found")
     heads = ("effect", "what it is", "parameter", "value", "95 % interval", "unit", "boat file")
     rows = cause_rows(found, trials.boat)
     note = ""
@@ -187,8 +194,8 @@ def gained(found: Diagnosis) -> str:
         return "<h2>How well it predicts</h2>" + cards(found) + table(heads, rows, numbers=(0, 2))
     heads = ("seconds ahead", "error", "boat file", "with it", "less by (95 % interval)", "unit")
     return (
-        f"<h2>What it gains</h2>{cards(found)}<p>Root mean square errors on runs that the numbers were not "
-        "fitted to. The interval is of the difference, restart by restart on the same data, resampled by "
+        f"<h2>What it gains</h2>{cards(found)}<p>Root mean square errors {GAINED_ON[found.gain_on]}. The "
+        "interval is of the difference, restart by restart on the same data, resampled by "
         f"{' and '.join(blocks)}; where it lies above zero, the gain is more than chance.</p>"
         + table(heads, rows, numbers=(0, 2, 3, 4))
     )
@@ -213,8 +220,22 @@ def gain_rows(gain: Gain) -> list[tuple[str, ...]]:
     return rows
 
 
+def lacking(found: Diagnosis, trials: Trials) -> str:
+    """What the data cannot show, and what to record so that they would."""
+    unseen = html.escape(unseen_of(found, trials.boat))
+    if not unseen and not found.missing_motion:
+        return ""
+    hidden = f"<p>These data cannot show, and the report does not claim: {unseen}.</p>" if unseen else ""
+    wanted = "".join(f"<li>{html.escape(one)}</li>" for one in found.missing_motion)
+    return (
+        "<h2>What these runs cannot tell</h2>"
+        + hidden
+        + (f"<p>What they lack, to be recorded next time:</p><ul>{wanted}</ul>" if wanted else "")
+    )
+
+
 def details(found: Diagnosis, trials: Trials) -> str:
-    """Noise, what was tried, and what the data cannot show."""
+    """Noise, and what was tried."""
     rows = []
     for name, unit in zip(CHANNELS, UNITS, strict=True):
         if name in found.noise:
@@ -225,11 +246,9 @@ def details(found: Diagnosis, trials: Trials) -> str:
         for c in found.candidates
     ]
     heads = ("explanation", "misfit a sample [χ²], 1 is noise", "gain [χ²]", "95 % interval")
-    unseen = html.escape(", ".join(spoken(name) for name in found.unseen))
     return (
         "<h2>Details</h2><p>Noise of the sensors, estimated from the data alone:</p>"
         + table(("channel", "standard deviation", "unit"), rows, numbers=(1,))
-        + (f"<p>These data cannot show, and the report does not claim: {unseen}.</p>" if unseen else "")
         + "<details><summary>The explanations that were tried, best first, scored on runs held "
         f"out</summary>{table(heads, tried, numbers=(1, 2, 3))}</details>"
         + f'<p class="soft">Found in {found.elapsed_s:.0f} s. <code>diagnosis.json</code> holds every '

@@ -50,7 +50,7 @@ def meaning(found: Diagnosis) -> str:
     if found.verdict == "nothing_wrong":
         return (
             "What its predictions miss is what the sensors' noise makes of a perfect simulation. Nothing "
-            "need be added to the boat file. What these data could not show is listed at the end."
+            "need be added to the boat file. What these data could not show is listed below."
         )
     if found.verdict == "cause":
         return (
@@ -77,6 +77,28 @@ def leftover_sentence(found: Diagnosis) -> str:
         f"Most of it is a {first.force} {kind} that goes with {first.variable}: on runs that this was not "
         f"told from, {first.variable} explains {first.explained:.0%} of it."
     )
+
+
+GAINED_ON = {
+    "each_run_in_turn": "on each run in turn, with numbers fitted to the other runs alone",
+    "other_runs": "on the runs held out, which had no part in the fit",
+    "same_run": "on the very run that the numbers were fitted to, since there is no other: they flatter",
+}
+
+
+def unseen_of(found: Diagnosis, boat: Boat) -> str:
+    """Candidates that the data cannot show, those of one effect together."""
+    places: dict[str, list[str]] = {}
+    for label in found.unseen:
+        name, *thrusters = label.split()
+        places.setdefault(name, []).append(" and ".join(thrusters))
+    count = len(boat.thrusters)
+    every = {1, count, count * (count - 1) // 2}
+    parts = []
+    for name, where in places.items():
+        whole = not where[0] or (len(where) in every and len(where) > 1)
+        parts.append(name.replace("_", " ") + ("" if whole else f" ({', '.join(where)})"))
+    return ", ".join(parts)
 
 
 def cause_rows(found: Diagnosis, boat: Boat) -> list[tuple[str, ...]]:
