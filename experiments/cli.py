@@ -10,7 +10,7 @@ import typer
 import experiments.verbs_exchange  # noqa: F401  it adds its verbs to `runs`
 from experiments.stopping import stoppable
 from experiments.verbs_compare import compare
-from experiments.verbs_criticism import diagnose
+from experiments.verbs_criticism import diagnose, disturbances
 from experiments.verbs_demo import demo
 from experiments.verbs_experiments import evaluate, run, train
 from experiments.verbs_export import export
@@ -39,6 +39,7 @@ for verb in (run, train, evaluate):
     app.command()(verb)
 app.command()(compare)
 app.command()(diagnose)
+app.command()(disturbances)
 app.command()(demo)
 app.command()(export)
 app.command()(record)

@@ -47,6 +47,21 @@ def diagnose(
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
 
 
+def disturbances(
+    diagnosis: Annotated[Path, typer.Argument(help="The diagnosis.json that `diagnose` wrote.")],
+    out: Annotated[Path, typer.Option(help="The .yaml file to write.")],
+    among: Annotated[
+        str | None,
+        typer.Option(help="A name in configs/disturbances, or a file, whose other effects are kept."),
+    ] = None,
+) -> None:
+    """Write what a diagnosis found, with its doubt, as disturbances to train pilots among."""
+    from swamp_rl.criticism.posterior import write_posterior
+
+    level = write_posterior(diagnosis, out, among)
+    typer.echo(f"{out}: {', '.join(entry['effect'] for entry in level['effects'])}")
+
+
 def simulate_windows(commands: Path, out: Path, boat: str, seconds: float) -> None:
     """`simulate --window`: the replay restarted every `seconds`, and by how much it missed at their ends."""
     import numpy as np

@@ -167,7 +167,7 @@ def test_disturbances_come_on_top_of_the_boats_own_effects(tmp_path: Path) -> No
         ({"effect": "current", "disc": -0.3}, "disc must be a radius [m/s] of at least 0"),
         ({"effect": "current", "disc": 0.3, "north": 0.1}, "disc draws north and east; remove north"),
         ({"effect": "current", "north": "fast"}, "north [m/s]: must be a number, {uniform: [a, b]}"),
-        ({"effect": "current", "north": {"normal": [0, 1]}}, "north [m/s]: must be a number, {uniform"),
+        ({"effect": "current", "north": {"gaussian": [0, 1]}}, "north [m/s]: must be a number, {uniform"),
         ({"effect": "current", "north": {"uniform": 0.2}}, "uniform must be a list of numbers"),
         ({"effect": "current", "north": {"uniform": [0.2]}}, "uniform must be [low, high]"),
         (

@@ -103,6 +103,6 @@ def _offsets(given: Any, where: str) -> tuple[Distribution, ...]:
         key: parse_distribution(given.get(key, 0.0), f"{where}: start.{key} [{unit}]")
         for key, unit in START.items()
     }
-    if max(map(abs, offsets["heading"].numbers)) > FULL_TURN:
+    if max(map(abs, offsets["heading"].reach)) > FULL_TURN:
         raise UserError(f"{where}: start.heading goes beyond a full turn; give it in radians")
     return tuple(offsets.values())

@@ -148,6 +148,6 @@ def _disc(effect: Effect, given: dict[str, Any], where: str) -> float:
 
 def _bounded(parameter: Parameter, given: Any, where: str) -> Distribution:
     distribution = parse_distribution(given, f"{where}: {parameter.name} [{parameter.unit}]")
-    for number in distribution.numbers:
+    for number in distribution.reach:
         parameter_number(parameter, number, where)
     return distribution

@@ -1,0 +1,67 @@
+"""What a diagnosis found, with its doubt, as a level of disturbance to train pilots among."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
+from swamp_rl.effects.declare import LIBRARY, Parameter
+from swamp_rl.errors import UserError
+from swamp_rl.files import find_config, read_yaml, write_yaml
+
+REACH = 5.0
+"Standard errors to either side beyond which nothing is drawn."
+
+
+def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dict[str, Any]:
+    """Write the level of the causes in a `diagnosis.json` to `out`, a YAML file, and return it.
+
+    A number is drawn from a normal distribution about its value, as wide as its standard error and cut off at
+    the effect's bounds; each by itself, for a diagnosis keeps no covariances. among: a level whose start and
+    other effects are there too. UserError where the diagnosis cannot be read or names no cause.
+    """
+    found = _read(diagnosis)
+    if not found.causes:
+        raise UserError(f"{diagnosis}: names no cause, so there is nothing to draw; train in the boat itself")
+    below: dict[str, Any] = {} if among is None else read_yaml(find_config("disturbances", among))
+    entries = [_entry(cause) for cause in (*found.causes, *found.nuisance)]
+    named = {entry["effect"] for entry in entries}
+    others = [entry for entry in below.get("effects", []) if entry.get("effect") not in named]
+    beside = f", among the disturbances of {Path(among).stem}" if among else ""
+    level = below | {
+        "description": f"what a diagnosis found, with its doubt{beside}",
+        "effects": entries + others,
+    }
+    write_yaml(out, level)
+    return level
+
+
+def _read(path: Path) -> Diagnosis:
+    try:
+        return Diagnosis.model_validate_json(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{path}: cannot be read ({error}); name a diagnosis.json") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"])) or "the file"
+        raise UserError(
+            f"{path}: {where}: {first['msg']}; name a diagnosis.json of swamp-rl diagnose"
+        ) from error
+
+
+def _entry(cause: Cause) -> dict[str, Any]:
+    effect = LIBRARY[cause.effect]
+    thruster = {} if cause.thruster is None else {"thruster": cause.thruster}
+    numbers = {name: _drawn(effect.parameter(name), value) for name, value in cause.parameters.items()}
+    return {"effect": cause.effect, **thruster, **numbers}
+
+
+def _drawn(parameter: Parameter, found: Estimate) -> float | dict[str, list[float]]:
+    value, doubt = found.value, found.standard_error
+    if not doubt > 0.0:
+        return value
+    lowest = math.nextafter(parameter.low, math.inf) if parameter.above_low else parameter.low
+    low, high = max(value - REACH * doubt, lowest), min(value + REACH * doubt, parameter.high)
+    return {"normal": [value, doubt, low, high]}
