@@ -2,16 +2,18 @@
 
 import logging
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
-    from swamp_rl.pilots.pilot import Pilot
-    from swamp_rl.teleop.afloat import MakeEnv
+    from swamp_rl.teleop.afloat import Env, MakeEnv
+    from swamp_rl.teleop.berth import Berth
 
+BOATS = ("swamp", "swamp-light")
+"Boats that the page offers where none is asked for."
 LEVELS = ("calm", "standard", "severe")
 "Levels of disturbance that the page offers, after the one that was asked for."
 
@@ -19,7 +21,14 @@ LEVELS = ("calm", "standard", "severe")
 def record(
     out: Annotated[Path, typer.Option(help="The folder of runs, new or one to go on with.")],
     course: Annotated[str, typer.Option(help="A name in configs/courses, or a course file.")] = "camogli",
-    boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",
+    boat: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--boat",
+            help="A name in configs/boats, or a boat file; may be repeated, to choose from. By default "
+            f"{' and '.join(BOATS)}. OUT is the first one's, OUT/BOAT another's.",
+        ),
+    ] = None,
     disturbances: Annotated[
         str, typer.Option(help="The first level: a name in configs/disturbances, or a file.")
     ] = "calm",
@@ -39,10 +48,9 @@ def record(
     """Drive a boat by joypad, keyboard or touch, from a web page, and keep the runs."""
     import numpy as np
 
-    from envs.single import GatesEnv
     from swamp_rl.errors import UserError
+    from swamp_rl.pilots.store import load_pilot
     from swamp_rl.teleop.guard import checked_token
-    from swamp_rl.teleop.recordings import Recordings
 
     try:
         from swamp_rl.teleop.hub import Hub
@@ -53,15 +61,14 @@ def record(
 
     checked_token(host, token)
     source = "scripted" if scripted else "human"
-    pilots = _named(pilot or [])
-
-    def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:
-        return GatesEnv(boat, course, level, observation=senses)
-
-    make_env(disturbances, ("north",))  # refuses bad names before anything is written
-    levels = [disturbances, *(name for name in LEVELS if name != disturbances and _fits(make_env, name))]
-    recordings = Recordings(out, _meta(boat, course, source), typer.echo)
-    session = Session(make_env, recordings, levels, np.random.default_rng(), pilots)
+    folders = pilot or []
+    pilots = dict(zip(_names(folders), map(load_pilot, folders), strict=True))
+    boats = boat or list(BOATS)
+    berths: dict[str, Berth] = {}
+    for name, asked in zip(_names(map(Path, boats)), boats, strict=True):
+        # Refuses what cannot be sailed before anything is written.
+        berths[name] = _berth(out / name if berths else out, asked, course, disturbances, source)
+    session = Session(berths, np.random.default_rng(), pilots)
     session.warm()
     logging.basicConfig(format="swamp-rl: %(message)s", level=logging.WARNING)
     try:
@@ -69,10 +76,34 @@ def record(
     except (KeyboardInterrupt, SystemExit):
         pass  # how a recorder is stopped: by Ctrl-C, or by whoever started it
     finally:
-        if session.journal is not None:
-            session.journal.close()
-        recordings.close()
-    typer.echo(f"{out}: {recordings.count} runs")
+        session.close()
+    for kept in session.opened:
+        typer.echo(f"{kept.folder}: {kept.count} runs")
+
+
+def _berth(folder: Path, boat: str, course: str, disturbances: str, source: str) -> "Berth":
+    """UserError where the boat does not fit the course or the first level."""
+    from envs.single import GatesEnv
+    from swamp_rl.teleop.berth import Berth
+    from swamp_rl.teleop.recordings import Recordings
+
+    def make_env(level: str | None, senses: tuple[str, ...]) -> "Env":
+        return GatesEnv(boat, course, level, observation=senses)
+
+    make_env(disturbances, ("north",))
+    levels = [disturbances, *(name for name in LEVELS if name != disturbances and _fits(make_env, name))]
+    meta = _meta(boat, course, source)
+    return Berth(make_env, tuple(levels), lambda: Recordings(folder, meta, typer.echo))
+
+
+def _names(paths: Iterable[Path]) -> list[str]:
+    """What pilots or boats are called: after their folders or files, numbered where two have the same."""
+    names: list[str] = []
+    for path in paths:
+        name = re.sub(r"[^\w.-]", "_", path.resolve().name.removesuffix(".yaml"))[:60]
+        same = sum(taken.partition(" ")[0] == name for taken in names)
+        names.append(f"{name} {same + 1}" if same else name)
+    return names
 
 
 def _meta(boat: str, course: str, source: str) -> Any:
@@ -93,18 +124,6 @@ def _meta(boat: str, course: str, source: str) -> Any:
             "notes": notes,
         }
     )
-
-
-def _named(folders: Sequence[Path]) -> dict[str, "Pilot"]:
-    """The pilots of these folders by the folders' names, numbered where two have the same."""
-    from swamp_rl.pilots.store import load_pilot
-
-    pilots: dict[str, Pilot] = {}
-    for folder in folders:
-        name = re.sub(r"[^\w.-]", "_", folder.resolve().name)[:60]
-        same = sum(taken.partition(" ")[0] == name for taken in pilots)
-        pilots[f"{name} {same + 1}" if same else name] = load_pilot(folder)
-    return pilots
 
 
 def _fits(make_env: "MakeEnv", level: str) -> bool:

@@ -10,6 +10,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.runs import DatasetMeta
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, YAW_RATE
+from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.messages import Command
 from swamp_rl.teleop.recordings import Recordings
 from swamp_rl.teleop.session import Session
@@ -39,11 +40,16 @@ def recordings(folder: Path) -> Recordings:
     return Recordings(folder, meta(), lambda line: None)
 
 
+def berth(folder: Path, level: str = "calm") -> Berth:
+    """The SWAMP's, that level the first of its levels."""
+    levels = dict.fromkeys((level, "calm", "standard", "severe"))
+    return Berth(make_env, tuple(levels), lambda: recordings(folder))
+
+
 def session(
     folder: Path, level: str = "calm", pilots: dict[str, Pilot] | None = None, seed: int = 1
 ) -> Session:
-    levels = (level, *(name for name in ("calm", "standard", "severe") if name != level))
-    return Session(make_env, recordings(folder), levels, np.random.default_rng(seed), pilots)
+    return Session({"swamp": berth(folder, level)}, np.random.default_rng(seed), pilots)
 
 
 def aim(north: float, east: float, heading: float, yaw_rate: float, passed: int) -> float:

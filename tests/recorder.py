@@ -5,16 +5,16 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.guard import Guard
 from swamp_rl.teleop.hub import Hub
 from swamp_rl.teleop.server import address_of, bound, server_of
 from swamp_rl.teleop.session import DEAD_MAN, Session
-from tests.driving import make_env, recordings
+from tests.driving import berth
 
 
 @contextmanager
@@ -26,13 +26,13 @@ def serving(
     token: str | None = None,
     level: str = "calm",
     pilots: dict[str, Pilot] | None = None,
+    boats: dict[str, Berth] | None = None,
     seed: int = 1,
 ) -> Iterator[tuple[str, Hub]]:
-    """The address and the hub; factor: how much faster than real time the boat's clock runs."""
-    levels = tuple(dict.fromkeys((level, "calm", "standard", "severe")))
-    kept = recordings(folder)
-    rng: Any = np.random.default_rng(seed)
-    session = Session(make_env, kept, levels, rng, pilots, dead_man=DEAD_MAN * factor)
+    """The address and the hub; factor: how much faster than real time the boat's clock runs; boats: beside
+    the SWAMP."""
+    berths = {"swamp": berth(folder, level), **(boats or {})}
+    session = Session(berths, np.random.default_rng(seed), pilots, dead_man=DEAD_MAN * factor)
     session.warm()
     hub = Hub(session, "scripted", factor)
     listening = bound(host, 0)
@@ -46,6 +46,4 @@ def serving(
     finally:
         server.should_exit = True
         thread.join(timeout=10)
-        if session.journal is not None:
-            session.journal.close()
-        kept.close()
+        session.close()

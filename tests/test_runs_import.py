@@ -188,7 +188,7 @@ def test_files_of_one_name_and_an_out_that_is_there_are_refused(tmp_path: Path) 
         import_runs(paths, "csv", tmp_path / "out", None, WISHES)
     with pytest.raises(UserError, match="already exists"):
         import_runs(paths[:1], "csv", tmp_path / "b", None, WISHES)
-    refused(tmp_path, tmp_path / "b", "parquet", "not all .parquet")
+    refused(tmp_path, tmp_path / "b", "parquet", "nor a folder in it has .parquet")
     refused(tmp_path, tmp_path / "nowhere", "csv", "no such file or folder")
 
 
@@ -271,6 +271,23 @@ def test_free_running_tests_have_their_verb_too(tmp_path: Path) -> None:
     made = import_runs([path], "free-running", tmp_path / "out")
     assert (made.vehicle, made.sample_rate, made.source) == ("esso_osaka", 10.0, "measured")
     assert read_dataset(tmp_path / "out").runs[0].columns["east"].tolist() == [0.0] * 20
+
+
+def test_a_folder_of_folders_of_free_running_tests_is_imported_without_the_tables_beside_them(
+    tmp_path: Path,
+) -> None:
+    from swamp_rl.runs.free_running import COLUMNS
+
+    values = dict.fromkeys(COLUMNS, [0.0] * 20) | {"t [s]": (np.arange(20) * 0.1).tolist()}
+    for place in ("turning/turn", "zigzag/zigzag"):
+        (tmp_path / "tests" / place).parent.mkdir(parents=True)
+        write_csv(tmp_path / "tests" / f"{place}.csv", values)
+    write_csv(tmp_path / "tests" / "turning" / "params.csv", {"lpp": [3.0]})
+    made = import_runs([tmp_path / "tests"], "free-running", tmp_path / "out")
+    assert [run.file for run in made.runs] == ["turn.parquet", "zigzag.parquet"]
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(UserError, match="neither it nor a folder in it"):
+        import_runs([tmp_path / "empty"], "free-running", tmp_path / "none")
 
 
 def test_our_own_folder_needs_no_wishes(folder: Path, tmp_path: Path) -> None:

@@ -14,13 +14,19 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from envs.single import GatesEnv
+from swamp_rl.boat import load_boat
+from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.runs import inspect_dataset, read_dataset
+from swamp_rl.teleop.berth import Berth
+from swamp_rl.teleop.recordings import Recordings
 from swamp_rl.teleop.rows import largest_difference
-from tests.driving import BOAT, aim
+from tests.driving import BOAT, aim, meta
 from tests.recorder import serving
 
 HASTE, MORE_HASTE = 3.0, 6.0  # keys are pressed from outside the browser, which takes time
+GREAT_HASTE = 15.0  # for pilots, who need no browser
 ATTEMPTS = 4
 FLAGS = [
     "--headless",
@@ -184,11 +190,6 @@ def test_a_gamepad_drives_left_stick_up_right_stick_across(
     with serving(tmp_path / "runs", factor=MORE_HASTE, level="standard") as (address, _):
         page = open_page(address, PADS + THUMBS)
 
-        def press(button: int) -> None:
-            page.evaluate("(b) => { pads[0].buttons[b].pressed = true; }", button)
-            page.wait_for_timeout(120)
-            page.evaluate("(b) => { pads[0].buttons[b].pressed = false; }", button)
-
         for _ in range(ATTEMPTS):
             page.wait_for_function(
                 "swamp.frame.pose[0] > 12 || swamp.frame.phase === 'ended'", timeout=20_000
@@ -197,13 +198,87 @@ def test_a_gamepad_drives_left_stick_up_right_stick_across(
             wait_for_phase(page, "ended")
             if frame(page)["outcome"] == "success":
                 break
-            press(1)
-        press(0)
+            press_pad(page, 1)
+        press_pad(page, 0)
         wait_for_phase(page, "ready")
     run = read_dataset(tmp_path / "runs").runs[0]
     assert run.meta.outcome == "success"
     assert len(set(run.columns["joy_angle"])) > 3
     assert run.columns["joy_thrust"].max() == 1.0
+
+
+def press_pad(page: Page, button: int) -> None:
+    page.evaluate("(b) => { pads[0].buttons[b].pressed = true; }", button)
+    page.wait_for_timeout(120)
+    page.evaluate("(b) => { pads[0].buttons[b].pressed = false; }", button)
+
+
+WAYS = {
+    "button": {
+        name: (lambda page, name=name: page.click(f"#{name}")) for name in ("retry", "discard", "accept")
+    },
+    "key": {
+        name: (lambda page, key=key: page.keyboard.press(key))
+        for name, key in {"retry": "r", "discard": "Delete", "accept": "Enter"}.items()
+    },
+    "gamepad": {
+        name: (lambda page, button=button: press_pad(page, button))
+        for name, button in {"retry": 2, "discard": 1, "accept": 0}.items()
+    },
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_run_is_tried_again_discarded_and_accepted_by_button_by_key_and_by_gamepad(
+    tmp_path: Path, open_page: Callable[..., Page], way: str
+) -> None:
+    with serving(tmp_path / "runs", factor=GREAT_HASTE, pilots={"ai": ScriptedPilot(0)}) as (address, _):
+        page = open_page(address, PADS)
+        for act, kept in (("retry", 0), ("discard", 0), ("accept", 1)):
+            pose = frame(page)["pose"]
+            page.keyboard.press("t")
+            wait_for_phase(page, "ended")
+            page.wait_for_function("swamp.frame.run_time > 0")
+            WAYS[way][act](page)
+            wait_for_phase(page, "ready")
+            assert (frame(page)["pose"] == pose) == (act == "retry")
+            page.wait_for_function(f"swamp.status.count === {kept}")
+
+
+def test_the_boat_is_chosen_on_the_page_and_its_runs_are_its_own(
+    tmp_path: Path, open_page: Callable[..., Page]
+) -> None:
+    light = load_boat("swamp-light")
+
+    def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:
+        return GatesEnv("swamp-light", disturbances=level, observation=senses)
+
+    def kept() -> Recordings:
+        told = meta(vehicle="swamp-light", mass=light.mass, draught=light.draught)
+        return Recordings(tmp_path / "runs" / "swamp-light", told, lambda line: None)
+
+    boats = {"swamp-light": Berth(make_env, ("calm", "severe"), kept)}
+    pilots: dict[str, Pilot] = {"ai": ScriptedPilot(0)}
+    with serving(tmp_path / "runs", factor=GREAT_HASTE, pilots=pilots, boats=boats) as (address, _):
+        page = open_page(address)
+        assert page.locator("#boat option").all_text_contents() == ["swamp", "swamp-light"]
+        assert page.locator("#level option").all_text_contents() == ["calm", "standard", "severe"]
+        page.select_option("#boat", "swamp-light")
+        page.wait_for_function("swamp.status.boat === 'swamp-light'")
+        assert page.locator("#level option").all_text_contents() == ["calm", "severe"]
+        page.keyboard.press("t")
+        wait_for_phase(page, "ended")
+        assert page.is_disabled("#boat")
+        page.keyboard.press("Enter")
+        page.wait_for_function("swamp.status.count === 1")
+        page.click("#board li")
+        page.wait_for_selector("#replay:visible")
+        assert "exactly the same" in str(page.text_content("#replay-exact"))
+        page.select_option("#boat", "swamp")
+        page.wait_for_function("swamp.status.boat === 'swamp' && swamp.status.count === 0")
+        assert page.is_hidden("#replay")
+    (run,) = read_dataset(tmp_path / "runs" / "swamp-light").runs
+    assert largest_difference(run, light) == 0.0
 
 
 def test_fingers_drive_on_a_phone_and_a_lever_let_go_springs_back(

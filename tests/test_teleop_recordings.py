@@ -2,70 +2,153 @@
 
 import os
 import shutil
-import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from swamp_rl.errors import UserError
 from swamp_rl.runs import check_dataset, read_dataset
+from swamp_rl.runs.dataset import read_meta
+from swamp_rl.teleop.journal import write_description
 from swamp_rl.teleop.recordings import Recordings
 from swamp_rl.teleop.rows import largest_difference
-from swamp_rl.teleop.session import RUN
+from swamp_rl.teleop.session import RUN, Session
 from tests.driving import BOAT, accept, command, drive, meta, recordings, session
 
-# Drives without end, and says after each accepted run that it was.
+KILLS = 12
+
+# Reads folders and times. Drives there without end, says of each run that was accepted, and after the time is
+# killed in the middle of it: a process of its own, forked, so that many such ends take seconds.
 RECORDER = """
-import sys
+import os, signal, sys, time
 from pathlib import Path
 from tests.driving import accept, drive, session
-game = session(Path(sys.argv[1]), "standard")
-now = 0.0
-print("ready", flush=True)
-while True:
-    now = drive(game, now)
-    if game.journal is None:
-        game.drop(again=False)
-    else:
-        print("accepted", accept(game), flush=True)
+
+def record(folder):
+    game, now = session(folder, "standard"), 0.0
+    while True:
+        now = drive(game, now)
+        if game.journal is None:
+            game.drop(again=False)
+        else:
+            print("accepted", accept(game), flush=True)
+
+warm = session(Path(sys.argv[1]), "standard")
+drive(warm)
+warm.drop(again=False)
+warm.close()
+for line in sys.stdin:
+    after, folder = line.rstrip().split(" ", 1)
+    child = os.fork()
+    if child == 0:
+        try:
+            record(Path(folder))
+        finally:
+            os._exit(1)
+    time.sleep(float(after))
+    os.kill(child, signal.SIGKILL)
+    assert os.WIFSIGNALED(os.waitpid(child, 0)[1])
+    print("killed", flush=True)
 """
 
 
-def killed(folder: Path, after: float) -> list[str]:
+@pytest.fixture
+def killed(tmp_path: Path) -> Iterator[Callable[[Path, float], set[str]]]:
     """Names of the runs that a recorder acknowledged until, after some time [s], it was killed."""
-    start = [sys.executable, "-c", RECORDER, str(folder)]
-    process = subprocess.Popen(start, stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None and process.stdout.readline() == "ready\n"
-    time.sleep(after)
-    process.send_signal(signal.SIGKILL)
-    out, _ = process.communicate(timeout=20)
-    return [line.split()[1] for line in out.splitlines()]
+    start = [sys.executable, "-c", RECORDER, str(tmp_path / "warm")]
+    process = subprocess.Popen(start, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert process.stdin is not None and process.stdout is not None
+
+    def kill(folder: Path, after: float) -> set[str]:
+        assert process.stdin is not None and process.stdout is not None
+        process.stdin.write(f"{after} {folder}\n")
+        process.stdin.flush()
+        said = list(iter(process.stdout.readline, "killed\n"))
+        return {line.split()[1] for line in said}
+
+    yield kill
+    process.stdin.close()
+    process.stdout.close()
+    assert process.wait(timeout=20) == 0
 
 
-@pytest.mark.parametrize("after", [0.9, 1.45])
 def test_a_kill_at_any_instant_loses_no_accepted_run_and_marks_the_unfinished_one(
-    tmp_path: Path, after: float
+    tmp_path: Path, killed: Callable[[Path, float], set[str]]
 ) -> None:
     folder = tmp_path / "runs"
-    acknowledged = killed(folder, after)
-    heard: list[str] = []
-    Recordings(folder, meta(), heard.append).close()
-    # Killed before the first run was ended, there may be nothing at all.
-    runs = read_dataset(folder).runs if acknowledged or heard else []
-    assert {run.name for run in runs} >= set(acknowledged)
-    assert check_dataset(folder) == [] or not runs
-    assert len([run for run in runs if run.meta.outcome == "interrupted"]) <= 1
-    for run in runs[-2:]:
+    acknowledged: set[str] = set()
+    # One dataset, so that each start also mends what the kill before left behind.
+    for after in np.random.default_rng(5).uniform(0.02, 1.2, KILLS).tolist():
+        before = len(names_in(folder))
+        acknowledged |= killed(folder, after)
+        heard: list[str] = []
+        Recordings(folder, meta(), heard.append).close()
+        assert names_in(folder) >= acknowledged
+        assert len(heard) <= 1 and list((folder / "unfinished").glob("run-*")) == []
+        assert check_dataset(folder) == [] or not names_in(folder)
+        assert len(names_in(folder)) >= before
+    runs = read_dataset(folder).runs
+    assert len([run for run in runs if run.meta.outcome == "interrupted"]) <= KILLS
+    for run in runs:
         assert largest_difference(run, BOAT) == 0.0
+
+
+def names_in(folder: Path) -> set[str]:
+    return {Path(str(run.file)).stem for run in read_meta(folder).runs} if folder.is_dir() else set()
+
+
+@pytest.fixture(scope="module")
+def left(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder `unfinished` of a recorder that was killed at the end of a run."""
+    return ended(tmp_path_factory.mktemp("driven"))[0].recordings.unfinished
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+@given(share=st.floats(0.0, 1.0), described=st.floats(0.0, 1.0) | st.just(1.0))
+def test_a_journal_cut_at_any_byte_gives_back_its_whole_rows(
+    left: Path, tmp_path_factory: pytest.TempPathFactory, share: float, described: float
+) -> None:
+    folder = tmp_path_factory.mktemp("cut")
+    recordings(folder).close()
+    for name, part in (("run-0001.csv", share), ("run-0001.json", described)):
+        text = (left / name).read_bytes()
+        (folder / "unfinished" / name).write_bytes(text[: round(part * len(text))])
+    table = (folder / "unfinished" / "run-0001.csv").read_bytes()
+    whole = table[: table.rfind(b"\n") + 1].splitlines()[1:]
+    again = recordings(folder)
+    again.close()
     assert list((folder / "unfinished").glob("run-*")) == []
+    if len(whole) < 2:
+        assert names_in(folder) == set()
+        return
+    run = read_dataset(folder).runs[0]
+    assert run.meta.outcome == "interrupted" and again.count == 0
+    # Each number is that of the row as it was written, to the bit.
+    rows = np.array([[float(cell) for cell in line.split(b",")] for line in whole])
+    assert np.column_stack(list(run.columns.values())).tobytes() == rows.tobytes()
+    if described == 1.0:
+        assert largest_difference(run, BOAT) == 0.0
+
+
+def ended(folder: Path) -> tuple[Session, dict[str, Any]]:
+    """A session whose run has ended, neither accepted nor discarded, and what it is about; no one writes."""
+    game = session(folder)
+    drive(game)
+    assert game.journal is not None
+    about = game.about()
+    game.journal.close()
+    game.recordings.close()
+    return game, about
 
 
 def test_an_unfinished_run_is_on_the_disk_row_by_row_and_taken_in_as_interrupted(tmp_path: Path) -> None:
@@ -95,13 +178,8 @@ def test_an_unfinished_run_is_on_the_disk_row_by_row_and_taken_in_as_interrupted
 @pytest.mark.parametrize("renamed", [False, True])
 def test_a_run_accepted_but_not_yet_listed_is_listed(tmp_path: Path, renamed: bool) -> None:
     folder = tmp_path / "runs"
-    game = session(folder)
-    drive(game)
-    about = game.about()
-    assert game.journal is not None
-    game.journal.describe({**about, "accepted": True})
-    game.journal.close()
-    game.recordings.close()
+    _, about = ended(folder)
+    write_description(folder / "unfinished" / "run-0001.json", {**about, "accepted": True})
     if renamed:
         os.replace(folder / "unfinished" / "run-0001.csv", folder / "run-0001.csv")
     again = recordings(folder)
@@ -117,31 +195,27 @@ class PowerCutError(BaseException):
 def test_an_acceptance_cut_off_at_any_of_its_steps_on_the_disk_loses_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    game = session(tmp_path / "driven")
-    drive(game)
-    assert game.journal is not None
-    game.journal.close()
-    game.recordings.close()
+    _, about = ended(tmp_path / "driven")
     seen = set()
     for step in range(100):
         folder = tmp_path / f"cut-{step}"
         kept = recordings(folder)
         shutil.copytree(tmp_path / "driven" / "unfinished", kept.unfinished, dirs_exist_ok=True)
         table = kept.unfinished / "run-0001.csv"
-        ended = SimpleNamespace(table=table, description=table.with_suffix(".json"), close=lambda: None)
-        left = [step]
+        journal = SimpleNamespace(table=table, description=table.with_suffix(".json"), close=lambda: None)
+        steps = [step]
 
-        def cut(whole: Callable[..., Any], *given: Any, left: list[int] = left) -> Any:
-            left[0] -= 1
-            if left[0] < 0:
+        def cut(whole: Callable[..., Any], *words: Any, steps: list[int] = steps) -> Any:
+            steps[0] -= 1
+            if steps[0] < 0:
                 raise PowerCutError
-            return whole(*given)
+            return whole(*words)
 
         with monkeypatch.context() as patch:
             for name in ("replace", "fsync", "unlink"):
                 patch.setattr(os, name, partial(cut, getattr(os, name)))
             with suppress(PowerCutError):
-                kept.accept(ended, game.about())  # type: ignore[arg-type]
+                kept.accept(journal, about)  # type: ignore[arg-type]
         kept.close()
         again = recordings(folder)
         run = again.read("run-0001")
@@ -152,18 +226,14 @@ def test_an_acceptance_cut_off_at_any_of_its_steps_on_the_disk_loses_nothing(
         if "success" in seen:
             assert run.meta.outcome == "success"
         again.close()
-        if left[0] > 0:
+        if steps[0] > 0:
             break
     assert seen == {"interrupted", "success"} and step > 5
 
 
 def test_a_description_that_cannot_be_read_still_lets_the_rows_be_found(tmp_path: Path) -> None:
     folder = tmp_path / "runs"
-    game = session(folder)
-    drive(game)
-    assert game.journal is not None
-    game.journal.close()
-    game.recordings.close()
+    ended(folder)
     (folder / "unfinished" / "run-0001.json").write_text("{")
     assert recordings(folder).read("run-0001").meta.outcome == "interrupted"
 

@@ -60,12 +60,18 @@ def import_free_running(path: Path | str, boat: Boat, repair: bool = False) -> R
     return Run(path.stem, columns, meta)
 
 
+def is_free_running(path: Path) -> bool:
+    """Whether a file names the times of such a table in its first line."""
+    with path.open("rb") as file:
+        return b"t [s]" in file.readline()
+
+
 def _first_hole(table: Table, index: int) -> str:
     name = next(name for name in COLUMNS if not np.isfinite(table.columns[name][index]))
     holes = sum(not np.isfinite(table.columns[name][i]) for i in range(index, len(table.rows)))
     return (
         f"row {table.rows[index]}, column {name!r}: no number, as in {holes} row(s) of this column; "
-        "fill them in, or import with repair to end the run before them"
+        "fill them in, or end the run before them (--repair)"
     )
 
 

@@ -1,7 +1,7 @@
 """From files of others to one dataset of ours, whole or not at all."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, get_args
@@ -12,7 +12,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.files import folder_beside
 from swamp_rl.runs.dataset import META, boat_of, read_meta
-from swamp_rl.runs.free_running import import_free_running
+from swamp_rl.runs.free_running import import_free_running, is_free_running
 from swamp_rl.runs.import_foreign import Foreign, Wishes, run_from
 from swamp_rl.runs.import_telemetry import read_telemetry
 from swamp_rl.runs.mcap_files import read_mcap
@@ -79,7 +79,8 @@ def import_runs(
 
 
 def _files(source: Path, kind: Kind) -> list[Path]:
-    """A file itself; of a folder, the runs its `dataset.yaml` lists, else all files of the kind by name."""
+    """A file itself; of a folder, the runs its `dataset.yaml` lists, else all files of the kind by name, its
+    own or, where it has none, those of the folders in it."""
     if source.is_file():
         return [source]
     if not source.is_dir():
@@ -87,11 +88,23 @@ def _files(source: Path, kind: Kind) -> list[Path]:
     if (source / META).is_file():
         listed = [source / str(run.file) for run in read_meta(source).runs]
     else:
-        listed = sorted(path for path in source.iterdir() if path.is_file())
-    files = [path for path in listed if path.suffix.lower() in SUFFIXES[kind]]
-    if not files or (len(files) < len(listed) and (source / META).is_file()):
-        raise UserError(f"{source}: its runs are not all {' or '.join(SUFFIXES[kind])}; check --from {kind}")
+        listed = _of_kind(source.iterdir(), kind) or _in_folders(source, kind)
+    files, suffixes = _of_kind(listed, kind), " or ".join(SUFFIXES[kind])
+    if not files:
+        raise UserError(f"{source}: neither it nor a folder in it has {suffixes} runs; check --from {kind}")
+    if len(files) < len(listed):
+        raise UserError(f"{source}: its runs are not all {suffixes}; check --from {kind}")
     return files
+
+
+def _of_kind(paths: Iterable[Path], kind: Kind) -> list[Path]:
+    return sorted(path for path in paths if path.suffix.lower() in SUFFIXES[kind])
+
+
+def _in_folders(source: Path, kind: Kind) -> list[Path]:
+    """Without the tables of figures that stand beside free-running tests."""
+    found = _of_kind((path for path in source.rglob("*") if path.is_file()), kind)
+    return [path for path in found if kind != "free-running" or is_free_running(path)]
 
 
 def _refuse_twins(files: Sequence[Path]) -> None:

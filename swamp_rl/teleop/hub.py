@@ -165,7 +165,10 @@ class Hub:
                 self.show()
             return
         if isinstance(message, Choose):
+            vessel = self.session.vessel
             self.session.choose(message)
+            if self.session.vessel != vessel:
+                self.tell(None, view.scene(self.session, self.source))
         elif message.act == "accept":
             await self._accept()
         elif message.act == "helm":

@@ -40,10 +40,11 @@ class Act(_Message):
 
 
 class Choose(_Message):
-    """Who drives the next run, and in what: names that the recorder offers, but the nickname is free."""
+    """Who drives what, in which weather: names that the recorder offers, but the nickname is free."""
 
     type: Literal["choose"]
     nickname: Annotated[str, Field(max_length=NICKNAME_LENGTH)] | None = None
+    boat: Annotated[str, Field(max_length=100)] | None = None
     level: Annotated[str, Field(max_length=100)] | None = None
     pilot: Annotated[str, Field(max_length=100)] | None = None
 

@@ -10,6 +10,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.runs import Run
 from swamp_rl.simulator import parameters, tank
+from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.replay import fixed_thrusters
 from swamp_rl.simulator.state import ACTUATORS, HEADING, NORTH, TIME, YAW_RATE, state_size
 from swamp_rl.simulator.step import step as sail
@@ -64,6 +65,12 @@ def initial_state(boat: Boat, state: Array) -> dict[str, float]:
     return dict(zip(_state_names(boat), state.tolist(), strict=True))
 
 
+def earlier_commands(boat: Boat, commands: Sequence[Array]) -> dict[str, list[float]]:
+    """Commands (2K,) that were asked before the run and act in it, oldest first, by channel; {} of none."""
+    columns = np.array(commands).T.tolist()
+    return dict(zip(_channel_names(boat), columns, strict=True)) if columns else {}
+
+
 def disturbed(run: Run, boat: Boat) -> Array:
     """(1,) the parameter record of the boat, disturbed as the run was."""
     params = parameters(boat)
@@ -84,10 +91,20 @@ def sailed_again(run: Run, boat: Boat) -> Array:
     commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
     step = 1.0 / round(1.0 / float(np.median(np.diff(run.time))), 6)
     track = np.empty((len(commands), state_size(len(boat.thrusters))))
-    for row, command in enumerate(commands):
+    for row, command in enumerate(_arrived(run, boat, commands, float(params["command_delay"][0]) / step)):
         track[row] = state[0]
         sail(state, params, tank(boat), command[None], seed, step, substeps_of(step))
     return track
+
+
+def _arrived(run: Run, boat: Boat, commands: Array, delay: float) -> Array:
+    """(T, 2K) what reaches the thrusters in each step, of commands (T, 2K) that act `delay` steps late."""
+    told = run.meta.model_dump().get("earlier_commands", {})
+    earlier = np.array([told[name] for name in _channel_names(boat)]).T if told else commands[:0]
+    asked, arrived = np.vstack([earlier, commands]), np.empty_like(commands)
+    for row in range(len(commands)):
+        delayed_command(asked, len(earlier) + row, delay, arrived[row])
+    return arrived
 
 
 def try_a_step(boat: Boat, state: Array, commands: Array) -> None:
@@ -117,6 +134,10 @@ def _channels(boat: Boat) -> Sequence[str | None]:
     return [*angles, *levels]
 
 
+def _channel_names(boat: Boat) -> list[str]:
+    return [name or f"azimuth_{k}" for k, name in enumerate(_channels(boat))]
+
+
 def _state_names(boat: Boat) -> list[str]:
-    channels = [name or f"azimuth_{k}" for k, name in enumerate(_channels(boat))]
-    return [*MOTION, "time", "gust_speed", "gust_direction", *(f"applied_{name}" for name in channels)]
+    applied = [f"applied_{name}" for name in _channel_names(boat)]
+    return [*MOTION, "time", "gust_speed", "gust_direction", *applied]

@@ -1,18 +1,19 @@
 """The game: a boat waits at the start, is driven through the gates, and its run is kept or not."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.pilot import Pilot
-from swamp_rl.teleop.afloat import IDLE, Afloat, Array, Instant, Levers, MakeEnv
+from swamp_rl.teleop.afloat import IDLE, Afloat, Array, Instant, Levers
+from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.journal import Journal
 from swamp_rl.teleop.messages import Choose, Command, clean_nickname
 from swamp_rl.teleop.recordings import Recordings
-from swamp_rl.teleop.rows import columns_of, initial_state, row_of, try_a_step
+from swamp_rl.teleop.rows import columns_of, earlier_commands, initial_state, row_of, try_a_step
 
 DEAD_MAN = 0.25  # s without a command, until the thrusters stop
 READY, APPROACH, RUN, ENDED, SAVING = "ready", "approach", "run", "ended", "saving"
@@ -31,20 +32,21 @@ class Session:
 
     def __init__(
         self,
-        make_env: MakeEnv,
-        recordings: Recordings,
-        levels: Sequence[str],
+        berths: Mapping[str, Berth],
         seeds: np.random.Generator,
         pilots: Mapping[str, Pilot] | None = None,
         dead_man: float = DEAD_MAN,
     ) -> None:
-        """levels: names that `make_env` knows, the first one chosen; pilots: by name, likewise."""
-        self._make_env, self._seeds, self._dead_man = make_env, seeds, dead_man
-        self.recordings, self.levels, self.pilots = recordings, tuple(levels), dict(pilots or {})
-        self.level, self.nickname, self.pilot = self.levels[0], "anonymous", next(iter(self.pilots), None)
+        """berths: the boats by name, the first one chosen; pilots: by name, likewise."""
+        self.berths, self._seeds, self._dead_man = dict(berths), seeds, dead_man
+        self.pilots = dict(pilots or {})
+        self.vessel, self.pilot = next(iter(berths)), next(iter(self.pilots), None)
+        self.level, self.nickname = self.levels[0], "anonymous"
         senses = dict.fromkeys(name for pilot in self.pilots.values() for name in pilot.senses)
         self._senses = tuple(senses) or ("north", "east")
-        self._afloat: dict[str, Afloat] = {}
+        self._afloat: dict[tuple[str, str], Afloat] = {}
+        self._opened: dict[str, Recordings] = {}
+        self._open(self.vessel)
         self._heard = -math.inf
         self._asked, self._stern = IDLE, IDLE
         self._in_force: tuple[Levers, Levers] = (IDLE, IDLE)
@@ -54,26 +56,59 @@ class Session:
 
     def renew(self, seed: int | None = None) -> None:
         """Put the boat at a start: that of `seed`, or a new one."""
-        if self.level not in self._afloat:
-            self._afloat[self.level] = Afloat(self._make_env(self.level, self._senses))
-        self.boat = self._afloat[self.level]
+        self.boat = self._boat(self.vessel, self.level)
         # Above any seed of an evaluation, so that no pilot is tried on what it learned from.
         self.boat.begin(int(self._seeds.integers(2**31, 2**32)) if seed is None else seed)
         self.phase, self.helm, self.began = READY, PERSON, 0.0
         self.rows = self.kicks = self.corrections = 0
         self.drivers: set[str] = set()
         self._start: dict[str, float] = {}
+        self._earlier: dict[str, list[float]] = {}
         self._last_driver: str | None = None
         if self.pilot is not None:
             self.pilots[self.pilot].reset(1)
         self._decide()
 
     def warm(self) -> None:
-        """Compile what would otherwise halt the first run and the first replay."""
-        self.boat.foresee(IDLE)
-        self.boat.weather(self.boat.at(0.5))
-        try_a_step(self.boat.fleet.boat, self.boat.now.state, self.boat.now.commands)
+        """Compile what would otherwise halt the first run and the first replay of each boat."""
+        for vessel, berth in self.berths.items():
+            boat = self._boat(vessel, berth.levels[0])
+            boat.begin(self.boat.seed)
+            boat.foresee(IDLE)
+            boat.weather(boat.at(0.5))
+            try_a_step(boat.fleet.boat, boat.now.state, boat.now.commands)
         self.renew(self.boat.seed)
+
+    def close(self) -> None:
+        """Let go of the disk; a run under way stays there as unfinished."""
+        if self.journal is not None:
+            self.journal.close()
+        for recordings in self.opened:
+            recordings.close()
+
+    @property
+    def opened(self) -> list[Recordings]:
+        """The datasets of the boats that were chosen so far."""
+        return list(self._opened.values())
+
+    @property
+    def recordings(self) -> Recordings:
+        """Those of the chosen boat."""
+        return self._opened[self.vessel]
+
+    @property
+    def levels(self) -> tuple[str, ...]:
+        """What the chosen boat can meet."""
+        return self.berths[self.vessel].levels
+
+    def _boat(self, vessel: str, level: str) -> Afloat:
+        if (vessel, level) not in self._afloat:
+            self._afloat[vessel, level] = Afloat(self.berths[vessel].make_env(level, self._senses))
+        return self._afloat[vessel, level]
+
+    def _open(self, vessel: str) -> None:
+        if vessel not in self._opened:
+            self._opened[vessel] = self.berths[vessel].open_recordings()
 
     # --- what the person does ---
 
@@ -100,19 +135,25 @@ class Session:
         self._foresee(now)
 
     def choose(self, message: Choose) -> None:
-        """Nickname at any time; level and pilot only between runs. UserError for what is not offered."""
+        """Nickname at any time; boat, level and pilot between runs. UserError for what is not offered."""
         if message.nickname is not None:
             self.nickname = clean_nickname(message.nickname)
-        if message.level is None and message.pilot is None:
+        vessel, level, pilot = message.boat or self.vessel, message.level, message.pilot or self.pilot
+        if (message.boat, message.level, message.pilot) == (None, None, None):
             return
         if self.phase != READY:
-            raise UserError("level and pilot are chosen before a run")
-        if message.level is not None and message.level not in self.levels:
+            raise UserError("boat, level and pilot are chosen before a run")
+        if vessel not in self.berths:
+            raise UserError("there is no such boat")
+        levels = self.berths[vessel].levels
+        if level is not None and level not in levels:
             raise UserError("there is no such level")
-        if message.pilot is not None and message.pilot not in self.pilots:
+        if pilot is not None and pilot not in self.pilots:
             raise UserError("there is no such pilot")
-        self.level = message.level or self.level
-        self.pilot = message.pilot or self.pilot
+        self._open(vessel)
+        # Not every boat has the thrusters that a level disturbs.
+        kept = self.level if self.level in levels else levels[0]
+        self.vessel, self.level, self.pilot = vessel, level or kept, pilot
         self.renew()
 
     def drop(self, again: bool) -> None:
@@ -188,6 +229,7 @@ class Session:
         if self.journal is None and after.passed >= first:
             self.phase = RUN
             self._start = initial_state(self.boat.fleet.boat, before.state)
+            self._earlier = earlier_commands(self.boat.fleet.boat, self.boat.late_commands)
             self.journal = self.recordings.begin(self._columns(), self.about())
         if self.journal is not None:
             self._note_driver()
@@ -242,6 +284,8 @@ class Session:
         }
         if self.outcome is not None:
             about |= {"outcome": self.outcome, "seconds": round((self.rows - 1) * self.boat.step, 6)}
+        if self._earlier:
+            about["earlier_commands"] = self._earlier
         if self.kicks:
             about["kicked_steps"] = self.kicks
         if self.pilot is not None:

@@ -15,7 +15,7 @@ DIGITS = 5
 
 
 def scene(session: Session, source: str) -> dict[str, Any]:
-    """What does not change: course, boat, and what there is to choose from."""
+    """What changes with the boat only: course, boat, and what there is to choose from."""
     boat, course = session.boat.fleet.boat, session.boat.fleet.course
     return {
         "type": "scene",
@@ -43,6 +43,7 @@ def scene(session: Session, source: str) -> dict[str, Any]:
             ],
             "stern": list(session.boat.stern),
         },
+        "boats": list(session.berths),
         "levels": list(session.levels),
         "pilots": list(session.pilots),
         "source": source,
@@ -80,6 +81,7 @@ def status(session: Session) -> dict[str, Any]:
     return {
         "type": "status",
         "nickname": session.nickname,
+        "boat": session.vessel,
         "level": session.level,
         "pilot": session.pilot,
         "count": session.recordings.count,

@@ -1,18 +1,19 @@
 // The course from above, north up: a camera that keeps the boat and its next gate in sight.
 
-import { foam, gateColour, hullOutline, WAKE_SECONDS } from "./scene.js";
+import { gateColour, hullOutline, wakeBands } from "./scene.js";
 
 const MARGIN = 4.5; // m around what must be seen
 const CLOSEST = 58; // px per m
-const ripples = document.createElement("canvas");
+const STREAKS = 30;
+const sea = document.createElement("canvas"); // a tile of it
 
 export class Chart {
   constructor(canvas) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d", { alpha: false });
     this.camera = null;
-    this.streaks = Array.from({ length: 46 }, () => ({ x: Math.random(), y: Math.random(), age: Math.random() }));
-    drawRipples();
+    this.streaks = Array.from({ length: STREAKS }, () => ({ x: Math.random(), y: Math.random(), age: Math.random() }));
+    drawSea();
   }
 
   // free: the part of the canvas that no panel covers, {left, top, right, bottom} in CSS pixels.
@@ -64,19 +65,14 @@ export class Chart {
 
   water(boat, width, height, elapsed) {
     const c = this.context;
-    const gradient = c.createLinearGradient(0, 0, 0, height);
-    gradient.addColorStop(0, "#0a5877");
-    gradient.addColorStop(1, "#138aa6");
-    c.fillStyle = gradient;
-    c.fillRect(0, 0, width, height);
     this.drift = this.drift ?? [0, 0];
     this.drift[0] += elapsed * (boat.current[0] - 0.04 * boat.wind[0]);
     this.drift[1] += elapsed * (boat.current[1] - 0.04 * boat.wind[1]);
-    // Whole pixels and no scaling: copying a tile is cheap even where no graphics card helps.
-    const size = ripples.width;
+    // Whole pixels, no scaling, nothing to see through: copying such a tile is cheap even without a graphics card.
+    const size = sea.width;
     const [x, y] = this.place(this.drift[0], this.drift[1]).map((at) => Math.round(wrap(at, size)) - size);
     for (let left = x; left < width; left += size) {
-      for (let top = y; top < height; top += size) c.drawImage(ripples, left, top);
+      for (let top = y; top < height; top += size) c.drawImage(sea, left, top);
     }
   }
 
@@ -135,18 +131,20 @@ export class Chart {
     const grid = 105 / this.camera.scale;
     const { camera } = this;
     const heading = Math.atan2(boat.current[1], boat.current[0]);
-    const length = (0.5 + 4 * speed) * camera.scale * 0.6;
+    const length = Math.max((0.5 + 4 * speed) * camera.scale * 0.6, 12);
     c.strokeStyle = "rgba(150,225,255,.42)";
     c.lineWidth = 2.5;
+    c.beginPath();
     const reach = [height / camera.scale, width / camera.scale];
     const first = [Math.floor((camera.north - reach[0]) / grid), Math.floor((camera.east - reach[1]) / grid)];
     const shift = [wrap(this.drift[0], grid), wrap(this.drift[1], grid)];
     for (let i = first[0]; i <= first[0] + (2 * reach[0]) / grid; i++) {
       for (let j = first[1]; j <= first[1] + (2 * reach[1]) / grid; j++) {
         const [x, y] = this.place((i + (j % 2) / 2) * grid + shift[0], j * grid + shift[1]);
-        if (x > -40 && y > -40 && x < width + 40 && y < height + 40) arrow(c, x, y, heading, length, 6);
+        if (x > -40 && y > -40 && x < width + 40 && y < height + 40) addArrow(c, x, y, heading, length, 6);
       }
     }
+    c.stroke();
   }
 
   // Streaks that run with the wind.
@@ -155,7 +153,7 @@ export class Chart {
     if (speed < 0.2) return;
     const c = this.context;
     const step = [-boat.wind[1] * 22 * elapsed, boat.wind[0] * 22 * elapsed];
-    c.lineCap = "round";
+    c.lineWidth = 1.5;
     for (const streak of this.streaks) {
       streak.age += elapsed / 1.6;
       if (streak.age > 1) Object.assign(streak, { x: Math.random(), y: Math.random(), age: 0 });
@@ -163,10 +161,8 @@ export class Chart {
       streak.y += step[1] / height;
       const [x, y] = [streak.x * width, streak.y * height];
       c.strokeStyle = `rgba(255,255,255,${0.4 * Math.sin(Math.PI * streak.age)})`;
-      c.lineWidth = 1.5;
       c.beginPath(); c.moveTo(x, y); c.lineTo(x + boat.wind[1] * 9, y - boat.wind[0] * 9); c.stroke();
     }
-    c.lineCap = "butt";
   }
 
   wake(boat, trail) {
@@ -180,18 +176,13 @@ export class Chart {
     trail.forEach((p, index) => { const [x, y] = this.place(p.north, p.east); if (index) c.lineTo(x, y); else c.moveTo(x, y); });
     c.stroke();
     c.setLineDash([]);
-    for (let i = trail.length - 1; i > 0; i--) {
-      const [now, then] = [trail[i], trail[i - 1]];
-      const age = boat.time - then.time;
-      if (age > WAKE_SECONDS) break;
-      c.fillStyle = `rgba(235,250,255,${0.55 * (1 - age / WAKE_SECONDS) * Math.min(1, then.speed)})`;
-      for (const side of [-1, 1]) {
-        c.beginPath();
-        for (const [p, edge] of [[now, -1], [now, 1], [then, 1], [then, -1]]) c.lineTo(...this.place(...foam(p, boat, side, edge)));
-        c.fill();
-      }
-    }
     c.lineCap = "butt";
+    for (const { strength, strips } of wakeBands(trail, boat)) {
+      c.fillStyle = `rgba(235,250,255,${0.55 * strength})`;
+      c.beginPath();
+      for (const strip of strips) strip.forEach((p, index) => { const [x, y] = this.place(...p); if (index) c.lineTo(x, y); else c.moveTo(x, y); });
+      c.fill();
+    }
   }
 
   gate(scene, gate, index, boat) {
@@ -209,8 +200,8 @@ export class Chart {
     if (boat.passed === index) {
       const [x, y] = this.place(gate.centre[0] - 0.9 * Math.cos(gate.heading), gate.centre[1] - 0.9 * Math.sin(gate.heading));
       c.strokeStyle = colour;
-      c.lineWidth = 5;
-      arrow(c, x, y, gate.heading, 1.9 * s, 13);
+      c.lineWidth = Math.min(5, 0.25 * s);
+      arrow(c, x, y, gate.heading, 1.9 * s, Math.min(13, 0.6 * s));
     }
     for (const buoy of gate.buoys) {
       this.disc(buoy[0] - 0.12, buoy[1] + 0.16, scene.course.buoy_radius * 1.5, "rgba(0,25,35,.35)");
@@ -310,23 +301,27 @@ export class Chart {
 }
 
 export function arrow(c, x, y, heading, length, head) {
-  c.save();
-  c.translate(x, y);
-  c.rotate(heading);
   c.beginPath();
-  c.moveTo(0, 0); c.lineTo(0, -length);
-  c.moveTo(-head * 0.6, -length + head); c.lineTo(0, -length); c.lineTo(head * 0.6, -length + head);
+  addArrow(c, x, y, heading, length, head);
   c.stroke();
-  c.restore();
+}
+
+function addArrow(c, x, y, heading, length, head) {
+  const [sin, cos] = [Math.sin(heading), Math.cos(heading)];
+  const at = (across, ahead) => [x + ahead * sin + across * cos, y - ahead * cos + across * sin];
+  c.moveTo(x, y); c.lineTo(...at(0, length));
+  c.moveTo(...at(-head * 0.6, length - head)); c.lineTo(...at(0, length)); c.lineTo(...at(head * 0.6, length - head));
 }
 
 const wrap = (value, length) => ((value % length) + length) % length;
 
-// A tile of faint wavelets, drawn so that its edges meet.
-function drawRipples() {
+// Faint wavelets, drawn so that the tile's edges meet.
+function drawSea() {
   const size = 400;
-  ripples.width = ripples.height = size;
-  const c = ripples.getContext("2d");
+  sea.width = sea.height = size;
+  const c = sea.getContext("2d", { alpha: false });
+  c.fillStyle = "#0f7190";
+  c.fillRect(0, 0, size, size);
   let seed = 7;
   const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
   c.lineCap = "round";

@@ -1,6 +1,6 @@
 // The view from behind and above the boat, in perspective.
 
-import { foam, gateColour, hullOutline, WAKE_SECONDS } from "./scene.js";
+import { gateColour, hullOutline, wakeBands } from "./scene.js";
 
 const BEHIND = 3.6, ABOVE = 1.9, AHEAD = 5; // m: where the camera is, and the point it looks at
 const NEAR = 0.35;
@@ -107,8 +107,8 @@ export class Chase {
         const jitter = Math.abs(Math.sin(i * 127.1 + j * 311.7) * 43758.5) % 1;
         const p = this.project((i + 0.8 * jitter) * grid + boat.current[0] * (boat.time % 60), (j + 0.6 * jitter) * grid + boat.current[1] * (boat.time % 60));
         if (!p || p.depth > 24 || p.x < -30 || p.x > w + 30 || p.y > h + 10) continue;
-        c.fillStyle = `rgba(255,255,255,${0.3 * (1 - p.depth / 24) * (0.35 + 0.65 * jitter)})`;
-        c.beginPath(); c.ellipse(p.x, p.y, 0.16 * p.scale, 0.022 * p.scale, 0, 0, 7); c.fill();
+        c.fillStyle = `rgba(255,255,255,${0.26 * (1 - p.depth / 24) * (0.35 + 0.65 * jitter)})`;
+        c.fillRect(p.x - 0.14 * p.scale, p.y, 0.28 * p.scale, Math.max(1, 0.035 * p.scale));
       }
     }
   }
@@ -122,14 +122,14 @@ export class Chase {
   }
 
   wake(boat, trail) {
-    for (let i = 1; i < trail.length; i++) {
-      const [now, then] = [trail[i], trail[i - 1]];
-      const age = boat.time - then.time;
-      if (age > WAKE_SECONDS || age < 0) continue;
-      const alpha = 0.42 * (1 - age / WAKE_SECONDS) * Math.min(1, then.speed);
-      for (const side of [-1, 1]) {
-        const corners = [[now, -1], [now, 1], [then, 1], [then, -1]].map(([p, edge]) => foam(p, boat, side, edge));
-        this.polygon(corners, `rgba(240,252,255,${alpha})`);
+    const c = this.context;
+    for (const { strength, strips } of wakeBands(trail, boat)) {
+      c.fillStyle = `rgba(240,252,255,${0.42 * strength})`;
+      for (const strip of strips) {
+        const places = strip.map((p) => this.project(...p)).filter(Boolean); // the rest is behind the camera
+        c.beginPath();
+        places.forEach(({ x, y }) => c.lineTo(x, y));
+        c.fill();
       }
     }
   }

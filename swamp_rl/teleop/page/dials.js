@@ -23,6 +23,9 @@ function move(id, across, up) {
 }
 
 export function showWeather(canvas, boat) {
+  const shown = [...boat.wind, ...boat.current].map((value) => value.toFixed(2)).join();
+  if (canvas.dataset.shown === shown && canvas.width === Math.round(canvas.clientWidth * Math.min(devicePixelRatio || 1, 2))) return;
+  canvas.dataset.shown = shown;
   const ratio = Math.min(devicePixelRatio || 1, 2);
   const [w, h] = [canvas.clientWidth, canvas.clientHeight];
   if (!w) return;
@@ -51,7 +54,7 @@ export function showWeather(canvas, boat) {
   if (current > 0.005) pointer(c, x, y, Math.atan2(boat.current[1], boat.current[0]), r * 0.55, "#6fe3ff");
   c.textAlign = "left";
   const left = x + r + (small ? 6 : 12);
-  const size = Math.max(10, Math.min(20, (w - left) / (small ? 3.6 : 6)));
+  const size = Math.max(10, Math.min(20, h / 4.6, (w - left) / (small ? 3.6 : 6)));
   const line = (words, value, colour, place) => {
     c.fillStyle = colour;
     c.font = `500 ${size * 0.85}px system-ui, sans-serif`;

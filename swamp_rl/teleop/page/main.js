@@ -7,13 +7,14 @@ import { forget, listen, padActs, read } from "./input.js";
 import { Replay } from "./replay.js";
 
 const HEARTBEAT = 50; // ms between commands, though nothing moves: the dead-man waits for 250
+const CHOICES = ["boat", "level", "pilot"]; // of names, before a run
 const by = (id) => document.getElementById(id);
 const chart = new Chart(by("chart"));
 const chase = new Chase(by("chase"));
 const replay = new Replay();
 const latencies = [];
 let socket, scene, frame, status = {}, trail = [], arrived = 0, asked = null, sentAt = 0, last = performance.now(), reconnect = 300;
-let pace = 0, waited = 0, odd = false;
+let waited = 0, odd = false;
 window.swamp = { get frame() { return frame; }, get status() { return status; }, latencies, received: 0 }; // for tests
 
 function connect() {
@@ -43,11 +44,13 @@ function hear(message) {
   } else if (message.type === "scene") {
     scene = message;
     document.body.dataset.connected = "yes";
+    fill(by("boat"), scene.boats);
     fill(by("level"), scene.levels);
     fill(by("pilot"), scene.pilots);
     by("pilot-label").hidden = by("helm").hidden = !scene.pilots.length;
     by("kick-port").hidden = by("kick-starboard").hidden = !scene.boat.stern.length;
-    by("boat-name").textContent = `${scene.boat.name} · ${scene.course.name}`;
+    by("course-name").textContent = scene.course.name;
+    replay.close();
     const kept = localStorage.getItem("nickname");
     if (kept) by("nickname").value = kept;
   } else if (message.type === "status") stand(message);
@@ -66,7 +69,7 @@ function enter(phase) {
   if (phase === "ready") { trail = []; forget(); }
   document.body.dataset.phase = phase;
   by("accept").disabled = !(frame.run_time > 0);
-  for (const id of ["level", "pilot"]) by(id).disabled = phase !== "ready";
+  for (const id of CHOICES) by(id).disabled = phase !== "ready";
 }
 
 function stand(message) {
@@ -79,6 +82,7 @@ function stand(message) {
   if (status.driving) sessionStorage.setItem("driver", "yes");
   else if (!status.seat_taken && before.driving === undefined && sessionStorage.getItem("driver")) act("seat");
   by("counter").textContent = `${status.count} run${status.count === 1 ? "" : "s"}`;
+  by("boat").value = status.boat;
   by("level").value = status.level;
   if (status.pilot) by("pilot").value = status.pilot;
   const list = document.querySelector("#board ol");
@@ -169,7 +173,7 @@ by("nickname").addEventListener("change", ({ target }) => {
   if (status.driving) send({ type: "choose", nickname: target.value });
 });
 by("nickname").addEventListener("keydown", (event) => { if (event.code === "Enter") event.target.blur(); });
-for (const id of ["level", "pilot"]) by(id).addEventListener("change", ({ target }) => { send({ type: "choose", [id]: target.value }); target.blur(); });
+for (const id of CHOICES) by(id).addEventListener("change", ({ target }) => { send({ type: "choose", [id]: target.value }); target.blur(); });
 
 // --- pictures ---
 
@@ -208,12 +212,11 @@ function draw(now) {
   if (!scene || !frame) return;
   const { boat, trail: path } = replay.run ? replay.look(elapsed, scene.course.gates) : { boat: present(), trail };
   chart.draw(scene, boat, path, freeArea(), elapsed);
-  // Where pictures take long (no graphics card), every other one does without the view from behind, so that
-  // the page keeps time for what it hears and for the hand.
-  pace += 0.05 * (elapsed - pace);
+  // Every other picture does without the view from behind, so that without a graphics card too the page keeps time
+  // for what it hears and for the hand.
   waited += elapsed;
   odd = !odd;
-  if (pace < 0.019 || odd) {
+  if (odd) {
     chase.draw(scene, boat, path, waited);
     waited = 0;
   }
