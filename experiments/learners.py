@@ -165,9 +165,43 @@ def _cloning() -> Learner:
     from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 
     def train(training: Training) -> "Pilot":
-        return fit_cloning(training.runs(), training.settings, training.tick)
+        return fit_cloning(training.runs(), training.settings, training.tick, training.checkpoint)
 
     return Learner(CloningSettings, train, _runs_told, from_runs=True)
+
+
+def _gru() -> Learner:
+    from swamp_rl.pilots.gru import GRUSettings, fit_gru
+
+    def train(training: Training) -> "Pilot":
+        return fit_gru(training.runs(), training.settings, training.tick, training.checkpoint)
+
+    return Learner(GRUSettings, train, _runs_told, from_runs=True)
+
+
+def _dagger() -> Learner:
+    from swamp_rl.pilots.dagger import DaggerSettings, fit_dagger
+
+    def train(training: Training) -> "Pilot":
+        from envs.hindsight import with_gates
+
+        scene = training.scene
+        return fit_dagger(
+            training.runs(),
+            scene.boats_at(training.plan.disturbances),
+            scene.boat,
+            lambda run: with_gates(run, scene.course),
+            training.settings,
+            scene.experiment.step,
+            training.tick,
+        )
+
+    def told(plan: "PilotPlan") -> str:
+        corrected = plan.options["rounds"] * plan.options["runs"]
+        level = f", disturbed as in `{plan.disturbances}`" if plan.disturbances else ""
+        return f"{_runs_told(plan)}, and {corrected} runs of its own that were corrected{level}"
+
+    return Learner(DaggerSettings, train, told, from_runs=True, by_trying=True)
 
 
 def _ppo() -> Learner:
@@ -218,6 +252,8 @@ LEARNERS: dict[str, Callable[[], Learner]] = {
     "scripted": _scripted,
     "reservoir": _reservoir,
     "cloning": _cloning,
+    "gru": _gru,
+    "dagger": _dagger,
     "ppo": _ppo,
     "sac": _sac,
     "stored": _stored,

@@ -18,6 +18,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.pilots import Pilot, load_pilot, save_pilot
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.description import FittedOn, sealed
+from swamp_rl.pilots.gru import GRUSettings, fit_gru
 from swamp_rl.pilots.reservoir import fit_reservoir
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import describe_pilot
@@ -30,6 +31,7 @@ PILOTS: dict[str, Pilot] = {
     "scripted": ScriptedPilot(3, Habits(messy=0.5, reaction=(0.1, 0.2))),
     "reservoir": RESERVOIR,
     "cloning": fit_cloning(RUNS, CloningSettings(senses=SENSES, epochs=1)),
+    "gru": fit_gru(RUNS, GRUSettings(senses=SENSES, epochs=1)),
     "takeover": TakeoverPilot(ScriptedPilot(5), RESERVOIR, 1.0),
 }
 

@@ -9,6 +9,7 @@ from swamp_rl.pilots.reservoir import (
     ReservoirPilot,
     ReservoirSettings,
     fit_reservoir,
+    states_along,
     untrained_reservoir,
 )
 from swamp_rl.runs import Run, RunMeta
@@ -149,3 +150,44 @@ def test_only_runs_of_the_outcome_asked_for_are_chosen() -> None:
         choose_runs(runs, 7)
     with pytest.raises(UserError, match="none of 9 runs has the outcome timeout"):
         choose_runs(runs, outcomes=("timeout",))
+
+
+def test_all_runs_in_one_batch_give_the_states_that_each_has_by_itself() -> None:
+    runs = [wandering(seed, rows=rows) for seed, rows in enumerate((50, 200, 7, 120))]
+    pilot = fit_reservoir(RUNS, SMALL)
+    inputs = [
+        (observed(run, pilot.senses) - pilot.weights()["centre"]) / pilot.weights()["scale"] for run in runs
+    ]
+    for run, states in zip(runs, states_along(pilot.weights(), inputs), strict=True):
+        pilot.reset(1)
+        for row, state in zip(observed(run, pilot.senses), states, strict=True):
+            pilot.act(row[None])
+            np.testing.assert_allclose(state, pilot.state[0], atol=1e-12)
+
+
+def test_learned_row_by_row_it_is_the_pilot_that_is_learned_at_once() -> None:
+    at_once, online = (
+        fit_reservoir(RUNS, SMALL.model_copy(update={"forgetting": forgetting})).weights()
+        for forgetting in (None, 1.0)
+    )
+    np.testing.assert_allclose(online["Wout"], at_once["Wout"], rtol=0.0, atol=1e-8)
+    np.testing.assert_allclose(online["out"], at_once["out"], rtol=0.0, atol=1e-8)
+
+
+def test_where_a_pilot_was_aboard_only_the_person_s_levers_are_learned() -> None:
+    """The rows that the pilot drove still pass through the memory of those that learn."""
+    runs = []
+    for run in RUNS:
+        by_person = np.arange(len(run.time)) % 60 < 30
+        levers = {name: np.where(by_person, run.columns[name], 0.123) for name in ("joy_thrust", "joy_angle")}
+        runs.append(Run(run.name, run.columns | levers | {"driver": np.where(by_person, 0.0, 1.0)}, run.meta))
+    pilot, whole = fit_reservoir(runs, SMALL), fit_reservoir(RUNS, SMALL)
+    unseen = wandering(97)
+    error, of_whole = (np.square(steered(p, unseen) - unseen.joypad)[20:].mean() for p in (pilot, whole))
+    assert error < 1.5 * of_whole
+
+
+def test_runs_that_nobody_corrected_cannot_be_learned_from() -> None:
+    alone = [Run(run.name, run.columns | {"driver": np.ones(200)}, run.meta) for run in RUNS]
+    with pytest.raises(UserError, match="none of 8 runs has a row that a person drove"):
+        fit_reservoir(alone, SMALL)

@@ -13,6 +13,7 @@ Array = NDArray[np.float64]
 
 SCALES = (1.0, 4.0)  # s over which residuals are averaged
 SIGMA_SLACK = 1.06  # share by which a variance estimated from differences may be too small
+NEARLY = 1.2  # chi2 a sample up to which what is left may be a lost row or another start
 LIMIT = 5.0  # standard deviations of a slow part's power, over all channels and scales
 
 
@@ -58,3 +59,8 @@ def adequacy(problem: Shooting, at: Fit) -> Adequacy:
             power = sums[..., c][full] ** 2 / counts[..., c][full] / SIGMA_SLACK
             excess[s, c] = (power.mean() - 1.0) * np.sqrt(len(power) / 2.0)
     return Adequacy(excess)
+
+
+def near(problem: Shooting, at: Fit) -> bool:
+    """Whether so little is left that a closer look is worth while."""
+    return at.chi2 < NEARLY * problem.samples or adequacy(problem, at).adequate

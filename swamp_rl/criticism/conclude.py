@@ -7,17 +7,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from swamp_rl.criticism.adequacy import adequacy
+from swamp_rl.criticism.adequacy import adequacy, near
 from swamp_rl.criticism.candidates import NUISANCE, NUISANCE_SD, Atom, Hypothesis
 from swamp_rl.criticism.cost import score
 from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.heldout import Confirmation, confirmation
 from swamp_rl.criticism.ladder import RUNGS, Ladder, whole_runs
 from swamp_rl.criticism.score import Prospect
-from swamp_rl.criticism.shooting import Shooting
 
 GAP = 9.0  # of penalised chi2 within which two names cannot be told apart
-NEARLY = 1.2  # chi2 a sample up to which what is left may be a lost row or another start
 NEAR = 40.0  # the same on shorter windows, beyond which longer ones will not bring two together
 CLEARLY = 50.0  # of penalised chi2, beyond what longer windows can do to the comparison of two fits
 OVERWHELMING = 500.0  # the same, beyond what a fit that has not quite ended can be wrong by
@@ -51,18 +49,13 @@ def climb(ladder: Ladder, hypothesis: Hypothesis, x: np.ndarray) -> Fit:
     return ladder.fit(1, hypothesis, x)
 
 
-def near(problem: Shooting, at: Fit) -> bool:
-    """Whether so little is left that a closer look is worth while."""
-    return at.chi2 < NEARLY * problem.samples or adequacy(problem, at).adequate
-
-
 def adequate_rung(ladder: Ladder, at: Fit) -> int | None:
     """The rung on which a fit to the middle windows leaves nothing but noise, None where none does: those
     windows, or whole runs, which alone read a command that changed in a lost row as it fits.
     """
     if adequacy(ladder.problems[1], at).adequate:
         return 1
-    if ladder.gaps and near(ladder.problems[1], at):
+    if near(ladder.problems[1], at):
         whole = whole_runs(ladder, at.hypothesis, at.x)
         if adequacy(ladder.problems[LAST], whole).adequate:
             return LAST

@@ -5,11 +5,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.adequacy import NEARLY, adequacy
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Gap, Trials
 from swamp_rl.criticism.fit import Fit, fit, settle
 from swamp_rl.criticism.gaps import reread, resolved, without_harmless
 from swamp_rl.criticism.shooting import Shooting
+from swamp_rl.criticism.unseen_commands import tapped
 
 Array = NDArray[np.float64]
 
@@ -17,6 +19,7 @@ RUNGS = (5.0, 20.0, np.inf)  # s
 STEPS = (8, 10, 10)  # Jacobians that a fit may take on each
 ROUNDS = 12  # steps that a first guess of a state is given
 PATIENCE = 16  # steps on a longer rung for what fits well on the shorter one
+TAPS = 4  # times that commands in lost rows are corrected
 GOOD = 1.1  # chi2 a sample that counts as fitting well
 
 
@@ -82,13 +85,32 @@ def whole_runs(ladder: Ladder, hypothesis: Hypothesis, x: Array) -> Fit:
     """The fit to whole runs, the commands of lost rows read as fits it best; later fits keep that reading."""
     last = len(RUNGS) - 1
     first = ladder.problems[last]
-    if not ladder.gaps or (last, hypothesis.label) in ladder.fits:
+    if (last, hypothesis.label) in ladder.fits:
         return ladder.fit(last, hypothesis, x)
     trials = resolved(first.trials, first.weight, ladder.gaps, hypothesis, x)
     ladder.put(last, Shooting(trials, first.weight, first.seconds))
-    made = ladder.fit(last, hypothesis, x)
+    made = _with_taps(ladder, ladder.fit(last, hypothesis, x))
     again = reread(ladder.problems[last], made, ladder.gaps)
-    if not np.array_equal(again.commands, trials.commands):
+    if not np.array_equal(again.commands, ladder.problems[last].trials.commands):
         ladder.put(last, Shooting(again, first.weight, first.seconds))
         made = ladder.fit(last, hypothesis, made.x)
+    return made
+
+
+def _with_taps(ladder: Ladder, made: Fit) -> Fit:
+    """A fit to whole runs with commands that only stood in lost rows, where those leave nothing but noise."""
+    last = len(RUNGS) - 1
+    before, first = ladder.problems[last], made
+    for _ in range(TAPS):
+        problem = ladder.problems[last]
+        if adequacy(problem, made).adequate or made.chi2 > NEARLY * problem.samples:
+            break
+        trials = tapped(problem, made)
+        if trials is None:
+            break
+        ladder.put(last, Shooting(trials, problem.weight, problem.seconds))
+        made = ladder.fit(last, made.hypothesis, made.x)
+    if made is not first and not adequacy(ladder.problems[last], made).adequate:
+        ladder.put(last, before)
+        ladder.fits[(last, first.hypothesis.label)] = made = first
     return made

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from swamp_rl.criticism.adequacy import adequacy
+from swamp_rl.criticism.adequacy import adequacy, near
 from swamp_rl.criticism.candidates import Atom, Hypothesis
-from swamp_rl.criticism.conclude import Search, adequate_rung, climb, concluded, near
+from swamp_rl.criticism.conclude import Search, adequate_rung, climb, concluded
 from swamp_rl.criticism.cost import cost as cost_of
 from swamp_rl.criticism.cost import needed, score
 from swamp_rl.criticism.fit import Fit, fit

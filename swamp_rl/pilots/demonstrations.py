@@ -12,6 +12,8 @@ POSE = ("north", "east", "cos_heading", "sin_heading")
 MOTION = ("surge", "sway", "yaw_rate")
 GATE = ("gate_ahead", "gate_starboard", "gate_cos", "gate_sin")
 NEXT_GATE = (*GATE, "gates_passed")
+PERSON = 0.0
+"The person at the helm, in the column `driver` of runs with a pilot aboard."
 
 
 def choose_runs(
@@ -45,12 +47,13 @@ def observed(run: Run, senses: Sequence[str]) -> Array:
 
 def examples(
     runs: Sequence[Run], senses: Sequence[str], reaction: float = 0.0
-) -> tuple[list[Array], list[Array]]:
-    """Per run the observations (T, d) and the levers (T, 2) `reaction` [s] later, as far as the run goes.
+) -> tuple[list[Array], list[Array], list[Array]]:
+    """Per run the observations (T, d), the levers (T, 2) `reaction` [s] later, as far as the run goes, and
+    whether those were a teacher's (T,).
 
-    UserError where a run lacks a column, or ends before anyone could react.
+    UserError where a run lacks a column, or ends before anyone could react, or where nobody taught.
     """
-    seen, levers = [], []
+    seen, levers, taught = [], [], []
     for run in runs:
         late = round(reaction * (len(run.time) - 1) / run.duration) if reaction > 0.0 else 0
         rows = len(run.time) - late
@@ -58,4 +61,17 @@ def examples(
             raise UserError(f"{run.name}: lasts {run.duration:g} s, less than the reaction of {reaction:g} s")
         seen.append(observed(run, senses)[:rows])
         levers.append(run.joypad[late:])
-    return seen, levers
+        taught.append(by_a_teacher(run)[late:])
+    if not any(rows.any() for rows in taught):
+        raise UserError(f"none of {len(runs)} runs has a row that a person drove; record some by hand")
+    return seen, levers, taught
+
+
+def by_a_teacher(run: Run) -> Array:
+    """(T,) whether each row's levers are to be learned from.
+
+    Where a pilot was aboard, only those of the person who corrected it are; its own would teach its faults.
+    """
+    if "driver" not in run.columns:
+        return np.ones(len(run.time), dtype=bool)
+    return run.columns["driver"] == PERSON

@@ -10,7 +10,7 @@ class Pilot(Protocol):
 
     @property
     def kind(self) -> str:
-        """What it is, under which it is stored: scripted, reservoir, cloning, ppo or takeover."""
+        """What it is, under which it is stored: scripted, reservoir, cloning, gru, ppo or takeover."""
 
     @property
     def senses(self) -> tuple[str, ...]:

@@ -9,7 +9,6 @@ import numpy as np
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
-from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, dataset_beside
 
@@ -64,6 +63,13 @@ class Boats(Protocol):
 
     def close(self) -> None:
         """Free what it holds."""
+
+
+class Driver(Protocol):
+    """What driving asks of a pilot that has been reset."""
+
+    def act(self, observation: Array) -> Array:
+        """Levers (n, 2) from the observation (n, d)."""
 
 
 MakeBoats = Callable[[int, tuple[str, ...]], Boats]
@@ -144,7 +150,7 @@ def _fill(
     )
 
 
-def drive_episodes(boats: Boats, pilot: Pilot, vehicle: Boat, seeds: Array, step: float) -> list[Run]:
+def drive_episodes(boats: Boats, pilot: Driver, vehicle: Boat, seeds: Array, step: float) -> list[Run]:
     """One episode per boat, each as a run named by its seed; the pilot must have been reset for them.
 
     Row t holds the state at its time as the sensors report it, the levers and commands that are held until

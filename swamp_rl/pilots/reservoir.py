@@ -1,15 +1,18 @@
 """A pilot by reservoir computing, as at Camogli (thesis 7.3.3): an echo state network and its ridge readout.
 
-reservoirpy draws the reservoir and fits the readout. Driving needs only the matrices, in plain NumPy.
+reservoirpy draws the reservoir. Learning runs all runs through it in one batch, and driving needs only the
+matrices, both in plain NumPy.
 """
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
+from pydantic import Field
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.demonstrations import POSE, examples
+from swamp_rl.pilots.readout import Moments, RecursiveReadout, ridge_readout
 from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings, Share
 from swamp_rl.runs import Run
 
@@ -34,8 +37,14 @@ class ReservoirSettings(Settings):
     ridge: Positive = 3.0
     noise: NotNegative = 0.0
     "Standard deviation of noise on the scaled inputs while learning."
-    washout: int = 0
+    washout: Annotated[int, Field(ge=0)] = 0
     "Samples at the start of each run that the readout does not learn from."
+    reaction: NotNegative = 0.0
+    """Time [s] from what the logged pilot saw to the lever that it led to, for a reservoir that acts at once.
+    Runs are learned from best without, for the reservoir then remembers what the pilot saw."""
+    forgetting: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
+    """With a number the readout is learned row by row in the order of the runs (recursive least squares),
+    what was learned weighing so much less with each row; 1.0 gives what learning from all at once does."""
     seed: Seed = 0
 
 
@@ -107,25 +116,54 @@ _NAMES = ("centre", "scale", "W", "Win", "bias", "leak", "Wout", "out")
 
 def fit_reservoir(runs: Sequence[Run], settings: ReservoirSettings | None = None) -> ReservoirPilot:
     """A pilot whose readout is fitted by ridge regression on `runs`; UserError where a run lacks a column."""
-    from reservoirpy.nodes import Ridge
-
     settings = settings or ReservoirSettings()
-    seen, levers = examples(runs, settings.senses)
+    matrices, states, levers = states_of(runs, settings)
+    if settings.forgetting is None:
+        readout = ridge_readout(Moments.of(states, levers), settings.ridge)
+    else:
+        online = RecursiveReadout(settings.units, settings.ridge, settings.forgetting)
+        for row in zip(np.concatenate(states), np.concatenate(levers), strict=True):
+            online.learn(*row)
+        readout = online.readout
+    return ReservoirPilot(settings.senses, {**matrices, "Wout": readout[:-1], "out": readout[-1]})
+
+
+def states_of(
+    runs: Sequence[Run], settings: ReservoirSettings
+) -> tuple[dict[str, Array], list[Array], list[Array]]:
+    """A reservoir's matrices, and per run the states (T, units) and levers (T, 2) that a readout learns from.
+
+    Those are the rows after the washout in which the levers were a teacher's.
+    """
+    seen, levers, taught = examples(runs, settings.senses, settings.reaction)
     centre, scale = _scaling(seen, settings.senses)
     rng = np.random.default_rng(settings.seed)
-    reservoir = reservoir_node(settings, rng)
-    states = []
-    for observation in seen:
-        inputs = (observation - centre) / scale
-        if reservoir.initialized:
-            reservoir.reset()
-        states.append(reservoir.run(inputs + settings.noise * rng.standard_normal(inputs.shape)))
-    readout = Ridge(ridge=settings.ridge)
-    readout.fit(states, levers, warmup=settings.washout, workers=1)
-    learned = {"Wout": readout.Wout, "out": readout.bias}
-    return ReservoirPilot(
-        settings.senses, {"centre": centre, "scale": scale, **_matrices(reservoir), **learned}
-    )
+    matrices = _matrices(reservoir_node(settings, rng))
+    inputs = [(observation - centre) / scale for observation in seen]
+    inputs = [x + settings.noise * rng.standard_normal(x.shape) for x in inputs]
+    rows = [rows & (np.arange(len(rows)) >= settings.washout) for rows in taught]
+    states = [x[kept] for x, kept in zip(states_along(matrices, inputs), rows, strict=True)]
+    levers = [y[kept] for y, kept in zip(levers, rows, strict=True)]
+    return {"centre": centre, "scale": scale, **matrices}, states, levers
+
+
+def states_along(matrices: dict[str, Array], inputs: Sequence[Array]) -> list[Array]:
+    """States (T, units) along scaled inputs (T, d) of each run from nought on, all runs in one batch:
+    x ← x + leak (tanh(W x + Win u + bias) − x) (Jaeger and others 2007).
+    """
+    longest_first = np.argsort([-len(run) for run in inputs], kind="stable")
+    lengths = np.array([len(inputs[i]) for i in longest_first])
+    recurrent, leak = np.ascontiguousarray(matrices["W"].T), matrices["leak"]
+    states = np.zeros((lengths[0], len(inputs), len(leak)))
+    for row, i in enumerate(longest_first):
+        states[: lengths[row], row] = inputs[i] @ matrices["Win"].T + matrices["bias"]
+    state = np.zeros(states.shape[1:])
+    for t in range(lengths[0]):
+        going = int(np.searchsorted(-lengths, -t))
+        now = state[:going]
+        now += leak * (np.tanh(now @ recurrent + states[t, :going]) - now)
+        states[t, :going] = now
+    return [states[: len(run), row] for run, row in zip(inputs, np.argsort(longest_first), strict=True)]
 
 
 def untrained_reservoir(
@@ -135,14 +173,13 @@ def untrained_reservoir(
     settings = settings or ReservoirSettings()
     d = len(settings.senses)
     reservoir = reservoir_node(settings, rng)
-    reservoir.run(np.zeros((1, d)))
     readout = {"Wout": np.zeros((settings.units, 2)), "out": np.zeros(2)}
     neutral = {"centre": np.zeros(d), "scale": np.ones(d)}
     return ReservoirPilot(settings.senses, {**neutral, **_matrices(reservoir), **readout})
 
 
 def reservoir_node(settings: ReservoirSettings, rng: np.random.Generator) -> Any:
-    """A reservoirpy Reservoir; every unit hears every input, and their leaks span a range of memories."""
+    """A reservoirpy Reservoir, drawn: each unit hears all inputs, and leaks span a range of memories."""
     from reservoirpy import mat_gen
     from reservoirpy.nodes import Reservoir
 
@@ -150,7 +187,7 @@ def reservoir_node(settings: ReservoirSettings, rng: np.random.Generator) -> Any
     gains = [
         settings.position_scaling if name in POSITION else settings.input_scaling for name in settings.senses
     ]
-    return Reservoir(
+    reservoir = Reservoir(
         units=settings.units,
         lr=np.exp(rng.uniform(low, high, settings.units)),
         sr=settings.spectral_radius,
@@ -162,6 +199,8 @@ def reservoir_node(settings: ReservoirSettings, rng: np.random.Generator) -> Any
         input_dim=len(settings.senses),
         seed=rng,
     )
+    reservoir.initialize(np.zeros((1, len(settings.senses))))
+    return reservoir
 
 
 def _matrices(reservoir: Any) -> dict[str, Array]:

@@ -13,6 +13,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import folder_beside
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.description import Description, FittedOn, described_arrays, sealed, unsealed
+from swamp_rl.pilots.gru import GRUPilot
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.reservoir import ReservoirPilot
@@ -24,6 +25,7 @@ KINDS: dict[str, Any] = {
     "scripted": ScriptedPilot,
     "reservoir": ReservoirPilot,
     "cloning": NetworkPilot,
+    "gru": GRUPilot,
     "ppo": NetworkPilot,
     "sac": NetworkPilot,
 }

@@ -1,0 +1,182 @@
+"""DAgger (Ross, Gordon and Bagnell 2011): the learner drives, an expert says what it would have done there.
+
+Logged runs never show what to do where only a learner's mistakes lead. Each round adds runs that the learner
+drove itself, with the expert's levers in place of its own, and learns anew from all.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from swamp_rl.boat import Boat
+from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
+from swamp_rl.pilots.gru import GRUPilot, GRUSettings, fit_gru
+from swamp_rl.pilots.network import NetworkPilot
+from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.pilots.record import MakeBoats, drive_episodes
+from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_reservoir
+from swamp_rl.pilots.scripted import Habits, ScriptedPilot
+from swamp_rl.pilots.settings import Count, Seed, Settings
+from swamp_rl.runs import Run
+
+STEADY = Habits(messy=0.0, gentle=0.0, guess_interval=1e6, hesitation_interval=1e6)
+"The scripted pilots' reactions, aims and dead bands without their slips, as of one who looks on at leisure."
+OwnSeed = Annotated[int, Field(ge=0, lt=2**32, exclude=True)]
+
+
+class ReservoirLearner(ReservoirSettings):
+    """A reservoir in DAgger's rounds."""
+
+    kind: Literal["reservoir"] = "reservoir"
+    seed: OwnSeed = 0
+
+
+class CloningLearner(CloningSettings):
+    """A cloned network in DAgger's rounds."""
+
+    kind: Literal["cloning"] = "cloning"
+    seed: OwnSeed = 0
+
+
+class GRULearner(GRUSettings):
+    """A gated recurrent unit in DAgger's rounds."""
+
+    kind: Literal["gru"] = "gru"
+    seed: OwnSeed = 0
+
+
+Learner = ReservoirLearner | CloningLearner | GRULearner
+
+
+class DaggerSettings(Settings):
+    """What learns, in how many rounds, and who corrects it."""
+
+    learner: Annotated[Learner, Field(discriminator="kind")] = ReservoirLearner()
+    rounds: Count = 5
+    runs: Count = 2
+    "Driven by the learner in each round, and corrected from start to end."
+    expert: Habits = STEADY
+    "Of the scripted pilots that correct, one for each run."
+    trials: Annotated[int, Field(ge=0)] = 200
+    """Episodes that the learner of each round drives alone: the one that succeeds in most is kept (of equals
+    the later). With none, the last."""
+    seed: Seed = 0
+    "Of the rounds and of the learner."
+
+    @field_validator("learner")
+    @classmethod
+    def _one_seed(cls, learner: Learner) -> Learner:
+        if learner.seed != 0:
+            raise ValueError("seed: is that of the rounds; give it beside learner, not in it")
+        return learner
+
+
+def fit_dagger(
+    first: Sequence[Run],
+    make_boats: MakeBoats,
+    vehicle: Boat,
+    look: Callable[[Run], Run],
+    settings: DaggerSettings | None = None,
+    step: float = 0.1,
+    tick: Callable[[float], None] = lambda done: None,
+) -> Pilot:
+    """A pilot that learned from the logged runs `first`, then from what it was corrected in.
+
+    make_boats: builds boats of `vehicle` that start anew a step after their end, disturbed as in the rounds;
+    look: adds to a run the columns that are sensed and not logged (`envs.hindsight.with_gates`). `tick` hears
+    the share done. UserError where a run lacks a column.
+    """
+    settings = settings or DaggerSettings()
+    rng = np.random.default_rng(settings.seed)
+    # All seeds are above any of an evaluation, so that no pilot is tried on what it learned from.
+    trials = rng.integers(2**31, 2**32, settings.trials)
+    runs = list(first)
+    best = learner = fit(runs, settings)
+    most = succeeded(learner, make_boats, trials)
+    for number in range(settings.rounds):
+        expert = ScriptedPilot(int(rng.integers(2**32)), settings.expert, step)
+        seeds = rng.integers(2**31, 2**32, settings.runs)
+        runs += [look(run) for run in corrected_runs(learner, expert, make_boats, vehicle, seeds, step)]
+        learner = fit(runs, settings)
+        success = succeeded(learner, make_boats, trials)
+        if success >= most:
+            best, most = learner, success
+        tick((number + 1) / settings.rounds)
+    return best
+
+
+def succeeded(pilot: Pilot, make_boats: MakeBoats, seeds: Array) -> int:
+    """In how many of the episodes of `seeds` (n,) the pilot succeeds."""
+    if len(seeds) == 0:
+        return 0
+    boats = make_boats(len(seeds), pilot.senses)
+    pilot.reset(len(seeds))
+    try:
+        observation, _ = boats.reset(options={"episodes": seeds})
+        running, good = np.ones(len(seeds), dtype=bool), 0
+        while running.any():
+            observation, _, terminated, truncated, info = boats.step(pilot.act(observation))
+            ended = running & (terminated | truncated)
+            good += int((info["outcome"][ended] == "success").sum()) if ended.any() else 0
+            running &= ~ended
+    finally:
+        boats.close()
+    return good
+
+
+def fit(runs: Sequence[Run], settings: DaggerSettings) -> ReservoirPilot | NetworkPilot | GRUPilot:
+    """The learner as it comes out of these runs."""
+    learner = settings.learner.model_copy(update={"seed": settings.seed})
+    if isinstance(learner, ReservoirLearner):
+        return fit_reservoir(runs, learner)
+    if isinstance(learner, GRULearner):
+        return fit_gru(runs, learner)
+    return fit_cloning(runs, learner)
+
+
+class Watched:
+    """A pilot drives while another, who sees the same, says what it would do."""
+
+    def __init__(self, driver: Pilot, expert: Pilot) -> None:
+        self.driver, self.expert = driver, expert
+        self.senses = tuple(dict.fromkeys((*driver.senses, *expert.senses)))
+        self._of_driver, self._of_expert = (
+            [self.senses.index(name) for name in pilot.senses] for pilot in (driver, expert)
+        )
+        self.said: list[Array] = []
+        "(n, 2) levers of the expert, each step."
+
+    def reset(self, n: int) -> None:
+        """Begin with n boats."""
+        self.driver.reset(n)
+        self.expert.reset(n)
+        self.said = []
+
+    def act(self, observation: Array) -> Array:
+        """The driver's levers (n, 2) from the observation (n, d)."""
+        self.said.append(self.expert.act(observation[:, self._of_expert]))
+        return self.driver.act(observation[:, self._of_driver])
+
+
+def corrected_runs(
+    driver: Pilot, expert: Pilot, make_boats: MakeBoats, vehicle: Boat, seeds: Array, step: float
+) -> list[Run]:
+    """An episode for each of `seeds` (n,) as `driver` drove it, in `joy_thrust` and `joy_angle` the levers
+    of `expert`: nothing to be replayed from."""
+    watched = Watched(driver, expert)
+    boats = make_boats(len(seeds), watched.senses)
+    watched.reset(len(seeds))
+    try:
+        driven = drive_episodes(boats, watched, vehicle, seeds, step)
+    finally:
+        boats.close()
+    said = np.array(watched.said)
+    runs = []
+    for i, run in enumerate(driven):
+        # The last row, where nothing more was decided, keeps the levers before it.
+        thrust, angle = said[np.minimum(np.arange(len(run.time)), len(run.time) - 2), i].T
+        runs.append(Run(run.name, {**run.columns, "joy_thrust": thrust, "joy_angle": angle}, run.meta))
+    return runs

@@ -1,0 +1,124 @@
+"""Networks trained by regression in epochs, from a checkpoint where one was left, the same bit for bit."""
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import write_beside
+from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings
+
+Losses = Callable[[Any], Iterable[Any]]
+"""The losses of an epoch's batches, one at a time, from the torch Generator of the epoch's chance."""
+
+
+class RegressionSettings(Settings):
+    """What regression on logged runs has whatever the network: AdamW (Loshchilov and Hutter 2019), squared
+    error."""
+
+    senses: Annotated[tuple[str, ...], Field(min_length=1)]
+    reaction: NotNegative = 0.4
+    "Time [s] from what the logged pilot saw to the lever that it led to: the clone is to act at once."
+    epochs: Count = 60
+    learning_rate: Positive = 2e-3
+    "At the start; it falls to nought by half a cosine."
+    weight_decay: NotNegative = 1e-3
+    noise: NotNegative = 0.0
+    "Standard deviation of noise on the scaled observations, new each epoch, against learning by heart."
+    seed: Seed = 0
+
+
+def train_by_epochs(
+    network: Any,
+    losses: Losses,
+    settings: RegressionSettings,
+    task: str,
+    tick: Callable[[float], None],
+    checkpoint: Path | None = None,
+) -> None:
+    """Train the torch `network` for `settings.epochs`; `tick` hears the share done.
+
+    checkpoint: the file that each epoch is kept in, and gone on from if it is of the same `task` (from
+    `task_of`); another task's is written over. Each epoch's chance depends on the seed and the epoch alone.
+    """
+    import torch
+
+    optimiser = torch.optim.AdamW(
+        network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
+    )
+    done = 0 if checkpoint is None else _go_on(network, optimiser, checkpoint, task)
+    for epoch in range(done, settings.epochs):
+        for group in optimiser.param_groups:
+            group["lr"] = settings.learning_rate * 0.5 * (1.0 + math.cos(math.pi * epoch / settings.epochs))
+        for loss in losses(chance_of(settings.seed, epoch)):
+            optimiser.zero_grad()
+            loss.backward()
+            optimiser.step()
+        if checkpoint is not None:
+            _keep(network, optimiser, checkpoint, task, epoch + 1)
+        tick((epoch + 1) / settings.epochs)
+
+
+def chance_of(seed: int, epoch: int) -> Any:
+    """The torch Generator of one epoch."""
+    import torch
+
+    drawn = int(np.random.SeedSequence([seed, epoch]).generate_state(1, np.uint64)[0])
+    return torch.Generator().manual_seed(drawn >> 1)
+
+
+def task_of(settings: Settings, arrays: Iterable[Array]) -> str:
+    """A hash of the settings and of what is learned from, which tells one training from another."""
+    hashed = hashlib.sha256(f"{type(settings).__name__} {settings.model_dump_json()}".encode())
+    for array in arrays:
+        hashed.update(np.ascontiguousarray(array).tobytes())
+    return hashed.hexdigest()
+
+
+def _keep(network: Any, optimiser: Any, path: Path, task: str, epochs: int) -> None:
+    from safetensors.torch import save
+
+    arrays = {f"network.{name}": value for name, value in network.state_dict().items()}
+    for i, kept in optimiser.state_dict()["state"].items():
+        arrays |= {f"optimiser.{i}.{name}": value for name, value in kept.items()}
+    said = {"training": json.dumps({"task": task, "epochs": epochs})}
+    with write_beside(path) as part:
+        part.write_bytes(save({name: value.contiguous() for name, value in arrays.items()}, said))
+
+
+def _go_on(network: Any, optimiser: Any, path: Path, task: str) -> int:
+    """Epochs that were done already, their weights and the optimiser's put where they belong."""
+    from safetensors import SafetensorError, safe_open
+
+    if not path.exists():
+        return 0
+    try:
+        with safe_open(path, "pt") as file:
+            said = json.loads((file.metadata() or {}).get("training", "{}"))
+            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  not a mapping
+    except (OSError, SafetensorError, ValueError) as error:
+        raise UserError(f"{path}: is no checkpoint of a training ({error}); remove it") from error
+    if said.get("task") != task:
+        return 0
+    network.load_state_dict(_of("network", arrays))
+    state: dict[int, dict[str, Any]] = {}
+    for name, value in _of("optimiser", arrays).items():
+        number, _, kind = name.partition(".")
+        state.setdefault(int(number), {})[kind] = value
+    optimiser.load_state_dict({**optimiser.state_dict(), "state": state})
+    return int(said["epochs"])
+
+
+def _of(owner: str, arrays: dict[str, Any]) -> dict[str, Any]:
+    return {
+        name.removeprefix(f"{owner}."): value
+        for name, value in arrays.items()
+        if name.startswith(f"{owner}.")
+    }
