@@ -7,6 +7,7 @@ from typing import Annotated, Any, Self
 import yaml
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
+from experiments.claims_schema import Claims
 from experiments.learners import LEARNERS, in_order, learner
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
@@ -135,7 +136,8 @@ class Targets(Part):
 class Experiment(Part):
     """One experiment, whole. boat, course and levels are names in `configs/` or paths; step in s.
 
-    With `hidden` it closes the loop from logs to pilots, see `experiments.closed_loop`.
+    With `hidden` it closes the loop from logs to pilots, see `experiments.closed_loop`; with `claims` it
+    tests hypotheses, see `experiments.claims`.
     """
 
     name: Name
@@ -148,6 +150,7 @@ class Experiment(Part):
     evaluation: Evaluation
     targets: Targets = Targets()
     hidden: Hidden | None = None
+    claims: Claims | None = None
 
     @model_validator(mode="after")
     def _targets_name_what_is_there(self) -> Self:

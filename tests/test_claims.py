@@ -1,0 +1,134 @@
+"""The thesis's claims: each verdict follows from its numbers, and the whole runs in small."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from experiments.claims import blocks, check_claims, claim_row, disjoint, examine_claims, judge
+from experiments.claims_effects import Hypothesis, lever_power
+from experiments.claims_report import report, shown
+from experiments.claims_schema import Claims
+from experiments.progress import stages
+from experiments.scene import read_scene
+from experiments.schema import load_experiment
+from swamp_rl.boat import load_boat
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run
+
+SMALL = (
+    "data.record.good=6",
+    "claims.draws=2",
+    "claims.runs=[3,6]",
+    "claims.few=3",
+    "claims.disturbed=[kicks]",
+    "claims.elsewhere=[reversed]",
+    "evaluation.episodes=4",
+)
+
+
+def judged(values: Any, bound: float) -> dict[str, Any]:
+    (row,) = judge(
+        [Hypothesis("few", "", np.asarray(values, float), bound, "rate")], np.random.default_rng(0)
+    )
+    return row
+
+
+def test_far_above_the_bound_in_every_training_is_supported() -> None:
+    row = judged(np.random.default_rng(1).normal(0.9, 0.02, (10, 50)), 0.5)
+    assert (row["verdict"], row["p"]) == ("supported", pytest.approx(1 / 2**10))
+
+
+def test_far_below_is_not_supported_and_about_it_is_undecided() -> None:
+    rng = np.random.default_rng(2)
+    assert judged(rng.normal(0.3, 0.02, (10, 50)), 0.5)["verdict"] == "not supported"
+    assert judged(rng.normal(0.5, 0.2, (10, 50)), 0.5)["verdict"] == "undecided"
+
+
+def test_an_interval_beyond_the_bound_does_not_suffice_with_too_few_trainings() -> None:
+    row = judged(np.full((3, 50), 0.9), 0.5)
+    assert row["low"] > 0.5 and row["p"] == pytest.approx(1 / 8)
+    assert row["verdict"] == "undecided"
+
+
+def test_nothing_to_count_is_undecided() -> None:
+    assert judged(np.full((5, 4), np.nan), 0.5)["verdict"] == "undecided"
+
+
+def test_p_values_are_corrected_over_all_hypotheses() -> None:
+    values = np.random.default_rng(3).normal(0.9, 0.02, (10, 20))
+    many = [Hypothesis("few", "", values, 0.5, "rate") for _ in range(4)]
+    assert all(
+        row["p_corrected"] == pytest.approx(4 / 2**10) for row in judge(many, np.random.default_rng(0))
+    )
+
+
+def test_a_claim_stands_and_falls_with_the_hypotheses_that_decide_it() -> None:
+    def row(verdict: str, decides: bool = True) -> dict[str, Any]:
+        return {"claim": "few", "verdict": verdict, "decides": decides}
+
+    yes, no, open_ = row("supported"), row("not supported"), row("undecided")
+    assert claim_row("few", [yes, yes, row("not supported", decides=False)])["verdict"] == "supported"
+    assert claim_row("few", [yes, open_])["verdict"] == "undecided"
+    assert claim_row("few", [yes, open_, no])["verdict"] == "not supported"
+
+
+def runs_named(n: int) -> list[Run]:
+    return [Run(str(i), {}) for i in range(n)]
+
+
+def test_choices_of_runs_share_none_where_there_are_enough() -> None:
+    chosen = blocks(runs_named(200), 10, 40, np.random.default_rng(0))
+    firsts = [run.name for block in chosen for run in block[:20]]
+    assert len(set(firsts)) == 200
+    assert all(len({run.name for run in block}) == 40 for block in chosen)
+    assert disjoint(Claims(pilot="x"), runs_named(200)) and not disjoint(Claims(pilot="x"), runs_named(199))
+
+
+def test_choices_from_too_few_runs_still_hold_none_twice() -> None:
+    chosen = blocks(runs_named(45), 10, 40, np.random.default_rng(0))
+    assert all(len({run.name for run in block}) == 40 for block in chosen)
+
+
+def test_a_saving_is_told_as_a_share() -> None:
+    assert shown("saving", float(np.log(2.0))) == "50.0 %"
+    assert shown("points", -0.05) == "-5.0"
+
+
+def test_full_lever_is_the_power_of_two_jets_at_full_thrust() -> None:
+    boat = load_boat("swamp")
+    run = Run("full", {"time": np.arange(3.0), "joy_thrust": np.ones(3), "joy_angle": np.zeros(3)})
+    # T V_o / 2 with V_o the square root of T / (rho A_n), as in the metrics' own test.
+    assert lever_power(run, boat) == pytest.approx(2 * 0.5 * 12.2 * np.sqrt(12.2 / (1025.0 * 900e-6)))
+
+
+@pytest.mark.parametrize(
+    ("override", "told"),
+    [
+        ("claims.pilot=nobody", "no pilot 'nobody'"),
+        ("claims.few=7", "7 is not in claims.runs"),
+        ("claims.calm=storm", "level 'storm' is not in evaluation.levels"),
+        ("pilots.reservoir={kind: scripted, takeover: 0.0}", "does not learn from runs"),
+    ],
+)
+def test_claims_about_what_is_not_there_are_refused(override: str, told: str) -> None:
+    scene = read_scene(load_experiment("thesis_claims", [override]))
+    with pytest.raises(UserError, match=told):
+        check_claims(scene)
+
+
+def test_the_whole_in_small_tells_every_claim_and_where_the_data_are_from(tmp_path: Path) -> None:
+    scene = read_scene(load_experiment("thesis_claims", SMALL))
+    with stages() as progress:
+        results = examine_claims(scene, tmp_path, progress)
+    assert [one["claim"] for one in results["claims"]] == [
+        "few",
+        "copy",
+        "elsewhere",
+        "disturbed",
+        "smoother",
+    ]
+    assert all(one["hypotheses"] for one in results["claims"])
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert text == report(results) and "No person drove" in text
