@@ -54,10 +54,10 @@ def method(results: Results) -> str:
         "effects that count stand in the experiment's file. The effect is the mean over trainings and "
         "episodes; its 95 % interval is from a bootstrap over both. p is one-sided, from flipping the signs "
         "of the trainings' mean distances from the bound, corrected by Holm over all hypotheses. "
-        "*Supported*: the interval lies wholly beyond the bound and p is below 0.05. *Not supported*: it lies "
-        "wholly short of it. Else *undecided*. A claim is supported where all hypotheses that decide it "
-        "are, and not supported where one of them is not. The last column is the data's own pilot in the same "
-        "episodes."
+        "*Supported*: the interval lies wholly beyond the bound and p is below 0.05. *Not supported*: it "
+        "lies wholly short of it. Else *undecided*. A claim is supported where all hypotheses that decide it "
+        "are, and not supported where one of them is not. The last column is the data's own pilot in the "
+        "same episodes."
     )
 
 
