@@ -13,9 +13,9 @@ from experiments.claims_schema import Claims
 from experiments.comparison import without_nan
 from experiments.learn import get_data, train, with_takeover
 from experiments.learners import learner
-from experiments.progress import Stages, peak_memory
+from experiments.progress import Stages, measured
 from experiments.results import data_results
-from experiments.scene import Scene, write_config
+from experiments.scene import Scene
 from experiments.schema import PilotPlan
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import drive, episode_table, holm, sign_flip_test
@@ -23,7 +23,6 @@ from swamp_rl.evaluation.crossed import crossed_mean
 from swamp_rl.pilots.demonstrations import choose_runs
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.scripted import ScriptedPilot
-from swamp_rl.pilots.store import save_pilot
 from swamp_rl.runs import Dataset, Run
 
 LEVEL = 0.05
@@ -48,9 +47,8 @@ def check_claims(scene: Scene) -> Claims:
 
 
 def examine_claims(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
-    """Every stage in turn; what goes into results.json. Report and pilots are written beside."""
+    """Every stage in turn; what goes into results.json. The report is written beside."""
     plan = check_claims(scene)
-    write_config(scene, folder / "config")
     dataset = get_data(scene, folder, progress)
     pool = choose_runs(dataset.runs, None, scene.experiment.pilots[plan.pilot].outcomes)
     if len(pool) < max(plan.runs):
@@ -59,7 +57,7 @@ def examine_claims(scene: Scene, folder: Path, progress: Stages) -> dict[str, An
         )
     rng = np.random.default_rng(scene.experiment.evaluation.seed)
     lessons = blocks(pool, plan.draws, max(plan.runs), rng)
-    flown = fly(scene, plan, dataset, lessons, folder, progress)
+    flown = fly(scene, plan, dataset, lessons, progress)
     with progress.stage("test the hypotheses"):
         rows = judge(hypotheses(plan, flown), rng)
     results = {
@@ -73,11 +71,7 @@ def examine_claims(scene: Scene, folder: Path, progress: Stages) -> dict[str, An
         "episodes": len(scene.seeds),
         "data": data_results(dataset) | {"recorded_at": recorded_at(scene), "disjoint": disjoint(plan, pool)},
         "claims": [claim_row(claim, rows) for claim in CLAIMS],
-        "measured": {
-            "seconds": {name: round(value, 2) for name, value in progress.seconds.items()},
-            "total_seconds": round(sum(progress.seconds.values()), 1),
-            "peak_memory_gb": round(peak_memory(), 2),
-        },
+        "measured": measured(progress),
     }
     (folder / "report.md").write_text(report(results), encoding="utf-8")
     return results
@@ -109,7 +103,6 @@ def fly(
     plan: Claims,
     dataset: Dataset,
     lessons: Sequence[list[Run]],
-    folder: Path,
     progress: Stages,
 ) -> Flown:
     """Train the pilot on each choice of runs and try it wherever a claim asks for it."""
@@ -121,8 +114,6 @@ def fly(
             for runs in plan.runs:
                 pilot = trained(scene, replace(dataset, runs=lesson), asked, runs, draw)
                 whole = with_takeover(scene, asked, pilot)
-                if draw == 0:
-                    save_pilot(whole, folder / "pilots" / f"{plan.pilot}-{runs}")
                 for level in everywhere if runs == plan.few else (plan.at,):
                     flights.setdefault((named(runs), level), []).append(flight(scene, whole, level))
                 for level in plan.elsewhere if runs == plan.few else ():
@@ -150,16 +141,15 @@ def flight(scene: Scene, pilot: Pilot, level: str) -> Flight:
 
 def judge(asked: Sequence[Hypothesis], rng: np.random.Generator) -> list[dict[str, Any]]:
     """Each hypothesis with effect, interval, p-value (of the trainings' means, one-sided) and verdict."""
-    rows = []
+    rows: list[dict[str, Any]] = []
     for one in asked:
         known = np.isfinite(one.values)
         means = np.where(known, one.values, 0.0).sum(axis=1)[known.any(axis=1)]
         means = means / known.sum(axis=1)[known.any(axis=1)]
         found = crossed_mean(one.values, rng)
         p = sign_flip_test(means - one.bound, rng, greater=True) if len(means) else float("nan")
-        row = {"claim": one.claim, "text": one.text, "bound": one.bound, "shown": one.shown}
-        row |= {"reference": one.reference, "decides": one.decides, "trials": int(known.sum())}
-        rows.append(row | asdict(found) | {"p": p})
+        told = {what: value for what, value in vars(one).items() if what != "values"}
+        rows.append(told | asdict(found) | {"trials": int(known.sum()), "p": p})
     for row, corrected in zip(rows, holm([row["p"] for row in rows]), strict=True):
         row["p_corrected"] = corrected
         row["verdict"] = verdict(row)

@@ -97,22 +97,27 @@ def few_suffice(plan: Claims, flown: Flown) -> list[Hypothesis]:
 
 
 def not_copied(plan: Claims, flown: Flown) -> list[Hypothesis]:
-    """Distances of its successful tracks to the nearest run of the data, and to each other."""
+    """Logarithms of how far its successful tracks lie from the nearest run of the data, and from each other.
+
+    Against the same among the runs of the data. A run that goes round for another try lies far from all
+    others; in a mean of distances themselves a few of those would drown the rest.
+    """
     near, spread, own = [], [], []
     for (table, rollout), lesson in zip(flown.trained[named(plan.few), plan.at], flown.lessons, strict=True):
         runs = [run.pose for run in lesson[: plan.few]]
         among = distances(runs, runs)
-        scale = float(nearest_other(among).mean())
+        scale = _middle(nearest_other(among))
         won = np.flatnonzero(table["success"])
-        tracks = [rollout.track(i) for i in won]
-        near.append(_at(won, len(table["seed"]), nearest_of_fewer(distances(tracks, runs)) / scale))
-        others = mean_other(distances(tracks, tracks)) / float(mean_other(among).mean())
+        tracks = [rollout.track(int(i)) for i in won]
+        closest = np.log(nearest_of_fewer(distances(tracks, runs))) - scale
+        near.append(_at(won, len(table["seed"]), closest))
+        others = np.log(mean_other(distances(tracks, tracks))) - _middle(mean_other(among))
         spread.append(_at(won, len(table["seed"]), others))
         if flown.teacher is not None:
             driven, drive = flown.teacher[plan.at]
-            theirs = [drive.track(i) for i in np.flatnonzero(driven["success"])]
-            own.append(float(nearest_of_fewer(distances(theirs, runs)).mean()) / scale)
-    least, share = plan.least.novelty, f"{plan.least.novelty:g} times"
+            theirs = [drive.track(int(i)) for i in np.flatnonzero(driven["success"])]
+            own.append(_middle(nearest_of_fewer(distances(theirs, runs))) - scale)
+    least, share = float(np.log(plan.least.novelty)), f"{plan.least.novelty:g} times"
     nearest = (
         f"its tracks lie further from the nearest run of the data than {share} what the runs lie from theirs"
     )
@@ -163,7 +168,8 @@ def smoother(plan: Claims, flown: Flown) -> list[Hypothesis]:
     Paired with the data's pilot in the same episodes where that can be tried; else against the means of the
     runs that it learned from.
     """
-    change, power = [], []
+    change: list[Array] = []
+    power: list[Array] = []
     for (table, _), lesson in zip(flown.trained[named(plan.few), plan.at], flown.lessons, strict=True):
         theirs = _teachers(flown, plan, lesson)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -205,6 +211,11 @@ def lever_power(run: Run, boat: Boat) -> float:
     linear, quadratic = np.array([item.thrust_curve(boat.water_density) for item in driven]).T
     thrust = bollard_thrust(throttle, linear, quadratic)
     return float(jet_power(thrust, boat.water_density).sum(axis=1).mean())
+
+
+def _middle(values: Array) -> float:
+    """Mean of logarithms."""
+    return float(np.log(values).mean())
 
 
 def _at(places: NDArray[np.intp], n: int, values: Array) -> Array:

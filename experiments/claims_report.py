@@ -78,7 +78,8 @@ def claim(results: Results, found: Results) -> str:
 
 NOTES = {
     "copy": "\n\nDistances are between places at equal shares of the way, averaged over the way; of "
-    "successful tracks. A copy of a run would be 0 times as far, another run of the data's own kind once.",
+    "successful tracks, as geometric means. A copy of a run would be 0 times as far, another run of the "
+    "data's own kind once.",
     "elsewhere": "\n\nOnly starts outside the convex hull of all tracks that the pilot learned from count.",
     "smoother": "\n\nMeans of logarithms over episodes in which both arrived, told as shares saved. The "
     "power is what the jets leave in the water; see `swamp_rl/evaluation/metrics.py`.",
@@ -98,7 +99,7 @@ def shown(kind: str, value: float) -> str:
     if kind == "saving":
         return f"{-100.0 * math.expm1(-value):.1f} %"
     if kind == "ratio":
-        return f"{value:.2f}"
+        return f"{math.exp(value):.2f}"
     return f"{100.0 * value:+.1f}" if kind == "points" else f"{100.0 * value:.1f} %"
 
 

@@ -18,7 +18,7 @@ class Least(BaseModel):
     "Success rate that a few runs must reach."
     loss: Share = 0.05
     "Loss of success that does not matter: from fewer runs, or among disturbances."
-    novelty: Share = 0.5
+    novelty: Annotated[float, Field(gt=0.0, le=1.0)] = 0.5
     "Distance of tracks, as a share of what it is among the runs of the data."
     success_elsewhere: Share = 0.5
     "Success rate from where no run has been."

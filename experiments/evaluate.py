@@ -66,7 +66,8 @@ def _of_pilots(
     home = None if name is not None or not homes else homes[0]
     with same_configs(None if home is None else home / CONFIG):
         base = load_experiment(name or home or "camogli")
-        told: dict[str, Any] = {"name": "evaluation", "description": "", "hidden": None, "targets": Targets()}
+        told: dict[str, Any] = {"name": "evaluation", "description": "", "hidden": None, "claims": None}
+        told["targets"] = Targets()
         if home is not None and (home / "data").is_dir():
             told["data"] = base.data.model_copy(update={"folder": str(home / "data"), "sha256": None})
         bare = base.model_copy(update=told | {"pilots": {}})

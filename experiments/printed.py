@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from experiments.claims_report import print_claims
 from experiments.report import rate
 from swamp_rl.files import write_beside
 
@@ -35,6 +36,9 @@ def print_results(results: Mapping[str, Any], folder: Path) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    if "claims" in results:
+        print_claims(results, folder)
+        return
     levels = results["evaluation"]["levels"]
     episodes = results["evaluation"]["episodes"]
     table = Table(title=f"{results['name']}: success in {episodes} episodes, percent", box=SIMPLE_HEAD)

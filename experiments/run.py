@@ -64,7 +64,7 @@ def train_experiment(
         scene, work = _sound(load_experiment(name_or_path, overrides), name_or_path)
         plans = scene.experiment.pilots
         if work is not do_experiment:
-            raise UserError(f"{name_or_path}: its pilots learn from what its logs tell; use swamp-rl run")
+            raise UserError(f"{name_or_path}: its pilots are trained on the way; use swamp-rl run")
         for name in only or ():
             if name not in plans:
                 raise UserError(f"{name_or_path}: no pilot {name!r}{nearest(name, plans)}")
@@ -94,9 +94,13 @@ def _folder(experiment: Experiment, out: Path | str | None) -> Path:
 
 def _sound(experiment: Experiment, given: str | Path) -> tuple[Scene, Work]:
     """The scene of an experiment, and what is to be done in it; UserError for whatever is wrong."""
+    from experiments.claims import check_claims, examine_claims
     from experiments.closed_loop import close_loop, true_scene
 
     scene = read_scene(with_data_hash(experiment, str(given)))
+    if experiment.claims is not None:
+        check_claims(scene)
+        return scene, examine_claims
     if experiment.hidden is None:
         return scene, do_experiment
     true_scene(scene)  # whose effects are refused now, not after an hour

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 from experiments.claims import blocks, check_claims, claim_row, disjoint, examine_claims, judge
-from experiments.claims_effects import Hypothesis, lever_power
+from experiments.claims_effects import Flown, Hypothesis, lever_power, named, not_copied
 from experiments.claims_report import report, shown
 from experiments.claims_schema import Claims
 from experiments.progress import stages
@@ -15,6 +16,8 @@ from experiments.scene import read_scene
 from experiments.schema import load_experiment
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
+from swamp_rl.evaluation import Rollout
+from swamp_rl.files import find_config
 from swamp_rl.runs import Run
 
 SMALL = (
@@ -119,7 +122,10 @@ def test_claims_about_what_is_not_there_are_refused(override: str, told: str) ->
 
 
 def test_the_whole_in_small_tells_every_claim_and_where_the_data_are_from(tmp_path: Path) -> None:
-    scene = read_scene(load_experiment("thesis_claims", SMALL))
+    course = yaml.safe_load(find_config("courses", "camogli").read_text(encoding="utf-8"))
+    short = tmp_path / "short.yaml"
+    short.write_text(yaml.safe_dump({**course, "time_limit": 45.0}), encoding="utf-8")
+    scene = read_scene(load_experiment("thesis_claims", [*SMALL, f"course={short}"]))
     with stages() as progress:
         results = examine_claims(scene, tmp_path, progress)
     assert [one["claim"] for one in results["claims"]] == [
@@ -132,3 +138,34 @@ def test_the_whole_in_small_tells_every_claim_and_where_the_data_are_from(tmp_pa
     assert all(one["hypotheses"] for one in results["claims"])
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
     assert text == report(results) and "No person drove" in text
+
+
+def test_tracks_of_the_datas_own_kind_are_once_as_far_and_copies_hardly_at_all() -> None:
+    rng = np.random.default_rng(4)
+    way = np.linspace(0.0, 20.0, 50)
+
+    def track() -> np.ndarray:
+        bend, wander = rng.normal(0.0, 1.0), 30.0 * (rng.random() < 0.1)
+        return np.column_stack([way, (bend + wander) * np.sin(way / 6.0), np.zeros(50)])
+
+    def values(tracks: list[np.ndarray], lesson: list[Run]) -> list[float]:
+        pose = np.array(tracks)
+        n = len(pose)
+        table = {"success": np.ones(n, bool), "seed": np.arange(n)}
+        rollout = Rollout(np.arange(n), np.full(n, 49), np.full(n, "success"), pose, pose[:, 1:, :2], pose)
+        flown = Flown({(named(20), "standard"): [(table, rollout)]}, [lesson], None, load_boat("swamp"))
+        found = not_copied(Claims(pilot="x"), flown)
+        return [float(np.exp(np.nanmean(one.values))) for one in found]
+
+    kind, copied = [], []
+    for _ in range(20):
+        taught = [track() for _ in range(20)]
+        columns = [
+            dict(zip(("north", "east", "heading", "time"), [*one.T, way], strict=True)) for one in taught
+        ]
+        lesson = [Run(str(i), column) for i, column in enumerate(columns)]
+        kind.append(values([track() for _ in range(30)], lesson))
+        copied.append(values([one + 1e-3 for one in taught], lesson))
+    assert np.exp(np.log(kind).mean(axis=0)) == pytest.approx([1.0, 1.0], abs=0.15)
+    assert max(near for near, _ in copied) < 0.4
+    assert np.mean([apart for _, apart in copied]) == pytest.approx(1.0, abs=0.01)
