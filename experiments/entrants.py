@@ -144,10 +144,16 @@ def _did(pilot: str, result: Result) -> str:
 
 
 def plan_of(result: Result, pilot: str) -> dict[str, Any]:
-    """All that went into a pilot's training: its plan, and the data it could learn from."""
+    """All that went into a pilot's training: its plan, those of pilots it starts from, and the data."""
     plans = result.experiment.get("pilots", {})
     name = pilot if pilot in plans else pilot.rsplit(", ", 1)[0]
-    return {"plan": plans.get(name, plans), "data": result.experiment.get("data")}
+    if name not in plans:
+        return {"plans": plans, "data": result.experiment.get("data")}
+    used = [name]
+    for one in used:
+        options = plans[one].get("options", {}).values()
+        used += [other for other in plans if other in options and other not in used]
+    return {"plans": [plans[one] for one in used], "data": result.experiment.get("data")}
 
 
 def seedless(data: Any) -> Any:

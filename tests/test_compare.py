@@ -80,6 +80,19 @@ def test_a_pilot_of_other_options_is_another_pilot_and_named_by_its_folder(tmp_p
     assert names == ["reservoir (stiff)", "reservoir (loose)"]
 
 
+def test_a_pilot_that_started_from_another_is_another_pilot_where_that_was(tmp_path: Path) -> None:
+    results = []
+    for name, ridge in (("stiff", 30.0), ("loose", 0.3)):
+        folder = folder_of(tmp_path / name, {"ppo": np.ones(20), "reservoir": np.ones(20)})
+        file = folder / "config" / "experiment.yaml"
+        experiment = yaml.safe_load(file.read_text())
+        experiment["pilots"]["ppo"]["options"] = {"warm_start": "reservoir"}
+        experiment["pilots"]["reservoir"]["options"]["ridge"] = ridge
+        file.write_text(yaml.safe_dump(experiment))
+        results.append(read_result(folder))
+    assert sum(one.pilot == "ppo" for one in entrants(results)) == 2
+
+
 def test_a_copied_folder_counts_once(tmp_path: Path) -> None:
     for name in ("a", "b"):
         folder_of(tmp_path / name, {"reservoir": np.arange(20) < 15, "ppo": np.ones(20)})
