@@ -1,10 +1,13 @@
 """Trials on a Ray cluster that is there already; a lost node's trials are reported as failed."""
 
 import logging
+import socket
 from typing import Any
 
 from experiments.sweep.local import Work, attempt
 from swamp_rl.errors import UserError
+
+PATIENCE = 5.0  # s
 
 
 class RayCrew:
@@ -16,13 +19,11 @@ class RayCrew:
             import ray
         except ImportError as error:
             raise UserError("Ray is not installed; install swamp-rl[ray]") from error
+        _answers(address, ray.util.get_node_ip_address())
         try:
             ray.init(address, log_to_driver=False, logging_level=logging.ERROR, configure_logging=False)
         except (ConnectionError, ValueError, RuntimeError, OSError) as error:
-            line = " ".join(str(error).split())[:200]
-            raise UserError(
-                f"--ray {address}: no cluster answers ({line}); start it with ray start"
-            ) from error
+            raise _refused(address, error) from error
         self._ray = ray
         self._attempt = ray.remote(num_cpus=1, max_retries=0)(attempt)
         self._work = work
@@ -48,3 +49,23 @@ class RayCrew:
         except self._ray.exceptions.RayError as lost:
             return number, None, f"its worker was lost ({type(lost).__name__})"
         return number, answer, error
+
+
+def _answers(address: str, here: str) -> None:
+    """UserError where nobody listens at HOST:PORT, which Ray itself would find out after minutes.
+
+    here: by which Ray calls this machine, and so puts in the place of 127.0.0.1.
+    """
+    host, colon, port = address.removeprefix("ray://").rpartition(":")
+    if not colon or not port.isdigit():
+        return
+    local = host in ("127.0.0.1", "localhost") and not address.startswith("ray://")
+    try:
+        socket.create_connection((here if local else host, int(port)), PATIENCE).close()
+    except (OSError, OverflowError) as error:
+        raise _refused(address, error) from error
+
+
+def _refused(address: str, error: Exception) -> UserError:
+    line = " ".join(str(error).split())[:200]
+    return UserError(f"--ray {address}: no cluster answers ({line}); start one there with ray start")
