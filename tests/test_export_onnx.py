@@ -22,12 +22,13 @@ from swamp_rl.pilots.takeover import TakeoverPilot
 SENSES = ("north", "east", "cos_heading", "sin_heading")
 
 
-def network(rng: np.random.Generator, hold: int = 1, hidden: int = 16) -> NetworkPilot:
-    widths = (len(SENSES), hidden, hidden, 2)
-    weights = {"mean": rng.normal(size=4), "scale": rng.uniform(0.1, 3.0, 4)}
+def network(rng: np.random.Generator, hold: int = 1, memory: int = 0, hidden: int = 16) -> NetworkPilot:
+    seen = len(SENSES) + memory * (len(SENSES) + 2)
+    widths = (seen, hidden, hidden, 2)
+    weights = {"mean": rng.normal(size=seen), "scale": rng.uniform(0.1, 3.0, seen)}
     for i, (before, after) in enumerate(pairwise(widths)):
         weights |= {f"weight_{i}": rng.normal(size=(before, after)), f"bias_{i}": rng.normal(size=after)}
-    return NetworkPilot("ppo" if hold > 1 else "cloning", SENSES, weights, hold)
+    return NetworkPilot("ppo" if hold > 1 else "cloning", SENSES, weights, hold, memory)
 
 
 def reservoir(rng: np.random.Generator, units: int = 60) -> ReservoirPilot:
@@ -40,6 +41,7 @@ def reservoir(rng: np.random.Generator, units: int = 60) -> ReservoirPilot:
 def pilots() -> dict[str, Pilot]:
     rng = np.random.default_rng(0)
     alone = {"cloning": network(rng), "ppo": network(rng, hold=6), "reservoir": reservoir(rng)}
+    alone["remembering ppo"] = network(rng, hold=5, memory=3)
     taken = TakeoverPilot(ScriptedPilot(5), reservoir(rng), 3.0)
     handed = TakeoverPilot(network(rng, hold=4), TakeoverPilot(reservoir(rng), network(rng, 3), 2.0), 1.0)
     return {**alone, "takeover": taken, "takeover of takeovers": handed}
@@ -55,12 +57,17 @@ def test_the_exported_step_is_the_numpy_step_to_the_last_digits(name: str, tmp_p
 
 
 @settings(max_examples=10)
-@given(seed=strategies.integers(0, 2**31), hold=strategies.integers(1, 9), boats=strategies.integers(1, 5))
-def test_any_network_holds_its_levers_as_long_in_the_file(
-    tmp_path_factory: pytest.TempPathFactory, seed: int, hold: int, boats: int
+@given(
+    seed=strategies.integers(0, 2**31),
+    hold=strategies.integers(1, 9),
+    memory=strategies.integers(0, 3),
+    boats=strategies.integers(1, 5),
+)
+def test_any_network_holds_and_remembers_as_long_in_the_file(
+    tmp_path_factory: pytest.TempPathFactory, seed: int, hold: int, memory: int, boats: int
 ) -> None:
     rng = np.random.default_rng(seed)
-    pilot, path = network(rng, hold), tmp_path_factory.mktemp("any") / "pilot.onnx"
+    pilot, path = network(rng, hold, memory), tmp_path_factory.mktemp("any") / "pilot.onnx"
     write_onnx(pilot, path)
     exported = OnnxPilot(path)
     pilot.reset(boats)

@@ -7,6 +7,7 @@ import numpy as np
 
 from swamp_rl.errors import UserError
 from swamp_rl.export.graph import Graph
+from swamp_rl.pilots.memory import LEVERS
 from swamp_rl.pilots.network import REACH, NetworkPilot
 from swamp_rl.pilots.reservoir import ReservoirPilot
 from swamp_rl.pilots.scripted import ScriptedPilot
@@ -35,9 +36,29 @@ def _(pilot: ScriptedPilot, graph: Graph, observation: str, prefix: str = "") ->
 
 @step.register
 def _(pilot: NetworkPilot, graph: Graph, observation: str, prefix: str = "") -> str:
-    weights = pilot.weights()
-    mean, scale, reach = graph.constant(weights["mean"]), graph.constant(weights["scale"]), REACH
-    x = graph.op("Div", graph.op("Sub", observation, mean), scale)
+    settings = pilot.settings()
+    hold, depth = settings["hold"], settings["memory"]
+    due = _due(hold, graph, prefix)
+    if not depth:
+        return _held(_decided(pilot, graph, observation), due, graph, prefix)
+    one = len(pilot.senses) + LEVERS
+    past, known = graph.state(f"{prefix}past", depth * one), graph.state(f"{prefix}known", None, np.int64)
+    remembered = _remembered(graph, observation, past, known, depth)
+    decided = _decided(pilot, graph, graph.op("Concat", observation, remembered, axis=1))
+    older = graph.choose(remembered, list(range((depth - 1) * one)))
+    later = graph.op("Concat", observation, decided, older, axis=1)
+    graph.keep(f"{prefix}past", later if due is None else graph.op("Where", due, later, past), depth * one)
+    # a boat that has driven one step has decided once, for it decides at its first
+    sure = graph.op("Max", known, graph.constant(1, np.int64))
+    graph.keep(f"{prefix}known", sure, None, np.int64)
+    return _held(decided, due, graph, prefix)
+
+
+def _decided(pilot: NetworkPilot, graph: Graph, recalled: str) -> str:
+    """Levers (n, 2) from what the layers are given."""
+    weights, reach = pilot.weights(), REACH
+    mean, scale = graph.constant(weights["mean"]), graph.constant(weights["scale"])
+    x = graph.op("Div", graph.op("Sub", recalled, mean), scale)
     x = graph.op("Min", graph.op("Max", x, graph.constant(-reach)), graph.constant(reach))
     x = graph.cast(x, np.float32)
     layers = sum(name.startswith("weight_") for name in weights)
@@ -45,21 +66,32 @@ def _(pilot: NetworkPilot, graph: Graph, observation: str, prefix: str = "") -> 
         x = graph.op("MatMul", x, graph.constant(weights[f"weight_{i}"], np.float32))
         x = graph.op("Add", x, graph.constant(weights[f"bias_{i}"], np.float32))
         x = graph.op("Tanh", x) if i < layers - 1 else x
-    return _held(pilot.hold, graph, graph.within_reach(graph.cast(x, np.float64)), prefix)
+    return graph.within_reach(graph.cast(x, np.float64))
 
 
-def _held(hold: int, graph: Graph, decided: str, prefix: str) -> str:
-    """Levers (n, 2): decided now where it is due, else those of an earlier step."""
+def _remembered(graph: Graph, observation: str, past: str, known: str, depth: int) -> str:
+    """The past (n, depth (d + 2)); of a boat that begins, its observation and levers at nought instead."""
+    idle = graph.op("Pad", observation, graph.constant([0, 0, 0, LEVERS], np.int64))
+    blank = graph.op("Tile", idle, graph.constant([1, depth], np.int64))
+    begun = graph.column(graph.op("Greater", known, graph.constant(0, np.int64)))
+    return graph.op("Where", begun, past, blank)
+
+
+def _due(hold: int, graph: Graph, prefix: str) -> str | None:
+    """Whether a boat decides at this step (n, 1); None where every one does."""
     if hold == 1:
-        return decided
-    held_for, before = (
-        graph.state(f"{prefix}held_for", None, np.int64),
-        graph.state(f"{prefix}levers", 2),
-    )
-    due = graph.column(graph.op("Equal", held_for, graph.constant(0, np.int64)))
-    levers = graph.op("Where", due, decided, before)
+        return None
+    held_for = graph.state(f"{prefix}held_for", None, np.int64)
     later = graph.op("Add", held_for, graph.constant(1, np.int64))
     graph.keep(f"{prefix}held_for", graph.op("Mod", later, graph.constant(hold, np.int64)), None, np.int64)
+    return graph.column(graph.op("Equal", held_for, graph.constant(0, np.int64)))
+
+
+def _held(decided: str, due: str | None, graph: Graph, prefix: str) -> str:
+    """Levers (n, 2): decided now where it is due, else those of an earlier step."""
+    if due is None:
+        return decided
+    levers = graph.op("Where", due, decided, graph.state(f"{prefix}levers", 2))
     graph.keep(f"{prefix}levers", levers, 2)
     return levers
 
