@@ -9,6 +9,7 @@ from experiments.learners import Log, Training, in_order, learner
 from experiments.progress import Stages, Tick
 from experiments.scene import Scene
 from experiments.schema import PilotPlan
+from experiments.tracking import TENSORBOARD, tracked
 from swamp_rl.errors import UserError
 from swamp_rl.files import folder_beside
 from swamp_rl.pilots.description import FittedOn
@@ -85,8 +86,10 @@ def _train_into(
     plan = scene.experiment.pilots[name]
     checkpoint = folder / f".checkpoint-{name}"
     curve: list[dict[str, float]] = []
-    with progress.stage(f"train {name}", 1.0) as tick:
-        training = _training(scene, dataset, plan, tick, checkpoint, trained, partial(_add_point, curve))
+    events = folder.parent / TENSORBOARD / name
+    with progress.stage(f"train {name}", 1.0) as tick, tracked(events, scene.experiment, name) as log:
+        hear = partial(_add_point, curve, log)
+        training = _training(scene, dataset, plan, tick, checkpoint, trained, hear)
         pilot = learner(plan.kind).train(training)
     with folder_beside(folder / name) as part:
         save_pilot(with_takeover(scene, plan, pilot), part, _fitted_on(training))
@@ -136,8 +139,9 @@ def _fitted_on(training: Training) -> FittedOn | None:
     return training.fitted_on() if learns.from_runs else None
 
 
-def _add_point(curve: list[dict[str, float]], step: int, values: Mapping[str, float]) -> None:
+def _add_point(curve: list[dict[str, float]], log: Log, step: int, values: Mapping[str, float]) -> None:
     curve.append({"step": step, **values})
+    log(step, values)
 
 
 def with_takeover(scene: Scene, plan: PilotPlan, pilot: Pilot) -> Pilot:

@@ -133,6 +133,15 @@ class Targets(Part):
     smoother_than_data: Annotated[tuple[str, ...], Field(strict=False)] = ()
 
 
+class Tracking(Part):
+    """Where trainings are logged beside the results, which hold TensorBoard's event files anyhow.
+
+    mlflow: a folder, `sqlite:///FILE` or the address of a server.
+    """
+
+    mlflow: str | None = None
+
+
 class Experiment(Part):
     """One experiment, whole. boat, course and levels are names in `configs/` or paths; step in s.
 
@@ -151,6 +160,7 @@ class Experiment(Part):
     targets: Targets = Targets()
     hidden: Hidden | None = None
     claims: Claims | None = None
+    tracking: Tracking = Tracking()
 
     @model_validator(mode="after")
     def _targets_name_what_is_there(self) -> Self:
