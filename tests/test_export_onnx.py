@@ -13,6 +13,7 @@ from experiments.verbs_export import export
 from swamp_rl.errors import UserError
 from swamp_rl.export import OnnxPilot, greatest_difference, write_onnx
 from swamp_rl.pilots import Pilot, save_pilot
+from swamp_rl.pilots.gru import GRUPilot
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.reservoir import ReservoirPilot
 from swamp_rl.pilots.scripted import ScriptedPilot
@@ -38,9 +39,21 @@ def reservoir(rng: np.random.Generator, units: int = 60) -> ReservoirPilot:
     return ReservoirPilot(SENSES, {**weights, "leak": rng.uniform(0.05, 1.0, units)})
 
 
+def gru(rng: np.random.Generator, units: int = 12) -> GRUPilot:
+    shapes = {"input": (4, 3 * units), "recurrent": (units, 3 * units), "Wout": (units, 2), "out": (2,)}
+    shapes |= {"input_bias": (3 * units,), "recurrent_bias": (3 * units,), "mean": (4,)}
+    weights = {name: rng.normal(size=shape) / 2.0 for name, shape in shapes.items()}
+    return GRUPilot(SENSES, {**weights, "scale": rng.uniform(0.1, 3.0, 4)})
+
+
 def pilots() -> dict[str, Pilot]:
     rng = np.random.default_rng(0)
-    alone = {"cloning": network(rng), "ppo": network(rng, hold=6), "reservoir": reservoir(rng)}
+    alone: dict[str, Pilot] = {
+        "cloning": network(rng),
+        "ppo": network(rng, hold=6),
+        "reservoir": reservoir(rng),
+    }
+    alone["gru"] = gru(rng)
     alone["remembering ppo"] = network(rng, hold=5, memory=3)
     taken = TakeoverPilot(ScriptedPilot(5), reservoir(rng), 3.0)
     handed = TakeoverPilot(network(rng, hold=4), TakeoverPilot(reservoir(rng), network(rng, 3), 2.0), 1.0)

@@ -20,7 +20,8 @@ def job_of(experiment: Experiment, objective: Objective) -> str:
     pilots = {name: experiment.pilots[name] for name in needed}
     level = next(level for level in experiment.evaluation.levels if Path(level).stem == objective.level)
     evaluation = experiment.evaluation.model_copy(update={"levels": (level,), "shown": 1})
-    cut = experiment.model_copy(update={"pilots": pilots, "evaluation": evaluation, "targets": Targets()})
+    left_out = {"targets": Targets(), "claims": None}
+    cut = experiment.model_copy(update={"pilots": pilots, "evaluation": evaluation, **left_out})
     return json.dumps({"experiment": cut.model_dump(mode="json"), "objective": objective.model_dump()})
 
 

@@ -11,7 +11,7 @@ from swamp_rl.export.graph import NEXT, STATE
 from swamp_rl.export.steps import FIRST_LEVERS
 from swamp_rl.pilots.arrays import Array
 
-TYPES = {"tensor(double)": np.float64, "tensor(int64)": np.int64}
+TYPES = {"tensor(double)": np.float64, "tensor(float)": np.float32, "tensor(int64)": np.int64}
 
 
 class OnnxPilot:

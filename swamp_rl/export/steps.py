@@ -7,6 +7,8 @@ import numpy as np
 
 from swamp_rl.errors import UserError
 from swamp_rl.export.graph import Graph
+from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.gru import GRUPilot
 from swamp_rl.pilots.memory import LEVERS
 from swamp_rl.pilots.network import REACH, NetworkPilot
 from swamp_rl.pilots.reservoir import ReservoirPilot
@@ -56,17 +58,22 @@ def _(pilot: NetworkPilot, graph: Graph, observation: str, prefix: str = "") -> 
 
 def _decided(pilot: NetworkPilot, graph: Graph, recalled: str) -> str:
     """Levers (n, 2) from what the layers are given."""
-    weights, reach = pilot.weights(), REACH
-    mean, scale = graph.constant(weights["mean"]), graph.constant(weights["scale"])
-    x = graph.op("Div", graph.op("Sub", recalled, mean), scale)
-    x = graph.op("Min", graph.op("Max", x, graph.constant(-reach)), graph.constant(reach))
-    x = graph.cast(x, np.float32)
+    weights = pilot.weights()
+    x = _scaled(graph, recalled, weights)
     layers = sum(name.startswith("weight_") for name in weights)
     for i in range(layers):
         x = graph.op("MatMul", x, graph.constant(weights[f"weight_{i}"], np.float32))
         x = graph.op("Add", x, graph.constant(weights[f"bias_{i}"], np.float32))
         x = graph.op("Tanh", x) if i < layers - 1 else x
     return graph.within_reach(graph.cast(x, np.float64))
+
+
+def _scaled(graph: Graph, seen: str, weights: dict[str, Array]) -> str:
+    """In standard deviations from the mean, held within reach, in single precision."""
+    mean, scale = graph.constant(weights["mean"]), graph.constant(weights["scale"])
+    x = graph.op("Div", graph.op("Sub", seen, mean), scale)
+    x = graph.op("Min", graph.op("Max", x, graph.constant(-REACH)), graph.constant(REACH))
+    return graph.cast(x, np.float32)
 
 
 def _remembered(graph: Graph, observation: str, past: str, known: str, depth: int) -> str:
@@ -94,6 +101,30 @@ def _held(decided: str, due: str | None, graph: Graph, prefix: str) -> str:
     levers = graph.op("Where", due, decided, graph.state(f"{prefix}levers", 2))
     graph.keep(f"{prefix}levers", levers, 2)
     return levers
+
+
+@step.register
+def _(pilot: GRUPilot, graph: Graph, observation: str, prefix: str = "") -> str:
+    w = {name: graph.constant(value, np.float32) for name, value in pilot.weights().items()}
+    units = len(pilot.weights()["Wout"])
+    memory = graph.state(f"{prefix}memory", units, np.float32)
+    x = _scaled(graph, observation, pilot.weights())
+    heard = graph.op("Add", graph.op("MatMul", x, w["input"]), w["input_bias"])
+    recalled = graph.op("Add", graph.op("MatMul", memory, w["recurrent"]), w["recurrent_bias"])
+
+    def part(value: str, third: int) -> str:
+        return graph.choose(value, list(range(third * units, (third + 1) * units)))
+
+    reset, update = (
+        graph.op("Sigmoid", graph.op("Add", part(heard, third), part(recalled, third))) for third in (0, 1)
+    )
+    allowed = graph.op("Mul", reset, part(recalled, 2))
+    candidate = graph.op("Tanh", graph.op("Add", part(heard, 2), allowed))
+    left = graph.op("Mul", update, graph.op("Sub", memory, candidate))
+    memory = graph.op("Add", candidate, left)
+    graph.keep(f"{prefix}memory", memory, units, np.float32)
+    levers = graph.op("Add", graph.op("MatMul", memory, w["Wout"]), w["out"])
+    return graph.within_reach(graph.cast(levers, np.float64))
 
 
 @step.register
