@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.esso_wind import Named, drift_table, error_table, named, ranking_table, wind_table
+from benchmarks.esso_words import Steady, calm_run_words, cause_words, circle_words, refused, steady_words
 from experiments.report import table
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.files import write_beside
 from swamp_rl.runs import Run
 from swamp_rl.runs.free_running import import_free_running
 from swamp_rl.runs.turning import Turn, turn_of
@@ -102,9 +104,9 @@ def circle_table(boat: Boat, runs: Sequence[Run]) -> str:
     return table(["run", "rudder, deg", "rps", "measured, m", "with its wind, m", "no wind, m"], rows)
 
 
-def steady_table(boat: Boat, other: Boat, runs: Sequence[Run]) -> str:
-    """Mean speed, drift angle and yaw rate in the turn after its first minute."""
-    rows = []
+def steady_figures(boat: Boat, other: Boat, runs: Sequence[Run]) -> list[tuple[Steady, Steady, Steady]]:
+    """Each turn after its first minute: as measured, of the boat and of the other one."""
+    found = []
     for run in runs:
         first, last = turn_rows(run)
         pose = run.pose
@@ -112,18 +114,31 @@ def steady_table(boat: Boat, other: Boat, runs: Sequence[Run]) -> str:
         starts, steps = np.array([first]), last - first
         tracks = [pose[first : last + 1]]
         tracks += [replay_from(each, run, starts, steps, True).simulated[0] for each in (boat, other)]
-        figures = [steady(track[600:], 0.1) for track in tracks]
-        rows.append([run.name, *(f"{u:.2f}, {drift:.0f}, {yaw:.2f}" for u, drift, yaw in figures)])
+        measured, own, others = (steady(track[600:], 0.1) for track in tracks)
+        found.append((measured, own, others))
+    return found
+
+
+def steady_table(boat: Boat, other: Boat, runs: Sequence[Run]) -> str:
+    """Mean speed, drift angle and yaw rate in the turn after its first minute."""
+    rows = [
+        [run.name, *(f"{u:.2f}, {drift:.0f}, {yaw:.2f}" for u, drift, yaw in figures)]
+        for run, figures in zip(runs, steady_figures(boat, other, runs), strict=True)
+    ]
     heading = ["run", "measured: m/s, drift deg, deg/s", "boat file", "boat file with C_rY = 1"]
     return table(heading, rows)
 
 
+def as_published(boat: Boat) -> Boat:
+    """The hull with the table's X'_vr and Y'_r as they stand, which the independent program ran."""
+    return with_hull(boat, x_vr=-0.0081, y_r=0.116)
+
+
 def variant_table(boat: Boat, runs: Sequence[Run]) -> str:
     """Errors at the horizon where one thing is taken otherwise."""
-    raw = with_hull(boat, x_vr=-0.0081, y_r=0.116)
     boats = {
         "boat file": boat,
-        "X'_vr and Y'_r without the added mass": raw,
+        "X'_vr and Y'_r without the added mass": as_published(boat),
         "C_rY = 1 in place of 2.217": with_hull(boat, c_ry=1.0),
     }
     rows = [
@@ -133,11 +148,14 @@ def variant_table(boat: Boat, runs: Sequence[Run]) -> str:
     return table(["hull", "no wind, m", "measured wind, m"], rows)
 
 
-def document(boat: Boat, random: Sequence[Run], turning: Sequence[Run]) -> str:
-    """The text of docs/esso_osaka.md."""
+def document(boat: Boat, random: Sequence[Run], turning: Sequence[Run], zigzags: str) -> str:
+    """The text of docs/esso_osaka.md; zigzags: those refused."""
     every: list[Named] = [named(boat, run) for run in random]
     calm, measured = (rms(window_errors(boat, random, HORIZON, wind)) for wind in (False, True))
     known = {"calm": calm, "measured": measured}
+    raw_calm, raw_windy = (
+        rms(window_errors(as_published(boat), random, HORIZON, wind)) for wind in (False, True)
+    )
     return f"""# The Esso Osaka model ship against its pond tests
 
 Written by `python -m benchmarks.esso_osaka ../shared/data/esso_osaka`. The boat is
@@ -154,11 +172,11 @@ SWAMP's wind model with the published areas. The commands are what the run holds
 
 {window_table(boat, random)}
 
-The independent program ran the same coefficients, with Fujiwara's wind coefficients. Most of the gap to it
-is one convention. The published equations of motion carry the added mass in the Coriolis terms,
+The independent program ran the same coefficients, with Fujiwara's wind coefficients. One convention lies
+between the two. The published equations of motion carry the added mass in the Coriolis terms,
 (m + m_y) v r and (m + m_x) u r; SWAMP's do not, their hull coefficients hold it. So the boat file has
 X'_vr + m'_y and Y'_r - m'_x where the published table has X'_vr and Y'_r. Taken as they stand, the table's
-numbers give the independent program's error without wind:
+numbers leave {raw_calm:.2f} m without wind, where the independent program has 0.75 m:
 
 {variant_table(boat, random)}
 
@@ -171,16 +189,13 @@ model errs by more than the sensors do. One constant wind, beside what the anemo
 
 {wind_table(every)}
 
-The run that is farthest off is the calmest: there the wind lowers the misfit hardly at all (first column
-below), so its direction is a guess.
+{calm_run_words(every)}
 
 What the motion calls for, held-out misfit minute by minute (1 is what the wind alone leaves in the fit):
 
 {ranking_table(every)}
 
-So the misfit has an earth-fixed cause, and a wind with a slow current beside it tells it best. The pond has
-no stream; a current down the wind is what a wind makes of a pond's surface, at one or two percent of its
-speed. What the two are when named together:
+{cause_words(every)}
 
 {drift_table(every)}
 
@@ -202,25 +217,18 @@ The same turns after their first minute, over whole turns: speed, drift angle, y
 
 ## What differs
 
-* The model turns wider than the ship: its tactical diameter is 30 to 50 % too large at 20 and at 35 degrees.
-  The advance is within 16 %, but for the two turns to port (41 and 64 % too large). Wind does not explain it.
-  In the turn the model drifts by about half the measured angle or less, so it keeps 15 to 60 % too much
-  speed, and its yaw rate is 5 to 20 % low (44 % in one windy run).
-* The cross-flow coefficient C_rY = 2.217 of the published table has a part in it: it multiplies the yaw
-  rate in the sideways drag, whose net force then pushes the hull into the turn and keeps the drift small.
-  With C_rY = 1 a third to two thirds of the gap in the drift angle close (a tenth in that windy run), and
-  the half-minute windows change little. One value tried once is a hint at a cause, not a fit; the boat file
-  keeps what was published.
-* The wind is what the windows miss most: without it the error is about twice as large. The DNV coefficients
-  are not this ship's own, but here they do better than what the independent program got from Fujiwara's
-  (0.39 m against 0.47 m, with the hull taken as it did).
+* {circle_words([circle(boat, run) for run in turning])}
+* {steady_words(steady_figures(boat, with_hull(boat, c_ry=1.0), turning))} C_rY multiplies the yaw rate in the
+  sideways drag, whose net force then pushes the hull into the turn and keeps the drift small. One value tried
+  once is a hint at a cause, not a fit; the boat file keeps what was published.
+* Without the measured wind the windows' error is {calm / measured:.1f} times as large. The DNV coefficients
+  are not this ship's own, yet with the hull taken as the independent program took it they leave
+  {raw_windy:.2f} m, where that program got 0.47 m from Fujiwara's.
 * The rudder's servo is assumed. The runs record steps of 35 degrees from one sample to the next, so they
   hold the commanded angle.
 * While the ship goes astern the rudder meets the water at u_R = u, so a propeller turning ahead loses its
-  rudder at the moment the ship stops. Keeping the race there, as the authors' program does, changes no
-  error above by more than a few millimetres: the runs hardly show that quadrant.
-* One zig-zag has no data after row 1701. The importer refuses it, naming the row, or cuts it there on
-  request.
+  rudder at the moment the ship stops; the authors' program keeps the race there.
+* Zig-zags that the importer refuses: {zigzags}.
 """
 
 
@@ -233,7 +241,9 @@ def main() -> None:
         [import_free_running(path, boat) for path in sorted((data / kind).glob("*.csv"))]
         for kind in ("random", "turning")
     )
-    (ROOT / "docs" / "esso_osaka.md").write_text(document(boat, random, turning), encoding="utf-8")
+    text = document(boat, random, turning, refused(data / "zigzag", boat))
+    with write_beside(ROOT / "docs" / "esso_osaka.md") as part:
+        part.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

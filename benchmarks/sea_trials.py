@@ -136,9 +136,32 @@ def together(*atoms: Atom) -> Model:
     )
 
 
-def advance_table(boat: Boat) -> str:
-    """How fast the water passes the jets in steady straight runs, over the jets' own speed."""
-    record, rows = parameters(boat), []
+def wrong_words(boat: Boat, figures: Sequence[Figure]) -> str:
+    """Which figures the boat file meets within two standard deviations, and which way the others are off."""
+    made = predicted(boat, parameters(boat), figures)
+    met, off = [], []
+    for figure, value in zip(figures, made, strict=True):
+        away = (value - figure.value) / figure.error
+        if abs(away) <= 2.0:
+            met.append(f"{figure.what} of {figure.name}")
+        else:
+            off.append(f"{figure.what} of {figure.name} ({value / figure.value - 1.0:+.0%})")
+    return f"Within two standard deviations: {'; '.join(met) or 'none'}. Beyond: {'; '.join(off) or 'none'}."
+
+
+def share_words(boat: Boat) -> str:
+    """How much the jet's share and the curve change with the throttle."""
+    shares, curve = zip(*((ahead / own, factor) for _, ahead, own, factor in advance(boat)), strict=True)
+    return (
+        "Over these throttles the ratio, and with it the share that such a loss takes, lies between "
+        f"{min(shares):.2f} and {max(shares):.2f}, while the curve goes from {curve[0]:.2f} to "
+        f"{curve[-1]:.2f}."
+    )
+
+
+def advance(boat: Boat) -> list[tuple[float, float, float, float]]:
+    """Throttle, speed [m/s], the jets' own speed [m/s] and the curve's factor in steady straight runs."""
+    record, found = parameters(boat), []
     for throttle in (0.3, 0.45, 0.6, 0.8, 1.0):
         run = Run(0, 0, (throttle,) * 4)
         ahead = speed(sailed(boat, record, run), boat, record, run)
@@ -147,9 +170,16 @@ def advance_table(boat: Boat) -> str:
         own = np.sqrt(pull / (boat.water_density * jet.nozzle_area))
         low, high = record["deduction_factor_low"][0], record["deduction_factor_high"][0]
         curve = low + (throttle - 0.3) / 0.7 * (high - low)
-        rows.append(
-            [f"{100 * throttle:.0f} %", f"{ahead:.2f}", f"{own:.2f}", f"{ahead / own:.2f}", f"{curve:.2f}"]
-        )
+        found.append((throttle, float(ahead), float(own), float(curve)))
+    return found
+
+
+def advance_table(boat: Boat) -> str:
+    """How fast the water passes the jets in steady straight runs, over the jets' own speed."""
+    rows = [
+        [f"{100 * throttle:.0f} %", f"{ahead:.2f}", f"{own:.2f}", f"{ahead / own:.2f}", f"{curve:.2f}"]
+        for throttle, ahead, own, curve in advance(boat)
+    ]
     head = ["throttle", "speed V_a, m/s", "jet V_o, m/s", "V_a / V_o", "(1 - t) of figure 7.56"]
     return table(head, rows)
 
@@ -228,8 +258,7 @@ brackets: standard deviations off. Circles: bow azimuths to one side, stern azim
 
 {published_table(boat, [nominal])}
 
-Straight ahead it is right. In both circles it is too slow; at 30 degrees it turns too tightly, at 60 degrees
-too widely, so no one factor on the diameter mends both.
+{wrong_words(boat, PUBLISHED)}
 
 ## Which single effects explain both circles and the straight runs
 
@@ -247,8 +276,8 @@ Two at once, of the best {PAIRED} single effects: {fitting} of {len(both)} pairs
 
 {ranking(both[:5])}
 
-The thesis does not say how it took the tactical diameter. Read as the diameter of the steady circle (where
-the boat file then turns too tightly at both angles): {explained(again)}
+The thesis does not say how it took the tactical diameter. Read as the diameter of the steady circle:
+{wrong_words(boat, steady)} {explained(again)}
 
 {ranking(reread[:6])}
 
@@ -262,9 +291,10 @@ since the speed and the jet both grow with it:
 
 {advance_table(boat)}
 
-So such a loss takes nearly the same share at every throttle, while the curve goes from 0.30 to 0.75. On the
-four straight figures alone, an even (1 - t) of at most 1 (the bench's bollard pull) in place of the curve,
-with one more effect of the library that acts alike on both sides:
+{share_words(boat)}
+
+On the four straight figures alone, an even (1 - t) of at most 1 (the bench's bollard pull) in place of the
+curve, with one more effect of the library that acts alike on both sides:
 
 {ranking([ahead, *even[:8]], len(AHEAD))}
 

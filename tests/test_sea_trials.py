@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.sea_trials import limit, separation, together
+from benchmarks.sea_trials import advance, limit, separation, share_words, together, wrong_words
 from benchmarks.sea_trials_model import (
     NOTHING,
     PUBLISHED,
@@ -69,3 +69,17 @@ def test_two_effects_together_are_one_model_with_all_numbers() -> None:
     both = together(ATOMS["resistance"], ATOMS["azimuth_lag"])
     assert both.name == "azimuth_lag + resistance" and len(both.start) == len(both.numbers) == 2
     assert limit(2) == pytest.approx(12.592, abs=0.01)  # chi2 of six degrees of freedom at 95 %
+
+
+def test_what_the_boat_file_gets_wrong_is_said_of_the_figures_that_it_misses() -> None:
+    made = predicted(BOAT, parameters(BOAT), PUBLISHED)
+    right = [replace(f, value=float(v)) for f, v in zip(PUBLISHED, made, strict=True)]
+    assert wrong_words(BOAT, right).endswith("Beyond: none.")
+    off = [*right[:4], replace(right[4], value=right[4].value / 1.5)]
+    assert wrong_words(BOAT, off).endswith("Beyond: tactical diameter of circle, 30 degrees (+50%).")
+
+
+def test_the_share_that_the_jet_loses_is_said_beside_the_curve() -> None:
+    shares = [ahead / own for _, ahead, own, _ in advance(BOAT)]
+    told = share_words(BOAT)
+    assert f"between {min(shares):.2f} and {max(shares):.2f}, while the curve goes from 0.30 to 0.75" in told
