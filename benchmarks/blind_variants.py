@@ -34,11 +34,12 @@ from tests.hidden_effects import (
     sector,
     signed,
 )
+from tests.manoeuvres import Driver
 
 VARIANT = "X"
 KINDS = ("single",) * 6 + ("pair", "pair", "clean", "clean", "outside")
 TICK = 0.05  # s, of commands and of the truth
-MOST = 5000  # rows of all runs, but for two that there always are
+MOST = 3000  # rows of all runs, but for two that there always are
 
 # What may be wrong with the model ship; forces against its own, which weigh four times SWAMP's
 SHIP: dict[str, Callable[[Rng, float], dict[str, Any]]] = {
@@ -64,7 +65,8 @@ SHIP: dict[str, Callable[[Rng, float], dict[str, Any]]] = {
 @dataclass(frozen=True)
 class Instruments:
     """rate: rows a second; white: (6,) standard deviations; wander: of the positions [m], over `memory` [s];
-    outliers, lost: shares of rows; stretches: of rows lost together, by run.
+    outliers, lost: shares of rows; stretches: of rows lost together, by run; between: whether commands also
+    change between two rows.
     """
 
     rate: float
@@ -75,6 +77,7 @@ class Instruments:
     lost: float
     stretches: int
     channels: tuple[str, ...]
+    between: bool
 
 
 def draw_instruments(rng: Rng) -> Instruments:
@@ -93,6 +96,7 @@ def draw_instruments(rng: Rng) -> Instruments:
         lost=float(rng.choice([0.0, 0.02, 0.05])),
         stretches=int(rng.choice([0, 0, 2])),
         channels=channels,
+        between=bool(rng.random() < 0.4),
     )
 
 
@@ -108,7 +112,9 @@ def write_variant(rng: Rng, data: Path, truth: Path) -> None:
     listed = []
     for number, length in enumerate(lengths):
         start = np.array([*rng.uniform(-5, 5, 2), rng.uniform(-math.pi, math.pi)])
-        voyage = sail(boat, case, driver_of(boat, rng), start, round(length / TICK), tick=TICK)
+        driver = driver_of(boat, rng)
+        driver = driver if instruments.between else held(driver, 1.0 / instruments.rate)
+        voyage = sail(boat, case, driver, start, round(length / TICK), tick=TICK)
         file = f"run_{number}.csv"
         columns = rows_of(boat, voyage, instruments, rng)
         write_table(data / file, columns)
@@ -150,7 +156,7 @@ def draw_variant(rng: Rng, boat: Boat) -> Case:
     return Case(VARIANT, kind, [{"effect": name} | SHIP[name](rng, size) for name in names], size)
 
 
-def driver_of(boat: Boat, rng: Rng) -> Any:
+def driver_of(boat: Boat, rng: Rng) -> Driver:
     """One way of sailing: levers that wander as a person's, zig-zags, spirals, holding about, single jets."""
     ways = (wandering, swinging, spiralling) if is_ship(boat) else (wandering, swinging, spiralling, holding)
     drive = ways[int(rng.integers(len(ways)))](rng)
@@ -164,6 +170,19 @@ def driver_of(boat: Boat, rng: Rng) -> Any:
         return np.array([angle, angle, stern, stern, throttle, throttle, behind, behind])
 
     return jets
+
+
+def held(driver: Driver, period: float) -> Driver:
+    """The driver's commands, each held for a period [s]."""
+    last: list[tuple[int, Array]] = []
+
+    def drive(time: float, state: Array) -> Array:
+        row = math.floor(time / period + 1e-6)
+        if not last or last[0][0] != row:
+            last[:] = [(row, driver(time, state))]
+        return last[0][1]
+
+    return drive
 
 
 def ship_command(boat: Boat, levers: tuple[float, float, float]) -> Array:
