@@ -37,6 +37,8 @@ class Memory:
 
     def recall(self, observation: Array, boats: Array | Sequence[int] | slice = slice(None)) -> Array:
         """Rows (m, seen_width): observation (m, d) of the boats chosen, then their past, latest first."""
+        if not self.depth:
+            return observation
         past = self._past[boats]
         blank = self._blank[boats]
         past[blank, :, : self.width] = observation[blank, None]
