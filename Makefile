@@ -1,10 +1,11 @@
-# `make run` does the main job, `make test` runs every check; both set up .venv first, once.
+# `make run` does the main job, `make test` runs every check, `make smoke` only trains every experiment for a few
+# steps; each sets up .venv first, once.
 
 VENV := .venv
 READY := $(VENV)/.ready
 BIN := $(VENV)/bin
 
-.PHONY: run test setup clean
+.PHONY: run test smoke setup clean
 .DELETE_ON_ERROR:
 
 run: $(READY)
@@ -15,6 +16,9 @@ test: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
+
+smoke: $(READY)
+	$(BIN)/python -m pytest -n 2 tests/test_smoke.py
 
 setup: $(READY)
 

@@ -13,6 +13,7 @@ from pydantic import Field
 
 from experiments.progress import Tick
 from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
 from swamp_rl.pilots.settings import Settings
 
 if TYPE_CHECKING:
@@ -113,9 +114,7 @@ def in_order(plans: Mapping[str, "PilotPlan"], wanted: list[str] | None = None) 
             raise UserError(f"pilots.{name}: starts from itself by way of {above[-1]}; end the circle")
         for other in needed(plans[name]):
             if other not in plans:
-                raise UserError(
-                    f"pilots.{name}.options: no pilot {other!r} to start from; name one of {', '.join(plans)}"
-                )
+                raise UserError(f"pilots.{name}.options: no pilot {other!r}{nearest(other, plans)}")
             add(other, (*above, name))
         if name not in order:
             order.append(name)

@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 
 from experiments.claims_schema import Claims
 from experiments.learners import LEARNERS, in_order, learner
+from experiments.smoke import shrunk
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.files import find_config, read_yaml, validated
@@ -33,7 +34,9 @@ Kind = Annotated[str, AfterValidator(_known_kind)]
 class Part(BaseModel):
     """A strict, frozen section of an experiment file."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
 
 
 class Record(Part):
@@ -146,9 +149,12 @@ class Experiment(Part):
     """One experiment, whole. boat, course and levels are names in `configs/` or paths; step in s.
 
     With `hidden` it closes the loop from logs to pilots, see `experiments.closed_loop`; with `claims` it
-    tests hypotheses, see `experiments.claims`.
+    tests hypotheses, see `experiments.claims`; with `smoke` it is made too small to say anything, see
+    `experiments.smoke`.
     """
 
+    extends: Annotated[str | None, Field(exclude=True)] = None
+    "Another experiment, by name or by a path from this file, whose keys this one overrides."
     name: Name
     description: str = ""
     boat: str
@@ -161,19 +167,17 @@ class Experiment(Part):
     hidden: Hidden | None = None
     claims: Claims | None = None
     tracking: Tracking = Tracking()
+    smoke: bool = False
 
     @model_validator(mode="after")
     def _targets_name_what_is_there(self) -> Self:
-        levels = {Path(level).stem for level in self.evaluation.levels}
-        asked = [*self.targets.success, *self.targets.smoother_than_data]
-        unknown = [f"pilot {name!r}" for name in asked if name not in self.pilots]
-        unknown += [
-            f"level {level!r}" for by in self.targets.success.values() for level in by if level not in levels
-        ]
-        if unknown:
-            raise ValueError(
-                f"targets: no {unknown[0]} in this experiment; name one that is evaluated, or drop it"
-            )
+        levels = [Path(level).stem for level in self.evaluation.levels]
+        for name in (*self.targets.success, *self.targets.smoother_than_data):
+            if name not in self.pilots:
+                raise ValueError(f"targets: no pilot {name!r}{nearest(name, self.pilots)}")
+        for name in (level for by in self.targets.success.values() for level in by):
+            if name not in levels:
+                raise ValueError(f"targets: no level {name!r}{nearest(name, levels)}")
         return self
 
 
@@ -219,7 +223,8 @@ def _with_all_options(path: str | Path, experiment: Experiment) -> Experiment:
         in_order(pilots)
     except UserError as error:
         raise UserError(f"{path}: {error}") from error
-    return experiment.model_copy(update={"pilots": pilots})
+    whole = experiment.model_copy(update={"pilots": pilots})
+    return shrunk(whole) if experiment.smoke else whole
 
 
 def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:

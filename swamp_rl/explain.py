@@ -10,6 +10,9 @@ from pydantic_core import ErrorDetails
 
 from swamp_rl.errors import UserError
 
+LIKE = 0.6
+"""Words less alike than this are not taken for one another."""
+
 Model = TypeVar("Model", bound=BaseModel)
 
 
@@ -32,8 +35,12 @@ def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | N
 
 
 def explanations(error: ValidationError, model: type[BaseModel] | None = None) -> list[tuple[str, str]]:
-    """The dotted key and the explanation of each fault in a ValidationError."""
-    return [_explanation(fault, model) for fault in error.errors(include_url=False)]
+    """The dotted key and the explanation of each fault in a ValidationError, unknown keys first.
+
+    A misspelt key is two faults: one that is unknown, and one that is missing.
+    """
+    faults = sorted(error.errors(include_url=False), key=lambda fault: fault["type"] != "extra_forbidden")
+    return [_explanation(fault, model) for fault in faults]
 
 
 def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[str, str]:
@@ -57,9 +64,24 @@ def _suggestion(loc: tuple[int | str, ...], model: type[BaseModel] | None) -> st
 def nearest(word: str, known: Iterable[str]) -> str:
     """The end of a complaint about an unknown word: the known one most like it, and all the known ones."""
     known = list(known)
-    near = difflib.get_close_matches(word, known, 1)
-    hint = f"; did you mean {near[0]!r}?" if near else ";"
+    near = max(known, key=lambda other: likeness(word, other), default="")
+    hint = f"; did you mean {near!r}?" if likeness(word, near) >= LIKE else ";"
     return f"{hint} known here: {', '.join(known)}"
+
+
+def likeness(one: str, other: str) -> float:
+    """How much of two words is the same, from 0 to 1.
+
+    difflib's ratio sees letters that changed places, and the edit distance letters left out, where difflib's
+    longest block lies astray: it finds half of `seses` in `senses`.
+    """
+    row = list(range(len(other) + 1))
+    for i, letter in enumerate(one, 1):
+        above, row = row, [i]
+        for j, known in enumerate(other, 1):
+            row.append(min(row[-1] + 1, above[j] + 1, above[j - 1] + (letter != known)))
+    edits = 1.0 - row[-1] / max(len(one), len(other), 1)
+    return max(edits, difflib.SequenceMatcher(None, one, other).ratio())
 
 
 def _known_keys(loc: tuple[int | str, ...], model: type[BaseModel]) -> set[str]:

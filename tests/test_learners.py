@@ -58,7 +58,7 @@ def test_a_pilot_comes_after_those_it_starts_from(pupils: Path) -> None:
 @pytest.mark.parametrize(
     ("override", "told"),
     [
-        ("pilots.second.options.start=frist", "name one of last, second, first"),
+        ("pilots.second.options.start=frist", "did you mean 'first'"),
         ("pilots.second.options.start=last", "end the circle"),
         ("pilots.second.options.start=second", "end the circle"),
         ("pilots.second.runs=3", "does not learn from runs"),

@@ -17,7 +17,7 @@ Range = tuple[NotNegative, NotNegative]
 class Settings(BaseModel):
     """Base of every pilot's settings: frozen, with unknown keys and infinite numbers refused."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
 
 
 AnySettings = TypeVar("AnySettings", bound=Settings)

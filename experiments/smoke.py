@@ -1,0 +1,59 @@
+"""Any experiment made so small that it says nothing, but goes through every stage: does it still work?"""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from experiments.schema import Experiment, PilotPlan
+
+RUNS, EPISODES = 3, 3
+MOST = {
+    "batch_size": 64,
+    "boats": 16,
+    "decisions": 1024,
+    "episodes": 2,
+    "epochs": 1,
+    "horizon": 16,
+    "leg": 2,
+    "random": 64,
+    "rounds": 1,
+    "units": 50,
+    "updates": 1,
+}
+"""What an option of a pilot's training may be at most, by its name, whatever the kind of pilot."""
+
+
+def shrunk(experiment: "Experiment") -> "Experiment":
+    """The experiment with few runs, decisions, epochs and episodes, under a name of its own.
+
+    Every pilot and every level stays, so that what cannot be trained or evaluated is found.
+    """
+    record = experiment.data.record
+    few = record.model_copy(update={"good": min(record.good, RUNS), "failed": 0})
+    hidden, evaluation = experiment.hidden, experiment.evaluation
+    if hidden is not None:
+        logs = hidden.logs.model_copy(update={"runs": min(hidden.logs.runs, RUNS)})
+        hidden = hidden.model_copy(update={"logs": logs})
+    return experiment.model_copy(
+        update={
+            "name": experiment.name if experiment.name.endswith("smoke") else f"{experiment.name}-smoke",
+            "data": experiment.data.model_copy(update={"record": few}),
+            "pilots": {name: _small(plan) for name, plan in experiment.pilots.items()},
+            "evaluation": evaluation.model_copy(
+                update={"episodes": min(evaluation.episodes, EPISODES), "shown": 1}
+            ),
+            "hidden": hidden,
+        }
+    )
+
+
+def _small(plan: "PilotPlan") -> "PilotPlan":
+    runs = None if plan.runs is None else min(plan.runs, RUNS)
+    return plan.model_copy(update={"runs": runs, "options": _capped(plan.options)})
+
+
+def _capped(options: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        key: min(value, MOST[key]) if key in MOST and isinstance(value, int) else value
+        for key, value in options.items()
+    }
