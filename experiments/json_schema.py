@@ -68,11 +68,18 @@ def _options(kind: str, parts: dict[str, Schema]) -> Schema:
 
 def _pilot(plan: Schema, kind: str, learns: Learner) -> Schema:
     """The keys of a pilot of one kind."""
-    without = () if learns.from_runs else ("runs", "outcomes")
-    without += () if learns.by_trying else ("disturbances",)
-    without += ("takeover",) if kind == "scripted" else ()
+    without = {
+        "runs": not learns.from_runs,
+        "outcomes": not learns.from_runs,
+        "disturbances": not learns.by_trying,
+        "takeover": kind == "scripted",
+    }
     keys = dict(plan["properties"])
-    keys |= {key: {"const": keys[key]["default"], "description": f"Not for {kind}."} for key in without}
+    keys |= {
+        key: {"const": keys[key]["default"], "description": f"Not for {kind}."}
+        for key in without
+        if without[key]
+    }
     keys |= {"kind": {"const": kind}, "options": _ref(f"{kind} options")}
     return {"type": "object", "properties": keys, "additionalProperties": False}
 

@@ -17,6 +17,8 @@ MOST = {
     "leg": 2,
     "random": 64,
     "rounds": 1,
+    "runs": 2,
+    "trials": 4,
     "units": 50,
     "updates": 1,
 }
@@ -53,7 +55,10 @@ def _small(plan: "PilotPlan") -> "PilotPlan":
 
 
 def _capped(options: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        key: min(value, MOST[key]) if key in MOST and isinstance(value, int) else value
-        for key, value in options.items()
-    }
+    return {key: _at_most(MOST.get(key), value) for key, value in options.items()}
+
+
+def _at_most(most: int | None, value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return _capped(value)
+    return min(value, most) if most is not None and isinstance(value, int) else value
