@@ -11,6 +11,7 @@ from experiments.claims_effects import CLAIMS, Flight, Flown, Hypothesis, Who, a
 from experiments.claims_report import report
 from experiments.claims_schema import Claims
 from experiments.comparison import without_nan
+from experiments.kept import seeds, write_hashes
 from experiments.learn import get_data, train, with_takeover
 from experiments.learners import learner
 from experiments.progress import Stages, measured
@@ -70,6 +71,8 @@ def examine_claims(scene: Scene, folder: Path, progress: Stages) -> dict[str, An
         "kind": scene.experiment.pilots[plan.pilot].kind,
         "episodes": len(scene.seeds),
         "data": data_results(dataset) | {"recorded_at": recorded_at(scene), "disjoint": disjoint(plan, pool)},
+        "sha256": write_hashes(dataset.folder, folder),
+        "seeds": seeds(scene.experiment),
         "claims": [claim_row(claim, rows) for claim in CLAIMS],
         "measured": measured(progress),
     }

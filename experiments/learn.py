@@ -71,6 +71,7 @@ def train_pilots(
         if not (folder / name).exists():
             others = {other: _alone(pilot) for other, pilot in pilots.items()}
             _train_into(folder, name, scene, dataset, others, progress)
+        _checkpoint(folder, name).unlink(missing_ok=True)
         pilots[name] = load_pilot(folder / name)
     return {name: pilots[name] for name in plans if name in order}
 
@@ -84,7 +85,7 @@ def _train_into(
     progress: Stages,
 ) -> None:
     plan = scene.experiment.pilots[name]
-    checkpoint = folder / f".checkpoint-{name}"
+    checkpoint = _checkpoint(folder, name)
     curve: list[dict[str, float]] = []
     events = folder.parent / TENSORBOARD / name
     with progress.stage(f"train {name}", 1.0) as tick, tracked(events, scene.experiment, name) as log:
@@ -95,7 +96,10 @@ def _train_into(
         save_pilot(with_takeover(scene, plan, pilot), part, _fitted_on(training))
         if curve:
             write_curve(part / CURVE, curve)
-    checkpoint.unlink(missing_ok=True)
+
+
+def _checkpoint(folder: Path, name: str) -> Path:
+    return folder / f".checkpoint-{name}"
 
 
 def _alone(pilot: Pilot) -> Pilot:

@@ -32,7 +32,9 @@ def shrunk(experiment: "Experiment") -> "Experiment":
     """
     record = experiment.data.record
     few = record.model_copy(update={"good": min(record.good, RUNS), "failed": 0})
-    hidden, evaluation = experiment.hidden, experiment.evaluation
+    hidden, claims, evaluation = experiment.hidden, experiment.claims, experiment.evaluation
+    if claims is not None:
+        claims = claims.model_copy(update={"draws": 2, "runs": (2, RUNS), "few": 2})
     if hidden is not None:
         logs = hidden.logs.model_copy(update={"runs": min(hidden.logs.runs, RUNS)})
         hidden = hidden.model_copy(update={"logs": logs})
@@ -45,6 +47,7 @@ def shrunk(experiment: "Experiment") -> "Experiment":
                 update={"episodes": min(evaluation.episodes, EPISODES), "shown": 1}
             ),
             "hidden": hidden,
+            "claims": claims,
         }
     )
 
