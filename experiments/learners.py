@@ -160,6 +160,15 @@ def _reservoir() -> Learner:
     return Learner(ReservoirSettings, train, _runs_told, from_runs=True)
 
 
+def _searched_reservoir() -> Learner:
+    from swamp_rl.pilots.reservoir_search import SearchedReservoirSettings, fit_searched_reservoir
+
+    def train(training: Training) -> "Pilot":
+        return fit_searched_reservoir(training.runs(), training.settings, training.tick)
+
+    return Learner(SearchedReservoirSettings, train, _runs_told, from_runs=True)
+
+
 def _cloning() -> Learner:
     from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 
@@ -250,6 +259,7 @@ def _stored() -> Learner:
 LEARNERS: dict[str, Callable[[], Learner]] = {
     "scripted": _scripted,
     "reservoir": _reservoir,
+    "reservoir-searched": _searched_reservoir,
     "cloning": _cloning,
     "gru": _gru,
     "dagger": _dagger,

@@ -1,0 +1,118 @@
+"""Hyper-parameters of a reservoir by cross-validation over runs: what is left out are whole runs, never rows.
+
+Rows of one run resemble each other so much that an error on some of them, learned from the others, would be
+no error on anything new.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from swamp_rl.errors import UserError
+from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.readout import Moments, ridge_readouts, squared_error
+from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_reservoir, states_of
+from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings, Share
+from swamp_rl.runs import Run
+
+Some = Field(min_length=1)
+
+
+class Unsearched(ReservoirSettings):
+    """What all that is tried has in common."""
+
+    seed: Annotated[int, Field(ge=0, lt=2**32, exclude=True)] = 0
+
+
+class SearchedReservoirSettings(Settings):
+    """What is tried: each of the values with each of the others, all else as in `reservoir`."""
+
+    reservoir: Unsearched = Unsearched()
+    units: Annotated[tuple[Count, ...], Some] = (100, 200, 400)
+    spectral_radius: Annotated[tuple[NotNegative, ...], Some] = (0.2, 0.5, 0.9)
+    lowest_leak: Annotated[tuple[Share, ...], Some] = (0.05, 0.2)
+    ridge: Annotated[tuple[Positive, ...], Some] = (0.3, 1.0, 3.0, 10.0, 30.0)
+    folds: Annotated[int, Field(ge=2)] = 5
+    seed: Seed = 0
+    "Of the reservoir."
+
+    @field_validator("reservoir")
+    @classmethod
+    def _one_seed(cls, reservoir: Unsearched) -> Unsearched:
+        if reservoir.seed != 0:
+            raise ValueError("seed: give it beside reservoir, not in it")
+        return reservoir
+
+
+@dataclass(frozen=True)
+class Scored:
+    """Settings, and the mean squared error of the levers that they lead to on runs left out [1]."""
+
+    settings: ReservoirSettings
+    error: float
+
+
+def fit_searched_reservoir(
+    runs: Sequence[Run],
+    settings: SearchedReservoirSettings | None = None,
+    tick: Callable[[float], None] = lambda done: None,
+) -> ReservoirPilot:
+    """The reservoir of the settings whose error is least, learned from all runs; UserError as for scores."""
+    return fit_reservoir(runs, scores(runs, settings, tick)[0].settings)
+
+
+def scores(
+    runs: Sequence[Run],
+    settings: SearchedReservoirSettings | None = None,
+    tick: Callable[[float], None] = lambda done: None,
+) -> list[Scored]:
+    """All that is tried, the least error first; `tick` hears the share done.
+
+    The states are those of one pass over all runs, and one Gram matrix for each fold serves all ridges.
+    UserError where a run lacks a column, or there are fewer runs than folds.
+    """
+    settings = settings or SearchedReservoirSettings()
+    if len(runs) < settings.folds:
+        raise UserError(
+            f"folds: {len(runs)} runs do not make {settings.folds}; ask for fewer, or record more"
+        )
+    grid = list(product(settings.units, settings.spectral_radius, settings.lowest_leak))
+    found = []
+    for number, (units, radius, leak) in enumerate(grid):
+        drawn = settings.reservoir.model_copy(
+            update={
+                "units": units,
+                "spectral_radius": radius,
+                "leak": (leak, settings.reservoir.leak[1]),
+                "seed": settings.seed,
+            }
+        )
+        errors = errors_left_out(runs, drawn, settings.ridge, settings.folds)
+        found += [
+            Scored(drawn.model_copy(update={"ridge": ridge}), float(error))
+            for ridge, error in zip(settings.ridge, errors, strict=True)
+        ]
+        tick((number + 1) / len(grid))
+    return sorted(found, key=lambda scored: scored.error)
+
+
+def errors_left_out(
+    runs: Sequence[Run], settings: ReservoirSettings, ridges: Sequence[float], folds: int
+) -> Array:
+    """(R,) mean squared error for each ridge: run i belongs to fold i mod `folds`, and each fold is foretold
+    by the readout of the others. What was seen is scaled alike in all folds."""
+    _, states, levers = states_of(runs, settings)
+    parts = [Moments.of(states[k::folds], levers[k::folds]) for k in range(folds)]
+    everything = sum(parts[1:], parts[0])
+    errors = np.array(
+        [
+            [squared_error(readout, part) for readout in ridge_readouts(everything - part, ridges)]
+            for part in parts
+        ]
+    )
+    rows = np.array([part.gram[-1, -1] for part in parts])
+    return rows @ errors / rows.sum()
