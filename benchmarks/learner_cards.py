@@ -56,10 +56,9 @@ def choice_told(choice: dict[str, Any]) -> str:
     """What the errors left out were worth, and the time of a fit."""
     lines = [f"- dataset {name}: {value:.3f}" for name, value in correlation(choice["grid"]).items()]
     grid = len(choice["grid"])
-    return "\n".join(
-        [f"{grid} settings and datasets, success at `standard`:", "", *lines, ""]
-        + [f"A fit of 500 units on 40 runs took {choice['fit_500_units_40_runs_s']:.2f} s, on one thread."]
-    )
+    said = f"{grid} settings and datasets, success at `standard`:"
+    time = f"A fit of 500 units on 40 runs took {choice['fit_500_units_40_runs_s']:.2f} s, on one thread."
+    return "\n".join([said, "", *lines, "", time])
 
 
 def put(page: str, mark: str, text: str) -> str:
