@@ -1,14 +1,16 @@
-"""How the recorder feels and how it lasts: delay from hand to boat, start of the page, hours of recording.
+"""How the recorder feels and how it lasts: delay from hand to boat, start of the page, hours of recording;
+and how soon a hundred runs are shown.
 
-python benchmarks/recorder.py recorder.json
+python -m benchmarks.recorder docs/recording.md
 
+writes the table that stands there between the two marks, of all parts or of those named after the file.
 The page runs in headless Chromium beside `swamp-rl record`, in real time. The delay counts from the key's
 event to the arrival of the first frame in which the boat obeys, and to the end of the drawing that shows it.
+It was measured on a machine that others use too: the load is that of the minute, on its cores.
 The hours are sailed as fast as the machine can, by a rule at the levers, through the same session and files;
 each row is synchronised to the disk, so TMPDIR in memory makes them short.
 """
 
-import json
 import os
 import re
 import shutil
@@ -22,10 +24,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
+
+from benchmarks.update_readme import between_marks
+from experiments.report import table
 
 PRESSES = 60
 HOURS, KEPT = 8, 8  # hours sailed; one in so many runs is accepted, the others are discarded
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
+DEMO = "from experiments.cli import main; main()"
 RECORD = "import sys; from experiments.cli import main; sys.argv[0] = 'swamp-rl'; main()"
 
 
@@ -102,7 +109,8 @@ def hours(folder: Path) -> dict[str, Any]:
     from tests.driving import accept, drive, session
 
     game = session(folder, "standard")
-    now, taken, memory, driven = 0.0, [0.0], [], 0
+    memory: list[float] = []
+    now, taken, driven = 0.0, [0.0], 0
     while now < 3600.0 * HOURS:
         now = drive(game, now)
         driven += 1
@@ -129,16 +137,57 @@ def _resident() -> float:
     return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
 
 
-def main(out: Path) -> None:
-    """Measure both and write them."""
-    with tempfile.TemporaryDirectory() as folder:
-        with recorder(Path(folder) / "page", "--disturbances", "standard") as address:
-            measured = {"delay": delays(address), "load average": os.getloadavg()[0]}
-        for name, value in measured["delay"].items():
-            print(f"{name:<36} {value:.1f}")
-        measured["hours"] = hours(Path(folder) / "hours")
-    out.write_text(json.dumps(measured, indent=2) + "\n", encoding="utf-8")
+def hundred(folder: Path) -> dict[str, Any]:
+    """Seconds until a hundred runs are recorded for rerun, and until its viewer can be opened on them."""
+    from envs.batched import GatesVectorEnv
+    from swamp_rl.pilots.record import record_scripted
+
+    record_scripted(
+        lambda n, senses: GatesVectorEnv(n, disturbances="standard", observation=senses),
+        folder,
+        count=100,
+        failed=0,
+    )
+    taken = {}
+    for name, words in (("written", ["--save", f"{folder}.rrd"]), ("served", ["--web"])):
+        begun = time.perf_counter()
+        command = [sys.executable, "-c", DEMO, "demo", str(folder), *words]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as demo:
+            assert demo.stdout is not None
+            demo.stdout.readline()
+            assert demo.stdout.readline(), "the demo ended early"
+            taken[f"100 runs {name} after, s"] = time.perf_counter() - begun
+            used = psutil.Process(demo.pid).cpu_times()
+            taken[f"of its processor, {name}, s"] = used.user + used.system
+            demo.terminate()
+    return taken
+
+
+def told(measured: dict[str, Any]) -> list[list[str]]:
+    """A row of the table for each number, of a list its first and last."""
+    rows = []
+    for name, value in measured.items():
+        ends = [value[0], value[-1]] if isinstance(value, list) else [value]
+        rows.append([name, " … ".join(f"{number:.3g}" for number in ends)])
+    return rows
+
+
+def main(out: Path, parts: list[str]) -> None:
+    """Measure the parts and write them into the document."""
+    for part in parts or ["delay", "hours"]:
+        load = os.getloadavg()[0]
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name) / part
+            if part == "delay":
+                with recorder(folder, "--disturbances", "standard") as address:
+                    measured = delays(address)
+            else:
+                measured = {"hours": hours, "hundred": hundred}[part](folder)
+        measured["load average"], measured["cores"] = load, os.cpu_count()
+        made = table(["measured", ""], told(measured))
+        print(made)
+        out.write_text(between_marks(out.read_text(encoding="utf-8"), part, made), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), sys.argv[2:])

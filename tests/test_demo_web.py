@@ -1,0 +1,66 @@
+"""Rerun's own viewer, as `demo --web` serves it, in a real browser: the blueprint is what is seen first.
+
+Chromium draws it without a graphics card, which takes it a while. The picture is left in the test's folder.
+"""
+
+import io
+import shutil
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.test_demo_verb import dataset, started
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+FLAGS = [
+    "--headless=new",
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+]
+SIZE = {"width": 1000, "height": 600}
+CHART, SEA = (18, 34, 48), (30, 70, 105)
+PATIENCE = 150.0  # s, with other tests beside it
+
+
+def share(picture: np.ndarray, colour: tuple[int, ...]) -> float:
+    """Of the picture (H, W, 3) that has about that colour."""
+    return float((np.abs(picture.astype(int) - colour).max(axis=2) < 24).mean())
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+def test_the_web_viewer_shows_chart_space_and_series_at_first_sight(tmp_path: Path) -> None:
+    sync_playwright = pytest.importorskip("playwright.sync_api").sync_playwright
+    folder = dataset(tmp_path / "runs", "scripted", ["x", "y"])
+    process = started("demo", folder, "--web")
+    assert process.stdout is not None
+    try:
+        process.stdout.readline()
+        address = process.stdout.readline()
+        with sync_playwright() as browsers:
+            browser = browsers.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+            page = browser.new_page(viewport=SIZE)
+            wrong: list[str] = []
+            page.on("pageerror", lambda error: wrong.append(str(error)))
+            page.goto(address)
+            until = time.monotonic() + PATIENCE
+            picture = np.zeros((1, 2, 3))
+            while share(picture[:, : picture.shape[1] // 2], CHART) < 0.5 and time.monotonic() < until:
+                page.wait_for_timeout(1000)
+                data = page.screenshot(path=tmp_path / "web.png", timeout=60_000)
+                picture = np.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
+            browser.close()
+    finally:
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=30)
+    assert wrong == []
+    left, right = np.split(picture, [round(5 / 11 * SIZE["width"])], axis=1)
+    assert share(left, CHART) > 0.5
+    above, below = np.split(right, 2)
+    assert share(above, SEA) > 0.4 and share(below, (255, 255, 255)) > 0.5
