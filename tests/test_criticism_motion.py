@@ -56,6 +56,7 @@ def test_a_thruster_that_never_runs_and_a_lonely_run_are_named() -> None:
     trials.commands[..., 6:] = 0.0
     found = missing_motion(trials)
     assert [told.split(":")[0] for told in found] == ["thrust of ss, sp", "a second run, to hold out"]
+    assert len(missing_motion(trials, held_out=True)) == 1
 
 
 def test_a_boat_that_lies_still_is_told_to_run() -> None:

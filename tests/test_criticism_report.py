@@ -66,7 +66,7 @@ def test_a_cause_has_its_interval_in_degrees_beside_what_the_boat_file_has() -> 
 def test_the_gain_is_in_degrees_with_as_many_digits_as_the_error_and_no_negative_zero() -> None:
     paired = Paired(before=0.1, after=0.05, ci95=(-1e-9, 0.1))
     (row,) = gain_rows(Gain(horizon_s=5.0, restarts=9, blocks="runs", heading_rmse_rad=paired))
-    assert row == ("5", "heading", "5.73", "2.86", "2.86 (0.00 to 5.73)", "degrees")
+    assert row == ("5 (9)", "heading", "5.73", "2.86", "2.86 (0.00 to 5.73)", "degrees")
 
 
 def test_what_is_left_is_said_with_its_force_and_variable() -> None:

@@ -105,7 +105,7 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
         else leftovers([forces, missing_forces(trials, weight, Hypothesis(), NONE)]),
         candidates=_candidates(ladder, found, rng),
         unseen=found.unseen,
-        missing_motion=missing_motion(trials),
+        missing_motion=missing_motion(trials, other is not None),
         gain=_gains(trials, weight, other, ladder, found, rng),
         gain_on="other_runs" if other else "same_run" if len(trials.lengths) == 1 else "each_run_in_turn",
         noise={n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)},

@@ -17,8 +17,11 @@ TURNED = 0.1  # rad that an azimuth or a rudder must move
 QUADRANTS = 4  # of the compass
 
 
-def missing_motion(trials: Trials) -> list[str]:
-    """What the runs do not hold, in words that say what to record; empty where nothing is missing."""
+def missing_motion(trials: Trials, held_out: bool = False) -> list[str]:
+    """What the runs do not hold, in words that say what to record; empty where nothing is missing.
+
+    held_out: whether there are other runs, which the gain is measured on.
+    """
     speed, turn, heading = (np.concatenate(parts) for parts in zip(*_read(trials), strict=True))
     moving = speed > MOVING
     lacks = []
@@ -39,7 +42,10 @@ def missing_motion(trials: Trials) -> list[str]:
         lacks.append("turns of another rate: sail circles of two sizes")
     if len(_quadrants(heading[moving])) < QUADRANTS:
         lacks.append("courses all round the compass, without which wind, current and a heading bias hide")
-    return lacks + _idle(trials) + _single(trials)
+    lacks += _idle(trials)
+    if len(trials.lengths) == 1 and not held_out:
+        lacks.append("a second run, to hold out: with one, nothing is held out")
+    return lacks
 
 
 def _read(trials: Trials) -> list[tuple[Array, Array, Array]]:
@@ -94,7 +100,3 @@ def _idle(trials: Trials) -> list[str]:
     if steady:
         lacks.append(f"other thrust levels of {', '.join(steady)}: step the throttle up and down")
     return lacks
-
-
-def _single(trials: Trials) -> list[str]:
-    return ["a second run, to hold out: with one, nothing is held out"] * (len(trials.lengths) == 1)

@@ -96,14 +96,21 @@ def draw_tracks(figure: Any, misfit: Misfit) -> None:
     _legend(figure, legend, f"restart, every {seconds:.3g} s")
 
 
-def _legend(figure: Any, lines: list[tuple[str, float, str]], dot: str = "", noise: bool = False) -> None:
+def _legend(
+    figure: Any,
+    lines: list[tuple[str, float, str]],
+    dot: str = "",
+    noise: bool = False,
+    perfect: bool = False,
+) -> None:
     from matplotlib.lines import Line2D
 
     handles = [Line2D([], [], color=colour, lw=width, label=label) for colour, width, label in lines]
     if dot:
         handles.append(Line2D([], [], color="#222222", marker=".", ls="", ms=6, label=dot))
-    if noise:
+    if perfect:
         handles.append(Line2D([], [], color="#555555", ls="--", lw=1.2, label="a perfect simulation"))
+    if noise:
         handles.append(Line2D([], [], color="#555555", ls=":", lw=1.2, label="sensor noise"))
     figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
 
@@ -113,7 +120,8 @@ def draw_errors(figure: Any, misfit: Misfit) -> None:
     gains = misfit.diagnosis.gain
     names = [name for name in QUANTITIES if any(getattr(gain, name) for gain in gains)]
     figure.set_size_inches(10.5, 3.4)
-    perfect = perfect_errors(misfit, np.random.default_rng(0))
+    own = misfit.diagnosis.gain_on != "other_runs"  # else a perfect simulation would sail other runs
+    perfect = perfect_errors(misfit, np.random.default_rng(0)) if own else {}
     for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
         title, unit, factor, channel = SHOWN[name]
         kept = [(gain.horizon_s, paired) for gain in gains if (paired := getattr(gain, name))]
@@ -123,12 +131,14 @@ def draw_errors(figure: Any, misfit: Misfit) -> None:
             axes.loglog(horizons, [factor * one.after for _, one in kept], "s-", color=AFTER)
         noise = factor * misfit.diagnosis.noise[channel] * math.sqrt(len(QUANTITIES[name]))
         axes.axhline(noise, color="#555555", ls=":", lw=1.2)
-        axes.loglog(horizons, [factor * perfect[name][h] for h in horizons], "--", color="#555555", lw=1.2)
+        if name in perfect:
+            known = [(h, factor * perfect[name][h]) for h in horizons]
+            axes.loglog(*zip(*known, strict=True), "--", color="#555555", lw=1.2)
         _plain_ticks(axes, horizons)
         axes.set(title=title, xlabel="seconds ahead")
         axes.set_ylabel(f"error [{unit}]")
     lines = [(BEFORE, 1.5, "boat file")] + [(AFTER, 1.5, "with what was found")] * misfit.extended
-    _legend(figure, lines, noise=True)
+    _legend(figure, lines, noise=True, perfect=own)
 
 
 def perfect_errors(misfit: Misfit, rng: np.random.Generator) -> dict[str, dict[float, float]]:

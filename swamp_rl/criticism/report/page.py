@@ -46,7 +46,7 @@ def page(found: Diagnosis, trials: Trials, images: Mapping[str, str]) -> str:
     """The whole HTML page; images: PNG in base64 by name."""
     parts = [
         opening(found, trials),
-        seen(images),
+        seen(images, found.gain_on),
         named(found, trials),
         told_apart(found),
         left_over(found),
@@ -93,15 +93,20 @@ def cards(found: Diagnosis) -> str:
     return f'<div class="cards">{"".join(made)}</div>'
 
 
-def seen(images: Mapping[str, str]) -> str:
+def seen(images: Mapping[str, str], gain_on: str) -> str:
     """The misfit, before any number."""
+    perfect = (
+        " Even a perfect simulation leaves the sensors' noise behind with time, since it starts from a state "
+        "that is known only to within it: the dashed line. What lies above that line is wrong in the "
+        "simulation."
+    )
+    if gain_on == "other_runs":
+        perfect = " These are the runs held out; the tracks above are of those diagnosed."
     return (
         "<h2>The misfit</h2><p>The simulation is started from the measured state again and again. Where it "
         "is right, its lines lie on the measured track.</p>"
         + image(images["tracks"], "Measured and predicted tracks")
-        + "<p>How far a prediction is off (root mean square), by how far ahead it looks. Even a perfect "
-        "simulation leaves the sensors' noise behind with time, since it starts from a state that is known "
-        "only to within it: the dashed line. What lies above that line is wrong in the simulation.</p>"
+        + f"<p>How far a prediction is off (root mean square), by how far ahead it looks.{perfect}</p>"
         + image(images["errors"], "Prediction error by horizon")
         + "<p>The forces that the simulation lacks, told from how the measured motion bends away from it, "
         "against what the boat did. What hangs on the heading is fixed to the earth (wind, current); what "
@@ -190,9 +195,9 @@ def gained(found: Diagnosis) -> str:
     blocks = sorted({gain.blocks for gain in found.gain if gain.restarts})
     if not found.causes:
         rows = [(*row[:3], row[5]) for row in rows]
-        heads: tuple[str, ...] = ("seconds ahead", "error", "boat file", "unit")
+        heads: tuple[str, ...] = ("seconds ahead (restarts)", "error", "boat file", "unit")
         return "<h2>How well it predicts</h2>" + cards(found) + table(heads, rows, numbers=(0, 2))
-    heads = ("seconds ahead", "error", "boat file", "with it", "less by (95 % interval)", "unit")
+    heads = ("seconds ahead (restarts)", "error", "boat file", "with it", "less by (95 % interval)", "unit")
     return (
         f"<h2>What it gains</h2>{cards(found)}<p>Root mean square errors {GAINED_ON[found.gain_on]}. The "
         "interval is of the difference, restart by restart on the same data, resampled by "
@@ -215,7 +220,7 @@ def gain_rows(gain: Gain) -> list[tuple[str, ...]]:
             f"{round(value, places) + 0.0:.{places}f}" for value in (before, after, before - after, low, high)
         ]
         span = f"{cells[2]} ({cells[3]} to {cells[4]})".replace("-", "−")
-        ahead = f"{gain.horizon_s:g}" if not rows else ""
+        ahead = f"{gain.horizon_s:g} ({gain.restarts})" if not rows else ""
         rows.append((ahead, title, cells[0], cells[1], span, unit))
     return rows
 
