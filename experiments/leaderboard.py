@@ -140,7 +140,7 @@ th button:hover,th button:focus-visible{color:var(--ink);text-decoration:underli
 th{border-bottom:2px solid var(--line);text-align:left;vertical-align:bottom;padding:.3rem .7rem .3rem 0}
 td{border-bottom:1px solid var(--line);padding:.3rem .7rem .3rem 0;vertical-align:top}
 .n{text-align:right;font-variant-numeric:tabular-nums}td.n{white-space:nowrap}
-td:nth-child(10){max-width:24rem;color:var(--soft)}td:first-child{font-weight:600;white-space:nowrap}th:nth-child(10),td:nth-child(10){padding-left:1rem}
+td:nth-child(10){min-width:16rem;max-width:24rem;color:var(--soft)}td:first-child{font-weight:600;white-space:nowrap}th:nth-child(10),td:nth-child(10){padding-left:1rem}
 tr:hover td{background:var(--tint)}
 [aria-sort=ascending] button::after{content:" ▲"}[aria-sort=descending] button::after{content:" ▼"}
 """
