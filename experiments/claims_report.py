@@ -81,6 +81,8 @@ NOTES = {
     "successful tracks, as geometric means. A copy of a run would be 0 times as far, another run of the "
     "data's own kind once.",
     "elsewhere": "\n\nOnly starts outside the convex hull of all tracks that the pilot learned from count.",
+    "disturbed": "\n\nWhere the data were recorded among the same disturbances, this does not show that the "
+    "pilot stands new ones.",
     "smoother": "\n\nMeans of logarithms over episodes in which both arrived, told as shares saved. The "
     "power is what the jets leave in the water; see `swamp_rl/evaluation/metrics.py`.",
 }
