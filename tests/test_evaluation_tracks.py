@@ -55,6 +55,7 @@ def test_leaving_each_run_out_in_turn_is_what_the_shortcut_says() -> None:
 
 def test_a_track_alone_has_no_others() -> None:
     assert np.isnan(mean_other(np.zeros((1, 1)))).all()
+    assert distances([], [NORTHWARD]).shape == (0, 1) and mean_other(distances([], [])).shape == (0,)
 
 
 def test_places_are_outside_beyond_the_hull_of_all_tracks_together() -> None:

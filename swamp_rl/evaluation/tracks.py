@@ -25,7 +25,7 @@ def distances(a: Sequence[Array], b: Sequence[Array]) -> Array:
 
     Blind to how fast a track was sailed; 0 only for the same track.
     """
-    first, second = (np.array([along(track) for track in tracks]) for tracks in (a, b))
+    first, second = (np.array([along(one) for one in tracks]).reshape(-1, POINTS, 2) for tracks in (a, b))
     gap = first[:, None] - second[None, :]
     return np.hypot(gap[..., 0], gap[..., 1]).mean(axis=-1)
 
