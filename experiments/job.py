@@ -10,9 +10,12 @@ from pathlib import Path
 from experiments.kept import RESULTS, TRAINED, WORK, description
 from experiments.progress import Stages, stages
 from experiments.scene import Scene
+from experiments.tracking import TENSORBOARD
 from swamp_rl.unfinished import taken_up
 
 SECONDS = "seconds.json"
+TAKEN = ("data", "pilots/*", f"{TENSORBOARD}/*")
+"""Folders that an evaluation takes over from a training."""
 
 
 @contextmanager
@@ -44,11 +47,10 @@ def say(line: str) -> None:
 
 
 def _take_over(trained: Path, part: Path) -> None:
-    """Copy recorded runs and pilots, each whole or not at all, and the times that they took."""
-    pilots = sorted(folder for folder in (trained / "pilots").iterdir() if not folder.name.startswith("."))
-    for folder in (trained / "data", *pilots):
+    """Copy what is TAKEN, each folder whole or not at all, and the times that it took."""
+    for folder in [folder for name in TAKEN for folder in sorted(trained.glob(name))]:
         target = part / folder.relative_to(trained)
-        if folder.is_dir() and not target.exists():
+        if not folder.name.startswith(".") and not target.exists():
             target.parent.mkdir(exist_ok=True)
             copied = shutil.copytree(folder, target.with_name(f".part-{target.name}"))
             Path(copied).rename(target)

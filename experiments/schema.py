@@ -170,6 +170,17 @@ class Experiment(Part):
     smoke: bool = False
 
     @model_validator(mode="after")
+    def _records_the_runs_that_are_asked_for(self) -> Self:
+        recorded = None if self.data.folder is not None else self.data.record.good
+        for name, plan in self.pilots.items():
+            if recorded is not None and (plan.runs or 0) > recorded and plan.outcomes == ("success",):
+                raise ValueError(
+                    f"pilots.{name}.runs: {plan.runs} runs are asked for, data.record.good is {recorded}; "
+                    "record more, or learn from fewer"
+                )
+        return self
+
+    @model_validator(mode="after")
     def _targets_name_what_is_there(self) -> Self:
         levels = [Path(level).stem for level in self.evaluation.levels]
         for name in (*self.targets.success, *self.targets.smoother_than_data):

@@ -21,9 +21,9 @@ from swamp_rl.explain import validated as validated
 
 DEEPEST = 100  # levels of nesting in a YAML file
 CONFIG_KINDS = ("boats", "courses", "disturbances", "trials", "experiments", "sweeps")
-NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
 HINTS = {
-    **dict.fromkeys(NO_ROOM, "free some room"),
+    errno.ENOSPC: "free some room",
+    errno.EDQUOT: "free some room",
     errno.EEXIST: "a folder is needed there, name another path",
     errno.ENOTDIR: "a folder is needed there, name another path",
 }

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import NO_ROOM, flush, os_error, refuse_to_replace, write_beside
+from swamp_rl.files import flush, os_error, refuse_to_replace, write_beside
 
 LOCK = ".lock"
 
@@ -24,8 +24,9 @@ def taken_up(
 
     What an earlier life of the same job left in it is still there: the job is the same where the files of
     `description`, which are written into it by relative path, hold the same bytes; otherwise it is emptied,
-    and `say` hears so. Files that were being written (`write_beside`, `folder_beside`) are removed. A block
-    ended by a signal, a fault or a full disk leaves it for the next life; one refused by UserError does not.
+    and `say` hears so. Files that were being written (`write_beside`, `folder_beside`) are removed. However
+    the block ends, what it has made is left for the next life; only one refused by UserError before it made
+    anything leaves nothing.
 
     An existing `path` that is not empty is replaced only if it holds one of the files named `replaces`.
     UserError where it does not, and where another process is at work on the same folder.
@@ -39,8 +40,8 @@ def taken_up(
             _begin(part, description, say)
             try:
                 yield part
-            except UserError as error:
-                if getattr(error.__cause__, "errno", None) not in NO_ROOM:
+            except UserError:
+                if not _made(part, description):
                     shutil.rmtree(part, ignore_errors=True)
                 raise
             _publish(part, old, path)
@@ -99,6 +100,12 @@ def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], No
         if not (part / name).is_file():
             with write_beside(part / name) as file:
                 file.write_bytes(held)
+
+
+def _made(part: Path, description: Mapping[str, bytes]) -> bool:
+    """Whether anything but the description is whole in `part`."""
+    own = {LOCK, *(Path(name).parts[0] for name in description)}
+    return any(entry.name not in own and not entry.name.startswith(".part-") for entry in part.iterdir())
 
 
 def _publish(part: Path, old: Path, path: Path) -> None:

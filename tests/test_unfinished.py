@@ -96,15 +96,22 @@ def test_a_second_command_on_the_same_folder_is_refused_and_disturbs_nothing(tmp
     assert names(tmp_path) == ["out/config/it.yaml", "out/done"]
 
 
-def test_a_job_that_cannot_be_done_leaves_nothing_and_one_without_room_goes_on_later(tmp_path: Path) -> None:
-    with pytest.raises(UserError), taken_up(tmp_path / "out", (), SAME):
+def test_a_job_that_cannot_be_begun_leaves_nothing(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="no such level"), taken_up(tmp_path / "out", (), SAME) as part:
+        (part / ".part-half").write_text("ha")
         raise UserError("no such level")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_job_that_cannot_be_ended_or_has_no_room_left_keeps_what_it_made(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="damaged"), taken_up(tmp_path / "out", (), SAME) as part:
+        (part / "first").write_text("done")
+        raise UserError("a checkpoint is damaged")
     with pytest.raises(UserError, match="free some room"), taken_up(tmp_path / "out", (), SAME) as part:
         (part / "done").write_text("done")
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     with taken_up(tmp_path / "out", (), SAME) as part:
-        assert (part / "done").exists()
+        assert (part / "first").exists() and (part / "done").exists()
 
 
 def test_what_is_no_earlier_result_is_not_replaced(tmp_path: Path) -> None:
