@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.learning_cards import place
+from benchmarks.trying_cards import place
 from experiments.scene import Scene, read_scene
 from experiments.schema import load_experiment
 from swamp_rl.evaluation import drive

@@ -2,7 +2,7 @@
 
     python -m benchmarks.training_spread --pilot ppo --out spread-ppo.json
     python -m benchmarks.training_spread --experiment severe --pilot ppo-severe --out spread-severe.json
-    python -m benchmarks.learning_cards ppo=spread-ppo.json ppo-severe=spread-severe.json
+    python -m benchmarks.trying_cards ppo=spread-ppo.json ppo-severe=spread-severe.json
 
 Replaces what stands between its two marks in the document, or adds them at its end.
 """
@@ -34,7 +34,7 @@ def section(spreads: Mapping[str, Spread]) -> str:
         BEGIN,
         "## Learning by trying: figures",
         "",
-        "Written by `python -m benchmarks.learning_cards` from what `python -m benchmarks.training_spread` "
+        "Written by `python -m benchmarks.trying_cards` from what `python -m benchmarks.training_spread` "
         "measured. A row is one way of training at one level: success is the interquartile mean over "
         "training seeds with its 95 % bootstrap interval (none with one seed; too narrow with fewer than "
         "five), then the least and the most of any seed. Change is that of the levers per step, to be "
