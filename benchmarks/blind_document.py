@@ -112,7 +112,8 @@ def reached(scores: Mapping[str, Mapping[str, Any]]) -> str:
                 rate = value["rate"] if isinstance(value, dict) else value
                 found[word].append(f"{row.replace('_', ' ')} at {level} ({rate:.3f}, bar {bar:g})")
     busiest = max(score["processor_s_longest"] or 0.0 for score in scores.values())
-    sentences = [f"{len(found['reached'])} of {sum(map(len, found.values()))} bars are reached."]
+    bars = sum(map(len, found.values()))
+    sentences = [f"{len(found['reached'])} of {bars} bars are reached."] if bars else []
     if found["short"]:
         sentences.append(f"Short of the bar, by what may be chance: {'; '.join(found['short'])}.")
     if found["missed"]:
