@@ -16,6 +16,11 @@ CONFUSION, POWER = "blind_confusion.png", "blind_power.png"
 SIZES = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 0.5, 0.75, 1.0, 1.25, 1.5)
 EVIDENCES = (0.0, 2.0, 4.0, 6.0, 9.0, 15.0, 30.0, 100.0, 1000.0, np.inf)
 
+QUANTITIES = (
+    ("size", SIZES, "size, against a typical one"),
+    ("evidence", EVIDENCES, "evidence, standard errors"),
+)
+
 
 def said(result: Judged) -> str:
     """The answer in a word: the names, `a set with the truth`, or the verdict."""
@@ -71,21 +76,22 @@ def power_picture(results: Sequence[Judged], path: Path) -> None:
     from matplotlib.figure import Figure
 
     single = [r for r in results if r["kind"] == "single" and r["level"] != "X"]
-    figure = Figure(figsize=(9, 3.8), layout="constrained")
-    left, right = figure.subplots(1, 2, sharey=True)
+    kept = [one for one in QUANTITIES if any(r.get(one[0]) is not None for r in single)] or [QUANTITIES[0]]
+    figure = Figure(figsize=(4.5 * len(kept), 3.8), layout="constrained")
+    panels = figure.subplots(1, len(kept), sharey=True, squeeze=False)[0]
     for level in sorted({r["level"] for r in single}):
         mine = [r for r in single if r["level"] == level]
-        for axes, key, edges in ((left, "size", SIZES), (right, "evidence", EVIDENCES)):
+        for axes, (key, edges, _) in zip(panels, kept, strict=True):
             found = shares(mine, key, edges)
             if found:
                 places, rates = [one["middle"] for one in found], [one["rate"] for one in found]
                 bars = [[one["rate"] - one["low"], one["high"] - one["rate"]] for one in found]
                 axes.errorbar(places, rates, np.maximum(bars, 0.0).T, fmt="o-", capsize=2, label=level)
-    for axes, what in ((left, "size, against a typical one"), (right, "evidence, standard errors")):
+    for axes, (_, _, what) in zip(panels, kept, strict=True):
         axes.set_xscale("log")
         axes.set_xlabel(what)
         axes.grid(alpha=0.3)
-    left.set_ylim(-0.03, 1.05)
-    left.set_ylabel(f"named, alone or among {AT_MOST}")
-    left.legend(*left.get_legend_handles_labels(), title="level")
+    panels[0].set_ylim(-0.03, 1.05)
+    panels[0].set_ylabel(f"named, alone or among {AT_MOST}")
+    panels[0].legend(*panels[0].get_legend_handles_labels(), title="level")
     figure.savefig(path, dpi=110)
