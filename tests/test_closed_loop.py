@@ -1,6 +1,7 @@
 """The closed loop in small: logs that hold no truth, pilots from both simulators, the same true episodes."""
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from experiments import closed_loop, learn
 from experiments.closed_loop import noisy, true_scene
 from experiments.run import run_experiment
 from experiments.scene import read_scene
@@ -70,6 +72,23 @@ def test_what_was_found_is_what_the_second_simulator_is_made_of(folder: Path) ->
     assert check_dataset(folder / "extended" / "data") == []  # names the boat from where it lies now
     report = (folder / "report.md").read_text()
     assert "reservoir, calm" in report and found["verdict"].replace("_", " ") in report
+
+
+def test_a_loop_that_was_killed_goes_on_from_its_logs_diagnosis_and_pilots(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    part = folder.parent / ".part-again"
+    shutil.copytree(folder, part, ignore=shutil.ignore_patterns("results.json", "report.md"))
+    shutil.rmtree(part / "extended" / "pilots")
+    for module, name in ((closed_loop, "diagnose"), (closed_loop, "write_logs"), (learn, "record_scripted")):
+        monkeypatch.setattr(module, name, None)  # may not be called
+    run_experiment(folder.parent / "small.yaml", out=folder.parent / "again")
+    first, second = (
+        json.loads((at / "results.json").read_text()) for at in (folder, folder.parent / "again")
+    )
+    assert {**first, "measured": None} == {**second, "measured": None}
+    seconds = second["measured"]["seconds"]
+    assert "train reservoir, extended" in seconds and "train reservoir, nominal" not in seconds
 
 
 def test_noise_is_added_to_what_sensors_measure_and_to_nothing_else() -> None:
