@@ -3,15 +3,15 @@
     swamp-rl train camogli --out results/speed --set pilots.ppo.options.decisions=100000
     python -m benchmarks.pilot_speed results/speed
 
-Of the pilots stored in a folder of results. How well PPO has learned changes how long its episodes last, and not
-how long its step takes.
+Of the pilots stored in a folder of results. How well PPO has learned changes how long its episodes last, and
+not how long its step takes. `--only steps` or `--only evaluations` writes one of the tables.
 """
 
 import argparse
 import platform
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -89,22 +89,39 @@ def evaluation_row(name: str, pilot: Pilot) -> list[str]:
     return [name, f"{wall:.1f}", f"{processor:.1f}", str(steps), *(f"{share:.0f}" for share in shares)]
 
 
+def steps_table(pilots: Mapping[str, Pilot]) -> str:
+    """A row for each pilot."""
+    head = ["pilot", "kind", "NumPy [µs]", "onnxruntime [µs]", "greatest difference", "file [KiB]"]
+    with tempfile.TemporaryDirectory() as folder:
+        return table(head, [step_row(name, pilot, Path(folder)) for name, pilot in pilots.items()])
+
+
+def evaluations_table(pilots: Mapping[str, Pilot]) -> str:
+    """A row for each pilot, after one episode by which all is compiled."""
+    drive(
+        next(iter(pilots.values())),
+        lambda n, s: GatesVectorEnv(n, disturbances=LEVEL, observation=s),
+        np.zeros(1, int),
+    )
+    head = ["pilot", "wall [s]", "processor [s]", "steps", "pilot [%]", "boats [%]", "rest [%]"]
+    return table(head, [evaluation_row(name, pilot) for name, pilot in pilots.items()])
+
+
+TABLES = {"steps": steps_table, "evaluations": evaluations_table}
+
+
 def main() -> None:
     """Measure every pilot of a folder of results, and rewrite the page's tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path)
-    folders = sorted((parser.parse_args().results / "pilots").iterdir())
-    pilots = {folder.name: load_pilot(folder) for folder in folders if folder.is_dir()}
-    drive(next(iter(pilots.values())), lambda n, s: GatesVectorEnv(n, disturbances=LEVEL, observation=s), [0])
-    with tempfile.TemporaryDirectory() as folder:
-        steps = [step_row(name, pilot, Path(folder)) for name, pilot in pilots.items()]
-    evaluations = [evaluation_row(name, pilot) for name, pilot in pilots.items()]
-    where = f"Measured on one `{platform.machine()}` machine, not on a Raspberry Pi."
-    head = ["pilot", "kind", "NumPy [µs]", "onnxruntime [µs]", "greatest difference", "file [KiB]"]
-    text = between_marks(PAGE.read_text(encoding="utf-8"), "steps", f"{table(head, steps)}\n\n{where}")
-    head = ["pilot", "wall [s]", "processor [s]", "steps", "pilot [%]", "boats [%]", "rest [%]"]
-    text = between_marks(text, "evaluations", f"{table(head, evaluations)}\n\n{where}")
-    PAGE.write_text(text, encoding="utf-8")
+    parser.add_argument("--only", choices=TABLES)
+    asked = parser.parse_args()
+    folders = [folder for folder in sorted((asked.results / "pilots").iterdir()) if folder.is_dir()]
+    pilots = {folder.name: load_pilot(folder) for folder in folders}
+    for name in [asked.only] if asked.only else TABLES:
+        where = f"Measured on one `{platform.machine()}` machine, not on a Raspberry Pi."
+        text = PAGE.read_text(encoding="utf-8")
+        PAGE.write_text(between_marks(text, name, f"{TABLES[name](pilots)}\n\n{where}"), encoding="utf-8")
 
 
 if __name__ == "__main__":
