@@ -40,7 +40,7 @@ def clone(senses: tuple[str, ...] = CLONED, hidden: int = 64) -> NetworkPilot:
 def test_a_training_killed_at_random_instants_ends_with_the_same_bits(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tests.killed_training", str(tmp_path), "1"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert int(done.stdout) >= 3
+    assert int(done.stdout) >= 2
     resumed, unbroken = load_pilot(tmp_path / "pilot"), trained(None)
     assert resumed.settings() == unbroken.settings()
     for name, value in unbroken.weights().items():
