@@ -53,7 +53,8 @@ class PPOSettings(Settings):
     learning_rate: Positive = 7e-4
     "At the start; it falls linearly to nought at the end, without which the success gained is lost again."
     leg: Count = 8
-    "Updates between two checkpoints. Each leg starts all boats anew, with random numbers of its own."
+    """Updates between two checkpoints. Each leg starts all boats anew, with random numbers of its own, so it
+    must last longer than episodes do."""
     start: str | None = None
     "The clone, by its name in the experiment, that the policy begins as; its `hidden` must be the same."
     settle: Annotated[int, Field(ge=0)] = 2
