@@ -13,6 +13,7 @@ MOST = {
     "decisions": 1024,
     "episodes": 2,
     "epochs": 1,
+    "folds": 2,
     "horizon": 16,
     "leg": 2,
     "random": 64,

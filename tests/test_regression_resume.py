@@ -1,5 +1,7 @@
 """A training of a clone that was broken off goes on from its checkpoint and ends as an unbroken one does."""
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,6 +12,8 @@ import pytest
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.gru import GRUSettings, fit_gru
+from swamp_rl.pilots.store import load_pilot
+from tests.killed_clones import trained
 from tests.test_reservoir import RUNS
 
 POSE = ("north", "east", "cos_heading", "sin_heading")
@@ -69,3 +73,12 @@ def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"training.safetensors: is no checkpoint") as told:
         broken_off("cloning", 1, checkpoint)
     assert "\n" not in str(told.value)
+
+
+def test_killed_at_random_instants_it_ends_with_the_same_bits(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "tests.killed_clones", str(tmp_path), "1"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert int(done.stdout) >= 3
+    resumed, unbroken = load_pilot(tmp_path / "pilot"), trained(None)
+    for name, value in unbroken.weights().items():
+        np.testing.assert_array_equal(resumed.weights()[name], value, strict=True)
