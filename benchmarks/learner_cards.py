@@ -62,11 +62,10 @@ def choice_told(choice: dict[str, Any]) -> str:
 
 
 def put(page: str, mark: str, text: str) -> str:
-    """The page with `text` between the marks of that name."""
-    begin, end = f"<!-- {mark} -->\n", f"\n<!-- end {mark} -->"
-    before, _, rest = page.partition(begin)
-    _, _, after = rest.partition(end)
-    return f"{before}{begin}{text}{end}{after}"
+    """The page with `text` between the marks of that name; ValueError where one is missing."""
+    begin, end = f"<!-- {mark} -->\n", f"<!-- end {mark} -->"
+    start = page.index(begin) + len(begin)
+    return f"{page[:start]}{text}\n{page[page.index(end, start) :]}"
 
 
 def main() -> None:
