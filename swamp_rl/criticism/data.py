@@ -38,7 +38,8 @@ class Trials:
 
     dt: sample step [s]; commands: (R, T, 2K), straight between the neighbours where a row is missing;
     measured: (R, T, 6) in the order of CHANNELS (SI, rad, heading unwrapped), NaN where there is none;
-    lengths: (R,) samples of each run; gaps: where the commands are doubtful.
+    lengths: (R,) samples of each run; gaps: where the commands are doubtful; slow: (6, 2) standard deviation
+    [the channel's unit] and time constant [s] of errors that wander, where there are such.
     """
 
     boat: Boat
@@ -48,6 +49,7 @@ class Trials:
     measured: Array
     lengths: NDArray[np.int64]
     gaps: tuple[Gap, ...] = ()
+    slow: Array | None = None
 
     @property
     def present(self) -> tuple[str, ...]:
@@ -65,6 +67,7 @@ class Trials:
             self.measured[runs],
             self.lengths[runs],
             tuple(Gap(runs.index(gap.run), gap.row, gap.rows) for gap in self.gaps if gap.run in runs),
+            self.slow,
         )
 
 

@@ -2,8 +2,9 @@
 add it.
 """
 
+import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.adequacy import adequacy
 from swamp_rl.criticism.candidates import NUISANCE, Hypothesis, candidates, hull_nuisance
+from swamp_rl.criticism.colour import searched
 from swamp_rl.criticism.conclude import Search
 from swamp_rl.criticism.consistency import refuse_inconsistent
 from swamp_rl.criticism.cost import score
@@ -21,13 +23,13 @@ from swamp_rl.criticism.extend import write_extended
 from swamp_rl.criticism.fit import Fit
 from swamp_rl.criticism.gain import gains
 from swamp_rl.criticism.heldout import bootstrap_interval, heldout_loss, heldout_numbers
-from swamp_rl.criticism.ladder import Ladder, ladder_of
+from swamp_rl.criticism.ladder import Ladder
 from swamp_rl.criticism.leftover import Forces, leftovers, missing_forces
 from swamp_rl.criticism.motion import missing_motion
 from swamp_rl.criticism.noise import noise_levels, weights
-from swamp_rl.criticism.result import Candidate, Cause, Diagnosis, Gain, HeldOut, Verdict
+from swamp_rl.criticism.result import Candidate, Cause, Diagnosis, Gain, HeldOut, Verdict, Wandering
 from swamp_rl.criticism.rivals import contrast, separating_trial
-from swamp_rl.criticism.search import search
+from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.files import folder_beside
 
 Array = NDArray[np.float64]
@@ -77,13 +79,13 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
     began = time.perf_counter()
     sigmas = noise_levels(trials)
     weight = weights(trials, sigmas)
-    ladder = ladder_of(trials, weight)
     duration = float(trials.lengths.max() * trials.dt)
-    found = search(ladder, candidates(trials.boat, duration), hull_nuisance())
+    coloured, ladder, found = searched(trials, weight, candidates(trials.boat, duration), hull_nuisance())
     measure = adequacy(ladder.problems[found.rung], found.winner)
     forces = missing_forces(trials, weight, found.winner.hypothesis, found.winner.x)
 
-    every = confirmed_causes(found)
+    every, sound = confirmed_causes(ladder.problems[found.rung], found)
+    found = found if sound else replace(found, adequate=False)
     alone = all(cause.effect == NUISANCE for cause in every)
 
     def apart(rival: Fit) -> float:
@@ -97,7 +99,7 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
         contrasts=[
             contrast(ladder.problems[found.rung], found.winner, one, apart(one)) for one in found.rivals
         ],
-        separating_trial=separating_trial(trials, sigmas, found.winner, found.rivals)
+        separating_trial=separating_trial(coloured, sigmas, found.winner, found.rivals)
         if found.rivals
         else None,
         leftover=[]
@@ -109,20 +111,28 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
         gain=_gains(trials, weight, other, ladder, found, rng),
         gain_on="other_runs" if other else "same_run" if len(trials.lengths) == 1 else "each_run_in_turn",
         noise={n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)},
+        wandering=_wandering(coloured),
         adequacy={"worst_excess": measure.worst, "channel": measure.channel, "adequate": found.adequate},
         elapsed_s=time.perf_counter() - began,
     )
     return Finding(diagnosis, trials, weight, ladder, found, forces)
 
 
-def confirmed_causes(found: Search) -> list[Cause]:
-    """Every atom of the winner as a cause, with what it saves on runs held out."""
-    every = causes_of(found.winner)
+def confirmed_causes(problem: Shooting, found: Search) -> tuple[list[Cause], bool]:
+    """Every atom of the winner as a cause, with what it saves on runs held out; and whether all can be
+    claimed: one whose numbers or standard errors are not finite cannot.
+    """
+    every = causes_of(problem, found.winner)
     for atom, cause in zip(found.winner.hypothesis.atoms, every, strict=True):
         if atom.label in found.confirmed:
             one = found.confirmed[atom.label]
             cause.held_out = HeldOut(gain=one.gain, low=one.low, level=one.level)
-    return every
+    claimed = [cause for cause in every if _is_finite(cause)]
+    return claimed, len(claimed) == len(every)
+
+
+def _is_finite(cause: Cause) -> bool:
+    return all(math.isfinite(p.value + p.standard_error) for p in cause.parameters.values())
 
 
 def verdict_of(found: Search) -> Verdict:
@@ -132,6 +142,17 @@ def verdict_of(found: Search) -> Verdict:
     if not found.winner.hypothesis.atoms and not found.rivals:
         return "nothing_wrong"
     return "indistinguishable" if found.rivals else "cause"
+
+
+def _wandering(trials: Trials) -> dict[str, Wandering]:
+    """Of each channel whose errors wander."""
+    if trials.slow is None:
+        return {}
+    return {
+        name: Wandering(standard_deviation=float(size), time_constant_s=float(seconds))
+        for name, (size, seconds) in zip(CHANNELS, trials.slow, strict=True)
+        if size > 0
+    }
 
 
 def names_of(hypothesis: Hypothesis) -> str:

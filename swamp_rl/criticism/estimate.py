@@ -8,13 +8,19 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.candidates import Atom, entries_of
 from swamp_rl.criticism.fit import Fit
 from swamp_rl.criticism.result import Cause, Estimate
+from swamp_rl.criticism.rivals import sensitivities
+from swamp_rl.criticism.shooting import Shooting
 
 Array = NDArray[np.float64]
 
+STRETCH = 8.0  # s of a run whose score counts as one
+FEWEST = 8  # stretches from which their scatter is told
+Z95 = 1.959964
 
-def causes_of(at: Fit) -> list[Cause]:
+
+def causes_of(problem: Shooting, at: Fit) -> list[Cause]:
     """Every atom of a fit as a cause."""
-    covariance = at.covariance
+    covariance = honest_covariance(problem, at)
     causes = []
     start = 0
     for atom, own in at.hypothesis.parts(at.x):
@@ -22,6 +28,32 @@ def causes_of(at: Fit) -> list[Cause]:
         causes.append(_cause(atom, own, block))
         start += atom.size
     return causes
+
+
+def honest_covariance(problem: Shooting, at: Fit) -> Array:
+    """(p, p) of the numbers x: the information matrix's, made wider where the scores of stretches of the runs
+    scatter more than white noise of the estimated size would let them (sandwich), and by Student's t for as
+    many stretches as there are.
+    """
+    from scipy.special import stdtrit
+
+    covariance = at.covariance
+    if not at.hypothesis.size or not np.isfinite(covariance).all():
+        return covariance
+    win = problem.windows
+    slopes = sensitivities(problem, at).reshape(win.count, win.rows, -1, at.hypothesis.size)
+    scores = np.einsum("wtc,wtcp->wtp", at.residual.reshape(win.count, win.rows, -1), slopes)[:, win.pad :]
+    rows = max(1, round(STRETCH / problem.dt))
+    starts = np.arange(0, scores.shape[1], rows)
+    blocks = np.add.reduceat(scores, starts, axis=1).reshape(-1, at.hypothesis.size)
+    blocks = blocks[(blocks != 0.0).any(axis=1)]
+    if len(blocks) < FEWEST:
+        return covariance
+    away = blocks - blocks.mean(axis=0)
+    spread = away.T @ away * len(blocks) / (len(blocks) - 1)
+    ratio = np.diag(covariance @ spread @ covariance) / np.maximum(np.diag(covariance), 1e-300)
+    wider = np.sqrt(np.maximum(ratio, 1.0)) * stdtrit(len(blocks) - 1, 0.975) / Z95
+    return np.asarray(covariance * np.outer(wider, wider))
 
 
 def _cause(atom: Atom, x: Array, covariance: Array) -> Cause:

@@ -33,8 +33,8 @@ def without_harmless(trials: Trials, weight: Array) -> Trials:
         problem, _ = _readings(trials, weight, short, ends_alone=True)
         states = np.repeat(problem.guess()[::2], 2, axis=0)
         tracks = problem.predict(Hypothesis(), np.zeros((1, 0)), states[None])[0]
-        apart = (tracks[1::2] - tracks[::2]) * problem.windows.weight[::2]
-        power = (apart**2).sum(axis=(1, 2))
+        apart = problem.part(np.arange(len(tracks)) % 2 == 0).weighed(tracks[1::2] - tracks[::2])
+        power = (apart**2).sum(axis=1)
         kept += [gap for gap, much in zip(short, power, strict=True) if much > HARMLESS]
     return replace(trials, gaps=tuple(kept))
 

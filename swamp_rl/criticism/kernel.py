@@ -77,3 +77,23 @@ def roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, 
             delayed_command(commands[run[i]], j, params[i].command_delay / dt, arrived)
             move_actuators(state, arrived, dt, jets, params[i])
             state[TIME] += dt
+
+
+@compiled
+def whiten(values: Any, keep: Any, gain: Any, scale: Any) -> None:
+    """Innovations in place of standardised values (V, W, T, C), for channels with a wandering part.
+
+    keep: (C,) share of it that lasts a step, 0 where there is none; gain, scale: (W, T, C).
+    """
+    for v in range(values.shape[0]):
+        for w in range(values.shape[1]):
+            for c in range(values.shape[3]):
+                if keep[c] == 0.0:
+                    continue
+                wandered = 0.0
+                for t in range(values.shape[2]):
+                    wandered *= keep[c]
+                    if scale[w, t, c] > 0.0:
+                        innovation = values[v, w, t, c] - wandered
+                        values[v, w, t, c] = innovation * scale[w, t, c]
+                        wandered += gain[w, t, c] * innovation

@@ -75,7 +75,7 @@ def push_slopes(
             moved.reshape(-1, count, AXES),
             pushes.block,
         )
-        change = (track - base) * problem.windows.weight / (STEP * pushes.inertia[axis])
-        columns.append(change.reshape(count, windows, -1))
+        change = (track - base) / (STEP * pushes.inertia[axis])
+        columns.append(problem.weighed(change.reshape(count, *base.shape)))
     stacked = np.stack(columns, axis=1)  # (B, axes, W, M)
     return np.moveaxis(stacked.reshape(-1, windows, stacked.shape[-1]), 0, -1)

@@ -108,6 +108,13 @@ class Gain(Part):
     yaw_rate_rmse_rad_s: Paired | None = None
 
 
+class Wandering(Part):
+    """The part of a channel's errors that lasts. standard_deviation: in the channel's SI unit."""
+
+    standard_deviation: float
+    time_constant_s: float
+
+
 class Diagnosis(Part):
     """The answer. nuisance: the hull's linear derivatives where they had to be fitted beside a cause; noise:
     standard deviation by channel (SI, rad); unseen: candidates that these data cannot show; missing_motion:
@@ -128,5 +135,6 @@ class Diagnosis(Part):
     gain: list[Gain]
     gain_on: GainOn = "each_run_in_turn"
     noise: dict[str, float]
+    wandering: dict[str, Wandering] = {}
     adequacy: dict[str, Any]
     elapsed_s: float

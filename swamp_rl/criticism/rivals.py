@@ -65,6 +65,7 @@ def separating_trial(trials: Trials, sigmas: Array, winner: Fit, rivals: list[Fi
         np.array(commands),
         np.zeros((len(names), steps, 6)),
         np.full(len(names), steps),
+        slow=trials.slow,
     )
     weight = np.broadcast_to(np.where(np.isfinite(sigmas), 1.0 / sigmas, 0.0), planned.measured.shape)
     problem = Shooting(planned, weight, np.inf)

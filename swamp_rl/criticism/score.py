@@ -166,8 +166,8 @@ def _newton(
     slopes = np.zeros((*residual.shape, len(place)))
     slopes[..., ~place] = by_x
     if len(step):
-        change = (prediction[1:] - prediction[0]) * problem.windows.weight / step[:, None, None, None]
-        slopes[..., place] = np.moveaxis(change.reshape(len(step), *residual.shape), 0, -1)
+        change = problem.weighed((prediction[1:] - prediction[0]) / step[:, None, None, None])
+        slopes[..., place] = np.moveaxis(change, 0, -1)
     normal = normal_equations(at.states_jacobian, slopes, residual)
     mean, precision = hypothesis.prior()
     H = normal.information.sum(axis=0) + np.diag(precision)

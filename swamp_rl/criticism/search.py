@@ -14,7 +14,7 @@ from swamp_rl.criticism.ladder import Ladder
 from swamp_rl.criticism.score import Prospect, prospects
 from swamp_rl.criticism.shooting import Shooting
 
-PATIENCE = 2.5e7  # steps of a boat rolled out (some half a minute), after which no further depth is begun
+PATIENCE = 1.5e7  # steps of a boat rolled out (some twenty seconds), after which no further depth is begun
 MOST = 3  # atoms together, the hull's coefficients counted as one
 BEAM = 5  # sets of causes that a further one is sought beside
 SHORTLIST = 8  # sets that are fitted at each depth

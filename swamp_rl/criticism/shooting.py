@@ -12,6 +12,7 @@ from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.guess import guessed_states
 from swamp_rl.criticism.kernel import roll, roll_actuators
+from swamp_rl.criticism.slow import filter_of
 from swamp_rl.criticism.windows import Windows
 from swamp_rl.sensors import observe
 from swamp_rl.simulator import initial_state, parameters, tank
@@ -110,6 +111,8 @@ class Shooting:
             1, math.ceil(trials.dt / (SUBSTEP if math.isfinite(seconds) else SUBSTEP_OF_RUNS) - 1e-9)
         )
         self.samples = int((self.windows.weight[:, self.windows.pad :] > 0).sum())
+        slow = trials.slow
+        self.filter = None if slow is None else filter_of(self.windows, slow, trials.dt)
         self.last = int(self.windows.first.max()) + 1
         self.rolled = [0]  # steps of a boat, over all parts of this comparison
         self.courses: dict[tuple[str, bytes], Array] = {}
@@ -152,6 +155,7 @@ class Shooting:
         )
         made = copy(self)
         made.windows = windows
+        made.filter = self.filter.part(chosen) if self.filter is not None else None
         made.samples = int((windows.weight[:, windows.pad :] > 0).sum())
         made.plain_actuators = self.plain_actuators[chosen]
         return made
@@ -230,12 +234,22 @@ class Shooting:
     def residuals(self, prediction: Array) -> Array:
         """(..., W, M) measured less predicted in standard deviations, 0 where nothing was measured."""
         with np.errstate(invalid="ignore"):
-            return self._residuals(self.windows.measured - prediction)
+            return self.weighed(self.difference(prediction))
 
-    def _residuals(self, difference: Array) -> Array:
+    def difference(self, prediction: Array) -> Array:
+        """(..., W, T, 6) measured less predicted, headings to within half a turn."""
+        difference = self.windows.measured - prediction
         difference[..., 2] = wrap(difference[..., 2])
-        difference *= self.windows.weight
-        return difference.reshape(*difference.shape[:-2], -1)
+        return difference
+
+    def weighed(self, difference: Array) -> Array:
+        """(..., W, M) of differences (..., W, T, 6) between tracks, in standard deviations, whitened where
+        errors wander.
+        """
+        weighed = difference * self.windows.weight
+        if self.filter is not None:
+            weighed = self.filter.whitened(weighed)
+        return weighed.reshape(*weighed.shape[:-2], -1)
 
     def state_jacobian(
         self,
@@ -254,13 +268,12 @@ class Shooting:
             moved[i, :, column] += STATE_STEP[column]
         four = np.repeat(x[None], 4, axis=0)
         prediction = self.predict(hypothesis, four, moved, np.tile(push, (4, 1, 1)), block)
-        jacobian = np.zeros((*base.shape, 6))
-        jacobian[..., 0, 0] = 1.0
-        jacobian[..., 1, 1] = 1.0
+        change = np.zeros((6, *base.shape))
+        change[0, ..., 0] = 1.0
+        change[1, ..., 1] = 1.0
         for i, column in enumerate((2, 3, 4, 5)):
-            jacobian[..., column] = (prediction[i] - base) / STATE_STEP[column]
-        jacobian *= self.windows.weight[..., None]
-        return jacobian.reshape(self.windows.count, -1, 6)
+            change[column] = (prediction[i] - base) / STATE_STEP[column]
+        return np.ascontiguousarray(np.moveaxis(self.weighed(change), 0, -1))
 
     def parameter_jacobian(self, hypothesis: Hypothesis, x: Array, states: Array, base: Array) -> Array:
         """(W, M, p) of the weighted prediction by x, one-sided differences that stay within the bounds."""
@@ -271,8 +284,8 @@ class Shooting:
         step = np.array([s.difference for s in hypothesis.specs])
         step = np.where(x + step > high, -step, step)
         prediction = self.predict(hypothesis, x + np.diag(step), np.repeat(states[None], size, axis=0))
-        jacobian = (prediction - base) * self.windows.weight / step[:, None, None, None]
-        return np.moveaxis(jacobian.reshape(size, self.windows.count, -1), 0, -1)
+        change = self.weighed((prediction - base) / step[:, None, None, None])
+        return np.moveaxis(change, 0, -1)
 
     def guess(self, windows: Windows | None = None) -> Array:
         """(W, 6) states at the starts, smoothed from what was measured about them."""

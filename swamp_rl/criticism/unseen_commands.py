@@ -100,5 +100,5 @@ def _responses(
     )
     states = np.repeat(at.states[window][None], count + 1, axis=0)
     track = many.predict(at.hypothesis, at.x[None], states[None])[0]
-    change = (track[:-1] - track[-1]) * windows.weight[:-1] / STEP
+    change = many.part(np.arange(count + 1) < count).weighed((track[:-1] - track[-1]) / STEP)
     return np.moveaxis(change.reshape(len(rows), len(channels), -1), 1, 2)

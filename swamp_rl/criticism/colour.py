@@ -1,0 +1,95 @@
+"""Search under white noise; where that leaves something, again under errors that wander as what was left."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.candidates import Atom
+from swamp_rl.criticism.conclude import LAST, Search
+from swamp_rl.criticism.data import Trials
+from swamp_rl.criticism.fit import Fit, fit
+from swamp_rl.criticism.ladder import Ladder, ladder_of, whole_runs
+from swamp_rl.criticism.search import search
+from swamp_rl.criticism.shooting import Shooting
+from swamp_rl.criticism.slow import slow_errors
+
+Array = NDArray[np.float64]
+
+POSITIONS = slice(0, 2)
+OTHERS = slice(2, 6)
+FAR_ABOVE = 3.0  # chi2 a sample that is left from which on the model's own errors are what limits the data
+ROUNDS = 3  # times that the wandering is told anew, beside a fit that knows of it
+STEPS = 6  # Jacobians that such a fit may take
+
+
+def searched(
+    trials: Trials, weight: Array, atoms: Sequence[Atom], hull: Atom | None
+) -> tuple[Trials, Ladder, Search]:
+    """The trials with their noise as it was told, the ladder and what was found.
+
+    Positions alone may wander because of the sensor; what wanders in other channels too is the model's error:
+    it widens all comparisons and standard errors, but what is found then is never all.
+    """
+    ladder = ladder_of(trials, weight)
+    found = search(ladder, atoms, hull)
+    if found.adequate:
+        return trials, ladder, found
+    result = trials, ladder, found
+    sensor, every = wandering(ladder, found)
+    if not sensor and every is not None:
+        wider, again = _under(trials, weight, every, atoms, hull)
+        result = wider.problems[0].trials, wider, replace(again, adequate=False, rivals=[])
+        if again.adequate:
+            sensor, every = wandering(wider, again)
+    if sensor and every is not None:
+        wider, again = _under(trials, weight, every, atoms, hull)
+        if again.adequate and again.rung < LAST:  # the slowest part shows in whole runs alone
+            whole = whole_runs(wider, again.winner.hypothesis, again.winner.x)
+            wider, again = _under(trials, weight, _alone(wider.problems[LAST], whole), atoms, hull)
+        if again.adequate and again.rung == LAST:
+            result = wider.problems[0].trials, wider, again
+    return result
+
+
+def _under(
+    trials: Trials, weight: Array, slow: Array, atoms: Sequence[Atom], hull: Atom | None
+) -> tuple[Ladder, Search]:
+    ladder = ladder_of(replace(trials, slow=slow), weight)
+    return ladder, search(ladder, atoms, hull)
+
+
+def wandering(ladder: Ladder, found: Search) -> tuple[bool, Array | None]:
+    """Whether positions alone wander beside the winner, as a receiver's may, and (6, 2) what wanders; None if
+    nothing does, or nothing that is worth a second search.
+
+    A fit that does not know of it follows the wandering with heading and speed, so it is told anew beside one
+    that does. A force that is missing bends positions too, but smoothly: short windows, each with a start of
+    its own, take that up, and a receiver's wandering remains.
+    """
+    at = ladder.fit(1, found.winner.hypothesis, found.winner.x)
+    first = _told(ladder.problems[1], at)
+    if not (first[:, 0] > 0).any():
+        return False, None
+    short = _alone(ladder.problems[0], ladder.fit(0, found.winner.hypothesis, found.winner.x))
+    middle = _alone(ladder.problems[1], at)
+    if (short[POSITIONS, 0] > 0).any() and not (middle[OTHERS, 0] > 0).any():
+        return True, middle
+    return False, first if at.chi2 > FAR_ABOVE * ladder.problems[1].samples else None
+
+
+def _alone(problem: Shooting, at: Fit) -> Array:
+    """(6, 2) what wanders beside a fit for which positions alone do."""
+    told = _told(problem, at)
+    for _ in range(ROUNDS):
+        slow = np.where(np.arange(len(told))[:, None] < POSITIONS.stop, told, 0.0)
+        aware = Shooting(replace(problem.trials, slow=slow), problem.weight, problem.seconds, problem.windows)
+        at = fit(aware, at.hypothesis, at.x, at.states, STEPS)
+        told = _told(aware, at)
+    return told
+
+
+def _told(problem: Shooting, at: Fit) -> Array:
+    base = problem.predict(at.hypothesis, at.x[None], at.states[None])[0]
+    return slow_errors(problem.windows, problem.difference(base) * problem.windows.weight, problem.dt)
