@@ -21,6 +21,7 @@ POSITIONS = slice(0, 2)
 OTHERS = slice(2, 6)
 FAR_ABOVE = 3.0  # chi2 a sample that is left from which on the model's own errors are what limits the data
 ROUNDS = 3  # times that the wandering is told anew, beside a fit that knows of it
+PATIENCE_AGAIN = 5e6  # steps of a boat that each later search may take
 STEPS = 6  # Jacobians that such a fit may take
 
 
@@ -57,7 +58,7 @@ def _under(
     trials: Trials, weight: Array, slow: Array, atoms: Sequence[Atom], hull: Atom | None
 ) -> tuple[Ladder, Search]:
     ladder = ladder_of(replace(trials, slow=slow), weight)
-    return ladder, search(ladder, atoms, hull)
+    return ladder, search(ladder, atoms, hull, PATIENCE_AGAIN)
 
 
 def wandering(ladder: Ladder, found: Search) -> tuple[bool, Array | None]:

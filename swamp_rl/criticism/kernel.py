@@ -97,3 +97,21 @@ def whiten(values: Any, keep: Any, gain: Any, scale: Any) -> None:
                         innovation = values[v, w, t, c] - wandered
                         values[v, w, t, c] = innovation * scale[w, t, c]
                         wandered += gain[w, t, c] * innovation
+
+
+@compiled
+def filter_gains(power: Any, keep: Any, seen: Any, gain: Any, scale: Any) -> None:
+    """Gain and one over the innovation's standard deviation (W, T, C) of the filter that `whiten` runs.
+
+    power: (C,) variance of the wandering part, in that of the white noise; keep: (C,); seen: (W, T, C).
+    """
+    for w in range(seen.shape[0]):
+        for c in range(seen.shape[2]):
+            unknown = power[c]
+            for t in range(seen.shape[1]):
+                if t > 0:
+                    unknown = keep[c] * keep[c] * unknown + (1.0 - keep[c] * keep[c]) * power[c]
+                if seen[w, t, c]:
+                    gain[w, t, c] = unknown / (unknown + 1.0)
+                    scale[w, t, c] = 1.0 / np.sqrt(unknown + 1.0)
+                    unknown *= 1.0 - gain[w, t, c]

@@ -14,7 +14,7 @@ from swamp_rl.criticism.ladder import Ladder
 from swamp_rl.criticism.score import Prospect, prospects
 from swamp_rl.criticism.shooting import Shooting
 
-PATIENCE = 1.5e7  # steps of a boat rolled out (some twenty seconds), after which no further depth is begun
+PATIENCE = 1.5e7  # steps of a boat, some twenty seconds
 MOST = 3  # atoms together, the hull's coefficients counted as one
 BEAM = 5  # sets of causes that a further one is sought beside
 SHORTLIST = 8  # sets that are fitted at each depth
@@ -24,8 +24,11 @@ SEEN = 10.0  # least information about a candidate, in squared typical sizes ove
 HOPE = 0.2  # share of the best one's gain by which another may stay behind and still be followed
 
 
-def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None) -> Search:
-    """Climb from nothing to `MOST` atoms, until what is left is noise and nothing more is to be gained."""
+def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None, patience: float = PATIENCE) -> Search:
+    """Climb from nothing to `MOST` atoms, until what is left is noise and nothing more is to be gained.
+
+    patience: steps of a boat rolled out after which no further depth is begun.
+    """
     every = [*atoms, *([hull] if hull else [])]
     best = climb(ladder, Hypothesis(), np.zeros(0))
     rung = adequate_rung(ladder, best)
@@ -39,7 +42,7 @@ def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None) -> Search:
     tried: dict[str, Fit] = {}
     beam = [ladder.fit(0, Hypothesis(), np.zeros(0))]
     for depth in range(MOST):
-        if ladder.rolled > PATIENCE or (depth > 0 and _is_enough(ladder, best, every)):
+        if ladder.rolled > patience or (depth > 0 and _is_enough(ladder, best, every)):
             break
         fitted = _extend(ladder, beam, every, first if depth == 0 else None)
         if not fitted:

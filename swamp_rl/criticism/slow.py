@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data import CHANNELS
-from swamp_rl.criticism.kernel import whiten
+from swamp_rl.criticism.kernel import filter_gains, whiten
 from swamp_rl.criticism.windows import Windows
 
 Array = NDArray[np.float64]
@@ -51,14 +51,7 @@ def filter_of(windows: Windows, slow: Array, dt: float) -> Filter:
     if windows.pad > 0:
         seen[:, 0] = False
     gain, scale = np.zeros(seen.shape), np.zeros(seen.shape)
-    power = np.broadcast_to(sizes**2, seen[:, 0].shape)
-    for row in range(seen.shape[1]):
-        if row:
-            power = keep**2 * power + (1.0 - keep**2) * sizes**2
-        here = seen[:, row]
-        gain[:, row] = np.where(here, power / (power + 1.0), 0.0)
-        scale[:, row] = np.where(here, 1.0 / np.sqrt(power + 1.0), 0.0)
-        power = power * (1.0 - gain[:, row])
+    filter_gains(sizes**2, keep, seen, gain, scale)
     return Filter(keep, gain, scale)
 
 
