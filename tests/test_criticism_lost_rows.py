@@ -7,7 +7,7 @@ import pytest
 
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.fit import fit
-from swamp_rl.criticism.guess import levels_and_slopes
+from swamp_rl.criticism.guess import guessed_states, levels_and_slopes
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.criticism.unseen_commands import tapped
@@ -45,3 +45,19 @@ def test_a_guess_is_exact_on_a_parabola_and_a_line_through_two_samples() -> None
     assert (level[0, 0], slope[0, 0]) == pytest.approx(((a + b) / 2, b - a))
     level, slope = levels_and_slopes(place, values, np.zeros(values.shape, bool))
     assert (level[0, 0], slope[0, 0]) == (0.0, 0.0)
+
+
+def test_a_guess_amid_lost_rows_lies_on_the_line_across_them() -> None:
+    sailed = driven([], np.stack([commands(0), commands(2)]), 0.02, seed=3)
+    measured = sailed.measured.copy()
+    lost = slice(ROW, ROW + 40)
+    measured[0, lost] = np.nan
+    sparse = replace(sailed, measured=measured)
+    problem = Shooting(sparse, weights(sparse, noise_levels(sparse)), np.inf)
+    for first in (ROW + 1, ROW + 20, ROW + 38):
+        window = replace(problem.windows, run=np.array([0]), first=np.array([first]), steps=np.array([50]))
+        guess = guessed_states(sparse, problem.weight, window)[0]
+        across = [measured[0, ROW - 1], measured[0, ROW + 40]]
+        place = (first - ROW + 1) / 41.0
+        assert guess[:3] == pytest.approx(across[0][:3] + place * (across[1][:3] - across[0][:3]), abs=0.1)
+        assert np.abs(guess[3:5]).max() < 2.0

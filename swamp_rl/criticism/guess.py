@@ -15,7 +15,8 @@ CLEAN_POSITION = 0.1  # m of noise up to which the short span will do
 def guessed_states(trials: Trials, weight: Array, windows: Windows) -> Array:
     """(W, 6) states at the windows' starts; weight: (R, T, 6).
 
-    Parabolas through the poses; their slopes stand in for velocities that were not measured.
+    Parabolas through the poses; their slopes stand in for velocities that were not measured. Where rows are
+    lost, lines across.
     """
     # the longer, the noisier the positions: the error of a slope falls with the span to the power 3/2
     noise = 1.0 / np.maximum(weight[:, :, 0].max(axis=1), 1e-6)
@@ -37,12 +38,29 @@ def _smoothed(
     near = np.clip(near, 0, trials.measured.shape[1] - 1)
     good = (weight[run[:, None], near] > 0) & inside[..., None]
     level, slope = levels_and_slopes(place / span, trials.measured[run[:, None], near], good)
+    beside = ~(good[:, : span + 1].any(axis=1) & good[:, span:].any(axis=1))
+    for w, c in zip(*np.nonzero(beside), strict=True):
+        level[w, c], slope[w, c] = _across(trials, weight, (run[w], c), first[w] + span * np.arange(-1, 2))
     rate = slope[:, :3] / (span * trials.dt)
     cos, sin = np.cos(level[:, 2]), np.sin(level[:, 2])
     ahead, aside = rate[:, 0] * cos + rate[:, 1] * sin, rate[:, 1] * cos - rate[:, 0] * sin
     told = np.stack([ahead, aside, rate[:, 2]], axis=1)
     known = good[..., 3:].sum(axis=1) >= 3
     return np.concatenate([level[:, :3], np.where(known, level[:, 3:], told)], axis=1)
+
+
+def _across(
+    trials: Trials, weight: Array, of: tuple[np.int64, np.int64], rows: NDArray[np.int64]
+) -> tuple[float, float]:
+    """Value and slope at the middle one of three rows, where samples lie to one side at most: along the line
+    between the samples before and after, since a parabola beyond its samples goes anywhere.
+    """
+    run, channel = of
+    there = np.flatnonzero(weight[run, :, channel] > 0)
+    if not len(there):
+        return 0.0, 0.0
+    before, level, after = np.interp(rows, there, trials.measured[run, there, channel])
+    return float(level), float(after - before) / 2.0
 
 
 def levels_and_slopes(place: Array, values: Array, good: NDArray[np.bool_]) -> tuple[Array, Array]:
