@@ -1,6 +1,6 @@
 """The picture of the recorder's page in docs/recording.md: the scripted pilot at the helm, gusts and current.
 
-python benchmarks/recorder_picture.py docs/recorder.jpg
+python -m benchmarks.recorder_picture docs/recorder.jpg
 """
 
 import sys
