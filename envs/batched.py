@@ -58,7 +58,7 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.single_observation_space = observation_space(self.fleet.places, len(self.fleet.course.gates))
         self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self._started = False
+        self._started = self._once = False
         self._ended = np.empty(0, dtype=np.intp)
         self._shape = (num_envs, len(self.fleet.places))
 
@@ -68,10 +68,12 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         """Start an episode of every boat; observation (n, d) and an empty info.
 
         seed: boat i takes the generator of seed + i. options: `episodes`, (n,) seeds, one for each boat, in
-        place of `seed`. With neither, each boat goes on with its generator.
+        place of `seed`. With neither, each boat goes on with its generator. `once`, bool: a boat that has
+        ended does not start anew, but lies still and stays over until the next reset.
         """
         super().reset(seed=seed)
-        episodes = known_options(options, ("episodes",)).get("episodes")
+        asked = known_options(options, ("episodes", "once"))
+        episodes, self._once = asked.get("episodes"), bool(asked.get("once", False))
         seeds: Sequence[int | None] = [None] * self.num_envs
         if episodes is not None:
             seeds = _seeds(episodes, self.num_envs)
@@ -129,6 +131,8 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         outcome[ended] = self.fleet.outcomes(ended)
         time = np.where(over, self.fleet.time, 0.0)
         info = {"outcome": outcome, "_outcome": over, "time": time, "_time": over.copy()}
+        if self._once:
+            return info
         if self.autoreset_mode == AutoresetMode.NEXT_STEP:
             self._ended = ended
             return info

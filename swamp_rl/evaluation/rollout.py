@@ -22,6 +22,9 @@ class Pilot(Protocol):
     def reset(self, n: int) -> None:
         """Begin n runs."""
 
+    def keep(self, boats: Array) -> None:
+        """Go on with the boats of the places `boats` (m,) alone, in that order, each with its memory."""
+
     def act(self, observation: Array) -> Array:
         """Levers (n, 2) from the observation (n, d)."""
 
@@ -38,7 +41,8 @@ class Boats(Protocol):
         """What the actuators did, (n, 2K): azimuths [rad], then throttles [1]."""
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict]:
-        """`options["episodes"]` (n,) are the episodes' seeds."""
+        """`options["episodes"]` (n,) are the episodes' seeds; with `options["once"]` a boat that has ended
+        lies still, for it has no other episode."""
 
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Observation, reward, terminated, truncated, info."""
@@ -46,6 +50,9 @@ class Boats(Protocol):
     def close(self) -> None:
         """Free what it holds."""
 
+
+WORTH_DROPPING = 0.25
+"Share of the boats a pilot steers that have ended when it is told to go on without them."
 
 MakeBoats = Callable[[int, tuple[str, ...]], Boats]
 """Builds a batch of n boats that are observed by the given names."""
@@ -95,7 +102,11 @@ class Rollout:
 def drive(
     pilot: Pilot, make_boats: MakeBoats, seeds: Array, tick: Callable[[int], None] = lambda ended: None
 ) -> Rollout:
-    """One episode for each of `seeds` (n,), all in one batch; `tick` hears each step how many have ended."""
+    """One episode for each of `seeds` (n,), all in one batch; `tick` hears each step how many have ended.
+
+    Boats that have ended are soon neither sailed nor steered. How an episode goes does not depend on the
+    others.
+    """
     boats = make_boats(len(seeds), pilot.senses)
     try:
         return _drive(pilot, boats, np.asarray(seeds), tick)
@@ -105,17 +116,23 @@ def drive(
 
 def _drive(pilot: Pilot, boats: Boats, seeds: Array, tick: Callable[[int], None]) -> Rollout:
     n = len(seeds)
-    observation, _ = boats.reset(options={"episodes": seeds})
+    observation, _ = boats.reset(options={"episodes": seeds, "once": True})
     pilot.reset(n)
+    steered = np.arange(n)
     running = np.ones(n, dtype=bool)
     steps = np.zeros(n, dtype=np.int64)
     outcome = np.full(n, "", dtype=object)
     pose, commands, throttle = [boats.pose.copy()], [], []
     while running.any():
-        levers = pilot.act(observation)
+        going = running[steered]
+        if going.mean() <= 1.0 - WORTH_DROPPING:
+            pilot.keep(np.flatnonzero(going))
+            steered = steered[going]
+        levers = np.zeros((n, 2))
+        levers[steered] = pilot.act(observation[steered])
         observation, _, terminated, truncated, info = boats.step(levers)
         pose.append(boats.pose.copy())
-        commands.append(np.array(levers, dtype=float))
+        commands.append(levers)
         throttle.append(np.split(boats.applied, 2, axis=1)[1].copy())
         steps += running
         ended = running & (terminated | truncated)

@@ -43,6 +43,10 @@ class OnnxPilot:
         for state in self._kept.values():
             state[np.asarray(mask, dtype=bool)] = 0
 
+    def keep(self, boats: Array) -> None:
+        """Go on with the boats of the places `boats` (m,) alone."""
+        self._kept = {name: state[boats] for name, state in self._kept.items()}
+
     def act(self, observation: Array, first_levers: Array | None = None) -> Array:
         """Levers (n, 2) from the observation (n, d) and, where the file wants them, the first's levers."""
         given = {"observation": np.asarray(observation, dtype=np.float64), **self._kept}

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import REACH
 from swamp_rl.pilots.regression import RegressionSettings, task_of, train_by_epochs
@@ -53,16 +53,21 @@ class GRUPilot:
         """The boats of `mask` (n,) forget."""
         self.memory[np.asarray(mask, dtype=bool)] = 0.0
 
+    def keep(self, boats: Array) -> None:
+        """Go on with the boats of the places `boats` (m,) alone."""
+        self.memory = self.memory[boats]
+
     def act(self, observation: Array) -> Array:
         """Levers (n, 2) from the observation (n, d); advances the memories by one step."""
         w, h = self._weights, self.memory.shape[1]
         x = np.clip((observation - w["mean"]) / w["scale"], -REACH, REACH).astype(np.float32)
-        heard, recalled = x @ w["input"] + w["input_bias"], self.memory @ w["recurrent"] + w["recurrent_bias"]
+        heard = times(x, w["input"]) + w["input_bias"]
+        recalled = times(self.memory, w["recurrent"]) + w["recurrent_bias"]
         gates = _sigmoid(heard[:, : 2 * h] + recalled[:, : 2 * h])
         reset, update = gates[:, :h], gates[:, h:]
         candidate = np.tanh(heard[:, 2 * h :] + reset * recalled[:, 2 * h :])
         self.memory = candidate + update * (self.memory - candidate)
-        levers = (self.memory @ w["Wout"] + w["out"]).astype(np.float64)
+        levers = (times(self.memory, w["Wout"]) + w["out"]).astype(np.float64)
         return np.clip(levers, LOWEST, HIGHEST)
 
     def settings(self) -> dict[str, Any]:

@@ -35,6 +35,10 @@ class Memory:
         """The boats of `mask` (n,) remember nothing."""
         self._blank |= np.asarray(mask, dtype=bool)
 
+    def choose(self, boats: Array) -> None:
+        """Go on with the boats of the places `boats` (m,) alone."""
+        self._past, self._blank = self._past[boats], self._blank[boats]
+
     def recall(self, observation: Array, boats: Array | Sequence[int] | slice = slice(None)) -> Array:
         """Rows (m, seen_width): observation (m, d) of the boats chosen, then their past, latest first."""
         if not self.depth:

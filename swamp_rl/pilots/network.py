@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.memory import Memory
 
 REACH = 10.0
@@ -51,6 +51,11 @@ class NetworkPilot:
         self._held_for[np.asarray(mask, dtype=bool)] = 0
         self._memory.forget(mask)
 
+    def keep(self, boats: Array) -> None:
+        """Go on with the boats of the places `boats` (m,) alone."""
+        self._held_for, self._levers = self._held_for[boats], self._levers[boats]
+        self._memory.choose(boats)
+
     def act(self, observation: Array) -> Array:
         """Levers (n, 2) from the observation (n, d): decided now, or held since an earlier step.
 
@@ -70,9 +75,9 @@ class NetworkPilot:
         x = (recalled - self._weights["mean"]) / self._weights["scale"]
         x = np.clip(x, -REACH, REACH).astype(np.float32)
         for weight, bias in self._layers[:-1]:
-            x = np.tanh(x @ weight + bias)
+            x = np.tanh(times(x, weight) + bias)
         weight, bias = self._layers[-1]
-        return np.clip((x @ weight + bias).astype(np.float64), LOWEST, HIGHEST)
+        return np.clip((times(x, weight) + bias).astype(np.float64), LOWEST, HIGHEST)
 
     def settings(self) -> dict[str, Any]:
         """Kind, senses, hold and memory."""

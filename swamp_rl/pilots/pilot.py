@@ -6,7 +6,10 @@ from swamp_rl.pilots.arrays import Array
 
 
 class Pilot(Protocol):
-    """Batch first: n boats that share what was learned, each with a memory of its own."""
+    """Batch first: n boats that share what was learned, each with a memory of its own.
+
+    What a boat is told depends on its own observations alone, to the last bit (see `arrays.times`).
+    """
 
     @property
     def kind(self) -> str:
@@ -21,6 +24,9 @@ class Pilot(Protocol):
 
     def reset_boats(self, mask: Array) -> None:
         """Begin a new run with the boats of `mask` (n,) bool; the others go on."""
+
+    def keep(self, boats: Array) -> None:
+        """Go on with the boats of the places `boats` (m,) alone, in that order, each with its memory."""
 
     def act(self, observation: Array) -> Array:
         """Levers (n, 2), throttle in [0, 1] and angle in [-1, 1], from the observation (n, d), SI units."""

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import POSE, examples
 from swamp_rl.pilots.readout import Moments, RecursiveReadout, ridge_readout
 from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings, Share
@@ -77,16 +77,20 @@ class ReservoirPilot:
         """Zero the states of the boats of `mask` (n,)."""
         self.state[np.asarray(mask, dtype=bool)] = 0.0
 
+    def keep(self, boats: Array) -> None:
+        """Go on with the boats of the places `boats` (m,) alone."""
+        self.state = self.state[boats]
+
     def act(self, observation: Array) -> Array:
         """Levers (n, 2) from the observation (n, d); advances the states by one step."""
-        drive = self.state @ self._recurrent
-        drive += observation @ self._input
+        drive = times(self.state, self._recurrent)
+        drive += times(observation, self._input)
         drive += self._constant
         np.tanh(drive, out=drive)
         drive -= self.state
         drive *= self._weights["leak"]
         self.state += drive
-        levers = self.state @ self._weights["Wout"]
+        levers = times(self.state, self._weights["Wout"])
         levers += self._weights["out"]
         return np.minimum(np.maximum(levers, LOWEST), HIGHEST)
 

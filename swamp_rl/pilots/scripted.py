@@ -57,8 +57,8 @@ SCHEDULE = 32
 class ScriptedPilot:
     """Bang-bang steering towards the next gate, going round for another try when the gate was missed.
 
-    Boat i draws its habits from the seed, i and the number of runs it has begun, so its behaviour does not
-    depend on how many others are driven beside it.
+    Boat i draws its habits from the seed, i (its place at `reset`) and the number of runs it has begun, so
+    its behaviour does not depend on how many others are driven beside it.
     """
 
     kind: ClassVar[str] = "scripted"
@@ -74,6 +74,7 @@ class ScriptedPilot:
 
     def reset(self, n: int) -> None:
         """Begin again with n boats, each at its first run."""
+        self._numbers = np.arange(n)
         self._runs = np.zeros(n, dtype=np.int64)
         self._traits = np.zeros(n, dtype=_TRAITS)
         self._time = np.zeros(n)
@@ -86,6 +87,11 @@ class ScriptedPilot:
         boats = np.flatnonzero(mask)
         self._runs[boats] += 1
         self._begin(boats)
+
+    def keep(self, boats: Array) -> None:
+        """Go on with the boats of the places `boats` (m,) alone."""
+        self._numbers, self._runs, self._traits = self._numbers[boats], self._runs[boats], self._traits[boats]
+        self._time, self._seen, self._lever = self._time[boats], self._seen[boats], self._lever[boats]
 
     def act(self, observation: Array) -> Array:
         """Levers (n, 2), throttle and angle, from the observation (n, 7) in the order of `senses`."""
@@ -130,7 +136,7 @@ class ScriptedPilot:
         self._seen[boats] = 0.0
         self._lever[boats] = 0.0
         for boat in boats:
-            rng = np.random.default_rng([self.seed, int(boat), int(self._runs[boat])])
+            rng = np.random.default_rng([self.seed, int(self._numbers[boat]), int(self._runs[boat])])
             self._traits[boat] = _draw_traits(self.habits, self.step, rng)
 
 

@@ -35,6 +35,12 @@ class TakeoverPilot:
         self.first.reset_boats(mask)
         self.then.reset_boats(mask)
 
+    def keep(self, boats: Array) -> None:
+        """Go on with the boats of the places `boats` (m,) alone."""
+        self._tick = self._tick[boats]
+        self.first.keep(boats)
+        self.then.keep(boats)
+
     def act(self, observation: Array) -> Array:
         """Levers (n, 2) of whoever drives each boat, from the observation (n, d)."""
         watched = self.then.act(observation[:, self._then_senses])
