@@ -1,5 +1,7 @@
 """What several test files share: a boat's run that is right in every column, and a folder of such runs."""
 
+import os
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +49,16 @@ def described(**changes: object) -> DatasetMeta:
         "course": "camogli",
     }
     return DatasetMeta.model_validate(values | changes)
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    """The browser of every test that needs one: without it they are skipped, but fail where CI is set."""
+    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    if found is None:
+        message = "chromium is not installed; the pages are not tested (Debian: apt-get install chromium)"
+        pytest.fail(message) if os.environ.get("CI") else pytest.skip(message)
+    return found
 
 
 @pytest.fixture

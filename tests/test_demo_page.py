@@ -2,12 +2,12 @@
 
 import json
 import re
-import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from playwright.sync_api import sync_playwright
 
 from swamp_rl.course import load_course
 from swamp_rl.demo.page import STEP, page, write_page
@@ -17,7 +17,6 @@ from swamp_rl.runs import Run, RunMeta
 from tests.conftest import circling
 
 NASTY = """</script><img src=x onerror="document.title='pwned'">&amp;'"""
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 
 
 def scene(title: str = "race", group: str = "human") -> DemoScene:
@@ -66,12 +65,10 @@ def test_a_page_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["a.html"]
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
-def test_in_a_browser_it_plays_pauses_seeks_and_changes_its_layout(tmp_path: Path) -> None:
-    sync_playwright = pytest.importorskip("playwright.sync_api").sync_playwright
+def test_in_a_browser_it_plays_pauses_seeks_and_changes_its_layout(tmp_path: Path, chromium: str) -> None:
     write_page(tmp_path / "a.html", scene(NASTY, NASTY))
     with sync_playwright() as browsers:
-        browser = browsers.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        browser = browsers.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         tab = browser.new_page(viewport={"width": 1200, "height": 700})
         wrong: list[str] = []
         asked: list[str] = []

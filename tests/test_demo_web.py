@@ -4,18 +4,16 @@ Chromium draws it without a graphics card, which takes it a while. The picture i
 """
 
 import io
-import shutil
 import signal
 import time
 from pathlib import Path
 
 import numpy as np
-import pytest
 from PIL import Image
+from playwright.sync_api import sync_playwright
 
 from tests.test_demo_verb import dataset, started
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 FLAGS = [
     "--headless=new",
     "--no-sandbox",
@@ -34,9 +32,7 @@ def share(picture: np.ndarray, colour: tuple[int, ...]) -> float:
     return float((np.abs(picture.astype(int) - colour).max(axis=2) < 24).mean())
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
-def test_the_web_viewer_shows_chart_space_and_series_at_first_sight(tmp_path: Path) -> None:
-    sync_playwright = pytest.importorskip("playwright.sync_api").sync_playwright
+def test_the_web_viewer_shows_chart_space_and_series_at_first_sight(tmp_path: Path, chromium: str) -> None:
     folder = dataset(tmp_path / "runs", "scripted", ["x", "y"])
     process = started("demo", folder, "--web")
     assert process.stdout is not None
@@ -44,7 +40,7 @@ def test_the_web_viewer_shows_chart_space_and_series_at_first_sight(tmp_path: Pa
         process.stdout.readline()
         address = process.stdout.readline()
         with sync_playwright() as browsers:
-            browser = browsers.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+            browser = browsers.chromium.launch(executable_path=chromium, args=FLAGS)
             page = browser.new_page(viewport=SIZE)
             wrong: list[str] = []
             page.on("pageerror", lambda error: wrong.append(str(error)))

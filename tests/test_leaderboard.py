@@ -1,18 +1,16 @@
 """The leaderboard page: complete, self-contained, and with every name as text."""
 
 import re
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from playwright.sync_api import sync_playwright
 
 from experiments.leaderboard import gather, page
 from swamp_rl.errors import UserError
 from tests.test_compare import folder_of
-
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 
 
 def test_each_pilot_has_a_row_at_each_level_best_first(tmp_path: Path) -> None:
@@ -62,14 +60,14 @@ def test_a_result_that_cannot_be_read_is_told_on_the_page(tmp_path: Path) -> Non
         gather(tmp_path)
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
-def test_a_heading_sorts_by_number_and_the_other_way_when_clicked_again(tmp_path: Path) -> None:
-    sync_playwright = pytest.importorskip("playwright.sync_api").sync_playwright
+def test_a_heading_sorts_by_number_and_the_other_way_when_clicked_again(
+    tmp_path: Path, chromium: str
+) -> None:
     rates = {"ppo": np.arange(12) < 9, "reservoir": np.arange(12) < 12}
     folder_of(tmp_path / "a", rates)
     (tmp_path / "page.html").write_text(page(gather(tmp_path)), encoding="utf-8")
     with sync_playwright() as browsers:
-        browser = browsers.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        browser = browsers.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         shown = browser.new_page()
         faults: list[str] = []
         shown.on("pageerror", lambda error: faults.append(str(error)))
