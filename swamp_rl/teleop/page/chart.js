@@ -26,7 +26,7 @@ export class Chart {
       canvas.height = Math.round(height * ratio);
       this.camera = null;
     }
-    this.aim(scene, boat, free, elapsed);
+    this.aim(scene, boat, trail, free, elapsed);
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.water(boat, width, height, elapsed);
     this.shore(scene);
@@ -38,29 +38,29 @@ export class Chart {
     this.wind(boat, width, height, elapsed);
   }
 
-  aim(scene, boat, free, elapsed) {
+  aim(scene, boat, trail, free, elapsed) {
     const { gates, bounds } = scene.course;
-    const all = boat.phase === "ready" || boat.phase === "ended";
+    const over = boat.phase === "ended" || boat.phase === "saving";
     const points = [[boat.north, boat.east]];
-    if (all) {
-      gates.forEach((gate) => points.push(...gate.buoys));
-      points.push([bounds.south + 2.5, boat.east]);
-    } else points.push(...gates[Math.min(boat.passed, gates.length - 1)].buoys);
+    if (over || boat.phase === "ready") gates.forEach((gate) => points.push(...gate.buoys));
+    else points.push(...gates[Math.min(boat.passed, gates.length - 1)].buoys);
+    if (boat.phase === "ready") points.push([bounds.south + 2.5, boat.east]);
+    if (over) points.push(...trail.map((p) => [p.north, p.east]));
     const ends = (place) => [Math.min(...points.map((p) => p[place])) - MARGIN, Math.max(...points.map((p) => p[place])) + MARGIN];
     const [south, north] = ends(0);
     const [west, east] = ends(1);
     const [w, h] = [free.right - free.left, free.bottom - free.top];
     const scale = Math.min(w / (east - west), h / (north - south), CLOSEST);
-    const goal = { north: (north + south) / 2, east: (east + west) / 2, scale };
-    const blend = this.camera ? 1 - Math.exp(-elapsed / 0.7) : 1;
+    const goal = { north: (north + south) / 2, east: (east + west) / 2, scale, x: (free.left + free.right) / 2, y: (free.top + free.bottom) / 2 };
+    // At once where the run ended: the choices appear over the last gate.
+    const blend = this.camera ? 1 - Math.exp(-elapsed / (over ? 0.1 : 0.7)) : 1;
     this.camera ??= { ...goal };
-    for (const key of ["north", "east", "scale"]) this.camera[key] += blend * (goal[key] - this.camera[key]);
-    this.centre = [(free.left + free.right) / 2, (free.top + free.bottom) / 2];
+    for (const key of Object.keys(goal)) this.camera[key] += blend * (goal[key] - this.camera[key]);
   }
 
   place(north, east) {
-    const { camera, centre } = this;
-    return [centre[0] + (east - camera.east) * camera.scale, centre[1] - (north - camera.north) * camera.scale];
+    const { camera } = this;
+    return [camera.x + (east - camera.east) * camera.scale, camera.y - (north - camera.north) * camera.scale];
   }
 
   water(boat, width, height, elapsed) {

@@ -37,16 +37,16 @@ export function showWeather(canvas, boat) {
   c.setTransform(ratio, 0, 0, ratio, 0, 0);
   c.clearRect(0, 0, w, h);
   const small = h < 80;
-  const r = Math.min(h * 0.46, w * 0.23);
+  const r = Math.min(h * 0.46, w * (small ? 0.2 : 0.23));
   const [x, y] = [r + 4, h / 2];
   c.strokeStyle = "rgba(255,255,255,.4)";
   c.lineWidth = 2;
   c.beginPath(); c.arc(x, y, r, 0, 7); c.stroke();
   c.fillStyle = "#fff";
-  c.font = `700 ${small ? 9 : 13}px system-ui, sans-serif`;
+  c.font = `700 ${small ? 12 : 13}px system-ui, sans-serif`;
   c.textAlign = "center";
   c.textBaseline = "middle";
-  c.fillText("N", x, y - r + (small ? 7 : 10));
+  c.fillText("N", x, y - r + (small ? 8 : 10));
   const wind = Math.hypot(...boat.wind);
   const current = Math.hypot(...boat.current);
   c.lineWidth = small ? 2.5 : 4;
@@ -54,13 +54,14 @@ export function showWeather(canvas, boat) {
   if (current > 0.005) pointer(c, x, y, Math.atan2(boat.current[1], boat.current[0]), r * 0.55, "#6fe3ff");
   c.textAlign = "left";
   const left = x + r + (small ? 6 : 12);
-  const size = Math.max(10, Math.min(20, h / 4.6, (w - left) / (small ? 3.6 : 6)));
+  // Never under 12 px: a word that is too long is drawn narrower.
+  const size = Math.max(small ? 12 : 14.2, Math.min(20, h / 4.6, (w - left) / 6));
   const line = (words, value, colour, place) => {
     c.fillStyle = colour;
-    c.font = `500 ${size * 0.85}px system-ui, sans-serif`;
-    c.fillText(words, left, y + place * size * 1.25 - size * 0.55);
+    c.font = `500 ${size * (small ? 1 : 0.85)}px system-ui, sans-serif`;
+    c.fillText(words, left, y + place * size * 1.17 - size * 0.55, w - left);
     c.font = `700 ${size * 1.15}px system-ui, sans-serif`;
-    c.fillText(small ? value : `${value} m/s`, left, y + place * size * 1.25 + size * 0.5);
+    c.fillText(small ? value : `${value} m/s`, left, y + place * size * 1.17 + size * 0.5, w - left);
   };
   line("wind", wind.toFixed(1), "#ffffff", -1);
   line("current", current.toFixed(2), "#6fe3ff", 1);

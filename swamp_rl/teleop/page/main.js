@@ -7,6 +7,7 @@ import { forget, listen, padActs, read } from "./input.js";
 import { Replay } from "./replay.js";
 
 const HEARTBEAT = 50; // ms between commands, though nothing moves: the dead-man waits for 250
+const GAP = 14; // px between what is drawn and the panels
 const CHOICES = ["boat", "level", "pilot"]; // of names, before a run
 const by = (id) => document.getElementById(id);
 const chart = new Chart(by("chart"));
@@ -15,7 +16,7 @@ const replay = new Replay();
 const latencies = [];
 let socket, scene, frame, status = {}, trail = [], arrived = 0, asked = null, sentAt = 0, last = performance.now(), reconnect = 300;
 let waited = 0, odd = false;
-window.swamp = { get frame() { return frame; }, get status() { return status; }, latencies, received: 0 }; // for tests
+window.swamp = { get frame() { return frame; }, get status() { return status; }, latencies, received: 0, place: (north, east) => chart.place(north, east) }; // for tests
 
 function connect() {
   socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
@@ -190,13 +191,20 @@ function present() {
   };
 }
 
-function freeArea() {
+// The part of the page that no panel covers; at a run's end and in a replay the middle of the footer is empty.
+function freeArea(phase) {
   const box = (id) => by(id).getBoundingClientRect();
   const narrow = getComputedStyle(document.querySelector("aside")).display === "grid";
   const title = by("banner").firstElementChild.textContent ? box("banner").bottom : 0;
   const bar = replay.run ? box("replay").bottom : 0;
-  const right = narrow ? innerWidth : document.querySelector("aside").getBoundingClientRect().left;
-  return { left: 0, right, top: Math.max(title, bar, narrow ? box("dials").bottom + 50 : 90), bottom: innerHeight - (narrow ? 150 : 70) };
+  const bare = phase === "ended" || phase === "saving" || phase === "replay";
+  const [throttle, steering] = [box("left-lever"), box("right-lever")];
+  const top = Math.max(title, bar, narrow ? box("dials").bottom + 30 : 70) + GAP;
+  if (bare && !narrow) return { left: throttle.right, right: steering.left, top, bottom: innerHeight - GAP };
+  const middle = bare ? innerHeight : box("middle").top;
+  if (narrow) return { left: 0, right: innerWidth, top, bottom: Math.min(middle, steering.top - 2 * GAP) - GAP };
+  const right = document.querySelector("aside").getBoundingClientRect().left;
+  return { left: throttle.right, right, top, bottom: middle - GAP };
 }
 
 function draw(now) {
@@ -211,7 +219,7 @@ function draw(now) {
   if (banner.children[1].textContent !== line) banner.children[1].textContent = line;
   if (!scene || !frame) return;
   const { boat, trail: path } = replay.run ? replay.look(elapsed, scene.course.gates) : { boat: present(), trail };
-  chart.draw(scene, boat, path, freeArea(), elapsed);
+  chart.draw(scene, boat, path, freeArea(boat.phase), elapsed);
   // Every other picture does without the view from behind, so that without a graphics card too the page keeps time
   // for what it hears and for the hand.
   waited += elapsed;
