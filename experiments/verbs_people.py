@@ -50,16 +50,16 @@ def record(
 
     from swamp_rl.errors import UserError
     from swamp_rl.pilots.store import load_pilot
-    from swamp_rl.teleop.guard import checked_token
+    from swamp_rl.teleop.guard import Guard
 
     try:
         from swamp_rl.teleop.hub import Hub
-        from swamp_rl.teleop.server import serve
+        from swamp_rl.teleop.server import bound, serve
     except ModuleNotFoundError as error:
         raise UserError(f"{error.name} is missing; pip install 'swamp-rl[people]'") from error
     from swamp_rl.teleop.session import Session
 
-    checked_token(host, token)
+    guard = Guard(host, token)
     source = "scripted" if scripted else "human"
     folders = pilot or []
     pilots = dict(zip(_names(folders), map(load_pilot, folders), strict=True))
@@ -68,11 +68,12 @@ def record(
     for name, asked in zip(_names(map(Path, boats)), boats, strict=True):
         # Refuses what cannot be sailed before anything is written.
         berths[name] = _berth(out / name if berths else out, asked, course, disturbances, source)
+    listening = bound(host, port)  # before the session opens the folder of runs
     session = Session(berths, np.random.default_rng(), pilots)
     session.warm()
     logging.basicConfig(format="swamp-rl: %(message)s", level=logging.WARNING)
     try:
-        serve(Hub(session, source), host, port, token, lambda address: typer.echo(f"drive at {address}"))
+        serve(Hub(session, source), guard, listening, lambda address: typer.echo(f"drive at {address}"))
     except (KeyboardInterrupt, SystemExit):
         pass  # how a recorder is stopped: by Ctrl-C, or by whoever started it
     finally:

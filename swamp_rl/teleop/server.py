@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import errno
 import socket
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
@@ -104,7 +105,7 @@ def _tell_of_failure(task: "asyncio.Task[None]") -> None:
 
 
 def bound(host: str, port: int) -> socket.socket:
-    """A socket that listens there; UserError where it cannot."""
+    """A socket that listens there, port 0 being any free one; UserError where it cannot."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     # Said to be TCP, asyncio sends small frames at once; otherwise they wait up to 40 ms for each other.
     listening = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
@@ -114,6 +115,8 @@ def bound(host: str, port: int) -> socket.socket:
         listening.listen()
     except OSError as error:
         listening.close()
+        if error.errno == errno.EADDRINUSE:
+            raise UserError(f"--port {port}: already in use; name another, or 0 for any free one") from error
         raise os_error(error, f"--host {host} --port {port}") from error
     return listening
 
@@ -144,12 +147,7 @@ def server_of(hub: Hub, guard: Guard) -> uvicorn.Server:
     return uvicorn.Server(config)
 
 
-def serve(hub: Hub, host: str, port: int, token: str | None, ready: Callable[[str], None]) -> None:
-    """Serve until interrupted; `ready` is called with the address once it can be opened.
-
-    port 0 is any free one. UserError where the address cannot be bound, or needs a token.
-    """
-    guard = Guard(host, token)
-    listening = bound(host, port)
-    ready(address_of(listening, token))
+def serve(hub: Hub, guard: Guard, listening: socket.socket, ready: Callable[[str], None]) -> None:
+    """Serve on a socket from `bound` until interrupted; `ready` is called with the address to open."""
+    ready(address_of(listening, guard.token))
     server_of(hub, guard).run(sockets=[listening])
