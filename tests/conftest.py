@@ -54,11 +54,13 @@ def described(**changes: object) -> DatasetMeta:
 @pytest.fixture(scope="session")
 def chromium() -> str:
     """The browser of every test that needs one: without it they are skipped, but fail where CI is set."""
-    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-    if found is None:
-        message = "chromium is not installed; the pages are not tested (Debian: apt-get install chromium)"
-        pytest.fail(message) if os.environ.get("CI") else pytest.skip(message)
-    return found
+    for name in ("chromium", "chromium-browser", "google-chrome"):
+        if found := shutil.which(name):
+            return found
+    message = "chromium is not installed; the pages are not tested (Debian: apt-get install chromium)"
+    if os.environ.get("CI"):
+        pytest.fail(message)
+    pytest.skip(message)
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import ViewportSize, sync_playwright
 
 from tests.test_demo_verb import dataset, started
 
@@ -22,7 +22,7 @@ FLAGS = [
     "--enable-unsafe-swiftshader",
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
 ]
-SIZE = {"width": 1000, "height": 600}
+SIZE: ViewportSize = {"width": 1000, "height": 600}
 CHART, SEA = (18, 34, 48), (30, 70, 105)
 PATIENCE = 150.0  # s, with other tests beside it
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
 
 from envs.single import GatesEnv
 from swamp_rl.boat import load_boat
@@ -36,7 +36,7 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-PHONE = {"width": 390, "height": 844}
+PHONE: ViewportSize = {"width": 390, "height": 844}
 # A standard gamepad that the test moves: axes as the W3C's mapping has them.
 PADS = """
 window.pads = [0, 1].map((index) => ({ index, connected: true, mapping: "standard", id: "fake",
