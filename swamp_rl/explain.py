@@ -13,6 +13,9 @@ from swamp_rl.errors import UserError
 LIKE = 0.6
 """Words less alike than this are not taken for one another."""
 
+TELLING = {"literal_error": 0, "extra_forbidden": 1}
+"""Types of faults that bring others with them, by what is told first."""
+
 Model = TypeVar("Model", bound=BaseModel)
 
 
@@ -35,11 +38,14 @@ def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | N
 
 
 def explanations(error: ValidationError, model: type[BaseModel] | None = None) -> list[tuple[str, str]]:
-    """The dotted key and the explanation of each fault in a ValidationError, unknown keys first.
+    """The dotted key and the explanation of each fault in a ValidationError, the most telling first.
 
-    A misspelt key is two faults: one that is unknown, and one that is missing.
+    A misspelt key is two faults, one that is unknown and one that is missing; a wrong choice, such as a
+    thruster's kind, makes keys unknown that are not.
     """
-    faults = sorted(error.errors(include_url=False), key=lambda fault: fault["type"] != "extra_forbidden")
+    faults = sorted(
+        error.errors(include_url=False), key=lambda fault: TELLING.get(fault["type"], len(TELLING))
+    )
     return [_explanation(fault, model) for fault in faults]
 
 

@@ -5,11 +5,8 @@
 It writes the pilot into FOLDER/pilot and prints how often it was killed. A process of its own, for it forks.
 """
 
-import os
 import random
-import signal
 import sys
-import time
 from pathlib import Path
 
 import torch
@@ -17,6 +14,7 @@ import torch
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.store import save_pilot
+from tests.lives import killed_until_done
 from tests.test_reservoir import RUNS
 
 SENSES = ("north", "east", "cos_heading", "sin_heading")
@@ -29,25 +27,16 @@ def trained(checkpoint: Path | None, settings: CloningSettings = SETTINGS) -> Ne
 
 
 def main() -> None:
-    """One try after another, each with a little more time, for a slow machine's sake."""
+    """One life after another."""
     folder, chance = Path(sys.argv[1]), random.Random(int(sys.argv[2]))
     torch.set_num_threads(1)  # a fork has none of its parent's other threads, and would wait for them
     few = SETTINGS.model_copy(update={"epochs": 1})
     save_pilot(trained(folder / "warm", few), folder / "pilot")  # whatever is imported for it
-    kills, patience = 0, 0.5
-    while True:
-        child = os.fork()
-        if child == 0:
-            save_pilot(trained(folder / "checkpoint"), folder / "pilot")
-            os._exit(0)
-        time.sleep(patience * chance.random())
-        os.kill(child, signal.SIGKILL)
-        status = os.waitpid(child, 0)[1]
-        if status != signal.SIGKILL:
-            break
-        kills, patience = kills + 1, patience * 1.4
+    kills, done = killed_until_done(
+        lambda: save_pilot(trained(folder / "checkpoint"), folder / "pilot"), folder / "checkpoint", chance
+    )
     print(kills)
-    sys.exit(status != 0)
+    sys.exit(not done)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from swamp_rl.simulator import parameters
 BOAT = load_boat("swamp")
 NAMES = BOAT.thruster_names
 LEVELS = ["calm", "severe", "standard"]
+CLAIMED = ["gusts", "current", "kicks", "elsewhere", "reversed"]
 ALMOST_ONE = math.nextafter(1.0, 0.0)
 RICH = [
     {"effect": "current", "disc": 0.3, "probability": 0.5},
@@ -48,9 +49,9 @@ def refused(source: Any) -> str:
     return str(error.value)
 
 
-def test_the_shipped_levels_are_these_three() -> None:
+def test_the_shipped_levels_are_these_and_those_that_claims_are_tested_at() -> None:
     folder = Path(__file__).parents[1] / "configs" / "disturbances"
-    assert sorted(path.stem for path in folder.glob("*.yaml")) == LEVELS
+    assert sorted(path.stem for path in folder.glob("*.yaml")) == sorted([*LEVELS, *CLAIMED])
 
 
 def test_calm_is_the_boat_file_itself_from_the_start_itself() -> None:

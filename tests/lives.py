@@ -1,0 +1,45 @@
+"""A job that is killed again and again, and at last left to end."""
+
+import os
+import random
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+
+def killed_until_done(job: Callable[[], None], checkpoint: Path, chance: random.Random) -> tuple[int, bool]:
+    """How often forks that do `job` were killed before one came to its end, and whether that one did it.
+
+    Each life is killed at a random instant after the checkpoint of a life before has been replaced, however
+    slow the machine is: a life without a checkpoint of its own would only be begun anew.
+    """
+    kills = 0
+    while True:
+        before, began = _stamp(checkpoint), time.perf_counter()
+        child = os.fork()
+        if child == 0:
+            job()
+            os._exit(0)
+        while _stamp(checkpoint) == before and not _ended(child):
+            time.sleep(0.002)
+        time.sleep(0.4 * chance.random() * (time.perf_counter() - began))
+        os.kill(child, signal.SIGKILL)
+        status = os.waitpid(child, 0)[1]
+        if status != signal.SIGKILL:
+            return kills, status == 0
+        kills += 1
+
+
+def _stamp(path: Path) -> tuple[int, int] | None:
+    """What changes when a file is replaced."""
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return None
+    return found.st_ino, found.st_mtime_ns
+
+
+def _ended(child: int) -> bool:
+    """Whether it has ended, leaving its status to be read."""
+    return os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
