@@ -14,13 +14,14 @@ Array = NDArray[np.float64]
 SCALES = (1.0, 4.0)  # s over which residuals are averaged
 SIGMA_SLACK = 1.06  # share by which a variance estimated from differences may be too small
 NEARLY = 1.2  # chi2 a sample up to which what is left may be a lost row or another start
+DENSE = 0.6  # share of rows that hold a sample, below which a sensor is slower than the grid
 LIMIT = 5.0  # standard deviations of a slow part's power, over all channels and scales
 
 
 @dataclass(frozen=True)
 class Adequacy:
     """excess: (scales, 6) standard deviations by which the power of averaged residuals exceeds white
-    noise's.
+    noise's, minus infinity where there are too few samples to tell, infinity where a rollout ran away.
     """
 
     excess: Array
@@ -28,7 +29,7 @@ class Adequacy:
     @property
     def worst(self) -> float:
         """Largest excess."""
-        return float(np.nanmax(self.excess))
+        return float(np.max(self.excess))
 
     @property
     def adequate(self) -> bool:
@@ -38,7 +39,7 @@ class Adequacy:
     @property
     def channel(self) -> str:
         """Where most is left."""
-        return CHANNELS[int(np.nanargmax(np.nanmax(self.excess, axis=0)))]
+        return CHANNELS[int(np.argmax(np.max(self.excess, axis=0)))]
 
 
 def adequacy(problem: Shooting, at: Fit) -> Adequacy:
@@ -46,19 +47,27 @@ def adequacy(problem: Shooting, at: Fit) -> Adequacy:
     pad = problem.windows.pad
     residual = at.residual.reshape(at.residual.shape[0], -1, len(CHANNELS))[:, pad:]
     seen = problem.windows.weight[:, pad:] > 0
-    excess = np.full((len(SCALES), len(CHANNELS)), np.nan)
+    excess = np.full((len(SCALES), len(CHANNELS)), -np.inf)
+    share = seen.sum(axis=(0, 1)) / max(1, int((problem.windows.steps - pad + 1).sum()))
     for s, scale in enumerate(SCALES):
         block = max(2, round(scale / problem.dt))
         steps = residual.shape[1] // block * block
         sums = residual[:, :steps].reshape(len(residual), -1, block, len(CHANNELS)).sum(axis=2)
         counts = seen[:, :steps].reshape(len(residual), -1, block, len(CHANNELS)).sum(axis=2)
         for c in range(len(CHANNELS)):
-            full = counts[..., c] >= block // 2
-            if full.sum() < 4:
-                continue
-            power = sums[..., c][full] ** 2 / counts[..., c][full] / SIGMA_SLACK
-            excess[s, c] = (power.mean() - 1.0) * np.sqrt(len(power) / 2.0)
+            enough = block // 2 if share[c] > DENSE else max(1, round(0.5 * share[c] * block))
+            full = counts[..., c] >= enough
+            if full.sum() >= 4:
+                excess[s, c] = _excess(sums[..., c][full] ** 2 / counts[..., c][full])
+    if (excess == -np.inf).all():  # all that can be said of so few samples
+        excess[:] = _excess(residual[seen] ** 2)
     return Adequacy(excess)
+
+
+def _excess(power: Array) -> float:
+    """Standard deviations by which squares of what should be standard normal (n,) exceed their mean."""
+    found = (power.mean() / SIGMA_SLACK - 1.0) * np.sqrt(len(power) / 2.0) if len(power) else 0.0
+    return float(found) if np.isfinite(found) else np.inf
 
 
 def near(problem: Shooting, at: Fit) -> bool:

@@ -1,0 +1,39 @@
+"""Whether only noise is left, where there are few samples or a rollout ran away."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from swamp_rl.criticism.adequacy import adequacy
+from swamp_rl.criticism.candidates import Hypothesis
+from swamp_rl.criticism.fit import Fit, fit
+from swamp_rl.criticism.noise import noise_levels, weights
+from swamp_rl.criticism.shooting import Shooting
+from tests.test_criticism import commands, driven
+
+
+def fitted(every: int, rows: int) -> tuple[Shooting, Fit]:
+    """Clean runs cut in windows, of which one sample in `every` of the first `rows` is there."""
+    sailed = driven([], np.stack([commands(0), commands(2)]), 0.0, seed=3)
+    there = (np.arange(sailed.measured.shape[1]) % every == 0) & (np.arange(sailed.measured.shape[1]) < rows)
+    measured = np.where(there[None, :, None], sailed.measured, np.nan)
+    sparse = replace(sailed, measured=measured)
+    problem = Shooting(sparse, weights(sparse, noise_levels(sailed)), 20.0)
+    return problem, fit(problem, Hypothesis(), np.zeros(0), problem.guess())
+
+
+@pytest.mark.parametrize(("every", "rows"), [(1, 400), (4, 400), (7, 400), (7, 60)])
+def test_sparse_samples_are_judged_as_dense_ones_are(every: int, rows: int) -> None:
+    problem, at = fitted(every, rows)
+    assert adequacy(problem, at).adequate
+    pushed = replace(at, residual=at.residual + 1.5 * (problem.windows.weight.reshape(at.residual.shape) > 0))
+    assert not adequacy(problem, pushed).adequate
+
+
+def test_what_ran_away_is_not_adequate_and_the_channel_is_named() -> None:
+    problem, at = fitted(1, 400)
+    residual = at.residual.reshape(*problem.windows.weight.shape).copy()
+    residual[0, 80:, 2] = np.nan
+    judged = adequacy(problem, replace(at, residual=residual.reshape(at.residual.shape)))
+    assert (judged.adequate, judged.channel) == (False, "heading")
