@@ -11,6 +11,7 @@ from swamp_rl.criticism.conclude import LAST, Search
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.ladder import Ladder, ladder_of, whole_runs
+from swamp_rl.criticism.readings import better_reading, gained
 from swamp_rl.criticism.search import search
 from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.criticism.slow import slow_errors
@@ -33,8 +34,7 @@ def searched(
     Positions alone may wander because of the sensor; what wanders in other channels too is the model's error:
     it widens all comparisons and standard errors, but what is found then is never all.
     """
-    ladder = ladder_of(trials, weight)
-    found = search(ladder, atoms, hull)
+    trials, ladder, found = _read_as_obeyed(trials, weight, atoms, hull)
     if found.adequate:
         return trials, ladder, found
     result = trials, ladder, found
@@ -52,6 +52,26 @@ def searched(
         if again.adequate and again.rung == LAST:
             result = wider.problems[0].trials, wider, again
     return result
+
+
+def _read_as_obeyed(
+    trials: Trials, weight: Array, atoms: Sequence[Atom], hull: Atom | None
+) -> tuple[Trials, Ladder, Search]:
+    """The search, made again under another reading of the commands between rows where that fits clearly
+    better.
+    """
+    ladder = ladder_of(trials, weight)
+    found = search(ladder, atoms, hull)
+    if found.adequate and not found.winner.hypothesis.atoms:
+        return trials, ladder, found
+    other = better_reading(ladder, found)
+    if other is not None:
+        other = replace(other, gaps=trials.gaps)
+        wider = ladder_of(other, weight)
+        again = search(wider, atoms, hull, PATIENCE_AGAIN)
+        if gained(ladder, found, wider, again):
+            return other, wider, again
+    return trials, ladder, found
 
 
 def _under(

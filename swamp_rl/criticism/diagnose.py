@@ -81,6 +81,7 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
     weight = weights(trials, sigmas)
     duration = float(trials.lengths.max() * trials.dt)
     coloured, ladder, found = searched(trials, weight, candidates(trials.boat, duration), hull_nuisance())
+    trials = replace(trials, commands=coloured.commands)  # as the boat obeyed them
     measure = adequacy(ladder.problems[found.rung], found.winner)
     forces = missing_forces(trials, weight, found.winner.hypothesis, found.winner.x)
 
