@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from swamp_rl.criticism.adequacy import adequacy
-from swamp_rl.criticism.candidates import Hypothesis
+from swamp_rl.criticism.candidates import Hypothesis, candidates
+from swamp_rl.criticism.conclude import Search, without_unconfirmed
 from swamp_rl.criticism.fit import Fit, fit
+from swamp_rl.criticism.heldout import Confirmation
+from swamp_rl.criticism.ladder import ladder_of
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.shooting import Shooting
-from tests.test_criticism import commands, driven
+from tests.test_criticism import SECONDS, commands, driven
 
 
 def fitted(every: int, rows: int) -> tuple[Shooting, Fit]:
@@ -37,3 +40,16 @@ def test_what_ran_away_is_not_adequate_and_the_channel_is_named() -> None:
     residual[0, 80:, 2] = np.nan
     judged = adequacy(problem, replace(at, residual=residual.reshape(at.residual.shape)))
     assert (judged.adequate, judged.channel) == (False, "heading")
+
+
+def test_of_what_is_left_unexplained_only_confirmed_causes_are_part() -> None:
+    sailed = driven([{"effect": "mass", "mass": 75.0}], np.stack([commands(0), commands(2)]), 0.0, seed=3)
+    atoms = [a for a in candidates(sailed.boat, SECONDS) if a.effect.name in ("mass", "sway_drag")]
+    ladder = ladder_of(sailed, weights(sailed, noise_levels(sailed)))
+    both = Hypothesis().with_atom(atoms[0]).with_atom(atoms[1])
+    best = ladder.fit(1, both, np.concatenate([atom.starts[0] for atom in both.atoms]))
+    told = {"mass": Confirmation(90.0, 40.0, 0.99), "sway_drag": Confirmation(-1.0, -3.0, 0.99)}
+    found = Search(best, False, 1, [], [best], [], [], told)
+    less = without_unconfirmed(ladder, found, atoms)
+    assert less.winner.hypothesis.label == "mass"
+    assert list(less.confirmed) == ["mass"] and less.confirmed["mass"].holds

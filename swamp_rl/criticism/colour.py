@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Atom
-from swamp_rl.criticism.conclude import LAST, Search
+from swamp_rl.criticism.conclude import LAST, Search, without_unconfirmed
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.ladder import Ladder, ladder_of, whole_runs
@@ -50,8 +50,9 @@ def searched(
             whole = whole_runs(wider, again.winner.hypothesis, again.winner.x)
             wider, again = _under(trials, weight, _alone(wider.problems[LAST], whole), atoms, hull)
         if again.adequate and again.rung == LAST:
-            result = wider.problems[0].trials, wider, again
-    return result
+            return wider.problems[0].trials, wider, again
+    told, its_ladder, partial = result
+    return told, its_ladder, without_unconfirmed(its_ladder, partial, [*atoms, *([hull] if hull else [])])
 
 
 def _read_as_obeyed(

@@ -3,7 +3,7 @@ runs held out, with its rivals.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -100,6 +100,18 @@ def concluded(
             or any(one.hypothesis.label == other.hypothesis.label for other in special)
         ][:MOST_RIVALS]
     return Search(best, adequate, rung, rivals, tried, first, unseen, confirmed)
+
+
+def without_unconfirmed(ladder: Ladder, found: Search, atoms: Sequence[Atom]) -> Search:
+    """A search that something is left over from, less the causes that no held-out run confirms, the least
+    confirmed first: where the model is wrong, one that merely bends to what is missing fits too.
+    """
+    best, confirmed = found.winner, found.confirmed
+    while not all(one.holds for one in confirmed.values()):
+        worst = min(confirmed, key=lambda label: confirmed[label].low)
+        best = without(ladder, best, worst, found.rung)
+        confirmed = confirmations(ladder, best, len(atoms) * (1 + len(best.hypothesis.atoms)))
+    return replace(found, winner=best, confirmed=confirmed)
 
 
 def without(ladder: Ladder, best: Fit, label: str, rung: int) -> Fit:
