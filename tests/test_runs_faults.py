@@ -149,6 +149,20 @@ def test_small_angles_in_degrees_are_betrayed_by_the_other_column(good: Path, co
     assert "degrees" in fault.message
 
 
+@pytest.mark.parametrize(
+    ("first", "factor", "told"), [(4.5, 1.0, "wrap it"), (0.05, 180.0 / math.pi, "degrees")]
+)
+def test_a_heading_beyond_a_turn_is_told_from_one_in_degrees(
+    good: Path, first: float, factor: float, told: str
+) -> None:
+    columns = circling()
+    columns["heading"] = factor * (first + 0.8 * columns["time"])
+    columns["yaw_rate"][:] = 0.8
+    (fault,) = faults_of(good, columns)
+    assert fault.column == "heading"
+    assert told in fault.message
+
+
 def test_a_column_wholly_in_degrees_is_one_fault_with_its_extent(good: Path) -> None:
     columns = circling()
     columns["azimuth_bs"] = np.full(ROWS, 45.0)

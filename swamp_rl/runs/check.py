@@ -13,6 +13,8 @@ from swamp_rl.runs.table import Table
 STEP_TOLERANCE = 0.05  # of the period, for one step: room for times rounded to a few digits
 DRIFT_TOLERANCE = 0.5  # of the period, over the whole run
 DEGREES = 180.0 / math.pi
+FASTEST_TURN = 1.5  # rad/s that a boat keeps up; in degrees a second hardly more than a drift
+WRAP = "wrap it into that range"
 
 
 def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float | None) -> list[Fault]:
@@ -75,10 +77,23 @@ def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]
         outside |= values == span.low
     if not outside.any():
         return faults
-    hint = _unit_mistake(values[np.isfinite(values)], span)
+    heading = name == "heading" and _is_unwrapped(values, table.columns.get("time"))
+    hint = WRAP if heading else _unit_mistake(values[np.isfinite(values)], span)
     return faults + faults_at(
         file, name, table.rows, outside, lambda i: f"{values[i]:.6g} is outside {span}; {hint}"
     )
+
+
+def _is_unwrapped(heading: NDArray[np.float64], time: NDArray[np.float64] | None) -> bool:
+    """Whether a heading out of range goes on from turn to turn in radians: it begins within one turn and no
+    boat turns as fast as its degrees would have it.
+    """
+    if time is None or not (np.isfinite(heading).all() and np.isfinite(time).all()) or len(heading) < 3:
+        return False
+    steps = np.diff(time)
+    if (steps <= 0.0).any() or abs(heading[0]) > 2.0 * math.pi:
+        return False
+    return bool(np.quantile(np.abs(np.diff(heading)) / steps, 0.95) < FASTEST_TURN)
 
 
 def _unit_mistake(values: NDArray[np.float64], span: Span) -> str:
@@ -87,7 +102,7 @@ def _unit_mistake(values: NDArray[np.float64], span: Span) -> str:
     if span.unit in ("rad", "rad/s") and largest > 2.0 * math.pi + 1e-6:
         return f"it looks like degrees, give it in {span.unit} (multiply by pi/180)"
     if span.unit == "rad" and span.above:
-        return "wrap it into that range"
+        return WRAP
     if span.unit == "1" and 1.0 < largest <= 100.0 and largest > 2.0:
         return "it looks like percent, divide by 100"
     return "correct it, or the limits of the boat file"
