@@ -19,6 +19,7 @@ SHARES = (0.5, 1.0)  # of the next row's command in a step that are tried: drawn
 CLEARLY = 40.0  # chi2 that another reading must save: a delay that is a cause is worth the same under each
 SHARE = 0.2  # of what is left above noise that it must save too: a missing force is no matter of reading
 NOISE = 1.06  # chi2 a sample of noise, whose size is told a little too small
+FAR_ABOVE = 3.0  # chi2 a sample beyond which something else is wrong, whatever the reading
 STEPS = 6  # Jacobians that a fit under another reading may take
 
 
@@ -41,6 +42,8 @@ def better_reading(ladder: Ladder, found: Search) -> Trials | None:
     """
     problem = ladder.problems[MIDDLE]
     at = ladder.fit(MIDDLE, found.winner.hypothesis, found.winner.x)
+    if at.chi2 > FAR_ABOVE * problem.samples:
+        return None
     half, whole = (_under(problem, share, at).chi2 for share in SHARES)
     if min(half, whole) > at.chi2 - max(CLEARLY, SHARE * (at.chi2 - NOISE * problem.samples)):
         return None
