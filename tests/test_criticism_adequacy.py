@@ -11,6 +11,7 @@ from swamp_rl.criticism.conclude import Search, without_unconfirmed
 from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.heldout import Confirmation
 from swamp_rl.criticism.ladder import ladder_of
+from swamp_rl.criticism.leftover import leftovers, missing_forces
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.shooting import Shooting
 from tests.test_criticism import SECONDS, commands, driven
@@ -53,3 +54,16 @@ def test_of_what_is_left_unexplained_only_confirmed_causes_are_part() -> None:
     less = without_unconfirmed(ladder, found, atoms)
     assert less.winner.hypothesis.label == "mass"
     assert list(less.confirmed) == ["mass"] and less.confirmed["mass"].holds
+
+
+@pytest.mark.parametrize(("every", "told"), [(10, True), (1000, False)])
+def test_missing_forces_are_told_from_a_slow_receiver_and_from_none_without_fault(
+    every: int, told: bool
+) -> None:
+    sailed = driven([], np.stack([commands(0), commands(2)]), 0.0, seed=3)
+    measured = sailed.measured.copy()
+    measured[:, np.arange(measured.shape[1]) % every > 0, :2] = np.nan
+    sparse = replace(sailed, measured=measured)
+    forces = missing_forces(sparse, weights(sparse, noise_levels(sailed)), Hypothesis(), np.zeros(0))
+    assert (len(forces.run) > 10) == told
+    assert all(one.explained < 0.5 for one in leftovers([forces]))

@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 # s of a window with a start of its own, and of the pieces in it that a force is constant in
 WINDOW, PIECE = 5.0, 2.5
 WINDOW_WITHOUT_VELOCITY, PIECE_WITHOUT_VELOCITY = 10.0, 5.0
+SEEN = 0.25  # of the positions that a piece should hold, below which its force is not told
 BINS = 6
 ROUNDS = 6  # steps towards the forces
 REACH = 3.0  # standard deviation of a missing force beforehand, in thrusts of the strongest thruster
@@ -56,12 +57,14 @@ def missing_forces(trials: Trials, weight: Array, hypothesis: Hypothesis, x: Arr
     track, force, covariance = _fitted(problem, hypothesis, x, pushes)
     win = problem.windows
     found = []
+    held = (win.weight[..., 0] > 0) & (np.arange(win.rows) >= win.pad)  # less what the start is guessed to be
+    share = held.sum() / (win.steps + 1).sum()  # a receiver may be slower than the grid
     for w, b in np.ndindex(force.shape[:2]):
         middle = round((b + 0.5) * pushes.block)
-        seen = win.weight[w, b * pushes.block : (b + 1) * pushes.block, 0] > 0
-        if middle <= win.steps[w] and seen.sum() >= pushes.block // 4:
+        seen = held[w, b * pushes.block : (b + 1) * pushes.block]
+        if middle <= win.steps[w] and seen.sum() >= max(1.0, SEEN * share * pushes.block):
             found.append((w, b, middle))
-    w, b, middle = (np.array(column) for column in zip(*found, strict=True))
+    w, b, middle = np.array(found, dtype=int).reshape(-1, 3).T
     at, body = track[w, middle], force[w, b]
     cos, sin = np.cos(at[:, 2]), np.sin(at[:, 2])
     earth = [body[:, 0] * cos - body[:, 1] * sin, body[:, 0] * sin + body[:, 1] * cos]
@@ -132,7 +135,7 @@ def _variables(
     for k, name in enumerate(names):
         found[f"azimuth {name}"] = commands[:, k]
         found[f"throttle {name}"] = commands[:, len(names) + k]
-    return {name: values for name, values in found.items() if np.ptp(values) > 1e-6}
+    return {name: values for name, values in found.items() if len(values) and np.ptp(values) > 1e-6}
 
 
 def explained(values: Array, force: Array, error: Array, run: NDArray[np.int64]) -> float:
@@ -163,7 +166,7 @@ def leftovers(every: Sequence[Forces]) -> list[Leftover]:
     """
     found: dict[tuple[Force, str], float] = {}
     for forces in every:
-        for c, name in enumerate(FORCES):
+        for c, name in enumerate(FORCES if forces.variables else ()):
             significance = np.median(np.abs(forces.force[:, c]) / np.maximum(forces.error[:, c], 1e-9))
             if significance < SIGNIFICANT:
                 continue
