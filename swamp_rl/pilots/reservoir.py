@@ -1,7 +1,7 @@
 """A pilot by reservoir computing, as at Camogli (thesis 7.3.3): an echo state network and its ridge readout.
 
 reservoirpy draws the reservoir. Learning runs all runs through it in one batch, and driving needs only the
-matrices, both in plain NumPy.
+matrices, both in NumPy and SciPy.
 """
 
 from collections.abc import Sequence
@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
+from scipy.sparse import csr_array
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import POSE, examples
@@ -63,8 +64,9 @@ class ReservoirPilot:
         self._weights = {name: np.asarray(weights[name], dtype=np.float64) for name in _NAMES}
         self._check_shapes()
         w = self._weights
-        # Boats are rows, so matrices are kept transposed; the scaling of the inputs is folded into them.
-        self._recurrent = np.ascontiguousarray(w["W"].T)
+        # Few units are joined, and sparse sums have one order, whatever the number of boats.
+        self._recurrent = csr_array(w["W"])
+        # Boats are rows, so the others are kept transposed; the scaling of the inputs is folded in.
         self._input = np.ascontiguousarray((w["Win"] / w["scale"]).T)
         self._constant = w["bias"] - (w["centre"] / w["scale"]) @ w["Win"].T
         self.reset(0)
@@ -83,7 +85,7 @@ class ReservoirPilot:
 
     def act(self, observation: Array) -> Array:
         """Levers (n, 2) from the observation (n, d); advances the states by one step."""
-        drive = times(self.state, self._recurrent)
+        drive = np.ascontiguousarray((self._recurrent @ self.state.T).T)
         drive += times(observation, self._input)
         drive += self._constant
         np.tanh(drive, out=drive)
