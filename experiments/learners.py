@@ -42,7 +42,7 @@ class Training:
     """The file that the learner may write, whole or not at all (`write_beside`), to go on from, and read
     where an interrupted training with the same settings has left one. Removed once the pilot is saved."""
     log: Log = lambda step, values: None
-    "Hears points of the learning curve: decisions made, and how the episodes since the last point went."
+    "Hears points of the learning curve: decisions, epochs or rounds done, and what was measured then."
     trained: Mapping[str, "Pilot"] = field(default_factory=dict)
     "The pilots that it starts from, by name, without those that drive before a takeover."
 
@@ -173,7 +173,9 @@ def _cloning() -> Learner:
     from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 
     def train(training: Training) -> "Pilot":
-        return fit_cloning(training.runs(), training.settings, training.tick, training.checkpoint)
+        return fit_cloning(
+            training.runs(), training.settings, training.tick, training.checkpoint, training.log
+        )
 
     return Learner(CloningSettings, train, _runs_told, from_runs=True)
 
@@ -182,7 +184,7 @@ def _gru() -> Learner:
     from swamp_rl.pilots.gru import GRUSettings, fit_gru
 
     def train(training: Training) -> "Pilot":
-        return fit_gru(training.runs(), training.settings, training.tick, training.checkpoint)
+        return fit_gru(training.runs(), training.settings, training.tick, training.checkpoint, training.log)
 
     return Learner(GRUSettings, train, _runs_told, from_runs=True)
 
@@ -202,6 +204,7 @@ def _dagger() -> Learner:
             training.settings,
             scene.experiment.step,
             training.tick,
+            training.log,
         )
 
     def told(plan: "PilotPlan") -> str:

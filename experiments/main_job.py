@@ -12,6 +12,7 @@ from experiments.progress import Stages, measured
 from experiments.report import report
 from experiments.results import gather
 from experiments.scene import Scene
+from experiments.tracking import track_success
 from experiments.trial import Tried, try_pilots
 from swamp_rl.evaluation import write_episodes
 from swamp_rl.runs import Dataset
@@ -24,6 +25,7 @@ def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any
     tried = try_pilots(scene, pilots, progress, folder / WORK / "tried")
     with progress.stage("compare"):
         write_episodes(folder / "episodes.parquet", tried.tables)
+        track_success(scene.experiment, tried.tables)
         results = gather(scene, dataset, tried.tables) | {"seeds": seeds(scene.experiment)}
         results["data"]["sha256"] = write_hashes(dataset.folder, folder)
     _show(scene, folder, dataset, tried, results, progress)

@@ -11,6 +11,7 @@ from swamp_rl.errors import UserError
 
 if TYPE_CHECKING:
     from experiments.learners import Log
+    from experiments.results import Tables
     from experiments.schema import Experiment
 
 TENSORBOARD = "tensorboard"
@@ -36,13 +37,24 @@ def tracked(folder: Path, experiment: "Experiment", pilot: str) -> Iterator["Log
     with ExitStack() as stack:
         hear = [_event_files(folder, stack)]
         if experiment.tracking.mlflow is not None:
-            hear.append(stack.enter_context(_mlflow_run(experiment, pilot)))
+            hear.append(stack.enter_context(_mlflow_run(experiment, pilot, pilot)))
 
         def log(step: int, values: Mapping[str, float]) -> None:
             for one in hear:
                 one(step, values)
 
         yield log
+
+
+def track_success(experiment: "Experiment", tables: "Tables") -> None:
+    """Each pilot's success rates by level, as a run `NAME evaluated` with its settings, where MLflow is asked
+    for; UserError where its store cannot be had."""
+    if experiment.tracking.mlflow is None:
+        return
+    for pilot in experiment.pilots:
+        rates = {level: table["success"].mean() for (name, level), table in tables.items() if name == pilot}
+        with _mlflow_run(experiment, pilot, f"{pilot} evaluated") as log:
+            log(0, {f"success/{level}": float(rate) for level, rate in rates.items()})
 
 
 def _event_files(folder: Path, stack: ExitStack) -> "Log":
@@ -62,16 +74,17 @@ def _event_files(folder: Path, stack: ExitStack) -> "Log":
 
 
 @contextmanager
-def _mlflow_run(experiment: "Experiment", pilot: str) -> Iterator["Log"]:
-    """A run of the pilot's name in MLflow's experiment of the experiment's; failed if the block fails."""
+def _mlflow_run(experiment: "Experiment", pilot: str, name: str) -> Iterator["Log"]:
+    """A run of that name, with the pilot's settings, in MLflow's experiment of the experiment's name; failed
+    if the block fails."""
     uri = str(experiment.tracking.mlflow)
     client, error_kind = _client(uri)
     plan = experiment.pilots[pilot]
     settings = {"kind": plan.kind, "runs": plan.runs, "disturbances": plan.disturbances, **plan.options}
     try:
-        run = client.create_run(_experiment_id(client, experiment.name), run_name=pilot).info.run_id
-        for name, value in settings.items():
-            client.log_param(run, name, value)
+        run = client.create_run(_experiment_id(client, experiment.name), run_name=name).info.run_id
+        for option, value in settings.items():
+            client.log_param(run, option, value)
         ended = "FAILED"
         try:
             yield lambda step, values: _log_metrics(client, run, step, values)

@@ -9,6 +9,7 @@ from envs.hindsight import with_gates
 from swamp_rl.boat import load_boat
 from swamp_rl.course import load_course
 from swamp_rl.evaluation import drive
+from swamp_rl.pilots import Pilot
 from swamp_rl.pilots.dagger import DaggerSettings, corrected_runs, fit_dagger, succeeded
 from swamp_rl.pilots.record import drive_episodes
 from swamp_rl.pilots.reservoir import ReservoirSettings, fit_reservoir
@@ -105,9 +106,22 @@ def test_of_the_rounds_learners_the_one_that_succeeds_most_is_kept(demonstrated:
     """The last learner, without trials, does worse in the very trials that the kept one was chosen by."""
     settings = DaggerSettings.model_validate(FEW | {"rounds": 4, "runs": 1, "seed": 2})
     seeds = np.random.default_rng(2).integers(2**31, 2**32, 40)
-    last, kept = (
-        fit_dagger(demonstrated, boats, BOAT, look, settings.model_copy(update={"trials": trials}))
-        for trials in (0, 40)
-    )
+    points: dict[int, list[tuple[int, dict[str, float]]]] = {0: [], 40: []}
+
+    def fitted(trials: int) -> Pilot:
+        asked = settings.model_copy(update={"trials": trials})
+        return fit_dagger(
+            demonstrated,
+            boats,
+            BOAT,
+            look,
+            asked,
+            log=lambda *point: points[trials].append((point[0], dict(point[1]))),
+        )
+
+    last, kept = fitted(0), fitted(40)
+    assert points[0] == [(i, {"runs": len(demonstrated) + i}) for i in range(5)]
+    assert [values["runs"] for _, values in points[40]] == [values["runs"] for _, values in points[0]]
+    assert max(values["success"] for _, values in points[40]) == succeeded(kept, boats, seeds) / 40
     assert succeeded(kept, boats, seeds) == (drive(kept, boats, seeds).outcome == "success").sum()
     assert succeeded(kept, boats, seeds) >= succeeded(last, boats, seeds)

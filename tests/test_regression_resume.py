@@ -54,6 +54,26 @@ def test_broken_off_twice_it_ends_with_the_same_weights_bit_for_bit(kind: str, t
     assert [path.name for path in tmp_path.iterdir()] == [checkpoint.name]
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_later_life_tells_the_losses_of_every_epoch_as_an_unbroken_one_does(
+    kind: str, tmp_path: Path
+) -> None:
+    fit, settings = KINDS[kind]
+    broken_off(kind, 4, tmp_path / "training.safetensors")
+    lives: list[list[tuple[int, float]]] = []
+    for checkpoint in (tmp_path / "training.safetensors", None):
+        lives.append(points := [])
+        fit(
+            RUNS,
+            settings,
+            checkpoint=checkpoint,
+            log=lambda epoch, values: points.append((epoch, values["loss"])),
+        )
+    assert lives[0] == lives[1]
+    assert [epoch for epoch, _ in lives[0]] == [1, 2, 3, 4, 5, 6]
+    assert 0.0 < lives[0][-1][1] < lives[0][0][1]
+
+
 @pytest.mark.parametrize("change", ["settings", "runs"])
 def test_a_checkpoint_of_another_training_is_not_gone_on_from(change: str, tmp_path: Path) -> None:
     fit, settings = KINDS["cloning"]

@@ -3,10 +3,11 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from experiments.schema import Experiment, load_experiment
-from experiments.tracking import tracked
+from experiments.tracking import track_success, tracked
 from swamp_rl.errors import UserError
 
 POINTS = [(100, {"success": 0.25, "return": -3.0}), (200, {"success": 0.5, "return": 1.5})]
@@ -67,6 +68,19 @@ def test_mlflow_gets_points_settings_and_how_it_ended(store: str, tmp_path: Path
     assert run.data.params["decisions"] == "4096" and run.data.params["disturbances"] == "standard"
     assert run.info.status == "FINISHED"
     assert found["cloning"][1].info.status == "FAILED"
+
+
+def test_mlflow_gets_how_often_each_pilot_succeeded_at_each_level(tmp_path: Path) -> None:
+    asked = experiment(f"{tmp_path}/runs")
+    won = {"calm": [True, True, False, True], "standard": [False, True, False, False]}
+    track_success(
+        asked, {(name, level): {"success": np.array(won[level])} for name in asked.pilots for level in won}
+    )
+    found = {run.info.run_name: run for _, run in runs(f"{tmp_path}/runs")}
+    assert set(found) == {f"{name} evaluated" for name in asked.pilots}
+    for run in found.values():
+        assert run.data.metrics == {"success/calm": 0.75, "success/standard": 0.25}
+    assert found["ppo evaluated"].data.params["decisions"] == "4096"
 
 
 @pytest.mark.parametrize("uri", ["http://127.0.0.1:9", "gopher://nowhere"])

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import NetworkPilot, layers_of
-from swamp_rl.pilots.regression import RegressionSettings, task_of, train_by_epochs
+from swamp_rl.pilots.regression import Log, RegressionSettings, task_of, train_by_epochs
 from swamp_rl.pilots.settings import Count
 from swamp_rl.runs import Run
 
@@ -32,12 +32,13 @@ def fit_cloning(
     settings: CloningSettings | None = None,
     tick: Callable[[float], None] = lambda done: None,
     checkpoint: Path | None = None,
+    log: Log = lambda epoch, values: None,
 ) -> NetworkPilot:
     """A pilot regressed on `runs`; the same seed gives the same pilot on the same machine.
 
     Where pilots at the same place held a lever hard over to either side, the clone holds it in between.
-    `tick` hears the share done; checkpoint: a file to go on from, see `train_by_epochs`. UserError where a
-    run lacks a column; those of the next gate are put there by `envs.hindsight.with_gates`.
+    `tick`, `checkpoint`, `log`: see `train_by_epochs`. UserError where a run lacks a column; those of the
+    next gate are put there by `envs.hindsight.with_gates`.
     """
     import torch
 
@@ -58,7 +59,7 @@ def fit_cloning(
             noise = settings.noise * torch.randn(inputs[batch].shape, generator=chance)
             yield torch.nn.functional.mse_loss(network(inputs[batch] + noise), targets[batch])
 
-    train_by_epochs(network, losses, settings, task_of(settings, (seen, levers)), tick, checkpoint)
+    train_by_epochs(network, losses, settings, task_of(settings, (seen, levers)), tick, checkpoint, log)
     return NetworkPilot("cloning", settings.senses, {"mean": mean, "scale": scale, **layers_of(network)})
 
 

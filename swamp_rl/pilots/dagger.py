@@ -17,6 +17,7 @@ from swamp_rl.pilots.gru import GRUPilot, GRUSettings, fit_gru
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import MakeBoats, drive_episodes
+from swamp_rl.pilots.regression import Log
 from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_reservoir
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.settings import Count, Seed, Settings
@@ -82,12 +83,14 @@ def fit_dagger(
     settings: DaggerSettings | None = None,
     step: float = 0.1,
     tick: Callable[[float], None] = lambda done: None,
+    log: Log = lambda number, values: None,
 ) -> Pilot:
     """A pilot that learned from the logged runs `first`, then from what it was corrected in.
 
     make_boats: builds boats of `vehicle` that start anew a step after their end, disturbed as in the rounds;
     look: adds to a run the columns that are sensed and not logged (`envs.hindsight.with_gates`). `tick` hears
-    the share done. UserError where a run lacks a column.
+    the share done; `log`, after each round (0: before the first), how many runs were learned from and, where
+    there are trials, the learner's share of successes. UserError where a run lacks a column.
     """
     settings = settings or DaggerSettings()
     rng = np.random.default_rng(settings.seed)
@@ -96,6 +99,7 @@ def fit_dagger(
     runs = list(first)
     best = learner = fit(runs, settings)
     most = succeeded(learner, make_boats, trials)
+    log(0, _point(runs, most, len(trials)))
     for number in range(settings.rounds):
         expert = ScriptedPilot(int(rng.integers(2**32)), settings.expert, step)
         seeds = rng.integers(2**31, 2**32, settings.runs)
@@ -104,8 +108,13 @@ def fit_dagger(
         success = succeeded(learner, make_boats, trials)
         if success >= most:
             best, most = learner, success
+        log(number + 1, _point(runs, success, len(trials)))
         tick((number + 1) / settings.rounds)
     return best
+
+
+def _point(runs: Sequence[Run], successes: int, trials: int) -> dict[str, float]:
+    return {"runs": len(runs), **({"success": successes / trials} if trials else {})}
 
 
 def succeeded(pilot: Pilot, make_boats: MakeBoats, seeds: Array) -> int:

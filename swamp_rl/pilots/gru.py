@@ -10,7 +10,7 @@ from pydantic import Field
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import REACH
-from swamp_rl.pilots.regression import RegressionSettings, task_of, train_by_epochs
+from swamp_rl.pilots.regression import Log, RegressionSettings, task_of, train_by_epochs
 from swamp_rl.pilots.settings import Count, Positive
 from swamp_rl.runs import Run
 
@@ -92,6 +92,7 @@ def fit_gru(
     settings: GRUSettings | None = None,
     tick: Callable[[float], None] = lambda done: None,
     checkpoint: Path | None = None,
+    log: Log = lambda epoch, values: None,
 ) -> GRUPilot:
     """A pilot regressed on whole `runs`, its memory empty at each start; otherwise as `fit_cloning`."""
     import torch
@@ -118,7 +119,7 @@ def fit_gru(
             yield (error.square().mean(dim=2) * weighs[batch]).sum() / weighs[batch].sum().clamp(min=1.0)
 
     task = task_of(settings, (everything, *levers, *taught))
-    train_by_epochs(network, losses, settings, task, tick, checkpoint)
+    train_by_epochs(network, losses, settings, task, tick, checkpoint, log)
     return GRUPilot(settings.senses, {"mean": mean, "scale": scale, **_arrays(memory, readout)})
 
 

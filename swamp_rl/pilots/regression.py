@@ -3,7 +3,7 @@
 import hashlib
 import json
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,6 +17,8 @@ from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Setting
 
 Losses = Callable[[Any], Iterable[Any]]
 """The losses of an epoch's batches, one at a time, from the torch Generator of the epoch's chance."""
+Log = Callable[[int, Mapping[str, float]], None]
+"""Hears points of a learning curve: epochs or rounds done, and values by name."""
 
 
 class RegressionSettings(Settings):
@@ -42,8 +44,10 @@ def train_by_epochs(
     task: str,
     tick: Callable[[float], None],
     checkpoint: Path | None = None,
+    log: Log = lambda epoch, values: None,
 ) -> None:
-    """Train the torch `network` for `settings.epochs`; `tick` hears the share done.
+    """Train the torch `network` for `settings.epochs`; `tick` hears the share done, `log` each epoch's mean
+    `loss`, those of an earlier life too.
 
     checkpoint: the file that each epoch is kept in, and gone on from if it is of the same `task` (from
     `task_of`); another task's is written over. Each epoch's chance depends on the seed and the epoch alone.
@@ -53,16 +57,22 @@ def train_by_epochs(
     optimiser = torch.optim.AdamW(
         network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
     )
-    done = 0 if checkpoint is None else _go_on(network, optimiser, checkpoint, task)
-    for epoch in range(done, settings.epochs):
+    means = [] if checkpoint is None else _go_on(network, optimiser, checkpoint, task)
+    for epoch, mean in enumerate(means, 1):
+        log(epoch, {"loss": mean})
+    for epoch in range(len(means), settings.epochs):
         for group in optimiser.param_groups:
             group["lr"] = settings.learning_rate * 0.5 * (1.0 + math.cos(math.pi * epoch / settings.epochs))
+        heard = []
         for loss in losses(chance_of(settings.seed, epoch)):
             optimiser.zero_grad()
             loss.backward()
             optimiser.step()
+            heard.append(float(loss.detach()))
+        means.append(float(np.mean(heard)))
         if checkpoint is not None:
-            _keep(network, optimiser, checkpoint, task, epoch + 1)
+            _keep(network, optimiser, checkpoint, task, means)
+        log(epoch + 1, {"loss": means[-1]})
         tick((epoch + 1) / settings.epochs)
 
 
@@ -82,38 +92,38 @@ def task_of(settings: Settings, arrays: Iterable[Array]) -> str:
     return hashed.hexdigest()
 
 
-def _keep(network: Any, optimiser: Any, path: Path, task: str, epochs: int) -> None:
+def _keep(network: Any, optimiser: Any, path: Path, task: str, means: list[float]) -> None:
     from safetensors.torch import save
 
     arrays = {f"network.{name}": value for name, value in network.state_dict().items()}
     for i, kept in optimiser.state_dict()["state"].items():
         arrays |= {f"optimiser.{i}.{name}": value for name, value in kept.items()}
-    said = {"training": json.dumps({"task": task, "epochs": epochs})}
+    said = {"training": json.dumps({"task": task, "losses": means})}
     with write_beside(path) as part:
         part.write_bytes(save({name: value.contiguous() for name, value in arrays.items()}, said))
 
 
-def _go_on(network: Any, optimiser: Any, path: Path, task: str) -> int:
-    """Epochs that were done already, their weights and the optimiser's put where they belong."""
+def _go_on(network: Any, optimiser: Any, path: Path, task: str) -> list[float]:
+    """Mean losses of the epochs done already, their weights and the optimiser's put where they belong."""
     from safetensors import SafetensorError, safe_open
 
     if not path.exists():
-        return 0
+        return []
     try:
         with safe_open(path, "pt") as file:
             said = json.loads((file.metadata() or {}).get("training", "{}"))
             arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  not a mapping
     except (OSError, SafetensorError, ValueError) as error:
         raise UserError(f"{path}: is no checkpoint of a training ({error}); remove it") from error
-    if said.get("task") != task:
-        return 0
+    if said.get("task") != task or "losses" not in said:
+        return []
     network.load_state_dict(_of("network", arrays))
     state: dict[int, dict[str, Any]] = {}
     for name, value in _of("optimiser", arrays).items():
         number, _, kind = name.partition(".")
         state.setdefault(int(number), {})[kind] = value
     optimiser.load_state_dict({**optimiser.state_dict(), "state": state})
-    return int(said["epochs"])
+    return [float(mean) for mean in said["losses"]]
 
 
 def _of(owner: str, arrays: dict[str, Any]) -> dict[str, Any]:
