@@ -72,6 +72,7 @@ def test_at_the_thrust_limits_it_costs_no_more_than_slsqp_finds(
 
 @settings(max_examples=25)
 @example(np.array([1.0, 0.0, 1.0]), np.array([0.0, 4.0, 0.0, 0.0]), math.inf)  # past the end of a jet's range
+@example(np.array([2.0, 1.0, 0.0]), np.array([0.0, 0.0, 0.0, 5.0]), 0.2)  # within reach of that end
 @given(wrenches, azimuths, st.sampled_from([0.05, 0.2, math.inf]))
 def test_every_answer_keeps_every_limit_and_says_truly_what_it_achieves(
     wanted: Array, now: Array, step: float

@@ -65,7 +65,8 @@ def allocate(
     reach = jets.azimuth_rate * step
     goal = goals(jets, free.forces, now, PAST_THE_END if math.isfinite(step) else AT_THE_END)
     found = free
-    if np.any(np.abs(goal - now) > reach):
+    # by the turn to be made in truth: a goal that stops at the end of the range is nearer than that
+    if np.any(np.abs(goals(jets, free.forces, now) - now) > reach):
         limited = [
             [] if abs(goal[k] - now[k]) > math.pi + PAST_THE_END else sectors_of(jets, k, now[k], reach[k])
             for k in range(len(now))
