@@ -76,9 +76,7 @@ def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Pat
         refuse_to_replace(path, () if replaces is None else (replaces,))
         part.mkdir(parents=True)
         yield part
-        for file in sorted(part.rglob("*"), reverse=True):
-            flush(file)
-        flush(part)
+        flush_whole(part)
         if path.exists():
             os.replace(path, old)
         os.replace(part, path)
@@ -103,6 +101,12 @@ def refuse_to_replace(path: Path, replaces: Collection[str]) -> None:
         raise UserError(
             f"{path}: already exists and is not an earlier result; name another folder or remove it"
         )
+
+
+def flush_whole(folder: Path) -> None:
+    """Have a folder and all that lies in it on the disk, what is deepest first."""
+    for path in (*sorted(folder.rglob("*"), reverse=True), folder):
+        flush(path)
 
 
 def flush(path: Path) -> None:

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import flush, os_error, refuse_to_replace, write_beside
+from swamp_rl.files import flush, flush_whole, os_error, refuse_to_replace, write_beside
 
 LOCK = ".lock"
 
@@ -110,9 +110,7 @@ def _made(part: Path, description: Mapping[str, bytes]) -> bool:
 
 def _publish(part: Path, old: Path, path: Path) -> None:
     """Put `part` in the place of `path`, everything safe on the disk before."""
-    for file in sorted(part.rglob("*"), reverse=True):
-        flush(file)
-    flush(part)
+    flush_whole(part)
     if path.exists():
         os.replace(path, old)
     os.replace(part, path)

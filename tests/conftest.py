@@ -2,12 +2,14 @@
 
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import settings
 from numpy.typing import NDArray
+from playwright.sync_api import Browser, sync_playwright
 
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, create_dataset
 
@@ -17,6 +19,16 @@ settings.load_profile("swamp")
 
 THRUSTERS = ("bs", "bp", "ss", "sp")
 SAMPLE_RATE = 10.0
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
 
 
 def circling(seconds: float = 3.0, start: float = 0.0) -> dict[str, NDArray[np.float64]]:
@@ -61,6 +73,15 @@ def chromium() -> str:
     if os.environ.get("CI"):
         pytest.fail(message)
     pytest.skip(message)
+
+
+@pytest.fixture(scope="module")
+def browser(chromium: str) -> Iterator[Browser]:
+    """Started once for a file of tests, calling nobody."""
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
+        yield started
+        started.close()
 
 
 @pytest.fixture

@@ -5,16 +5,13 @@
 It writes the pilot into FOLDER/pilot and prints how often it was killed. A process of its own, for it forks.
 """
 
-import random
-import sys
 from pathlib import Path
 
 from envs.batched import GatesVectorEnv
 from envs.sb3 import GatesVecEnv
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.ppo import PPOSettings, train_ppo
-from swamp_rl.pilots.store import save_pilot
-from tests.lives import killed_until_done
+from tests.lives import lead_lives
 
 SETTINGS = PPOSettings(boats=8, decisions=1280, horizon=32, batch_size=64, epochs=2, leg=1, memory=1, seed=3)
 
@@ -25,16 +22,6 @@ def trained(checkpoint: Path | None, settings: PPOSettings = SETTINGS) -> Networ
     return train_ppo(GatesVecEnv(boats, settings.hold), settings, checkpoint=checkpoint)
 
 
-def main() -> None:
-    """One life after another."""
-    folder, chance = Path(sys.argv[1]), random.Random(int(sys.argv[2]))
-    trained(None, SETTINGS.model_copy(update={"decisions": 1}))  # whatever is imported and compiled for it
-    kills, done = killed_until_done(
-        lambda: save_pilot(trained(folder / "checkpoint"), folder / "pilot"), folder / "checkpoint", chance
-    )
-    print(kills)
-    sys.exit(not done)
-
-
 if __name__ == "__main__":
-    main()
+    trained(None, SETTINGS.model_copy(update={"decisions": 1}))  # whatever is imported and compiled for it
+    lead_lives(trained)

@@ -3,9 +3,13 @@
 import os
 import random
 import signal
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+
+from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.pilots.store import save_pilot
 
 
 def killed_until_done(job: Callable[[], None], checkpoint: Path, chance: random.Random) -> tuple[int, bool]:
@@ -29,6 +33,19 @@ def killed_until_done(job: Callable[[], None], checkpoint: Path, chance: random.
         if status != signal.SIGKILL:
             return kills, status == 0
         kills += 1
+
+
+def lead_lives(trained: Callable[[Path], Pilot]) -> None:
+    """For a process of its own with the arguments FOLDER and SEED: a pilot `trained` from the checkpoint that
+    it is given is saved as FOLDER/pilot, and how often its lives were killed is printed.
+    """
+    folder, chance = Path(sys.argv[1]), random.Random(int(sys.argv[2]))
+    checkpoint = folder / "checkpoint"
+    kills, done = killed_until_done(
+        lambda: save_pilot(trained(checkpoint), folder / "pilot"), checkpoint, chance
+    )
+    print(kills)
+    sys.exit(not done)
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
+from playwright.sync_api import Browser, Page, ViewportSize
 
 from envs.single import GatesEnv
 from swamp_rl.boat import load_boat
@@ -26,16 +26,6 @@ from tests.recorder import serving
 HASTE, MORE_HASTE = 3.0, 6.0  # keys are pressed from outside the browser, which takes time
 GREAT_HASTE = 15.0  # for pilots, who need no browser
 ATTEMPTS = 4
-FLAGS = [
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
 PHONE: ViewportSize = {"width": 390, "height": 844}
 # A standard gamepad that the test moves: axes as the W3C's mapping has them.
 PADS = """
@@ -64,14 +54,6 @@ setInterval(() => {
 FREEZE = """
 () => { setTimeout(() => { const until = performance.now() + 2000; while (performance.now() < until); }, 0); }
 """
-
-
-@pytest.fixture(scope="module")
-def browser(chromium: str) -> Iterator[Browser]:
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
-        yield started
-        started.close()
 
 
 @pytest.fixture

@@ -2,19 +2,18 @@
 
 import io
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
 from swamp_rl.course import load_course
 from swamp_rl.pilots.scripted import ScriptedPilot
 from tests.recorder import serving
-from tests.test_teleop_browser import FLAGS, GREAT_HASTE
+from tests.test_teleop_browser import GREAT_HASTE
 
 SIZES = {"desktop": (1280, 800), "phone across": (844, 390), "phone upright": (390, 844)}
 # What canvases write, beside the page's own words.
@@ -44,14 +43,6 @@ WORDS = """() => [...document.querySelectorAll("body *")].flatMap((element) => {
   return [[own, style.color, size, box.left, box.top, box.right, box.bottom]];
 })"""
 HIDDEN = "body *, ::placeholder { color: transparent !important; text-shadow: none !important; }"
-
-
-@pytest.fixture(scope="module")
-def browser(chromium: str) -> Iterator[Browser]:
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
-        yield started
-        started.close()
 
 
 def luminance(colour: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -2,7 +2,8 @@
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -83,7 +84,6 @@ def train_ppo(
     with the same bits as one that was not. start: the pilot that `settings.start` names. UserError for a
     checkpoint that is damaged or of other settings, and for a `start` that does not fit.
     """
-    import torch
     from stable_baselines3.common.vec_env import VecNormalize
 
     from swamp_rl.pilots.remembering import RememberingBoats
@@ -91,19 +91,31 @@ def train_ppo(
     settings = settings or PPOSettings()
     remembering = RememberingBoats(boats, settings.memory)
     scaled = VecNormalize(remembering, clip_obs=REACH, gamma=settings.discount)
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)  # layers this small are slower when divided among threads
-    try:
+    with one_thread():
         learner = _learner(scaled, settings)
         if start is not None:
             warm_start(learner, scaled, start, settings.senses)
         _train(learner, scaled, settings, tick, log, checkpoint, warm=start is not None)
+    weights = {**scaling_of(scaled), **mean_layers(learner.policy)}
+    return NetworkPilot("ppo", settings.senses, weights, settings.hold, settings.memory)
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Torch within the block: layers as small as ours are slower when divided among threads."""
+    import torch
+
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
     finally:
         torch.set_num_threads(threads)
-    seen: Any = scaled.obs_rms
-    scaling = {"mean": seen.mean, "scale": np.sqrt(seen.var + scaled.epsilon)}
-    weights = {**scaling, **mean_layers(learner.policy)}
-    return NetworkPilot("ppo", settings.senses, weights, settings.hold, settings.memory)
+
+
+def scaling_of(scaled: Any) -> dict[str, Array]:
+    """`mean` and `scale` (d,) of the observations, as a VecNormalize has learned them."""
+    return {"mean": scaled.obs_rms.mean, "scale": np.sqrt(scaled.obs_rms.var + scaled.epsilon)}
 
 
 def mean_layers(policy: Any) -> dict[str, Array]:

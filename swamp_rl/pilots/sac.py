@@ -8,7 +8,7 @@ from pydantic import Field
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
-from swamp_rl.pilots.ppo import FIRST_EPISODE, SENSES, Log
+from swamp_rl.pilots.ppo import FIRST_EPISODE, SENSES, Log, one_thread, scaling_of
 from swamp_rl.pilots.settings import Count, Positive, Seed, Settings, Share
 from swamp_rl.pilots.tally import Tally
 
@@ -48,7 +48,6 @@ def train_sac(
     What comes back is the policy without its exploration. `tick` hears the share done, `log` now and then
     success and mean return of the episodes since.
     """
-    import torch
     from stable_baselines3.common.callbacks import ConvertCallback
     from stable_baselines3.common.vec_env import VecNormalize
 
@@ -67,13 +66,9 @@ def train_sac(
             tally, told = Tally(settings.boats), int(done * TOLD)
         return True
 
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)  # layers this small are slower when divided among threads
-    try:
+    with one_thread():
         learner = _learner(scaled, settings)
         learner.learn(settings.decisions, callback=ConvertCallback(hear))
-    finally:
-        torch.set_num_threads(threads)
     return _pilot(learner, scaled, settings)
 
 
@@ -103,5 +98,4 @@ def _pilot(learner: Any, scaled: Any, settings: SACSettings) -> NetworkPilot:
     last = len(layers) // 2
     layers[f"weight_{last}"] = np.diag(0.5 * (HIGHEST - LOWEST))
     layers[f"bias_{last}"] = 0.5 * (HIGHEST + LOWEST)
-    scaling = {"mean": scaled.obs_rms.mean, "scale": np.sqrt(scaled.obs_rms.var + scaled.epsilon)}
-    return NetworkPilot("sac", settings.senses, {**scaling, **layers}, settings.hold)
+    return NetworkPilot("sac", settings.senses, {**scaling_of(scaled), **layers}, settings.hold)
