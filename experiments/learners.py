@@ -205,6 +205,7 @@ def _dagger() -> Learner:
             scene.experiment.step,
             training.tick,
             training.log,
+            training.checkpoint,
         )
 
     def told(plan: "PilotPlan") -> str:
@@ -237,7 +238,7 @@ def _sac() -> Learner:
 
         settings = training.settings
         boats = GatesVecEnv(training.boats(settings.boats, settings.senses), settings.hold)
-        return train_sac(boats, settings, training.tick, training.log)
+        return train_sac(boats, settings, training.tick, training.log, training.checkpoint)
 
     return Learner(SACSettings, train, _tries_told, by_trying=True)
 

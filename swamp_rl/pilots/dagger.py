@@ -5,6 +5,7 @@ drove itself, with the expert's levers in place of its own, and learns anew from
 """
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
@@ -13,11 +14,12 @@ from pydantic import Field, field_validator
 from swamp_rl.boat import Boat
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
+from swamp_rl.pilots.dagger_checkpoint import Rounds, load_rounds, save_rounds
 from swamp_rl.pilots.gru import GRUPilot, GRUSettings, fit_gru
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import MakeBoats, drive_episodes
-from swamp_rl.pilots.regression import Log
+from swamp_rl.pilots.regression import Log, task_of
 from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_reservoir
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.settings import Count, Seed, Settings
@@ -84,37 +86,64 @@ def fit_dagger(
     step: float = 0.1,
     tick: Callable[[float], None] = lambda done: None,
     log: Log = lambda number, values: None,
+    checkpoint: Path | None = None,
 ) -> Pilot:
     """A pilot that learned from the logged runs `first`, then from what it was corrected in.
 
     make_boats: builds boats of `vehicle` that start anew a step after their end, disturbed as in the rounds;
     look: adds to a run the columns that are sensed and not logged (`envs.hindsight.with_gates`). `tick` hears
     the share done; `log`, after each round (0: before the first), how many runs were learned from and, where
-    there are trials, the learner's share of successes. UserError where a run lacks a column.
+    there are trials, the learner's share of successes, those of an earlier life too. checkpoint: the file
+    that each round is kept in, and gone on from if it is of the same settings and first runs; beside it the
+    learner's own is kept within a round. UserError where a run lacks a column or the checkpoint is damaged.
     """
     settings = settings or DaggerSettings()
+    task = task_of(settings, (column for run in first for column in run.columns.values()))
+    rounds = Rounds() if checkpoint is None else load_rounds(checkpoint, task)
+    within = None if checkpoint is None else checkpoint.with_name(f"{checkpoint.name}-round")
     rng = np.random.default_rng(settings.seed)
     # All seeds are above any of an evaluation, so that no pilot is tried on what it learned from.
     trials = rng.integers(2**31, 2**32, settings.trials)
-    runs = list(first)
-    best = learner = fit(runs, settings)
-    most = succeeded(learner, make_boats, trials)
-    log(0, _point(runs, most, len(trials)))
-    for number in range(settings.rounds):
-        expert = ScriptedPilot(int(rng.integers(2**32)), settings.expert, step)
-        seeds = rng.integers(2**31, 2**32, settings.runs)
-        runs += [look(run) for run in corrected_runs(learner, expert, make_boats, vehicle, seeds, step)]
-        learner = fit(runs, settings)
-        success = succeeded(learner, make_boats, trials)
-        if success >= most:
-            best, most = learner, success
-        log(number + 1, _point(runs, success, len(trials)))
-        tick((number + 1) / settings.rounds)
-    return best
+    drawn = [(rng.integers(2**32), rng.integers(2**31, 2**32, settings.runs)) for _ in range(settings.rounds)]
+    for number in range(settings.rounds + 1):
+        if number >= len(rounds.successes):
+            if rounds.learner is not None:
+                expert_seed, seeds = drawn[number - 1]
+                expert = ScriptedPilot(int(expert_seed), settings.expert, step)
+                driven = corrected_runs(rounds.learner, expert, make_boats, vehicle, seeds, step)
+                rounds.corrected += [_plain(look(run)) for run in driven]
+            _learn(rounds, [*first, *rounds.corrected], settings, make_boats, trials, within)
+            if checkpoint is not None:
+                save_rounds(checkpoint, rounds, task)
+        success = {"success": rounds.successes[number] / len(trials)} if len(trials) else {}
+        log(number, {"runs": len(first) + number * settings.runs, **success})
+        if number:
+            tick(number / settings.rounds)
+    if within is not None:
+        within.unlink(missing_ok=True)
+    assert rounds.best is not None
+    return rounds.best
 
 
-def _point(runs: Sequence[Run], successes: int, trials: int) -> dict[str, float]:
-    return {"runs": len(runs), **({"success": successes / trials} if trials else {})}
+def _learn(
+    rounds: Rounds,
+    runs: Sequence[Run],
+    settings: DaggerSettings,
+    make_boats: MakeBoats,
+    trials: Array,
+    within: Path | None,
+) -> None:
+    """One round's learner from all `runs`, tried in the episodes `trials` (n,)."""
+    rounds.learner = fit(runs, settings, within)
+    success = succeeded(rounds.learner, make_boats, trials)
+    if rounds.best is None or success >= max(rounds.successes):
+        rounds.best = rounds.learner
+    rounds.successes.append(success)
+
+
+def _plain(run: Run) -> Run:
+    """The run as a file gives it back: a function of a strided column may differ in its last bit."""
+    return Run(run.name, {name: np.ascontiguousarray(c) for name, c in run.columns.items()}, run.meta)
 
 
 def succeeded(pilot: Pilot, make_boats: MakeBoats, seeds: Array) -> int:
@@ -136,14 +165,23 @@ def succeeded(pilot: Pilot, make_boats: MakeBoats, seeds: Array) -> int:
     return good
 
 
-def fit(runs: Sequence[Run], settings: DaggerSettings) -> ReservoirPilot | NetworkPilot | GRUPilot:
-    """The learner as it comes out of these runs."""
+def fit(
+    runs: Sequence[Run], settings: DaggerSettings, checkpoint: Path | None = None
+) -> ReservoirPilot | NetworkPilot | GRUPilot:
+    """The learner as it comes out of these runs, and as it would come back from a file, bit for bit.
+
+    checkpoint: of the learner, where its kind has one.
+    """
     learner = settings.learner.model_copy(update={"seed": settings.seed})
+    pilot: ReservoirPilot | NetworkPilot | GRUPilot
     if isinstance(learner, ReservoirLearner):
-        return fit_reservoir(runs, learner)
-    if isinstance(learner, GRULearner):
-        return fit_gru(runs, learner)
-    return fit_cloning(runs, learner)
+        pilot = fit_reservoir(runs, learner)
+    elif isinstance(learner, GRULearner):
+        pilot = fit_gru(runs, learner, checkpoint=checkpoint)
+    else:
+        pilot = fit_cloning(runs, learner, checkpoint=checkpoint)
+    weights = {name: np.ascontiguousarray(value) for name, value in pilot.weights().items()}
+    return pilot.build(pilot.settings(), weights)
 
 
 class Watched:

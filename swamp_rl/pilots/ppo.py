@@ -1,8 +1,7 @@
 """PPO (Schulman and others 2017) by stable-baselines3, on a batch of boats that is handed in."""
 
 import math
-import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,18 +11,23 @@ from pydantic import Field
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
+from swamp_rl.pilots.legs import (
+    Legs,
+    Log,
+    begin_leg,
+    moments,
+    put_moments,
+    put_seen,
+    put_weights,
+    seen,
+    train_in_legs,
+    weights,
+)
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
 from swamp_rl.pilots.pilot import Pilot
-from swamp_rl.pilots.ppo_checkpoint import Progress, load_progress, save_progress
 from swamp_rl.pilots.ppo_warm import freeze_policy, warm_start
 from swamp_rl.pilots.settings import Count, Positive, Seed, Settings, Share
 from swamp_rl.pilots.tally import Tally
-
-Log = Callable[[int, Mapping[str, float]], None]
-"""Told, after each leg, the decisions made so far, and of its episodes `success` and mean `return`."""
-
-FIRST_EPISODE = 2**31
-"Seeds of episodes to learn from begin here; those of experiments, which evaluate, end below."
 
 SENSES = (*POSE, *MOTION, *NEXT_GATE)
 
@@ -95,9 +99,11 @@ def train_ppo(
         learner = _learner(scaled, settings)
         if start is not None:
             warm_start(learner, scaled, start, settings.senses)
-        _train(learner, scaled, settings, tick, log, checkpoint, warm=start is not None)
-    weights = {**scaling_of(scaled), **mean_layers(learner.policy)}
-    return NetworkPilot("ppo", settings.senses, weights, settings.hold, settings.memory)
+        scaled.training = start is None  # a clone's own scaling stays
+        legs = _legs(learner, scaled, settings, tick, warm=start is not None)
+        train_in_legs(legs, settings.model_dump(mode="json"), settings.decisions, log, checkpoint)
+    learned = {**scaling_of(scaled), **mean_layers(learner.policy)}
+    return NetworkPilot("ppo", settings.senses, learned, settings.hold, settings.memory)
 
 
 @contextmanager
@@ -128,46 +134,33 @@ def mean_layers(policy: Any) -> dict[str, Array]:
     return layers
 
 
-def _train(
-    learner: Any,
-    scaled: Any,
-    settings: PPOSettings,
-    tick: Callable[[float], None],
-    log: Log,
-    checkpoint: Path | None,
-    warm: bool,
-) -> None:
-    """Leg after leg, from the last checkpoint on. What was logged before it is logged again."""
-    progress = Progress(settings.model_dump(mode="json"))
-    if checkpoint is not None:
-        load_progress(checkpoint, progress, learner, scaled)
-    for row in progress.curve:
-        log(row["step"], {name: value for name, value in row.items() if name != "step"})
-    scaled.training = not warm  # a clone's own scaling stays
-    while learner.num_timesteps < settings.decisions:
-        began = time.perf_counter()
-        freeze_policy(learner, frozen=warm and progress.legs < settings.settle)
-        values = _leg(learner, settings, progress.legs, tick)
-        progress.legs += 1
-        progress.seconds += time.perf_counter() - began
-        if values:
-            values["seconds"] = round(progress.seconds, 2)
-            progress.curve.append({"step": learner.num_timesteps, **values})
-        if checkpoint is not None:
-            save_progress(checkpoint, progress, learner, scaled)
-        if values:
-            log(learner.num_timesteps, values)
+def _legs(
+    learner: Any, scaled: Any, settings: PPOSettings, tick: Callable[[float], None], warm: bool
+) -> Legs:
+    """What is done in each leg and kept of it: weights, the optimiser's moments and what scales."""
+
+    def drive(leg: int) -> dict[str, float]:
+        freeze_policy(learner, frozen=warm and leg < settings.settle)
+        return _leg(learner, settings, leg, tick)
+
+    def tensors() -> dict[str, Array]:
+        kept = weights(learner.policy) | moments("optimiser", learner.policy.optimizer)
+        return kept | seen("observation", scaled.obs_rms) | seen("return", scaled.ret_rms)
+
+    def restore(kept: dict[str, Array]) -> None:
+        put_weights(learner.policy, kept)
+        put_moments("optimiser", learner.policy.optimizer, kept)
+        put_seen("observation", scaled.obs_rms, kept)
+        put_seen("return", scaled.ret_rms, kept)
+
+    return Legs(learner, drive, tensors, restore)
 
 
 def _leg(learner: Any, settings: PPOSettings, leg: int, tick: Callable[[float], None]) -> dict[str, float]:
     """Some updates; their boats and random numbers depend on the seed and the number of the leg alone."""
     from stable_baselines3.common.callbacks import ConvertCallback
-    from stable_baselines3.common.utils import set_random_seed
 
-    chance, episodes = np.random.SeedSequence([settings.seed, leg]).generate_state(2).tolist()
-    set_random_seed(chance)
-    learner.env.seed(FIRST_EPISODE + episodes % FIRST_EPISODE)
-    learner._last_obs = None  # so that `learn` starts the boats anew
+    begin_leg(learner, settings.seed, leg)
     tally = Tally(settings.boats)
 
     def hear(known: dict[str, Any], _: dict[str, Any]) -> bool:

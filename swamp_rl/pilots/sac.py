@@ -1,23 +1,36 @@
 """SAC (Haarnoja and others 2018) by stable-baselines3: another way of learning by trying, as a check."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
 
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.legs import (
+    Legs,
+    Log,
+    begin_leg,
+    moments,
+    put_moments,
+    put_seen,
+    put_weights,
+    seen,
+    train_in_legs,
+    weights,
+)
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
-from swamp_rl.pilots.ppo import FIRST_EPISODE, SENSES, Log, one_thread, scaling_of
+from swamp_rl.pilots.ppo import SENSES, one_thread, scaling_of
 from swamp_rl.pilots.settings import Count, Positive, Seed, Settings, Share
 from swamp_rl.pilots.tally import Tally
 
-TOLD = 20
-"Times that the log hears of a training."
+BUFFER = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
+"Arrays of the replay buffer, a row for each decision of all boats."
 
 
 class SACSettings(Settings):
-    """How long and how it learns. A training that is broken off begins again."""
+    """How long and how it learns."""
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = SENSES
     hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
@@ -34,6 +47,9 @@ class SACSettings(Settings):
     discount: Share = 0.98
     "For each decision."
     learning_rate: Positive = 1e-3
+    leg: Count = 625
+    """Decisions of each boat between two checkpoints. Each leg starts all boats anew, with random numbers of
+    its own, so it must last longer than episodes do."""
     seed: Seed = 0
 
 
@@ -42,34 +58,69 @@ def train_sac(
     settings: SACSettings | None = None,
     tick: Callable[[float], None] = lambda done: None,
     log: Log = lambda decisions, values: None,
+    checkpoint: Path | None = None,
 ) -> NetworkPilot:
     """Learn by trying in `boats`, a stable-baselines3 VecEnv as for `swamp_rl.pilots.ppo.train_ppo`.
 
-    What comes back is the policy without its exploration. `tick` hears the share done, `log` now and then
-    success and mean return of the episodes since.
+    What comes back is the policy without its exploration. `tick`, `log` and `checkpoint`, which holds the
+    replay buffer too, as there.
     """
-    from stable_baselines3.common.callbacks import ConvertCallback
     from stable_baselines3.common.vec_env import VecNormalize
 
     settings = settings or SACSettings()
-    boats.seed(FIRST_EPISODE + settings.seed % FIRST_EPISODE)
     scaled = VecNormalize(boats, norm_reward=False, clip_obs=REACH)
-    tally, told = Tally(settings.boats), 0
-
-    def hear(known: dict[str, Any], _: dict[str, Any]) -> bool:
-        nonlocal tally, told
-        tally.add(scaled.get_original_reward(), known["dones"], known["infos"])
-        done = min(1.0, known["self"].num_timesteps / settings.decisions)
-        tick(done)
-        if done * TOLD >= told + 1 and (values := tally.means()):
-            log(known["self"].num_timesteps, values)
-            tally, told = Tally(settings.boats), int(done * TOLD)
-        return True
-
     with one_thread():
         learner = _learner(scaled, settings)
-        learner.learn(settings.decisions, callback=ConvertCallback(hear))
+        legs = _legs(learner, scaled, settings, tick)
+        train_in_legs(legs, settings.model_dump(mode="json"), settings.decisions, log, checkpoint)
     return _pilot(learner, scaled, settings)
+
+
+def _legs(learner: Any, scaled: Any, settings: SACSettings, tick: Callable[[float], None]) -> Legs:
+    """What is done in each leg, and kept of it: weights, moments, the entropy's weight, scaling, buffer."""
+    policy, buffer = learner.policy, learner.replay_buffer
+    optimisers = {
+        "actor": policy.actor.optimizer,
+        "critic": policy.critic.optimizer,
+        "entropy": learner.ent_coef_optimizer,
+    }
+
+    def tensors() -> dict[str, Array]:
+        kept = weights(policy) | seen("observation", scaled.obs_rms)
+        kept["log_entropy"] = learner.log_ent_coef.detach().numpy()
+        for name, optimiser in optimisers.items():
+            kept |= moments(name, optimiser)
+        return kept | {f"buffer.{name}": getattr(buffer, name)[: buffer.pos] for name in BUFFER}
+
+    def restore(kept: dict[str, Array]) -> None:
+        put_weights(policy, kept)
+        put_seen("observation", scaled.obs_rms, kept)
+        learner.log_ent_coef.data[:] = float(kept["log_entropy"][0])
+        for name, optimiser in optimisers.items():
+            put_moments(name, optimiser, kept)
+        buffer.pos = len(kept["buffer.rewards"])
+        for name in BUFFER:
+            getattr(buffer, name)[: buffer.pos] = kept[f"buffer.{name}"]
+
+    return Legs(learner, lambda leg: _leg(learner, settings, leg, tick), tensors, restore)
+
+
+def _leg(learner: Any, settings: SACSettings, leg: int, tick: Callable[[float], None]) -> dict[str, float]:
+    """Some decisions; their boats and random numbers depend on the seed and the number of the leg alone."""
+    from stable_baselines3.common.callbacks import ConvertCallback
+
+    begin_leg(learner, settings.seed, leg)
+    tally = Tally(settings.boats)
+
+    def hear(known: dict[str, Any], _: dict[str, Any]) -> bool:
+        tally.add(learner.env.get_original_reward(), known["dones"], known["infos"])
+        tick(min(1.0, learner.num_timesteps / settings.decisions))
+        return True
+
+    left = settings.decisions - learner.num_timesteps
+    asked = min(settings.leg * settings.boats, left)
+    learner.learn(asked, callback=ConvertCallback(hear), reset_num_timesteps=False)
+    return tally.means()
 
 
 def _learner(scaled: Any, settings: SACSettings) -> Any:
@@ -79,7 +130,7 @@ def _learner(scaled: Any, settings: SACSettings) -> Any:
     return SAC(
         "MlpPolicy",
         scaled,
-        buffer_size=settings.decisions,
+        buffer_size=settings.decisions + 2 * settings.boats,  # so that it is never full
         learning_starts=settings.random,
         batch_size=settings.batch_size,
         gamma=settings.discount,

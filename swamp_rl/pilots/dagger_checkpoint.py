@@ -1,0 +1,83 @@
+"""The rounds of a DAgger on the disk, in one file without pickle: tensors, and JSON in its header."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import write_beside
+from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.runs import Run, RunMeta
+
+
+@dataclass
+class Rounds:
+    """What the rounds so far have come to."""
+
+    corrected: list[Run] = field(default_factory=list)
+    successes: list[int] = field(default_factory=list)
+    "In the trials of each round's learner, the one before the first round included."
+    learner: Pilot | None = None
+    "As it came out of the last round."
+    best: Pilot | None = None
+
+
+def save_rounds(path: Path, rounds: Rounds, task: str) -> None:
+    """Replace the checkpoint `path`, whole or not at all; UserError where it cannot be written."""
+    from safetensors.numpy import save
+
+    tensors: dict[str, Array] = {}
+    pilots = {}
+    for role, pilot in (("learner", rounds.learner), ("best", rounds.best)):
+        assert pilot is not None
+        pilots[role] = {"kind": pilot.kind, "settings": pilot.settings()}
+        tensors |= {f"{role}/{name}": value for name, value in pilot.weights().items()}
+    runs = []
+    for i, run in enumerate(rounds.corrected):
+        runs.append(
+            {"name": run.name, "columns": list(run.columns), "meta": run.meta.model_dump(mode="json")}
+        )
+        tensors |= {f"run {i}/{name}": values for name, values in run.columns.items()}
+    said = {"task": task, "successes": rounds.successes, "pilots": pilots, "runs": runs}
+    whole = {name: np.ascontiguousarray(value) for name, value in tensors.items()}
+    with write_beside(path) as part:
+        part.write_bytes(save(whole, metadata={"rounds": json.dumps(said)}))
+
+
+def load_rounds(path: Path, task: str) -> Rounds:
+    """The rounds that `path` holds; none where there is no such file, or one of another task.
+
+    UserError where it is damaged.
+    """
+    from safetensors import SafetensorError, safe_open
+
+    if not path.exists():
+        return Rounds()
+    try:
+        with safe_open(path, "numpy") as file:
+            said = json.loads((file.metadata() or {})["rounds"])
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  not a mapping
+        if said["task"] != task:
+            return Rounds()
+        runs = []
+        for i, told in enumerate(said["runs"]):
+            columns = {name: tensors[f"run {i}/{name}"] for name in told["columns"]}
+            runs.append(Run(told["name"], columns, RunMeta.model_validate(told["meta"])))
+        learner, best = (_pilot(role, said["pilots"][role], tensors) for role in ("learner", "best"))
+        return Rounds(runs, said["successes"], learner, best)
+    except (OSError, SafetensorError, LookupError, TypeError, ValueError) as error:
+        raise UserError(f"{path}: is no checkpoint of DAgger's rounds ({error}); remove it") from error
+
+
+def _pilot(role: str, told: dict[str, Any], tensors: dict[str, Array]) -> Pilot:
+    from swamp_rl.pilots.store import KINDS
+
+    own = {
+        name.removeprefix(f"{role}/"): value for name, value in tensors.items() if name.startswith(f"{role}/")
+    }
+    pilot: Pilot = KINDS[told["kind"]].build(told["settings"], own)
+    return pilot

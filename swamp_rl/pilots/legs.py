@@ -1,0 +1,183 @@
+"""Trainings by trial in legs, each kept in one file without pickle: tensors, and JSON in its header.
+
+A leg starts all boats anew, with random numbers from the seed and the number of the leg alone: so a life that
+goes on from a checkpoint needs nothing of the boats, and ends with the same bits as one that was not broken.
+"""
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import write_beside
+from swamp_rl.pilots.arrays import Array
+
+FORMAT = "1"
+FIRST_EPISODE = 2**31
+"Seeds of episodes to learn from begin here; those of experiments, which evaluate, end below."
+
+Log = Callable[[int, Mapping[str, float]], None]
+"""Told, after each leg, the decisions made so far, and of its episodes `success` and mean `return`."""
+
+
+@dataclass
+class Progress:
+    """How far a training is. curve: what each leg told, with the `step` it had reached, in decisions."""
+
+    settings: dict[str, Any]
+    legs: int = 0
+    decisions: int = 0
+    seconds: float = 0.0
+    curve: list[dict[str, Any]] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Legs:
+    """What is done in a leg and kept of it. learner: of stable-baselines3, with `num_timesteps`."""
+
+    learner: Any
+    drive: Callable[[int], dict[str, float]]
+    "The leg of that number; what it tells, nothing where no episode ended."
+    tensors: Callable[[], Mapping[str, Array]]
+    "All that a later leg needs."
+    restore: Callable[[dict[str, Array]], None]
+    "Put it back; KeyError, ValueError or RuntimeError where it does not fit."
+
+
+def train_in_legs(
+    legs: Legs, settings: dict[str, Any], decisions: int, log: Log, checkpoint: Path | None
+) -> None:
+    """Leg after leg, from the last checkpoint on. What was logged before it is logged again.
+
+    UserError for a checkpoint that is damaged or of other settings.
+    """
+    progress = Progress(settings)
+    if checkpoint is not None:
+        _load(checkpoint, progress, legs)
+    for row in progress.curve:
+        log(row["step"], {name: value for name, value in row.items() if name != "step"})
+    while legs.learner.num_timesteps < decisions:
+        began = time.perf_counter()
+        values = legs.drive(progress.legs)
+        progress.legs += 1
+        progress.decisions = legs.learner.num_timesteps
+        progress.seconds += time.perf_counter() - began
+        if values:
+            values["seconds"] = round(progress.seconds, 2)
+            progress.curve.append({"step": progress.decisions, **values})
+        if checkpoint is not None:
+            _save(checkpoint, progress, legs.tensors())
+        if values:
+            log(progress.decisions, values)
+
+
+def begin_leg(learner: Any, seed: int, leg: int) -> None:
+    """Random numbers and episodes that depend on the seed and the number of the leg alone."""
+    from stable_baselines3.common.utils import set_random_seed
+
+    chance, episodes = np.random.SeedSequence([seed, leg]).generate_state(2).tolist()
+    set_random_seed(chance)
+    learner.action_space.seed(chance)
+    learner.env.seed(FIRST_EPISODE + episodes % FIRST_EPISODE)
+    learner._last_obs = None  # so that `learn` starts the boats anew
+
+
+def moments(owner: str, optimiser: Any) -> dict[str, Array]:
+    """The state of a torch optimiser, by names that begin with `owner`."""
+    return {
+        f"{owner}.{i}.{name}": value.numpy()
+        for i, known in optimiser.state_dict()["state"].items()
+        for name, value in known.items()
+    }
+
+
+def put_moments(owner: str, optimiser: Any, tensors: Mapping[str, Array]) -> None:
+    """Bring a torch optimiser to what `moments` told."""
+    import torch
+
+    state: dict[int, dict[str, Any]] = {}
+    for name, value in tensors.items():
+        if name.startswith(f"{owner}."):
+            i, moment = name.removeprefix(f"{owner}.").split(".")
+            state.setdefault(int(i), {})[moment] = torch.from_numpy(value)
+    optimiser.load_state_dict({**optimiser.state_dict(), "state": state})
+
+
+def weights(policy: Any) -> dict[str, Array]:
+    """The weights of a policy of stable-baselines3, by names that begin with `policy`."""
+    return {f"policy.{name}": value.numpy() for name, value in policy.state_dict().items()}
+
+
+def put_weights(policy: Any, tensors: Mapping[str, Array]) -> None:
+    """Bring a policy to what `weights` told."""
+    import torch
+
+    policy.load_state_dict(
+        {name: torch.from_numpy(tensors[f"policy.{name}"]) for name in policy.state_dict()}
+    )
+
+
+def seen(owner: str, statistics: Any) -> dict[str, Array]:
+    """A RunningMeanStd, by names that begin with `owner`."""
+    told = {f"{owner}.mean": np.asarray(statistics.mean), f"{owner}.var": np.asarray(statistics.var)}
+    return told | {f"{owner}.count": np.asarray(statistics.count, dtype=np.float64)}
+
+
+def put_seen(owner: str, statistics: Any, tensors: Mapping[str, Array]) -> None:
+    """Bring a RunningMeanStd to what `seen` told."""
+    statistics.mean, statistics.var = tensors[f"{owner}.mean"], tensors[f"{owner}.var"]
+    statistics.count = float(tensors[f"{owner}.count"])
+
+
+def _save(path: Path, progress: Progress, tensors: Mapping[str, Array]) -> None:
+    """Replace the checkpoint `path`, whole or not at all; UserError where it cannot be written."""
+    from safetensors.numpy import save
+
+    header = {
+        "format": FORMAT,
+        "settings": json.dumps(progress.settings),
+        "legs": str(progress.legs),
+        "seconds": repr(progress.seconds),
+        "curve": json.dumps(progress.curve),
+        "decisions": str(progress.decisions),
+    }
+    with write_beside(path) as part:
+        whole = {name: np.array(value, order="C") for name, value in tensors.items()}
+        part.write_bytes(save(whole, metadata=header))
+
+
+def _load(path: Path, progress: Progress, legs: Legs) -> None:
+    """Bring `progress` and the learner to the checkpoint `path`, if one is there."""
+    if not path.exists():
+        return
+    header, tensors = _read(path)
+    try:
+        made_with = json.loads(header["settings"])
+        if header["format"] == FORMAT and made_with == progress.settings:
+            legs.restore(tensors)
+            progress.decisions = legs.learner.num_timesteps = int(header["decisions"])
+            progress.legs, progress.seconds = int(header["legs"]), float(header["seconds"])
+            progress.curve = json.loads(header["curve"])
+            return
+    except (KeyError, ValueError, RuntimeError) as error:
+        raise UserError(f"{path}: is no whole checkpoint ({error}); remove it to train anew") from error
+    other = [key for key in progress.settings if made_with.get(key) != progress.settings[key]]
+    raise UserError(
+        f"{path}: was made with other settings ({', '.join(other) or 'of another version'}); "
+        "train with those, or remove it to train anew"
+    )
+
+
+def _read(path: Path) -> tuple[dict[str, str], dict[str, Array]]:
+    from safetensors import SafetensorError, safe_open
+
+    try:
+        with safe_open(path, "numpy") as file:
+            return file.metadata() or {}, {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    except (OSError, SafetensorError) as error:
+        raise UserError(f"{path}: is damaged ({error}); remove it to train anew") from error
