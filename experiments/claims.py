@@ -1,30 +1,28 @@
 """The claims of thesis 7.3.3 as tested hypotheses: a pilot trained anew many times, tried where they say."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from experiments.claims_effects import CLAIMS, Flight, Flown, Hypothesis, Who, alone, hypotheses, named
+from experiments.claims_effects import CLAIMS, Hypothesis, hypotheses
+from experiments.claims_flown import fly
 from experiments.claims_report import report
 from experiments.claims_schema import Claims
 from experiments.comparison import without_nan
-from experiments.kept import seeds, write_hashes
-from experiments.learn import get_data, train, with_takeover
+from experiments.kept import WORK, seeds, write_hashes
+from experiments.learn import get_data
 from experiments.learners import learner
 from experiments.progress import Stages, measured
 from experiments.results import data_results
 from experiments.scene import Scene
-from experiments.schema import PilotPlan
 from swamp_rl.errors import UserError
-from swamp_rl.evaluation import drive, episode_table, holm, sign_flip_test
+from swamp_rl.evaluation import holm, sign_flip_test
 from swamp_rl.evaluation.crossed import crossed_mean
 from swamp_rl.pilots.demonstrations import choose_runs
-from swamp_rl.pilots.pilot import Pilot
-from swamp_rl.pilots.scripted import ScriptedPilot
-from swamp_rl.runs import Dataset, Run
+from swamp_rl.runs import Run
 
 LEVEL = 0.05
 SUPPORTED, NOT_SUPPORTED, UNDECIDED = "supported", "not supported", "undecided"
@@ -58,7 +56,7 @@ def examine_claims(scene: Scene, folder: Path, progress: Stages) -> dict[str, An
         )
     rng = np.random.default_rng(scene.experiment.evaluation.seed)
     lessons = blocks(pool, plan.draws, max(plan.runs), rng)
-    flown = fly(scene, plan, dataset, lessons, progress)
+    flown = fly(scene, plan, dataset, lessons, progress, folder / WORK / "flown")
     with progress.stage("test the hypotheses"):
         rows = judge(hypotheses(plan, flown), rng)
     results = {
@@ -99,47 +97,6 @@ def blocks(pool: Sequence[Run], draws: int, size: int, rng: np.random.Generator)
     order = [pool[i] for i in rng.permutation(len(pool))]
     apart = max(len(order) // draws, 1)
     return [[order[(draw * apart + i) % len(order)] for i in range(size)] for draw in range(draws)]
-
-
-def fly(
-    scene: Scene,
-    plan: Claims,
-    dataset: Dataset,
-    lessons: Sequence[list[Run]],
-    progress: Stages,
-) -> Flown:
-    """Train the pilot on each choice of runs and try it wherever a claim asks for it."""
-    flights: dict[Who, list[Flight]] = {}
-    asked = scene.experiment.pilots[plan.pilot]
-    everywhere = dict.fromkeys((plan.at, plan.calm, *plan.disturbed, *plan.elsewhere))
-    for draw, lesson in enumerate(lessons):
-        with progress.stage(f"draw {draw + 1} of {len(lessons)}"):
-            for runs in plan.runs:
-                pilot = trained(scene, replace(dataset, runs=lesson), asked, runs, draw)
-                whole = with_takeover(scene, asked, pilot)
-                for level in everywhere if runs == plan.few else (plan.at,):
-                    flights.setdefault((named(runs), level), []).append(flight(scene, whole, level))
-                for level in plan.elsewhere if runs == plan.few else ():
-                    flights.setdefault((alone(runs), level), []).append(flight(scene, pilot, level))
-    teacher = None
-    if dataset.meta.source == "scripted":
-        with progress.stage("the data's pilot"):
-            scripted = ScriptedPilot(scene.experiment.evaluation.seed, step=scene.experiment.step)
-            teacher = {level: flight(scene, scripted, level) for level in everywhere}
-    return Flown(flights, lessons, teacher, scene.boat)
-
-
-def trained(scene: Scene, dataset: Dataset, asked: PilotPlan, runs: int, draw: int) -> Pilot:
-    """The pilot from the first `runs` of the dataset, by a training seed of its own where it has one."""
-    options = asked.options | ({"seed": draw} if "seed" in asked.options else {})
-    plan = asked.model_copy(update={"runs": runs, "options": options})
-    return train(scene, dataset, plan, lambda done: None)
-
-
-def flight(scene: Scene, pilot: Pilot, level: str) -> Flight:
-    """The experiment's episodes at a level."""
-    rollout = drive(pilot, scene.boats_at(scene.levels[level]), scene.seeds)
-    return episode_table(rollout, scene.boat, scene.experiment.step), rollout
 
 
 def judge(asked: Sequence[Hypothesis], rng: np.random.Generator) -> list[dict[str, Any]]:

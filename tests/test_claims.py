@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 import yaml
 
+from experiments import claims_flown
 from experiments.claims import blocks, check_claims, claim_row, disjoint, examine_claims, judge
 from experiments.claims_effects import Flown, Hypothesis, lever_power, named, not_copied
 from experiments.claims_report import report, shown
 from experiments.claims_schema import Claims
 from experiments.progress import stages
-from experiments.scene import read_scene
+from experiments.scene import Scene, read_scene
 from experiments.schema import load_experiment
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
@@ -121,13 +122,27 @@ def test_claims_about_what_is_not_there_are_refused(override: str, told: str) ->
         check_claims(scene)
 
 
-def test_the_whole_in_small_tells_every_claim_and_where_the_data_are_from(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
+    """Few runs, trainings and episodes of at most 45 s."""
     course = yaml.safe_load(find_config("courses", "camogli").read_text(encoding="utf-8"))
-    short = tmp_path / "short.yaml"
+    short = tmp_path_factory.mktemp("course") / "short.yaml"
     short.write_text(yaml.safe_dump({**course, "time_limit": 45.0}), encoding="utf-8")
-    scene = read_scene(load_experiment("thesis_claims", [*SMALL, f"course={short}"]))
+    return read_scene(load_experiment("thesis_claims", [*SMALL, f"course={short}"]))
+
+
+def examined(scene: Scene, folder: Path) -> dict[str, Any]:
+    """What goes into results.json, but for what it took."""
     with stages() as progress:
-        results = examine_claims(scene, tmp_path, progress)
+        results = examine_claims(scene, folder, progress)
+    assert (folder / "report.md").read_text(encoding="utf-8") == report(results)
+    return {key: value for key, value in results.items() if key != "measured"}
+
+
+def test_the_whole_in_small_tells_every_claim_and_goes_on_after_a_break_to_the_same_numbers(
+    small: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    results = examined(small, tmp_path / "unbroken")
     assert [one["claim"] for one in results["claims"]] == [
         "few",
         "copy",
@@ -136,8 +151,33 @@ def test_the_whole_in_small_tells_every_claim_and_where_the_data_are_from(tmp_pa
         "smoother",
     ]
     assert all(one["hypotheses"] for one in results["claims"])
-    text = (tmp_path / "report.md").read_text(encoding="utf-8")
-    assert text == report(results) and "No person drove" in text
+    assert "No person drove" in (tmp_path / "unbroken" / "report.md").read_text(encoding="utf-8")
+
+    def stopped(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    done: list[str] = []
+    flight, train = claims_flown.flight, claims_flown.train
+
+    def third_is_the_last(*asked: Any) -> Any:
+        if len(done) == 3:
+            stopped()
+        done.append("flight")
+        return flight(*asked)
+
+    def counted(*asked: Any) -> Any:
+        trained.append("training")
+        return train(*asked)
+
+    trained: list[str] = []
+    monkeypatch.setattr(claims_flown, "train", counted)
+    for broken in (("flight", third_is_the_last), ("_teacher", stopped)):
+        with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+            patched.setattr(claims_flown, *broken)
+            examined(small, tmp_path / "broken")
+    assert len(trained) == 4  # 2 draws of 3 and of 6 runs, none of them twice
+    assert examined(small, tmp_path / "broken") == results
+    assert len(trained) == 4
 
 
 def test_tracks_of_the_datas_own_kind_are_once_as_far_and_copies_hardly_at_all() -> None:
