@@ -12,6 +12,7 @@ from experiments.schema import Experiment
 from experiments.versions import versions
 from swamp_rl.errors import UserError
 from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, write_beside, yaml_text
+from swamp_rl.pilots.store import DESCRIPTION, describe_pilot
 from swamp_rl.runs.dataset import META
 
 RESULTS, TRAINED = "results.json", "training.json"
@@ -107,6 +108,29 @@ def with_data_hash(experiment: Experiment, where: str) -> Experiment:
             "bring them back, or drop the key to learn from what is there"
         )
     return experiment.model_copy(update={"data": data.model_copy(update={"sha256": found})})
+
+
+def pilot_hash(folder: Path | str) -> str:
+    """SHA-256 of a stored pilot's `pilot.json`, which holds that of its weights; UserError as for
+    `describe_pilot`."""
+    describe_pilot(folder)
+    return hashlib.sha256((Path(folder) / DESCRIPTION).read_bytes()).hexdigest()
+
+
+def with_pilot_hashes(experiment: Experiment, where: str) -> Experiment:
+    """The experiment with the hash of each pilot given by its folder; UserError where it names another."""
+    plans = dict(experiment.pilots)
+    for name, plan in plans.items():
+        if plan.kind != "stored":
+            continue
+        found = pilot_hash(plan.options["folder"])
+        if plan.options.get("sha256") not in (None, found):
+            raise UserError(
+                f"{where}: pilots.{name}.options.sha256: the pilot in {plan.options['folder']} is no longer "
+                "the one that it was made with; bring it back, or drop the key to take what is there"
+            )
+        plans[name] = plan.model_copy(update={"options": plan.options | {"sha256": found}})
+    return experiment.model_copy(update={"pilots": plans})
 
 
 def seeds(experiment: Experiment) -> dict[str, Any]:

@@ -244,9 +244,10 @@ def _sac() -> Learner:
 
 
 class StoredSettings(Settings):
-    """Of a pilot that was trained before."""
+    """Of a pilot that was trained before. sha256: of its `pilot.json`; once run, that of what was there."""
 
     folder: str
+    sha256: str | None = None
 
 
 def _stored() -> Learner:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from experiments.driven import write_driven
-from experiments.kept import WORK, seeds, write_hashes
+from experiments.kept import WORK, pilot_hash, seeds, write_hashes
 from experiments.learn import get_data, train_pilots
 from experiments.pictures import choose_race, draw_figures, write_race
 from experiments.progress import Stages, measured
@@ -28,6 +28,8 @@ def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any
         track_success(scene.experiment, tried.tables)
         results = gather(scene, dataset, tried.tables) | {"seeds": seeds(scene.experiment)}
         results["data"]["sha256"] = write_hashes(dataset.folder, folder)
+        for name in pilots:
+            results["pilots"][name]["sha256"] = pilot_hash(folder / "pilots" / name)
     _show(scene, folder, dataset, tried, results, progress)
     results["measured"] = measured(progress)
     (folder / "report.md").write_text(report(results), encoding="utf-8")

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from experiments.job import job, same_job, say
-from experiments.kept import RESULTS, TRAINED, kept_config, same_configs, with_data_hash
+from experiments.kept import RESULTS, TRAINED, kept_config, same_configs, with_data_hash, with_pilot_hashes
 from experiments.learn import get_data, train_pilots
 from experiments.main_job import do_experiment
 from experiments.printed import print_results, read_json, write_json
@@ -97,7 +97,8 @@ def _sound(experiment: Experiment, given: str | Path) -> tuple[Scene, Work]:
     from experiments.claims import check_claims, examine_claims
     from experiments.closed_loop import close_loop, true_scene
 
-    scene = read_scene(with_data_hash(experiment, str(given)))
+    hashed = with_pilot_hashes(with_data_hash(experiment, str(given)), str(given))
+    scene = read_scene(hashed)
     if experiment.claims is not None:
         check_claims(scene)
         return scene, examine_claims

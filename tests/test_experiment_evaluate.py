@@ -1,6 +1,7 @@
 """Training, evaluating and doing again: the same numbers by whatever way, bit for bit."""
 
 import json
+import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -107,6 +108,30 @@ def test_stored_pilots_of_several_folders_drive_the_same_episodes(place: Path) -
     assert list(results["pilots"]) == ["run-net", "trained-net", "ppo"]
     first, second = (results["pilots"][name]["levels"] for name in ("run-net", "trained-net"))
     assert first == second
+
+
+def test_results_hold_the_hash_of_every_pilot_and_a_stored_one_that_has_changed_since_is_refused(
+    place: Path, tmp_path: Path
+) -> None:
+    def hashed(folder: Path) -> str:
+        return subprocess.run(
+            ["sha256sum", folder / "pilot.json"], check=True, capture_output=True, text=True
+        ).stdout.split()[0]
+
+    net = tmp_path / "net"
+    shutil.copytree(place / "run" / "pilots" / "net", net)
+    out = evaluate_folders([net], {"episodes": 2}, out=tmp_path / "out", experiment=str(place / "tiny.yaml"))
+    results = json.loads((out / "results.json").read_text())
+    assert results["pilots"]["net"]["sha256"] == hashed(out / "pilots" / "net")
+    assert load_experiment(out).pilots["net"].options == {"folder": str(net), "sha256": hashed(net)}
+    whole = json.loads((place / "run" / "results.json").read_text())
+    assert {n: p["sha256"] for n, p in whole["pilots"].items()} == {
+        name: hashed(place / "run" / "pilots" / name) for name in ("scripted", "reservoir", "net", "ppo")
+    }
+    shutil.rmtree(net)
+    shutil.copytree(place / "run" / "pilots" / "ppo", net)
+    with pytest.raises(UserError, match=r"pilots\.net\.options\.sha256: the pilot in .* is no longer"):
+        run_experiment(out, out=tmp_path / "again")
 
 
 def test_pilots_trained_one_after_the_other_come_together(place: Path) -> None:
