@@ -59,3 +59,29 @@ def test_levers_that_moved_between_rows_are_read_so_and_those_that_stood_are_not
     assert found.winner.hypothesis.label == "thrust_scale"
     assert found.winner.x[0] == pytest.approx(0.8, abs=0.02)
     assert np.array_equal(read.commands, log.commands) == held
+
+
+def jumping(run: int) -> np.ndarray:
+    """(T, 8) levers that jump now and then, at no row of the log's."""
+    rows = round(SECONDS / DT)
+    rng = np.random.default_rng(run)
+    levels = rng.uniform([-0.8, -0.8, 0.2, 0.0], [0.8, 0.8, 1.0, 1.0], (rows // 23 + 1, 4))
+    step = np.arange(rows) // 23
+    return levels[step][:, [0, 0, 1, 1, 2, 2, 3, 3]]
+
+
+def test_levers_that_jump_between_two_rows_are_read_each_where_it_jumped() -> None:
+    given = np.stack([jumping(run) for run in range(3)])
+    sailed = driven([{"effect": "resistance", "scale": 1.5}], given, 1.0, seed=5)
+    log = replace(sailed, commands=given[:, ::EVERY], measured=sailed.measured[:, ::EVERY], dt=DT * EVERY)
+    log = replace(log, lengths=np.full(3, log.commands.shape[1]))
+    names = ("resistance", "command_delay", "yaw_damping")
+    atoms = [atom for atom in candidates(log.boat, SECONDS) if atom.effect.name in names]
+    read, _, found = searched(log, weights(log, noise_levels(log)), atoms, None)
+    assert found.adequate
+    assert found.winner.hypothesis.label == "resistance"
+    true = given.reshape(3, -1, EVERY, 8).mean(axis=2)[:, 8:]  # later than what no window sees
+    moved = log.commands[:, 8:] != true
+    assert moved.any()
+    error, before = (np.abs(one.commands[:, 8:] - true)[moved].mean() for one in (read, log))
+    assert error < 0.4 * before

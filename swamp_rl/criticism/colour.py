@@ -2,17 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.candidates import Atom
-from swamp_rl.criticism.conclude import LAST, Search, without_unconfirmed
+from swamp_rl.criticism.candidates import Atom, Hypothesis
+from swamp_rl.criticism.conclude import LAST, Search, climb, without_unconfirmed
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.ladder import Ladder, ladder_of, whole_runs
-from swamp_rl.criticism.readings import better_reading, gained
-from swamp_rl.criticism.search import search
+from swamp_rl.criticism.readings import MIDDLE, as_well, better_reading, gained, misread, without_timing
+from swamp_rl.criticism.search import PATIENCE, search
 from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.criticism.slow import slow_errors
 
@@ -23,6 +24,7 @@ OTHERS = slice(2, 6)
 FAR_ABOVE = 3.0  # chi2 a sample that is left from which on the model's own errors are what limits the data
 ROUNDS = 3  # times that the wandering is told anew, beside a fit that knows of it
 PATIENCE_AGAIN = 5e6  # steps of a boat that each later search may take
+READINGS = 2  # times that the commands are read anew
 STEPS = 6  # Jacobians that such a fit may take
 
 
@@ -56,30 +58,40 @@ def searched(
 
 
 def _read_as_obeyed(
-    trials: Trials, weight: Array, atoms: Sequence[Atom], hull: Atom | None
+    trials: Trials, weight: Array, atoms: Sequence[Atom], hull: Atom | None, patience: float = PATIENCE
 ) -> tuple[Trials, Ladder, Search]:
     """The search, made again under another reading of the commands between rows where that fits clearly
     better.
     """
-    ladder = ladder_of(trials, weight)
-    found = search(ladder, atoms, hull)
-    if found.adequate and not found.winner.hypothesis.atoms:
-        return trials, ladder, found
-    other = better_reading(ladder, found)
+    held, ladder = trials, ladder_of(trials, weight)
+    other = misread(ladder, climb(ladder, Hypothesis(), np.zeros(0)), held)
     if other is not None:
+        trials = replace(other, gaps=trials.gaps)
+        ladder = ladder_of(trials, weight)
+    found = search(ladder, atoms, hull, patience, partial(misread, held=held))
+    for _ in range(READINGS):
+        if found.adequate and not found.winner.hypothesis.atoms:
+            break
+        at = ladder.fit(MIDDLE, found.winner.hypothesis, found.winner.x)
+        other, judge = better_reading(ladder, at, held), gained
+        if other is None and found.adequate:
+            other, judge = without_timing(ladder, at, held), as_well
+        if other is None:
+            break
         other = replace(other, gaps=trials.gaps)
         wider = ladder_of(other, weight)
         again = search(wider, atoms, hull, PATIENCE_AGAIN)
-        if gained(ladder, found, wider, again):
-            return other, wider, again
+        if not judge(ladder, found, wider, again):
+            break
+        trials, ladder, found = other, wider, again
     return trials, ladder, found
 
 
 def _under(
     trials: Trials, weight: Array, slow: Array, atoms: Sequence[Atom], hull: Atom | None
 ) -> tuple[Ladder, Search]:
-    ladder = ladder_of(replace(trials, slow=slow), weight)
-    return ladder, search(ladder, atoms, hull, PATIENCE_AGAIN)
+    trials, ladder, found = _read_as_obeyed(replace(trials, slow=slow), weight, atoms, hull, PATIENCE_AGAIN)
+    return ladder, found
 
 
 def wandering(ladder: Ladder, found: Search) -> tuple[bool, Array | None]:

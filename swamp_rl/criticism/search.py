@@ -1,6 +1,6 @@
 """The simplest set of causes that leaves only noise: a beam search up a ladder of complexity."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -24,10 +24,17 @@ SEEN = 10.0  # least information about a candidate, in squared typical sizes ove
 HOPE = 0.2  # share of the best one's gain by which another may stay behind and still be followed
 
 
-def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None, patience: float = PATIENCE) -> Search:
+def search(
+    ladder: Ladder,
+    atoms: Sequence[Atom],
+    hull: Atom | None,
+    patience: float = PATIENCE,
+    misread: Callable[[Ladder, Fit], object] | None = None,
+) -> Search:
     """Climb from nothing to `MOST` atoms, until what is left is noise and nothing more is to be gained.
 
-    patience: steps of a boat rolled out after which no further depth is begun.
+    patience: steps of a boat rolled out after which no further depth is begun; misread: whether the best of
+    the first depth wants no further atom, but that the commands are read otherwise.
     """
     every = [*atoms, *([hull] if hull else [])]
     best = climb(ladder, Hypothesis(), np.zeros(0))
@@ -43,6 +50,8 @@ def search(ladder: Ladder, atoms: Sequence[Atom], hull: Atom | None, patience: f
     beam = [ladder.fit(0, Hypothesis(), np.zeros(0))]
     for depth in range(MOST):
         if ladder.rolled > patience or (depth > 0 and _is_enough(ladder, best, every)):
+            break
+        if depth == 1 and misread is not None and misread(ladder, best) is not None:
             break
         fitted = _extend(ladder, beam, every, first if depth == 0 else None)
         if not fitted:
