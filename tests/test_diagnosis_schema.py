@@ -40,6 +40,8 @@ def test_a_real_diagnosis_fits_the_schema_and_one_with_a_wrong_verdict_does_not(
     found: dict[str, Any] = json.loads((answer / "diagnosis.json").read_text(encoding="utf-8"))
     jsonschema.validate(found, schema)
     assert Diagnosis.model_validate(found).verdict == found["verdict"]
+    numbers = sum(len(cause["parameters"]) for cause in (*found["causes"], *found["nuisance"]))
+    assert np.shape(found["correlation"]) == ((numbers, numbers) if numbers else (0,))
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(found | {"verdict": "guilty"}, schema)
     with pytest.raises(jsonschema.ValidationError):

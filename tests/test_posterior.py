@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import truncnorm
+from scipy.stats import kstest, truncnorm
 
 from envs.batched import GatesVectorEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.posterior import write_posterior
 from swamp_rl.effects import load_disturbances
 from swamp_rl.errors import UserError
-from swamp_rl.files import read_yaml
+from swamp_rl.files import read_yaml, write_yaml
 from swamp_rl.simulator import parameters
 
 BOAT = load_boat("swamp")
@@ -23,17 +23,18 @@ def estimate(value: float, doubt: float, unit: str = "1") -> dict[str, Any]:
     return {"value": value, "standard_error": doubt, "unit": unit}
 
 
-def diagnosis(folder: Path, *causes: dict[str, Any]) -> Path:
+def diagnosis(folder: Path, *causes: dict[str, Any], correlation: list[list[float]] | None = None) -> Path:
     empty: dict[str, Any] = {
         name: [] for name in ("indistinguishable", "contrasts", "leftover", "candidates", "unseen", "gain")
     }
     found = empty | {"verdict": "cause", "causes": list(causes), "separating_trial": None}
+    found |= {"correlation": correlation or []}
     path = folder / "diagnosis.json"
     path.write_text(json.dumps(found | {"noise": {}, "adequacy": {}, "elapsed_s": 1.0}))
     return path
 
 
-CURRENT = {
+CURRENT: dict[str, Any] = {
     "effect": "current",
     "parameters": {"north": estimate(0.2, 0.02, "m/s"), "east": estimate(-0.1, 0.03, "m/s")},
 }
@@ -59,6 +60,60 @@ def test_nothing_is_drawn_beyond_the_bounds_of_an_effect(tmp_path: Path) -> None
     assert 0.0 <= gains.min() < 1e-9 and np.all(np.diff(gains) >= 0.0)
     assert 0.2 < gains.max() <= 0.02 + 5.0 * 0.05
     assert np.median(gains) == pytest.approx(truncnorm.median(-0.4, 5.0, 0.02, 0.05), abs=1e-4)
+
+
+def test_numbers_that_were_fitted_together_are_drawn_together(tmp_path: Path) -> None:
+    matrix = [[1.0, -0.9, 0.5], [-0.9, 1.0, -0.3], [0.5, -0.3, 1.0]]
+    sure = {"effect": "thruster_gain", "thruster": "bs", "parameters": {"gain": estimate(0.8, 0.05)}}
+    write_posterior(diagnosis(tmp_path, CURRENT, sure, correlation=matrix), tmp_path / "found.yaml", "severe")
+    level = load_disturbances(tmp_path / "found.yaml", BOAT.thruster_names)
+    record = parameters(BOAT, 20_000)
+    uniforms = np.random.default_rng(0).random((20_000, level.draw_count))
+    level.apply(record, uniforms)
+    drawn = np.array(
+        [
+            record["current_north"],
+            record["current_east"],
+            record["thruster_gain"][:, BOAT.thruster_names.index("bs")],
+        ]
+    )
+    np.testing.assert_allclose(np.corrcoef(drawn), matrix, atol=0.02)
+    for values, value, doubt in zip(drawn, (0.2, -0.1, 0.8), (0.02, 0.03, 0.05), strict=True):
+        assert kstest(values, truncnorm(-5.0, 5.0, value, doubt).cdf).pvalue > 0.01
+    alone = parameters(BOAT, 1)
+    level.apply(alone, uniforms[7:8])
+    assert alone["current_east"][0] == record["current_east"][7]
+    told = level.drawn(uniforms[7])[0]
+    assert told["east"] == record["current_east"][7]
+
+
+def test_a_number_that_is_certain_is_left_out_of_what_is_drawn_together(tmp_path: Path) -> None:
+    half = CURRENT | {"parameters": CURRENT["parameters"] | {"north": estimate(0.2, 0.0, "m/s")}}
+    causes = (half, WEAK)
+    matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.4], [0.0, 0.4, 1.0]]
+    level = write_posterior(diagnosis(tmp_path, *causes, correlation=matrix), tmp_path / "found.yaml")
+    assert level["correlated"] == {"numbers": ["0.east", "1.gain"], "matrix": [[1.0, 0.4], [0.4, 1.0]]}
+
+
+@pytest.mark.parametrize(
+    ("correlated", "told"),
+    [
+        ({"numbers": ["0.north", "0.east"]}, "correlated: must be"),
+        ({"numbers": ["0.north"], "matrix": [[1.0]]}, "two or more"),
+        ({"numbers": ["0.north", "0.nroth"], "matrix": [[1, 0], [0, 1]]}, "'0.nroth' is no normal number"),
+        ({"numbers": ["0.north", "3.east"], "matrix": [[1, 0], [0, 1]]}, "'3.east' is no normal number"),
+        ({"numbers": ["0.north", "0.east"], "matrix": [[1, 0]]}, "2 rows of 2 numbers"),
+        ({"numbers": ["0.north", "0.east"], "matrix": [[1, 2], [2, 1]]}, "none of correlations"),
+        ({"numbers": ["0.north", "0.east"], "matrix": [[1, 0.5], [0.4, 1]]}, "none of correlations"),
+    ],
+)
+def test_correlations_that_make_no_sense_are_refused(
+    correlated: dict[str, Any], told: str, tmp_path: Path
+) -> None:
+    level = write_posterior(diagnosis(tmp_path, CURRENT), tmp_path / "found.yaml")
+    write_yaml(tmp_path / "found.yaml", level | {"correlated": correlated})
+    with pytest.raises(UserError, match=told):
+        load_disturbances(tmp_path / "found.yaml", BOAT.thruster_names)
 
 
 def test_the_start_and_the_other_effects_of_a_level_stay(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from swamp_rl.criticism.candidates import NUISANCE, Hypothesis, candidates, hull
 from swamp_rl.criticism.colour import searched
 from swamp_rl.criticism.conclude import Search
 from swamp_rl.criticism.consistency import refuse_inconsistent
+from swamp_rl.criticism.correlation import correlation
 from swamp_rl.criticism.cost import score
 from swamp_rl.criticism.data import CHANNELS, Trials, read_trials
 from swamp_rl.criticism.estimate import causes_of
@@ -88,14 +89,17 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
     every, sound = confirmed_causes(ladder.problems[found.rung], found)
     found = found if sound else replace(found, adequate=False)
     alone = all(cause.effect == NUISANCE for cause in every)
+    causes = [cause for cause in every if (cause.effect == NUISANCE) == alone]
+    nuisance = [cause for cause in every if cause.effect == NUISANCE and not alone]
 
     def apart(rival: Fit) -> float:
         return score(rival) - score(found.winner)
 
     diagnosis = Diagnosis(
         verdict=verdict_of(found),
-        causes=[cause for cause in every if (cause.effect == NUISANCE) == alone],
-        nuisance=[cause for cause in every if cause.effect == NUISANCE and not alone],
+        causes=causes,
+        nuisance=nuisance,
+        correlation=correlation(ladder.problems[found.rung], found.winner, [*causes, *nuisance]),
         indistinguishable=_sets(found),
         contrasts=[
             contrast(ladder.problems[found.rung], found.winner, one, apart(one)) for one in found.rivals

@@ -60,7 +60,7 @@ def _cause(atom: Atom, x: Array, covariance: Array) -> Cause:
     entry = entries_of(atom, x)[0]
     selector: Any = entry.thruster
     values = {name: float(value) for name, value in entry.values.items()}
-    slopes = _slopes(atom, x, values)
+    slopes = slopes_of(atom, x)
     parameters = {
         name: Estimate(
             value=value,
@@ -73,10 +73,11 @@ def _cause(atom: Atom, x: Array, covariance: Array) -> Cause:
     return Cause(effect=atom.effect.name, thruster=thruster, parameters=parameters)
 
 
-def _slopes(atom: Atom, x: Array, values: dict[str, float]) -> dict[str, Array]:
+def slopes_of(atom: Atom, x: Array) -> dict[str, Array]:
     """Of each of the effect's parameters by the fitted numbers: the identity, save where they are a
     vector's.
     """
+    values = {name: float(value) for name, value in entries_of(atom, x)[0].values.items()}
     slopes = {name: np.zeros(len(x)) for name in values}
     for i, spec in enumerate(atom.specs):
         moved = x.copy()

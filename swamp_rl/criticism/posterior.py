@@ -19,13 +19,16 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     """Write the level of the causes in a `diagnosis.json` to `out`, a YAML file, and return it.
 
     A number is drawn from a normal distribution about its value, as wide as its standard error and cut off at
-    the effect's bounds; each by itself, for a diagnosis keeps no covariances. among: a level whose start and
-    other effects are there too. UserError where the diagnosis cannot be read or names no cause.
+    the effect's bounds; together with the others as the diagnosis's correlations have it. among: a level
+    whose start and other effects are there too. UserError where the diagnosis cannot be read or names no
+    cause, or that level has correlations of its own.
     """
     found = _read(diagnosis)
     if not found.causes:
         raise UserError(f"{diagnosis}: names no cause, so there is nothing to draw; train in the boat itself")
     below: dict[str, Any] = {} if among is None else read_yaml(find_config("disturbances", among))
+    if "correlated" in below:
+        raise UserError(f"{among}: has correlated numbers of its own; name a level without them")
     entries = [_entry(cause) for cause in (*found.causes, *found.nuisance)]
     named = {entry["effect"] for entry in entries}
     others = [entry for entry in below.get("effects", []) if entry.get("effect") not in named]
@@ -33,6 +36,7 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     level = below | {
         "description": f"what a diagnosis found, with its doubt{beside}",
         "effects": entries + others,
+        **_correlated(entries, found.correlation),
     }
     write_yaml(out, level)
     return level
@@ -56,6 +60,21 @@ def _entry(cause: Cause) -> dict[str, Any]:
     thruster = {} if cause.thruster is None else {"thruster": cause.thruster}
     numbers = {name: _drawn(effect.parameter(name), value) for name, value in cause.parameters.items()}
     return {"effect": cause.effect, **thruster, **numbers}
+
+
+def _correlated(entries: list[dict[str, Any]], matrix: list[list[float]]) -> dict[str, Any]:
+    """The key `correlated` of the numbers that are drawn; nothing where none go together."""
+    every = [
+        (f"{place}.{name}", isinstance(value, dict))
+        for place, entry in enumerate(entries)
+        for name, value in entry.items()
+        if name not in ("effect", "thruster")
+    ]
+    drawn = [i for i, (_, is_drawn) in enumerate(every) if is_drawn]
+    if len(matrix) != len(every) or len(drawn) < 2:
+        return {}
+    chosen = [[matrix[i][j] for j in drawn] for i in drawn]
+    return {"correlated": {"numbers": [every[i][0] for i in drawn], "matrix": chosen}}
 
 
 def _drawn(parameter: Parameter, found: Estimate) -> float | dict[str, list[float]]:

@@ -116,7 +116,8 @@ class Wandering(Part):
 
 
 class Diagnosis(Part):
-    """The answer. nuisance: the hull's linear derivatives where they had to be fitted beside a cause; noise:
+    """The answer. nuisance: the hull's linear derivatives where they had to be fitted beside a cause;
+    correlation: of the errors of the numbers of `causes`, then of `nuisance`, in their order; noise:
     standard deviation by channel (SI, rad); unseen: candidates that these data cannot show; missing_motion:
     what to record so that they would show more; gain_on: the runs that the gain is measured on: each in turn,
     its numbers from the others, other runs that were given, or the very run that the numbers are from.
@@ -125,6 +126,7 @@ class Diagnosis(Part):
     verdict: Verdict
     causes: list[Cause]
     nuisance: list[Cause] = []
+    correlation: list[list[float]] = []
     indistinguishable: list[list[str]]
     contrasts: list[Contrast]
     separating_trial: Trial | None

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.effects.apply import write_effect
+from swamp_rl.effects.correlated import Correlated, parse_correlated
 from swamp_rl.effects.declare import FULL_TURN
 from swamp_rl.effects.distributions import Array, Distribution, columns, parse_distribution
 from swamp_rl.effects.entries import entry_list, suggestion
@@ -17,7 +19,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml
 
 START = {"north": "m", "east": "m", "heading": "rad"}
-KEYS = ("description", "start", "effects")
+KEYS = ("description", "start", "effects", "correlated")
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,7 @@ class Level:
     offsets: tuple[Distribution, ...]
     entries: tuple[RandomEntry, ...]
     thruster_names: tuple[str, ...]
+    correlated: Correlated | None = None
 
     @property
     def draw_count(self) -> int:
@@ -40,14 +43,14 @@ class Level:
 
     def start(self, uniforms: Array) -> Array:
         """(n, 3) offsets of the start north [m], east [m], heading [rad] from uniforms (n, draw_count)."""
-        blocks = columns(uniforms, self._widths)
+        blocks = self._blocks(uniforms)
         return np.column_stack(
             [offset.values(block) for offset, block in zip(self.offsets, blocks, strict=False)]
         )
 
     def apply(self, record: NDArray[np.void], uniforms: Array) -> None:
         """Write the drawn effects into `record` (n,), in place, from uniforms (n, draw_count)."""
-        blocks = columns(uniforms, self._widths)[len(self.offsets) :]
+        blocks = self._blocks(uniforms)[len(self.offsets) :]
         for entry, block in zip(self.entries, blocks, strict=True):
             drawn = entry.draw(block)
             write_effect(record, entry.effect, drawn.values, drawn.thrusters(self.thruster_names), drawn.on)
@@ -58,9 +61,13 @@ class Level:
         What a run is replayed from: the list reads as the `effects` of a boat file, without those that
         turned out not to be there.
         """
-        blocks = columns(uniforms[None, :], self._widths)[len(self.offsets) :]
+        blocks = self._blocks(uniforms[None, :])[len(self.offsets) :]
         drawn = [entry.draw(block).mapping(0) for entry, block in zip(self.entries, blocks, strict=True)]
         return [mapping for mapping in drawn if mapping is not None]
+
+    def _blocks(self, uniforms: Array) -> list[Array]:
+        joined = uniforms if self.correlated is None else self.correlated.joined(uniforms)
+        return columns(joined, self._widths)
 
     @property
     def _widths(self) -> list[int]:
@@ -90,7 +97,10 @@ def _level(name: str, where: str, given: Mapping[str, Any], thruster_names: Sequ
         parse_random_entry(entry, f"{where}: effects[{index}]", thruster_names)
         for index, entry in enumerate(entry_list(given.get("effects", []), where))
     )
-    return Level(name, _offsets(given.get("start", {}), where), entries, tuple(thruster_names))
+    offsets = _offsets(given.get("start", {}), where)
+    ends = accumulate((entry.draws for entry in entries), initial=sum(one.draws for one in offsets))
+    correlated = parse_correlated(given.get("correlated"), entries, list(ends), where)
+    return Level(name, offsets, entries, tuple(thruster_names), correlated)
 
 
 def _offsets(given: Any, where: str) -> tuple[Distribution, ...]:

@@ -84,6 +84,11 @@ class RandomEntry:
         """How many uniforms an episode takes, whether or not the effect turns out to be there."""
         return sum(self._widths)
 
+    def column(self, parameter: str) -> int:
+        """Which of its uniforms a parameter with a distribution is drawn from."""
+        place = list(self.values).index(parameter)
+        return sum(self._widths[: len(self._widths) - len(self.values) + place])
+
     def draw(self, uniforms: Array) -> Drawn:
         """The effect for n episodes from uniforms (n, draws)."""
         chance, choice, disc, *rest = columns(uniforms, self._widths)
