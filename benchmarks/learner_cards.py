@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.reservoir_choice import correlation
+from experiments.curves import quantity_of
 from experiments.learners import learner
 from experiments.report import table
 from experiments.schema import load_experiment
@@ -25,6 +26,8 @@ from swamp_rl.files import write_beside
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "learners.md"
 RESAMPLES = 10_000
+SHARES = (0.0, 0.25, 0.5, 1.0)
+NO_CURVES = "None of the pilots above has a curve that was kept."
 
 
 def cards(spreads: dict[str, dict[str, Any]]) -> str:
@@ -40,6 +43,39 @@ def cards(spreads: dict[str, dict[str, Any]]) -> str:
         told = learner(plans[name].kind).told(plans[name])
         rows.append([name, told, f"{np.median(seconds):.0f} s", str(len(seeds)), *levels])
     return table(["pilot", "learned from", "processor time", "seeds", *seeds[0]["levels"]], rows)
+
+
+def curves(spreads: dict[str, dict[str, Any]]) -> str:
+    """One row a pilot that tells how it learns: the mean over seeds, and the least and the greatest of them,
+    at the first point, a quarter, half and the end of its training."""
+    rows = []
+    for name, by_seed in spreads.items():
+        told = [seed["curve"] for seed in by_seed.values() if seed["curve"]]
+        quantity = quantity_of(point for curve in told for point in curve)
+        if quantity is None:
+            continue
+        ends = {f"{curve[-1]['step']:,}" for curve in told}
+        at = [[_told_at(curve, quantity, share) for curve in told] for share in SHARES]
+        cells = [f"{np.mean(values):.3g} ({min(values):.3g} to {max(values):.3g})" for values in at]
+        rows.append([name, quantity, " or ".join(sorted(ends)), str(len(told)), *cells])
+    heads = [
+        "pilot",
+        "what it tells",
+        "points to",
+        "seeds",
+        "at first",
+        "at a quarter",
+        "at half",
+        "at the end",
+    ]
+    return table(heads, rows) if rows else NO_CURVES
+
+
+def _told_at(curve: list[dict[str, float]], quantity: str, share: float) -> float:
+    """At a share of the way from the first point to the last, between points in a straight line."""
+    steps = [point["step"] for point in curve]
+    at = steps[0] + share * (steps[-1] - steps[0])
+    return float(np.interp(at, steps, [point[quantity] for point in curve]))
 
 
 def spread(success: list[float]) -> str:
@@ -79,7 +115,7 @@ def main() -> None:
         read = {
             p.stem.removeprefix("spread-"): json.loads(p.read_text(encoding="utf-8")) for p in args.spreads
         }
-        page = put(page, "cards", cards(read))
+        page = put(put(page, "cards", cards(read)), "curves", curves(read))
     if args.choice is not None:
         page = put(page, "choice", choice_told(json.loads(args.choice.read_text(encoding="utf-8"))))
     with write_beside(PAGE) as part:

@@ -1,6 +1,7 @@
 """Learning curves as trainings log them: one JSON line for each point."""
 
 import json
+import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -12,20 +13,28 @@ from swamp_rl.files import write_beside
 
 Array = NDArray[np.float64]
 Curve = tuple[Array, Array]
-"""Steps (T,), rising, and success in [0, 1] (T,)."""
+"""Steps (T,), rising, and a quantity (T,): success in [0, 1], or a loss of at least 0."""
+QUANTITIES = ("success", "loss")
+"What learners tell of themselves: by trying or in trials how they succeed, by regression their error."
 
 CURVE = "curve.jsonl"
 "What it is called beside the pilot."
 
 
 def write_curve(path: Path, points: Iterable[Mapping[str, float]]) -> None:
-    """Points with `step`, `success` and whatever else was logged, one a line; UserError if it cannot."""
+    """Points with `step`, one of QUANTITIES and what else was logged, one a line; UserError if it cannot."""
     with write_beside(path) as part:
         part.write_text("".join(f"{json.dumps(dict(point))}\n" for point in points), encoding="utf-8")
 
 
-def read_curve(path: Path | str) -> Curve:
-    """The curve of a file of JSON lines with the keys `step` and `success`; other keys are let be.
+def quantity_of(points: Iterable[Mapping[str, float]]) -> str | None:
+    """Which of QUANTITIES every point has, the first of them; None where there is none, or no point."""
+    keys = [set(point) for point in points]
+    return next((one for one in QUANTITIES if keys and all(one in held for held in keys)), None)
+
+
+def read_curve(path: Path | str, quantity: str = "success") -> Curve:
+    """The curve of a file of JSON lines with the keys `step` and `quantity`; other keys are let be.
 
     UserError with file and line for the first that is malformed, or does not lie behind the one before it.
     """
@@ -37,14 +46,16 @@ def read_curve(path: Path | str) -> Curve:
     for number, line in enumerate(lines, 1):
         try:
             point = json.loads(line)
-            step, success = float(point["step"]), float(point["success"])
+            step, value = float(point["step"]), float(point[quantity])
         except (ValueError, KeyError, TypeError) as error:
-            raise UserError(f"{path}: line {number}: must hold the numbers step and success") from error
-        if not 0.0 <= success <= 1.0:
-            raise UserError(f"{path}: line {number}: success is {success:g}; it must be within 0 and 1")
+            raise UserError(f"{path}: line {number}: must hold the numbers step and {quantity}") from error
+        most = 1.0 if quantity == "success" else sys.float_info.max
+        if not 0.0 <= value <= most:
+            within = "within 0 and 1" if quantity == "success" else "finite and at least 0"
+            raise UserError(f"{path}: line {number}: {quantity} is {value:g}; it must be {within}")
         if points and not step > points[-1][0]:
             raise UserError(f"{path}: line {number}: step {step:g} does not follow {points[-1][0]:g}")
-        points.append((step, success))
+        points.append((step, value))
     if not points:
         raise UserError(f"{path}: holds no point; log at least one")
     steps, values = np.array(points).T

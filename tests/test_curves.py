@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.curves import read_curve, write_curve
+from experiments.curves import quantity_of, read_curve, write_curve
 from experiments.figures import learning_curves
 from swamp_rl.errors import UserError
 
@@ -15,6 +15,21 @@ def test_a_logged_curve_is_read_as_steps_and_success(tmp_path: Path) -> None:
     file.write_text('{"step": 0, "success": 0.0}\n{"step": 500, "success": 0.25, "reward": -3}\n')
     steps, success = read_curve(file)
     assert (steps.tolist(), success.tolist()) == ([0.0, 500.0], [0.0, 0.25])
+
+
+def test_a_curve_of_losses_is_read_as_such(tmp_path: Path) -> None:
+    points = [{"step": 1, "loss": 1.5}, {"step": 2, "loss": 0.25}]
+    write_curve(tmp_path / "curve.jsonl", points)
+    assert quantity_of(points) == "loss" and quantity_of([]) is None
+    assert quantity_of([{"step": 1, "loss": 1.5, "success": 0.5}]) == "success"
+    assert quantity_of([{"step": 0, "runs": 10}]) is None
+    steps, loss = read_curve(tmp_path / "curve.jsonl", "loss")
+    assert (steps.tolist(), loss.tolist()) == ([1.0, 2.0], [1.5, 0.25])
+    with pytest.raises(UserError, match="line 1: must hold the numbers step and success"):
+        read_curve(tmp_path / "curve.jsonl")
+    (tmp_path / "curve.jsonl").write_text('{"step": 1, "loss": Infinity}\n')
+    with pytest.raises(UserError, match="finite and at least 0"):
+        read_curve(tmp_path / "curve.jsonl", "loss")
 
 
 @pytest.mark.parametrize(
