@@ -6,7 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from swamp_rl.pilots.arrays import Array
-from swamp_rl.pilots.readout import Moments, RecursiveReadout, ridge_readout, ridge_readouts, squared_error
+from swamp_rl.pilots.readout import (
+    Moments,
+    RecursiveReadout,
+    as_far_as_taught,
+    ridge_readout,
+    ridge_readouts,
+    squared_error,
+)
 
 
 def rows(seed: int, count: int = 300, units: int = 12) -> tuple[Array, Array]:
@@ -81,3 +88,34 @@ def test_what_has_changed_is_learned_by_one_that_forgets_and_not_by_one_that_doe
             online.learn(state, lever)
         errors.append(np.square(states @ online.readout[:-1] + online.readout[-1] - levers)[300:].mean())
     assert errors[1] < 0.05 * errors[0]
+
+
+def test_scaled_to_swing_as_far_as_taught_the_levers_have_the_teachers_mean_square() -> None:
+    states, levers = rows(3)
+    moments = Moments.of([states], [np.sign(levers)])
+    ridge = ridge_readout(moments, 30.0)
+    scaled = as_far_as_taught(ridge, moments)
+    foretold = states @ scaled[:-1] + scaled[-1]
+    np.testing.assert_allclose(np.square(foretold).mean(axis=0), 1.0, rtol=1e-9)
+    gains = scaled / ridge
+    np.testing.assert_allclose(gains, np.broadcast_to(gains[0], gains.shape), rtol=1e-9)
+    assert (gains > 1.0).all()
+
+
+def test_of_one_state_about_nought_it_is_the_reduced_major_axis() -> None:
+    """Its slope is the ratio of the spreads, whatever the correlation and the ridge."""
+    rng = np.random.default_rng(4)
+    state = rng.normal(size=(500, 1))
+    levers = np.sign(state @ [[1.0, -2.0]] + rng.normal(size=(500, 2)))
+    state, levers = state - state.mean(axis=0), levers - levers.mean(axis=0)
+    moments = Moments.of([state], [levers])
+    for ridge in (1e-3, 300.0):
+        slope = as_far_as_taught(ridge_readout(moments, ridge), moments)[0]
+        np.testing.assert_allclose(slope, [1.0, -1.0] * levers.std(axis=0) / state.std(), rtol=1e-9)
+
+
+def test_a_lever_that_was_never_touched_stays_at_nought() -> None:
+    states, levers = rows(5)
+    levers[:, 0] = 0.0
+    moments = Moments.of([states], [levers])
+    assert (as_far_as_taught(ridge_readout(moments, 1.0), moments)[:, 0] == 0.0).all()

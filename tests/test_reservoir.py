@@ -59,7 +59,7 @@ def test_decisions_are_those_of_reservoirpy_to_1e_9() -> None:
 
 
 def test_the_readout_is_the_ridge_solution_over_states_that_start_at_zero_in_each_run() -> None:
-    pilot = fit_reservoir(RUNS, SMALL)
+    pilot = fit_reservoir(RUNS, SMALL.model_copy(update={"matched": False}))
     states, levers = [], []
     for run in RUNS:
         pilot.reset(1)

@@ -66,6 +66,18 @@ def ridge_readout(moments: Moments, ridge: float) -> Array:
     return np.vstack([weights, mean_y - mean_x @ weights])
 
 
+def as_far_as_taught(readout: Array, moments: Moments) -> Array:
+    """The readout (u + 1, 2), each lever scaled so that its mean square over the rows of `moments` is that of
+    the levers learned from.
+
+    Least squares foretells the mean of what was done in a place, which swings less than what was done, by the
+    correlation of the two. Scaled back it is the reduced major axis (Kermack and Haldane 1950), here about
+    nought, where the steering rests: to port and to starboard gain alike.
+    """
+    foretold = np.sum(readout * (moments.gram @ readout), axis=0)
+    return readout * np.sqrt(moments.square / np.where(foretold > 0.0, foretold, 1.0))
+
+
 def squared_error(readout: Array, moments: Moments) -> float:
     """Mean squared error of both levers over the rows of `moments`, the levers not held to their ways."""
     explained = 2.0 * np.sum(readout * moments.cross) - np.sum(readout * (moments.gram @ readout))

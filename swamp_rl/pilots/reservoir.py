@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import POSE, examples
-from swamp_rl.pilots.readout import Moments, RecursiveReadout, ridge_readout
+from swamp_rl.pilots.readout import Moments, RecursiveReadout, as_far_as_taught, ridge_readout
 from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings, Share
 from swamp_rl.runs import Run
 
@@ -46,6 +46,9 @@ class ReservoirSettings(Settings):
     forgetting: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
     """With a number the readout is learned row by row in the order of the runs (recursive least squares),
     what was learned weighing so much less with each row; 1.0 gives what learning from all at once does."""
+    matched: bool = True
+    """Whether each lever is scaled to swing as far as the teacher's (`readout.as_far_as_taught`). Where
+    teachers push a lever now to one end and now to the other, the ridge readout alone steers too little."""
     seed: Seed = 0
 
 
@@ -124,13 +127,16 @@ def fit_reservoir(runs: Sequence[Run], settings: ReservoirSettings | None = None
     """A pilot whose readout is fitted by ridge regression on `runs`; UserError where a run lacks a column."""
     settings = settings or ReservoirSettings()
     matrices, states, levers = states_of(runs, settings)
+    moments = Moments.of(states, levers)
     if settings.forgetting is None:
-        readout = ridge_readout(Moments.of(states, levers), settings.ridge)
+        readout = ridge_readout(moments, settings.ridge)
     else:
         online = RecursiveReadout(settings.units, settings.ridge, settings.forgetting)
         for row in zip(np.concatenate(states), np.concatenate(levers), strict=True):
             online.learn(*row)
         readout = online.readout
+    if settings.matched:
+        readout = as_far_as_taught(readout, moments)
     return ReservoirPilot(settings.senses, {**matrices, "Wout": readout[:-1], "out": readout[-1]})
 
 

@@ -104,7 +104,8 @@ def errors_left_out(
     runs: Sequence[Run], settings: ReservoirSettings, ridges: Sequence[float], folds: int
 ) -> Array:
     """(R,) mean squared error for each ridge: run i belongs to fold i mod `folds`, and each fold is foretold
-    by the readout of the others. What was seen is scaled alike in all folds."""
+    by the ridge readout of the others, before that is scaled to the teacher's swing (`matched`). What was
+    seen is scaled alike in all folds."""
     _, states, levers = states_of(runs, settings)
     parts = [Moments.of(states[k::folds], levers[k::folds]) for k in range(folds)]
     everything = sum(parts[1:], parts[0])
