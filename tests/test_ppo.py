@@ -114,3 +114,25 @@ def test_a_policy_with_a_memory_is_the_same_pilot_as_in_training() -> None:
         acted = [pilot.act(seen[:, : len(QUICK.senses)]) for _ in range(QUICK.hold)]
         np.testing.assert_array_equal(acted[-1], levers)
         seen = np.asarray(remembering.step((levers - [0.5, 0.0]) * [2.0, 1.0])[0])
+
+
+def test_caution_is_paid_for_what_is_touched_and_not_for_success_or_the_clock() -> None:
+    from swamp_rl.pilots.cautious import CautiousBoats
+
+    settings = QUICK.model_copy(update={"boats": 32})
+    plain, cautious = boats_of(settings), CautiousBoats(boats_of(settings), 3.0)
+    for boats in (plain, cautious):
+        boats.seed(7)
+        boats.reset()
+    chance, paid = np.random.default_rng(7), dict[str, set[float]]()
+    idle = np.arange(32) < 4  # these lie until the clock ends their episodes
+    for _ in range(210):
+        actions = np.where(idle[:, None], [-1.0, 0.0], chance.uniform(-0.6, 1.0, (32, 2)))
+        _, rewards, dones, infos = plain.step(actions)
+        _, fewer, _, _ = cautious.step(actions)
+        np.testing.assert_array_equal(rewards[~dones], fewer[~dones])
+        for i in np.flatnonzero(dones):
+            paid.setdefault(infos[i]["outcome"], set()).add(round(float(rewards[i] - fewer[i]), 5))
+    assert paid["timeout"] == {0.0}
+    assert paid["buoy"] == paid["out_of_bounds"] == {3.0}
+    assert paid.get("success", {0.0}) == {0.0}

@@ -46,6 +46,9 @@ class PPOSettings(Settings):
     "Steps of the boat for which a decision is held, in training and after."
     memory: Annotated[int, Field(ge=0, le=20)] = 0
     "Earlier decisions that it knows of: what it then saw and chose."
+    caution: Annotated[float, Field(ge=0)] = 0.0
+    """Taken from the reward for a buoy touched or the bounds left, beyond what the environment takes. Without
+    it some time saved is worth a rare loss, and buoys are passed closer than by who wants to arrive."""
     boats: Count = 128
     decisions: Count = 1_200_000
     "Of all boats together."
@@ -90,10 +93,11 @@ def train_ppo(
     """
     from stable_baselines3.common.vec_env import VecNormalize
 
+    from swamp_rl.pilots.cautious import CautiousBoats
     from swamp_rl.pilots.remembering import RememberingBoats
 
     settings = settings or PPOSettings()
-    remembering = RememberingBoats(boats, settings.memory)
+    remembering = RememberingBoats(CautiousBoats(boats, settings.caution), settings.memory)
     scaled = VecNormalize(remembering, clip_obs=REACH, gamma=settings.discount)
     with one_thread():
         learner = _learner(scaled, settings)
