@@ -8,7 +8,7 @@ from experiments.kept import CONFIG, EXPERIMENT, TRAINED, kept_config, same_conf
 from experiments.run import evaluated
 from experiments.schema import Experiment, Targets, load_experiment, overridden
 from swamp_rl.errors import UserError
-from swamp_rl.pilots.store import DESCRIPTION
+from swamp_rl.pilots.store import DESCRIPTION, load_pilot
 
 CHANGEABLE = ("evaluation", "targets")
 """What may differ from the experiment that the pilots were trained in."""
@@ -49,6 +49,8 @@ def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], 
         there = [name for name in kept.pilots if _is_pilot(home / "pilots" / name)]
         if not there:
             raise UserError(f"{home}: holds no trained pilot; train them with swamp-rl train")
+        for name in there:
+            load_pilot(home / "pilots" / name)  # a damaged one is told now, and not from a copy
         same = experiment == kept and ((home / TRAINED).is_file() or len(there) == len(kept.pilots))
         place = out or (home if same else home.with_name(f"{home.name}-evaluation"))
         return evaluated(restricted(experiment, there), home, place, home)

@@ -12,7 +12,7 @@ from experiments.schema import Experiment
 from experiments.versions import versions
 from swamp_rl.errors import UserError
 from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, write_beside, yaml_text
-from swamp_rl.pilots.store import DESCRIPTION, describe_pilot
+from swamp_rl.pilots.store import DESCRIPTION, load_pilot
 from swamp_rl.runs.dataset import META
 
 RESULTS, TRAINED = "results.json", "training.json"
@@ -112,8 +112,8 @@ def with_data_hash(experiment: Experiment, where: str) -> Experiment:
 
 def pilot_hash(folder: Path | str) -> str:
     """SHA-256 of a stored pilot's `pilot.json`, which holds that of its weights; UserError as for
-    `describe_pilot`."""
-    describe_pilot(folder)
+    `load_pilot`."""
+    load_pilot(folder)
     return hashlib.sha256((Path(folder) / DESCRIPTION).read_bytes()).hexdigest()
 
 

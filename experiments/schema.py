@@ -221,7 +221,14 @@ def _file_of(name_or_path: str | Path) -> Path:
     for file in (given / "config" / "experiment.yaml", given / "experiment.yaml"):
         if file.is_file():
             return file
-    return find_config("experiments", name_or_path)
+    try:
+        return find_config("experiments", name_or_path)
+    except UserError as error:
+        if given.is_dir():
+            raise UserError(
+                f"{given}: no config/experiment.yaml in this folder; name one of results, or an experiment"
+            ) from error
+        raise
 
 
 def _with_all_options(path: str | Path, experiment: Experiment) -> Experiment:

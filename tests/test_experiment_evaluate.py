@@ -143,7 +143,7 @@ def test_pilots_trained_one_after_the_other_come_together(place: Path) -> None:
     assert some["pilots"] == {name: whole["pilots"][name] for name in ("scripted", "net")}
 
 
-def test_what_would_need_training_or_is_not_there_is_refused_in_one_line(place: Path) -> None:
+def test_what_would_need_training_or_is_not_there_is_refused_in_one_line(place: Path, tmp_path: Path) -> None:
     def complaint(*words: Any, **more: Any) -> str:
         with pytest.raises(UserError) as told:
             evaluate_folders(*words, **more)
@@ -153,6 +153,16 @@ def test_what_would_need_training_or_is_not_there_is_refused_in_one_line(place: 
     assert "nothing is trained anew" in complaint([place / "run"], {}, ["pilots.net.options.epochs=9"])
     assert "did you mean 'episodes'" in complaint([place / "run"], {}, ["evaluation.episods=9"])
     assert "no such folder" in complaint([place / "nowhere"], {})
+    damaged = tmp_path / "damaged"
+    shutil.copytree(place / "run", damaged)
+    (damaged / "pilots" / "net" / "weights.safetensors").write_bytes(b"cut")
+    for folder in (damaged, damaged / "pilots" / "net"):
+        assert f"{damaged}/pilots/net/weights.safetensors: is damaged" in complaint(
+            [folder], {"episodes": 1}, out=tmp_path / "out"
+        )
+    assert [path.name for path in tmp_path.iterdir()] == ["damaged"]
+    with pytest.raises(UserError, match=r"no config/experiment\.yaml in this folder"):
+        run_experiment(place / "run" / "figures")
     assert "holds no trained pilot" in complaint([place / "run" / "data", place / "run"], {})
     with pytest.raises(UserError, match="did you mean 'ppo'"):
         train_experiment(place / "tiny.yaml", out=place / "none", only=["pop"])

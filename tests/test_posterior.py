@@ -138,6 +138,24 @@ def test_a_file_that_is_no_diagnosis_and_one_without_causes_are_refused(tmp_path
 
 
 @pytest.mark.parametrize(
+    ("cause", "correlation", "told"),
+    [
+        (CURRENT | {"effect": "curent"}, None, "did you mean 'current'"),
+        ({"effect": "current", "parameters": {"nroth": estimate(0.2, 0.1)}}, None, "did you mean 'north'"),
+        ({"effect": "current", "parameters": {"north": estimate(np.nan, 0.1)}}, None, "north is no number"),
+        ({"effect": "current", "parameters": {"north": estimate(0.1, -0.1)}}, None, "north is no number"),
+        (CURRENT, [[1.0, 2.0], [2.0, 1.0]], "none of correlations"),
+    ],
+)
+def test_a_diagnosis_that_cannot_be_is_refused_in_one_line_and_nothing_written(
+    cause: dict[str, Any], correlation: list[list[float]] | None, told: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UserError, match=told) as refused:
+        write_posterior(diagnosis(tmp_path, cause, correlation=correlation), tmp_path / "found.yaml")
+    assert "\n" not in str(refused.value) and not (tmp_path / "found.yaml").exists()
+
+
+@pytest.mark.parametrize(
     ("numbers", "told"),
     [
         ([0.0, 1.0], "normal must be"),

@@ -173,6 +173,21 @@ def test_another_sweep_or_a_second_process_is_kept_out_of_a_folder(tmp_path: Pat
         pass
 
 
+def test_a_folder_that_holds_something_else_is_let_be(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(UserError, match="is no earlier sweep"), opened(tmp_path, {}):
+        pass
+    assert os.listdir(tmp_path) == ["notes.txt"]
+
+
+def test_a_parameter_of_the_sweep_cannot_be_set_as_well(tmp_path: Path) -> None:
+    file = tmp_path / "sweep.yaml"
+    swept = {"parameters": {"evaluation.episodes": {"grid": [1, 2]}}}
+    file.write_text(json.dumps(sweep_trials.FORMULA | swept))
+    with pytest.raises(UserError, match="is one of the sweep's parameters, and set as well"):
+        checked(load_sweep(file), ["evaluation.episodes=3"])
+
+
 @pytest.mark.parametrize("name", ["reservoir_grid", "reservoir_search"])
 def test_the_sweeps_that_come_along_are_sound_and_leave_the_main_jobs_episodes_unseen(name: str) -> None:
     sweep = load_sweep(name)

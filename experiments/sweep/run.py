@@ -124,6 +124,8 @@ def checked(sweep: Sweep, fixed: list[str]) -> Experiment:
 
     base = load_experiment(sweep.experiment, fixed)
     _check_objective(base, sweep.objective)
+    for key in {given.partition("=")[0] for given in fixed} & set(sweep.parameters):
+        raise UserError(f"{key}: is one of the sweep's parameters, and set as well; drop one of the two")
     for key, parameter in sweep.parameters.items():
         for value in parameter.examples:
             read_scene(load_experiment(sweep.experiment, [*fixed, override(key, value)]))

@@ -52,13 +52,17 @@ class Store:
 def opened(folder: Path, plan: dict[str, Any]) -> Iterator[Store]:
     """The store in `folder`, made where there is none; for this process alone until the block ends.
 
-    plan: all that the results depend on. UserError where the folder holds trials of another plan, or another
-    process is at work on it.
+    plan: all that the results depend on. UserError where the folder holds trials of another plan or something
+    else, or another process is at work on it.
     """
     path = folder / FILE
     connection = None
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        if not path.exists() and any(folder.iterdir()):
+            raise UserError(
+                f"{folder}: already exists and is no earlier sweep; name another folder with --out"
+            )
         connection = sqlite3.connect(path, timeout=0.5)
         connection.execute("PRAGMA locking_mode = EXCLUSIVE")
         connection.execute("PRAGMA synchronous = FULL")

@@ -7,8 +7,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
+from swamp_rl.effects.correlated import factor_of
 from swamp_rl.effects.declare import LIBRARY, Parameter
 from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
 from swamp_rl.files import find_config, read_yaml, write_yaml
 
 REACH = 5.0
@@ -29,14 +31,18 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     below: dict[str, Any] = {} if among is None else read_yaml(find_config("disturbances", among))
     if "correlated" in below:
         raise UserError(f"{among}: has correlated numbers of its own; name a level without them")
-    entries = [_entry(cause) for cause in (*found.causes, *found.nuisance)]
+    entries = [_entry(cause, diagnosis) for cause in (*found.causes, *found.nuisance)]
     named = {entry["effect"] for entry in entries}
     others = [entry for entry in below.get("effects", []) if entry.get("effect") not in named]
     beside = f", among the disturbances of {Path(among).stem}" if among else ""
+    correlated = _correlated(entries, found.correlation)
+    if correlated:
+        matrix = correlated["correlated"]["matrix"]
+        factor_of(matrix, len(matrix), f"{diagnosis}: correlation")
     level = below | {
         "description": f"what a diagnosis found, with its doubt{beside}",
         "effects": entries + others,
-        **_correlated(entries, found.correlation),
+        **correlated,
     }
     write_yaml(out, level)
     return level
@@ -55,8 +61,15 @@ def _read(path: Path) -> Diagnosis:
         ) from error
 
 
-def _entry(cause: Cause) -> dict[str, Any]:
-    effect = LIBRARY[cause.effect]
+def _entry(cause: Cause, where: Path) -> dict[str, Any]:
+    effect = LIBRARY.get(cause.effect)
+    if effect is None:
+        raise UserError(f"{where}: no effect {cause.effect!r}{nearest(cause.effect, LIBRARY)}")
+    for name, found in cause.parameters.items():
+        if name not in effect.parameter_names:
+            raise UserError(f"{where}: {cause.effect}: no {name!r}{nearest(name, effect.parameter_names)}")
+        if not math.isfinite(found.value) or not 0.0 <= found.standard_error < math.inf:
+            raise UserError(f"{where}: {cause.effect}: {name} is no number with an error; diagnose anew")
     thruster = {} if cause.thruster is None else {"thruster": cause.thruster}
     numbers = {name: _drawn(effect.parameter(name), value) for name, value in cause.parameters.items()}
     return {"effect": cause.effect, **thruster, **numbers}

@@ -58,7 +58,7 @@ def parse_correlated(
     if not isinstance(numbers, list) or len({str(name) for name in numbers}) < max(len(numbers), 2):
         raise UserError(f"{where}: numbers must be a list of two or more, each once, not {numbers!r}")
     columns = tuple(_column(name, entries, first_columns, where) for name in numbers)
-    return Correlated(columns, _factor(given["matrix"], len(numbers), where))
+    return Correlated(columns, factor_of(given["matrix"], len(numbers), where))
 
 
 def _column(name: Any, entries: Sequence[RandomEntry], first_columns: Sequence[int], where: str) -> int:
@@ -72,7 +72,8 @@ def _column(name: Any, entries: Sequence[RandomEntry], first_columns: Sequence[i
     return first_columns[int(index)] + entry.column(parameter)
 
 
-def _factor(given: Any, size: int, where: str) -> Array:
+def factor_of(given: Any, size: int, where: str) -> Array:
+    """The factor of a matrix of correlations, (size, size), given as rows; UserError where it is none."""
     rows = given if isinstance(given, list) else []
     whole = len(rows) == size and all(isinstance(row, list) and len(row) == size for row in rows)
     if not whole or not all(is_number(value) for row in rows for value in row):
