@@ -263,7 +263,9 @@ def selectors(effect: Effect, boat: Boat) -> list[tuple[str, ...]]:
 
 def _wind(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
     grid = tuple(
-        (speed * math.cos(a), speed * math.sin(a)) for speed in (3.0, 7.0) for a in np.arange(8) * math.pi / 4
+        (speed * math.cos(a), speed * math.sin(a))
+        for speed in (1.2, 3.0, 7.0)
+        for a in np.arange(8) * math.pi / 4
     )
     return [Atom(effect, (), SPECS["wind"], (), grid, ("speed", "from"), wind_values)]
 

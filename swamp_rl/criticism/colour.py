@@ -12,6 +12,7 @@ from swamp_rl.criticism.conclude import LAST, Search, climb, without_unconfirmed
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.ladder import Ladder, ladder_of, whole_runs
+from swamp_rl.criticism.partial import found_despite
 from swamp_rl.criticism.readings import MIDDLE, as_well, better_reading, gained, misread, without_timing
 from swamp_rl.criticism.search import PATIENCE, search
 from swamp_rl.criticism.shooting import Shooting
@@ -53,6 +54,10 @@ def searched(
             wider, again = _under(trials, weight, _alone(wider.problems[LAST], whole), atoms, hull)
         if again.adequate and again.rung == LAST:
             return wider.problems[0].trials, wider, again
+    if every is not None and not sensor:
+        despite = found_despite(trials, weight, atoms, hull)
+        if despite is not None:
+            return despite
     told, its_ladder, partial = result
     return told, its_ladder, without_unconfirmed(its_ladder, partial, [*atoms, *([hull] if hull else [])])
 

@@ -24,6 +24,7 @@ from swamp_rl.criticism.extend import write_extended
 from swamp_rl.criticism.fit import Fit
 from swamp_rl.criticism.gain import gains
 from swamp_rl.criticism.heldout import bootstrap_interval, heldout_loss, heldout_numbers
+from swamp_rl.criticism.imperfect import in_noise
 from swamp_rl.criticism.ladder import Ladder
 from swamp_rl.criticism.leftover import Forces, leftovers, missing_forces
 from swamp_rl.criticism.motion import missing_motion
@@ -83,7 +84,8 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
     duration = float(trials.lengths.max() * trials.dt)
     coloured, ladder, found = searched(trials, weight, candidates(trials.boat, duration), hull_nuisance())
     trials = replace(trials, commands=coloured.commands)  # as the boat obeyed them
-    measure = adequacy(ladder.problems[found.rung], found.winner)
+    judged = ladder.problems[found.rung]
+    measure = adequacy(judged, in_noise(found.winner, judged, weight))
     forces = missing_forces(trials, weight, found.winner.hypothesis, found.winner.x)
 
     every, sound = confirmed_causes(ladder.problems[found.rung], found)
@@ -102,7 +104,10 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
         correlation=correlation(ladder.problems[found.rung], found.winner, [*causes, *nuisance]),
         indistinguishable=_sets(found),
         contrasts=[
-            contrast(ladder.problems[found.rung], found.winner, one, apart(one)) for one in found.rivals
+            contrast(judged, found.winner, one, apart(one)).model_copy(
+                update={"rival": causes_of(judged, one)}
+            )
+            for one in found.rivals
         ],
         separating_trial=separating_trial(coloured, sigmas, found.winner, found.rivals)
         if found.rivals

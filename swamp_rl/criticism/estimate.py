@@ -43,7 +43,7 @@ def honest_covariance(problem: Shooting, at: Fit) -> Array:
     win = problem.windows
     slopes = sensitivities(problem, at).reshape(win.count, win.rows, -1, at.hypothesis.size)
     scores = np.einsum("wtc,wtcp->wtp", at.residual.reshape(win.count, win.rows, -1), slopes)[:, win.pad :]
-    rows = max(1, round(STRETCH / problem.dt))
+    rows = max(1, round(STRETCH / problem.dt)) if problem.lasting == 1.0 else win.rows
     starts = np.arange(0, scores.shape[1], rows)
     blocks = np.add.reduceat(scores, starts, axis=1).reshape(-1, at.hypothesis.size)
     blocks = blocks[(blocks != 0.0).any(axis=1)]

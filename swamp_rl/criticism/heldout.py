@@ -78,14 +78,20 @@ def confirmation(problem: Shooting, whole: Fit, less: Fit, chances: int) -> Conf
     comes from the very gains that speak for it. The loss of a window saturates, n ln(1 + chi2 / n), or a few
     wild ones would hide the rest.
     """
-    seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)), 1)
-    losses = [np.maximum(heldout_loss(problem, one), 0.0) for one in (less, whole)]
-    gains = seen * (np.log1p(losses[0] / seen) - np.log1p(losses[1] / seen))
+    gains = saturated_loss(problem, less) - saturated_loss(problem, whole)
     tail = 0.025 / chances
     rng = np.random.default_rng(len(gains))
     shares = np.full(len(gains), 1.0 / len(gains))
     sums = rng.multinomial(len(gains), shares, RARE) @ gains
     return Confirmation(float(gains.sum()), float(np.quantile(sums, tail)), 1.0 - 2.0 * tail)
+
+
+def saturated_loss(problem: Shooting, at: Fit) -> Array:
+    """(W,) n ln(1 + chi2 / n) of each window's held-out chi2, n being its samples, or errors where those
+    last.
+    """
+    seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)) / problem.lasting, 1.0)
+    return np.asarray(seen * np.log1p(np.maximum(heldout_loss(problem, at), 0.0) / seen))
 
 
 def bootstrap_interval(gains: Array, share: float, rng: np.random.Generator) -> tuple[float, float]:

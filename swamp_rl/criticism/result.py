@@ -59,13 +59,14 @@ class Candidate(Part):
 
 class Contrast(Part):
     """How alike two explanations act. angle: between their sensitivity directions [rad], nuisances
-    projected out.
+    projected out; rival: the second one's causes with their numbers.
     """
 
     effects: list[str]
     angle: float
     evidence: float
     mutual_refit: float
+    rival: list[Cause] = []
 
 
 class Trial(Part):

@@ -114,6 +114,7 @@ class Shooting:
         slow = trials.slow
         self.filter = None if slow is None else filter_of(self.windows, slow, trials.dt)
         self.last = int(self.windows.first.max()) + 1
+        self.lasting = 1.0  # samples that an error lasts, where weights are the model's own errors
         self.rolled = [0]  # steps of a boat, over all parts of this comparison
         self.courses: dict[tuple[str, bytes], Array] = {}
 

@@ -42,7 +42,16 @@ def headline(found: Diagnosis) -> str:
     if found.verdict == "indistinguishable":
         names = [spoken(name) for name in found.indistinguishable[0]] if found.indistinguishable else []
         return f"The misfit is real, but these data cannot tell {' from '.join(names)}."
-    return "Something is at work that no known effect explains."
+    return "Something is at work that no known effect explains." + partly(found)
+
+
+def partly(found: Diagnosis) -> str:
+    """What stands out from a misfit that stays unexplained, and what would do as well."""
+    if not found.causes:
+        return ""
+    others = [spoken(name) for group in found.indistinguishable for name in group[1:]]
+    instead = f", or as well {', or '.join(others)}" if others else ""
+    return f" Part of the misfit is {causes(found)}{instead}."
 
 
 def meaning(found: Diagnosis) -> str:
