@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.esso_diagnosed import days, diagnosed, diagnosis_table
 from benchmarks.esso_wind import Named, drift_table, error_table, named, ranking_table, wind_table
 from benchmarks.esso_words import Steady, calm_run_words, cause_words, circle_words, refused, steady_words
 from experiments.report import table
@@ -203,6 +204,13 @@ How far that carries, in windows of {HORIZON:.0f} s from measured states, every 
 from the other half of the minutes:
 
 {error_table(boat, every, known)}
+
+## What `swamp-rl diagnose` says
+
+The runs of each day together, their wind columns hidden, through the command's own method from beginning to
+end: one constant wind for all of a day's runs, among all other candidates. Intervals cover 95 %.
+
+{diagnosis_table({day: diagnosed(boat, runs) for day, runs in days(random).items()})}
 
 ## Circles
 
