@@ -258,6 +258,8 @@ def selectors(effect: Effect, boat: Boat) -> list[tuple[str, ...]]:
     if not effect.thruster:
         return [()]
     each: list[tuple[str, ...]] = [(name,) for name in boat.thruster_names]
+    if effect.name == "thruster_gain" and len(each) == 1:  # that is `thrust_scale`, by another name
+        return []
     return [*each, ("all",)] if effect.name == "azimuth_offset" and len(each) > 1 else each
 
 

@@ -25,6 +25,8 @@ OTHERS = slice(2, 6)
 FAR_ABOVE = 3.0  # chi2 a sample that is left from which on the model's own errors are what limits the data
 ROUNDS = 3  # times that the wandering is told anew, beside a fit that knows of it
 PATIENCE_AGAIN = 5e6  # steps of a boat that each later search may take
+PATIENCE_SUSPECTED = 8e6  # that the first one may take where positions seem to wander whatever is wrong
+TOGETHER = 2e7  # steps that all searches may take before none is made again
 READINGS = 2  # times that the commands are read anew
 STEPS = 6  # Jacobians that such a fit may take
 
@@ -37,21 +39,25 @@ def searched(
     Positions alone may wander because of the sensor; what wanders in other channels too is the model's error:
     it widens all comparisons and standard errors, but what is found then is never all.
     """
-    trials, ladder, found = _read_as_obeyed(trials, weight, atoms, hull)
+    spent: list[Ladder] = []
+    trials, ladder, found = _read_as_obeyed(trials, weight, atoms, hull, spent, PATIENCE)
     if found.adequate:
         return trials, ladder, found
     result = trials, ladder, found
-    sensor, every = wandering(ladder, found)
-    if not sensor and every is not None:
-        wider, again = _under(trials, weight, every, atoms, hull)
+    sensor, every = wandering(ladder, found.winner)
+    if not sensor and found.winner.hypothesis.atoms:  # what was found may have bent to the wandering
+        sensor, beside_nothing = wandering(ladder, ladder.fit(MIDDLE, Hypothesis(), np.zeros(0)))
+        every = beside_nothing if sensor else every
+    if not sensor and every is not None and not is_spent(spent):
+        wider, again = _under(trials, weight, every, atoms, hull, spent)
         result = wider.problems[0].trials, wider, replace(again, adequate=False, rivals=[])
         if again.adequate:
-            sensor, every = wandering(wider, again)
+            sensor, every = wandering(wider, again.winner)
     if sensor and every is not None:
-        wider, again = _under(trials, weight, every, atoms, hull)
+        wider, again = _under(trials, weight, every, atoms, hull, spent)
         if again.adequate and again.rung < LAST:  # the slowest part shows in whole runs alone
             whole = whole_runs(wider, again.winner.hypothesis, again.winner.x)
-            wider, again = _under(trials, weight, _alone(wider.problems[LAST], whole), atoms, hull)
+            wider, again = _under(trials, weight, _alone(wider.problems[LAST], whole), atoms, hull, spent)
         if again.adequate and again.rung == LAST:
             return wider.problems[0].trials, wider, again
     if every is not None and not sensor:
@@ -63,19 +69,28 @@ def searched(
 
 
 def _read_as_obeyed(
-    trials: Trials, weight: Array, atoms: Sequence[Atom], hull: Atom | None, patience: float = PATIENCE
+    trials: Trials,
+    weight: Array,
+    atoms: Sequence[Atom],
+    hull: Atom | None,
+    spent: list[Ladder],
+    patience: float,
 ) -> tuple[Trials, Ladder, Search]:
     """The search, made again under another reading of the commands between rows where that fits clearly
-    better.
+    better; every ladder that was climbed is added to `spent`.
     """
     held, ladder = trials, ladder_of(trials, weight)
+    spent.append(ladder)
     other = misread(ladder, climb(ladder, Hypothesis(), np.zeros(0)), held)
     if other is not None:
         trials = replace(other, gaps=trials.gaps)
         ladder = ladder_of(trials, weight)
+        spent.append(ladder)
+    if trials.slow is None and _suspected(ladder):
+        patience = min(patience, PATIENCE_SUSPECTED)
     found = search(ladder, atoms, hull, patience, partial(misread, held=held))
     for _ in range(READINGS):
-        if found.adequate and not found.winner.hypothesis.atoms:
+        if (found.adequate and not found.winner.hypothesis.atoms) or is_spent(spent):
             break
         at = ladder.fit(MIDDLE, found.winner.hypothesis, found.winner.x)
         other, judge = better_reading(ladder, at, held), gained
@@ -85,6 +100,7 @@ def _read_as_obeyed(
             break
         other = replace(other, gaps=trials.gaps)
         wider = ladder_of(other, weight)
+        spent.append(wider)
         again = search(wider, atoms, hull, PATIENCE_AGAIN)
         if not judge(ladder, found, wider, again):
             break
@@ -92,14 +108,31 @@ def _read_as_obeyed(
     return trials, ladder, found
 
 
+def _suspected(ladder: Ladder) -> bool:
+    """Whether on short windows, which forgive a wrong model, positions alone wander."""
+    told = _told(ladder.problems[0], ladder.fit(0, Hypothesis(), np.zeros(0)))
+    return bool((told[POSITIONS, 0] > 0).any() and not (told[OTHERS, 0] > 0).any())
+
+
+def is_spent(ladders: Sequence[Ladder]) -> bool:
+    """Whether so much was rolled out that no search is made again."""
+    return sum(ladder.rolled for ladder in ladders) > TOGETHER
+
+
 def _under(
-    trials: Trials, weight: Array, slow: Array, atoms: Sequence[Atom], hull: Atom | None
+    trials: Trials,
+    weight: Array,
+    slow: Array,
+    atoms: Sequence[Atom],
+    hull: Atom | None,
+    spent: list[Ladder],
 ) -> tuple[Ladder, Search]:
-    trials, ladder, found = _read_as_obeyed(replace(trials, slow=slow), weight, atoms, hull, PATIENCE_AGAIN)
+    trials = replace(trials, slow=slow)
+    _, ladder, found = _read_as_obeyed(trials, weight, atoms, hull, spent, PATIENCE_AGAIN)
     return ladder, found
 
 
-def wandering(ladder: Ladder, found: Search) -> tuple[bool, Array | None]:
+def wandering(ladder: Ladder, winner: Fit) -> tuple[bool, Array | None]:
     """Whether positions alone wander beside the winner, as a receiver's may, and (6, 2) what wanders; None if
     nothing does, or nothing that is worth a second search.
 
@@ -107,11 +140,11 @@ def wandering(ladder: Ladder, found: Search) -> tuple[bool, Array | None]:
     that does. A force that is missing bends positions too, but smoothly: short windows, each with a start of
     its own, take that up, and a receiver's wandering remains.
     """
-    at = ladder.fit(1, found.winner.hypothesis, found.winner.x)
+    at = ladder.fit(MIDDLE, winner.hypothesis, winner.x)
     first = _told(ladder.problems[1], at)
     if not (first[:, 0] > 0).any():
         return False, None
-    short = _alone(ladder.problems[0], ladder.fit(0, found.winner.hypothesis, found.winner.x))
+    short = _alone(ladder.problems[0], ladder.fit(0, winner.hypothesis, winner.x))
     middle = _alone(ladder.problems[1], at)
     if (short[POSITIONS, 0] > 0).any() and not (middle[OTHERS, 0] > 0).any():
         return True, middle
