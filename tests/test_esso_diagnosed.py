@@ -1,0 +1,31 @@
+"""The wind on a real pond, told by the diagnosis of a model ship's motion and held against an anemometer."""
+
+import numpy as np
+
+from benchmarks.esso_diagnosed import diagnosed, measured_wind
+from benchmarks.esso_wind import apart
+from swamp_rl.runs import Run
+from tests.test_esso_osaka import BOAT, DATA, on_the_pond, pond
+
+BEGINNING = 160.0  # s of each run; whole runs take four times as long to diagnose
+
+
+@on_the_pond
+def test_the_wind_is_among_what_is_named_and_blows_as_the_anemometer_says() -> None:
+    names = sorted(path.name for path in (DATA / "random").glob("*_06-Aug-2020_*.csv"))
+    runs = [beginning(pond(f"random/{name}")) for name in names]
+    assert len(runs) == 5
+    told = diagnosed(BOAT, runs)
+    assert told.speed is not None and told.angle is not None
+    speed, angle = measured_wind(runs)
+    # within the worst of nine runs that an independent program was given one by one
+    assert abs(apart(told.angle.value, angle)) < 30.0  # degrees
+    assert 0.63 < told.speed.value / speed < 1.38
+    # much of the ship's motion stays unexplained, and that is said
+    assert told.diagnosis.verdict == "unexplained"
+
+
+def beginning(run: Run) -> Run:
+    """The run's first part, beginning with its first sample."""
+    kept = run.time < run.time[0] + BEGINNING
+    return Run(run.name, {name: np.asarray(values)[kept] for name, values in run.columns.items()}, run.meta)
