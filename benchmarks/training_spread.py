@@ -68,6 +68,7 @@ def trained(scene: Scene, name: str, folder: Path) -> Trained:
         if each != name and (folder / each).exists():
             pilots[each] = load_pilot(folder / each)
             continue
+        curve.clear()  # a pilot that it starts from has a curve of its own
         pilots[each] = train(
             scene,
             dataset,
