@@ -26,7 +26,8 @@ def evaluate_folders(
     folders: one that was made by training or running an experiment, whose pilots are evaluated; or several of
     these and of stored pilots, all evaluated together. changes: keys of `evaluation`. experiment: the one
     whose boat, course, data and evaluation are taken; by default the first folder's. UserError where a folder
-    holds no pilot, or where `overrides` ask for what would need training.
+    holds no pilot, where none keeps an experiment and none is given, or where `overrides` ask for what would
+    need training.
     """
     for folder in folders:
         if not folder.is_dir():
@@ -65,9 +66,14 @@ def _of_pilots(
         for pilot, folder in _pilots_in(folders).items()
     }
     homes = [home for folder in folders if (home := _home(folder)) is not None]
-    home = None if name is not None or not homes else homes[0]
+    if name is None and not homes:
+        raise UserError(
+            f"{folders[0]}: keeps no {CONFIG}/{EXPERIMENT} that says which boat, course and levels; name an "
+            "experiment with --experiment"
+        )
+    home = homes[0] if name is None else None
     with same_configs(None if home is None else home / CONFIG):
-        base = load_experiment(name or home or "camogli")
+        base = load_experiment(homes[0] if name is None else name)
         told: dict[str, Any] = {"name": "evaluation", "description": "", "hidden": None, "claims": None}
         told["targets"] = Targets()
         if home is not None and (home / "data").is_dir():

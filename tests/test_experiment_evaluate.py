@@ -160,6 +160,10 @@ def test_what_would_need_training_or_is_not_there_is_refused_in_one_line(place: 
         assert f"{damaged}/pilots/net/weights.safetensors: is damaged" in complaint(
             [folder], {"episodes": 1}, out=tmp_path / "out"
         )
+    shutil.rmtree(damaged / "config")
+    for folder in (damaged, damaged / "pilots" / "ppo"):
+        told = complaint([folder], {}, out=tmp_path / "out")
+        assert told.startswith(str(folder)) and "name an experiment with --experiment" in told
     assert [path.name for path in tmp_path.iterdir()] == ["damaged"]
     with pytest.raises(UserError, match=r"no config/experiment\.yaml in this folder"):
         run_experiment(place / "run" / "figures")
