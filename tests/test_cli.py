@@ -122,6 +122,7 @@ def test_wrong_arguments_are_one_line(call: Call, words: list[str], part: str) -
         ["record", "--out", "a", "--pilot", "nowhere"],
         ["runs", "check", "nowhere"],
         ["runs", "show", "nowhere"],
+        ["diagnose", "nowhere", "--out", "a"],
     ],
 )
 def test_what_does_not_exist_is_named_and_nothing_is_written(call: Call, words: list[str]) -> None:

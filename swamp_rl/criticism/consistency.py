@@ -14,6 +14,7 @@ SPAN, LONG_SPAN, LONGEST_LAG = 0.5, 2.0, 2.0  # s
 ROUGH = 0.15  # m of scatter between samples from which positions are compared over the long span
 POOR, GOOD = 0.3, 0.7  # shares explained as it stands, and otherwise, at which a column is refused
 OUT_OF_STEP = 0.3  # s
+MOVED = (0.5, 5.0)  # rad and m, from which a sensor that stays at one number is dead
 NORTH, EAST, HEADING, SURGE, SWAY, YAW_RATE = range(6)
 
 
@@ -24,10 +25,43 @@ def refuse_inconsistent(trials: Trials, folder: str) -> None:
     delays and lever arms of a usual size pass: those are for the diagnosis to name.
     """
     measured = [trials.measured[run, :length] for run, length in enumerate(trials.lengths)]
+    refuse_dead(measured, trials.dt, folder)
     if {"surge", "sway"} <= set(trials.present):
         _positions_and_velocities(measured, trials.dt, folder)
     if "yaw_rate" in trials.present:
         _heading_and_yaw_rate(measured, trials.dt, folder)
+
+
+def refuse_dead(measured: list[Array], dt: float, folder: str) -> None:
+    """UserError for a sensor that gives one number in every row while others say that the boat moves."""
+
+    def told(columns: list[int]) -> list[Array]:
+        """Of each run, the rows (n, k) that hold all of some columns."""
+        return [run[:, columns][np.isfinite(run[:, columns]).all(axis=1)] for run in measured]
+
+    def dead(columns: list[int]) -> bool:
+        rows = [run for run in told(columns) if len(run)]
+        return bool(rows) and all((run == rows[0][0]).all() for run in rows)
+
+    def furthest(columns: list[int]) -> float:
+        return max((float(np.ptp(run, axis=0).max()) for run in told(columns) if len(run)), default=0.0)
+
+    turned = furthest([HEADING])
+    swung = max((float(np.ptp(np.cumsum(run) * dt)) for run in told([YAW_RATE]) if len(run)), default=0.0)
+    went = furthest([NORTH, EAST])
+    if dead([NORTH, EAST]):
+        raise UserError(f"{folder}: north and east are the same in every row; record where the boat is")
+    if dead([HEADING]) and swung > MOVED[0]:
+        raise UserError(f"{folder}: heading is the same in every row though yaw_rate is not 0; record it")
+    for columns, stands, name in (
+        ([YAW_RATE], turned > MOVED[0], "yaw_rate is"),
+        ([SURGE, SWAY], went > MOVED[1], "surge and sway are"),
+    ):
+        if stands and dead(columns) and not any(run.any() for run in told(columns)):
+            raise UserError(
+                f"{folder}: {name} 0 in every row though the boat moves; leave out columns that were not "
+                "measured"
+            )
 
 
 def _slope(values: Array, reach: int, dt: float) -> Array:

@@ -8,6 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.refusals import (
+    SHORTEST,
+    refuse_disorder,
+    refuse_other_boat,
+    refuse_too_coarse,
+    refuse_too_short,
+    refuse_unexciting,
+)
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, inspect_dataset
 from swamp_rl.simulator.replay import fixed_thrusters, sample_step
@@ -16,8 +24,6 @@ Array = NDArray[np.float64]
 
 CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
 UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
-SHORTEST = 10.0  # s of one run, below which it cannot carry a window
-LEAST = 20.0  # s of all runs together
 GRID_TOLERANCE = 0.3  # of a sample step, how far a row may lie from the grid
 
 
@@ -39,7 +45,8 @@ class Trials:
     dt: sample step [s]; commands: (R, T, 2K), straight between the neighbours where a row is missing;
     measured: (R, T, 6) in the order of CHANNELS (SI, rad, heading unwrapped), NaN where there is none;
     lengths: (R,) samples of each run; gaps: where the commands are doubtful; slow: (6, 2) standard deviation
-    [the channel's unit] and time constant [s] of errors that wander, where there are such.
+    [the channel's unit] and time constant [s] of errors that wander, where there are such; too_short: runs
+    that are left out.
     """
 
     boat: Boat
@@ -50,6 +57,7 @@ class Trials:
     lengths: NDArray[np.int64]
     gaps: tuple[Gap, ...] = ()
     slow: Array | None = None
+    too_short: tuple[str, ...] = ()
 
     @property
     def present(self) -> tuple[str, ...]:
@@ -87,15 +95,14 @@ def read_trials(folder: Path | str, boat: Boat) -> Trials:
 
 def trials_of(every: list[Run], boat: Boat, folder: str) -> Trials:
     """Runs on a uniform grid; `folder` begins every message. UserError."""
+    for run in every:
+        refuse_disorder(run, folder)
+    refuse_too_short(every, folder)
     runs = [run for run in every if run.duration >= SHORTEST]
-    total = sum(run.duration for run in runs)
-    if not runs or total < LEAST:
-        raise UserError(
-            f"{folder}: {total:.0f} s in runs of at least {SHORTEST:.0f} s; a diagnosis "
-            f"needs {LEAST:.0f} s or more, better five runs of a minute with turns both ways and "
-            "several speeds; record more"
-        )
+    for run in runs:
+        refuse_other_boat(run, boat, folder)
     dt = float(np.median([sample_step(run) for run in runs]))
+    refuse_too_coarse(dt, folder)
     placed = [_on_grid(run, boat, dt, folder) for run in runs]
     longest = max(len(commands) for commands, _, _ in placed)
     commands = np.zeros((len(runs), longest, placed[0][0].shape[1]))
@@ -106,7 +113,9 @@ def trials_of(every: list[Run], boat: Boat, folder: str) -> Trials:
         measured[index, : len(track)] = track
     lengths = np.array([len(track) for _, track, _ in placed])
     gaps = tuple(Gap(index, *lost) for index, (_, _, every) in enumerate(placed) for lost in every)
-    trials = Trials(boat, dt, tuple(run.name for run in runs), commands, measured, lengths, gaps)
+    names = tuple(run.name for run in runs)
+    short = tuple(run.name for run in every if run.duration < SHORTEST)
+    trials = Trials(boat, dt, names, commands, measured, lengths, gaps, too_short=short)
     refuse_unexciting(trials, folder)
     return trials
 
@@ -144,26 +153,3 @@ def _filled(index: NDArray[np.int64], commands: Array) -> tuple[Array, list[tupl
     filled = commands[last] + np.where(jumps, 0.0, change * share[:, None])
     lost = np.flatnonzero((np.diff(index) > 1) & (np.abs(np.diff(commands, axis=0)) > 1e-9).any(axis=1))
     return filled, [(int(index[i]) + 1, int(index[i + 1] - index[i]) - 1) for i in lost]
-
-
-def refuse_unexciting(trials: Trials, folder: str) -> None:
-    """UserError naming the motion that is missing, if nothing was commanded or the boat never moved."""
-    thrusters = trials.commands.shape[2] // 2
-    inside = [trials.commands[run, :length] for run, length in enumerate(trials.lengths)]
-    commands = np.concatenate(inside)
-    if not (np.abs(commands[:, thrusters:]) > 0.02).any():
-        raise UserError(
-            f"{folder}: no thruster ever runs; nothing about the boat can be told from drifting alone"
-        )
-    travelled = 0.0
-    turned = 0.0
-    for run, length in enumerate(trials.lengths):
-        track = trials.measured[run, :length]
-        track = track[np.isfinite(track[:, 0])]
-        travelled = max(travelled, float(np.hypot(*np.ptp(track[:, :2], axis=0))))
-        turned = max(turned, float(np.ptp(track[:, 2])))
-    if travelled < 1.0 and turned < 0.5:
-        raise UserError(
-            f"{folder}: the boat moves {travelled:.2f} m and turns {np.degrees(turned):.0f} degrees at most; "
-            "record runs ahead at two speeds and turns to both sides"
-        )

@@ -29,6 +29,7 @@ from swamp_rl.criticism.ladder import Ladder
 from swamp_rl.criticism.leftover import Forces, leftovers, missing_forces
 from swamp_rl.criticism.motion import missing_motion
 from swamp_rl.criticism.noise import noise_levels, weights
+from swamp_rl.criticism.refusals import refuse_other_vehicle, refuse_sources_inside
 from swamp_rl.criticism.result import Candidate, Cause, Diagnosis, Gain, HeldOut, Verdict, Wandering
 from swamp_rl.criticism.rivals import contrast, separating_trial
 from swamp_rl.criticism.shooting import Shooting
@@ -62,9 +63,13 @@ def diagnose(
     is none. UserError for data that cannot carry a diagnosis.
     """
     model = load_boat(boat)
+    refuse_sources_inside(out, [Path(one) for one in (dataset, holdout, boat) if one and Path(one).exists()])
     trials = read_trials(dataset, model)
     refuse_inconsistent(trials, str(dataset))
     other = read_trials(holdout, model) if holdout else None
+    if other is not None and holdout is not None:
+        refuse_other_vehicle(dataset, holdout)
+        refuse_inconsistent(other, str(holdout))
     from swamp_rl.criticism.report import write_report
 
     with folder_beside(out, RESULT) as folder:

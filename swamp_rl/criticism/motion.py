@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data import Trials
+from swamp_rl.criticism.refusals import SHORTEST, STILL, UNTURNED, reach_of
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,9 @@ def missing_motion(trials: Trials, held_out: bool = False) -> list[str]:
     if len(_quadrants(heading[moving])) < QUADRANTS:
         lacks.append("courses all round the compass, without which wind, current and a heading bias hide")
     lacks += _idle(trials)
+    lacks += _standing(trials)
+    if trials.too_short:
+        lacks.append(f"length in {', '.join(trials.too_short)}: shorter than {SHORTEST:g} s, left out")
     if len(trials.lengths) == 1 and not held_out:
         lacks.append("a second run, to hold out: with one, nothing is held out")
     return lacks
@@ -74,6 +78,27 @@ def _two_speeds(speed: Array) -> bool:
 def _quadrants(heading: Array) -> set[int]:
     places = np.floor(np.mod(heading, 2.0 * np.pi) / (2.0 * np.pi / QUADRANTS)).astype(int)
     return {int(place) for place in np.unique(places) if _often(places == place)}
+
+
+def _standing(trials: Trials) -> list[str]:
+    """Runs in which the boat stands still under thrust."""
+    levels = np.abs(trials.commands[..., len(trials.boat.thrusters) :]).max(axis=-1)
+    still = [
+        trials.names[run]
+        for run, length in enumerate(trials.lengths)
+        if _often(levels[run, :length] > RUNNING * max(float(levels.max()), 1e-9)) and _is_still(trials, run)
+    ]
+    if not still:
+        return []
+    return [
+        f"way in {', '.join(still)}: the boat stands still there under thrust; if it was moored, or measured "
+        "at another time, leave the run out"
+    ]
+
+
+def _is_still(trials: Trials, run: int) -> bool:
+    travelled, turned = reach_of(trials, run)
+    return travelled < STILL and turned < UNTURNED
 
 
 def _idle(trials: Trials) -> list[str]:

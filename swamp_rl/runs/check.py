@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.runs.columns import Span, UnknownThrusterError, missing_columns, span_of
-from swamp_rl.runs.faults import Fault, faults_at
+from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
 from swamp_rl.runs.table import Table
 
 STEP_TOLERANCE = 0.05  # of the period, for one step: room for times rounded to a few digits
@@ -63,6 +63,8 @@ def _near_miss(name: str, names: list[str]) -> str:
 
 def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]:
     values = table.columns[name]
+    if len(values) and np.isnan(values).all() and not table.unread.get(name, np.zeros(1, bool)).any():
+        return [Fault(file, None, name, NO_NUMBER)]
     infinite = ~np.isfinite(values) & ~table.unread.get(name, np.zeros(len(values), bool))
     faults = faults_at(
         file,

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+NO_NUMBER = "holds no number in any row; record it, or leave the column out where it is optional"
+
 
 @dataclass(frozen=True, order=True)
 class Fault:

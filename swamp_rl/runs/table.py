@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
-from swamp_rl.runs.faults import Fault, faults_at
+from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
 
 FORMATS = ("csv", "parquet")
 
@@ -101,7 +101,10 @@ def _numbers(file: str, data: pa.Table, rows: NDArray[np.int64], faults: list[Fa
             continue
         values, unread = _floats(cells)
         table.columns[name], table.unread[name] = values, unread
-        table.faults += faults_at(file, name, rows, unread, partial(_no_number, cells))
+        if unread.size and unread.all() and not any(cells.to_pylist()):
+            table.faults.append(Fault(file, None, name, NO_NUMBER))
+        else:
+            table.faults += faults_at(file, name, rows, unread, partial(_no_number, cells))
     return table
 
 

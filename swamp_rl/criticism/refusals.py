@@ -1,0 +1,144 @@
+"""Data that no diagnosis can be made of are refused before anything is fitted, saying what to do instead."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run
+from swamp_rl.runs.dataset import boat_of, read_meta
+
+if TYPE_CHECKING:
+    from swamp_rl.criticism.data import Trials
+
+Array = NDArray[np.float64]
+
+SHORTEST = 10.0  # s of one run, below which it cannot carry a window
+LEAST = 20.0  # s of all runs together
+COARSEST = 1.0  # s between samples, the shortest horizon that errors are told at
+RUNNING = 0.02  # of full thrust, from which a thruster runs
+MEAN_OVER = 5.0  # s over which noise is averaged out of a track
+STILL, UNTURNED = 1.0, 0.5  # m and rad, below which a boat stands still
+
+
+def refuse_disorder(run: Run, folder: str) -> None:
+    """UserError for a run whose times are missing, no numbers, stand still or go back."""
+    if "time" not in run.columns:
+        raise UserError(f"{folder}: run {run.name}: column time is missing; add it")
+    bad = np.flatnonzero(~np.isfinite(run.time))
+    if len(bad):
+        raise UserError(f"{folder}: run {run.name}, row {bad[0] + 1}: time is no number; correct it")
+    back = np.flatnonzero(np.diff(run.time) <= 0.0)
+    if len(back):
+        row = int(back[0]) + 1
+        raise UserError(
+            f"{folder}: run {run.name}, row {row + 1}: time {run.time[row]:g} s does not come after "
+            f"{run.time[row - 1]:g} s; put the rows in order of time, or cut the run in two there"
+        )
+
+
+def refuse_too_short(runs: list[Run], folder: str) -> None:
+    """UserError where the runs that can be used are too short together."""
+    total = sum(run.duration for run in runs if run.duration >= SHORTEST)
+    if total >= LEAST:
+        return
+    longest = max((run.duration for run in runs), default=0.0)
+    raise UserError(
+        f"{folder}: too short: {total:.3g} s in runs of at least {SHORTEST:.0f} s (the longest lasts "
+        f"{longest:.3g} s); a diagnosis needs {LEAST:.0f} s or more, better five runs of a minute with turns "
+        "both ways and several speeds; record more"
+    )
+
+
+def refuse_too_coarse(dt: float, folder: str) -> None:
+    """UserError where samples are so far apart (dt [s]) that no second ahead can be looked at."""
+    if dt > 1.05 * COARSEST:
+        raise UserError(
+            f"{folder}: a sample every {dt:.3g} s; a diagnosis needs one every {COARSEST:g} s or more often "
+            "(10 a second serve well); record at a higher rate"
+        )
+
+
+def refuse_other_boat(run: Run, boat: Boat, folder: str) -> None:
+    """UserError where a run's commands are not those of the boat file's thrusters."""
+    told = [column for thruster in boat.thrusters for column in thruster.command_columns if column]
+    missing = [column for column in told if column not in run.columns]
+    if missing:
+        raise UserError(
+            f"{folder}: run {run.name}: column {missing[0]}, by which boat {boat.name} is commanded, is "
+            "missing; give --boat the boat that sailed these runs, or record the column"
+        )
+    driven = [
+        name
+        for name, values in run.columns.items()
+        if name.startswith(("throttle_", "propeller_")) and (np.abs(values) > RUNNING).any()
+    ]
+    unknown = [name for name in driven if name not in told]
+    if unknown:
+        raise UserError(
+            f"{folder}: run {run.name}: column {unknown[0]} drives a thruster that boat {boat.name} does not "
+            f"have (it has {', '.join(boat.thruster_names)}); give --boat the boat that sailed these "
+            "runs, or add the thruster to its file"
+        )
+
+
+def refuse_other_vehicle(dataset: Path, holdout: Path) -> None:
+    """UserError where two datasets are one, or say that they are of different boats."""
+    if os.path.realpath(dataset) == os.path.realpath(holdout):
+        raise UserError(
+            f"{holdout}: is what was to be diagnosed, nothing would be held out; leave --holdout out, each "
+            "run is then held out in turn"
+        )
+    ours, theirs = (boat_of(folder, read_meta(folder)).name for folder in (dataset, holdout))
+    if ours != theirs:
+        raise UserError(
+            f"{holdout}: recorded with boat {theirs}, but {dataset} with {ours} (vehicle in dataset.yaml); "
+            "hold out runs of the same boat"
+        )
+
+
+def refuse_sources_inside(out: Path, sources: list[Path]) -> None:
+    """UserError where a folder that is to be written anew holds what it is to be made from."""
+    for source in sources:
+        if Path(os.path.realpath(source)).is_relative_to(os.path.realpath(out)):
+            raise UserError(f"{out}: holds {source}, which the diagnosis is made from; name another --out")
+
+
+def refuse_unexciting(trials: "Trials", folder: str) -> None:
+    """UserError naming the motion that is missing, if nothing was commanded, no position was told or the boat
+    never moved.
+    """
+    thrusters = trials.commands.shape[2] // 2
+    inside = [trials.commands[run, :length] for run, length in enumerate(trials.lengths)]
+    commands = np.concatenate(inside)
+    if not (np.abs(commands[:, thrusters:]) > RUNNING).any():
+        raise UserError(
+            f"{folder}: no thruster ever runs; nothing about the boat can be told from drifting alone: "
+            "record runs under thrust, at two speeds and with turns to both sides"
+        )
+    reaches = [reach_of(trials, run) for run in range(len(trials.lengths))]
+    travelled, turned = (max(reach[i] for reach in reaches) for i in (0, 1))
+    if travelled < STILL and turned < UNTURNED:
+        raise UserError(
+            f"{folder}: the boat moves {travelled:.2f} m and turns {np.degrees(turned):.0f} degrees at most; "
+            "record runs ahead at two speeds and turns to both sides"
+        )
+
+
+def reach_of(trials: "Trials", run: int) -> tuple[float, float]:
+    """How far a boat comes in a run [m] and turns [rad], by means over a few seconds, in which noise all but
+    vanishes.
+    """
+    rows = max(1, round(MEAN_OVER / trials.dt))
+    track = trials.measured[run, : trials.lengths[run], :3]
+    parts = [track[first : first + rows] for first in range(0, len(track), rows)]
+    told = [part[np.isfinite(part).all(axis=1)] for part in parts]
+    means = [part.mean(axis=0) for part in told if 2 * len(part) >= max(map(len, told))]
+    if not np.concatenate(told).size:
+        return 0.0, 0.0
+    north, east, heading = np.ptp(np.array(means), axis=0)
+    return float(np.hypot(north, east)), float(heading)
