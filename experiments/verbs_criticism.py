@@ -1,9 +1,12 @@
 """`swamp-rl diagnose` and `simulate --window`: what a simulated boat gets wrong about measured runs."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from swamp_rl.criticism.result import Estimate
 
 
 def diagnose(
@@ -23,9 +26,7 @@ def diagnose(
         typer.echo("  the one that fits best:")
     for cause in found.causes:
         on = f" {cause.thruster}" if cause.thruster else ""
-        numbers = ", ".join(
-            f"{name} {p.value:.4g} ± {p.standard_error:.2g} {p.unit}" for name, p in cause.parameters.items()
-        )
+        numbers = ", ".join(_number(name, p) for name, p in cause.parameters.items())
         typer.echo(f"  {cause.effect}{on}: {numbers}")
     for names in found.indistinguishable:
         typer.echo(f"  cannot be told apart: {'; '.join(names)}")
@@ -45,6 +46,13 @@ def diagnose(
     for lack in found.missing_motion:
         typer.echo(f"  the runs lack {lack}")
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
+
+
+def _number(name: str, found: "Estimate") -> str:
+    """A parameter as one reads it."""
+    doubt = "(at the edge of what is tried)" if found.at_bound else f"± {found.standard_error:.2g}"
+    limit = f"{found.limit.replace('_', ' ')} " if found.limit else ""
+    return f"{name} {limit}{found.value:.4g} {doubt}{'' if found.unit == '1' else ' ' + found.unit}"
 
 
 def disturbances(

@@ -10,6 +10,7 @@ from swamp_rl.criticism.report.words import (
     cause_rows,
     headline,
     leftover_sentence,
+    number_cells,
     rounded,
     spoken,
     unseen_of,
@@ -61,6 +62,15 @@ def test_a_cause_has_its_interval_in_degrees_beside_what_the_boat_file_has() -> 
     assert rows[0][0] == "azimuth offset (bs)"
     assert rows[0][2:] == ("offset", "11.5", "10.3 to 12.6", "degrees", "0")
     assert rows[1][2:] == ("time constant", "0.612", "0.588 to 0.636", "s", "0.1")
+
+
+def test_a_number_at_the_edge_of_what_is_tried_has_no_interval() -> None:
+    slow = Estimate(value=4.0, standard_error=0.2, unit="s", at_bound=True, limit="at_least")
+    turned = Estimate(value=-1.6, standard_error=0.1, unit="rad", at_bound=True, limit="at_most")
+    either = Estimate(value=0.5, standard_error=0.1, unit="1", at_bound=True)
+    assert number_cells(slow) == ("4", "at the edge of what is tried: at least 4", "s")
+    assert number_cells(turned) == ("-91.7", "at the edge of what is tried: at most -91.7", "degrees")
+    assert number_cells(either)[1] == "at the edge of what is tried, no interval"
 
 
 def test_the_gain_is_in_degrees_with_as_many_digits_as_the_error_and_no_negative_zero() -> None:

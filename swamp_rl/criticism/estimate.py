@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Atom, entries_of
 from swamp_rl.criticism.fit import Fit
-from swamp_rl.criticism.result import Cause, Estimate
+from swamp_rl.criticism.result import Cause, Estimate, Limit
 from swamp_rl.criticism.rivals import sensitivities
 from swamp_rl.criticism.shooting import Shooting
 
@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 STRETCH = 8.0  # s of a run whose score counts as one
 FEWEST = 8  # stretches from which their scatter is told
 Z95 = 1.959964
+AT_BOUND = 1e-3  # of a number's typical size, within which it is at its bound
 
 
 def causes_of(problem: Shooting, at: Fit) -> list[Cause]:
@@ -61,16 +62,32 @@ def _cause(atom: Atom, x: Array, covariance: Array) -> Cause:
     selector: Any = entry.thruster
     values = {name: float(value) for name, value in entry.values.items()}
     slopes = slopes_of(atom, x)
+    sides = sides_of(atom, x)
     parameters = {
         name: Estimate(
             value=value,
             standard_error=float(np.sqrt(abs(slopes[name] @ covariance @ slopes[name]))),
             unit=atom.effect.parameter(name).unit,
+            at_bound=bool((slopes[name] * sides).any()),
+            limit=_limit(slopes[name] * sides),
         )
         for name, value in values.items()
     }
     thruster = list(selector) if isinstance(selector, tuple) else selector
     return Cause(effect=atom.effect.name, thruster=thruster, parameters=parameters)
+
+
+def sides_of(atom: Atom, x: Array) -> Array:
+    """(p,) -1 for each fitted number at the least that its fit may try, 1 at the most, 0 in between."""
+    room = AT_BOUND * np.array([spec.scale for spec in atom.specs])
+    low, high = np.array([s.low for s in atom.specs]), np.array([s.high for s in atom.specs])
+    return np.asarray((x >= high - room).astype(float) - (x <= low + room))
+
+
+def _limit(outwards: Array) -> Limit | None:
+    """Which way a parameter would go on, from how it follows (p,) the numbers that are at their bounds."""
+    ways = set(np.sign(outwards[outwards != 0.0]))
+    return ("at_least" if ways == {1.0} else "at_most") if len(ways) == 1 else None
 
 
 def slopes_of(atom: Atom, x: Array) -> dict[str, Array]:

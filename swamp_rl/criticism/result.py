@@ -6,6 +6,7 @@ from pydantic import BaseModel, ConfigDict
 
 Force = Literal["surge", "sway", "yaw", "north", "east"]
 GainOn = Literal["each_run_in_turn", "other_runs", "same_run"]
+Limit = Literal["at_least", "at_most"]
 Verdict = Literal["nothing_wrong", "cause", "indistinguishable", "unexplained"]
 
 
@@ -16,11 +17,15 @@ class Part(BaseModel):
 
 
 class Estimate(Part):
-    """A fitted number. standard_error: one standard deviation, in `unit`."""
+    """A fitted number. standard_error: one standard deviation, in `unit`; at_bound: whether it ended at the
+    edge of what the fit may try, where the standard error says nothing; limit: how it is to be read there.
+    """
 
     value: float
     standard_error: float
     unit: str
+    at_bound: bool = False
+    limit: Limit | None = None
 
 
 class HeldOut(Part):

@@ -3,7 +3,7 @@
 import math
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.result import Diagnosis, Estimate
+from swamp_rl.criticism.result import Diagnosis, Estimate, Limit
 from swamp_rl.effects import LIBRARY
 
 Z95 = 1.959964
@@ -128,13 +128,27 @@ def cause_rows(found: Diagnosis, boat: Boat) -> list[tuple[str, ...]]:
 
 
 def number_cells(estimate: Estimate) -> tuple[str, str, str]:
-    """Value, 95 % interval and unit, angles in degrees."""
+    """Value, 95 % interval and unit, angles in degrees; at the edge of what is tried there is no interval."""
     factor, unit = (180.0 / math.pi, "degrees") if estimate.unit == "rad" else (1.0, estimate.unit)
+    if estimate.at_bound:
+        ended = plain(factor * estimate.value)
+        return ended, edge(estimate.limit, ended), "" if unit == "1" else unit
     value, reach = factor * estimate.value, factor * Z95 * estimate.standard_error
     places = 2 if reach <= 0.0 or not math.isfinite(reach) else max(0, 1 - math.floor(math.log10(reach)))
     places = min(places, 6)
     span = f"{value - reach:.{places}f} to {value + reach:.{places}f}"
     return f"{value:.{places}f}", span, "" if unit == "1" else unit
+
+
+def edge(limit: Limit | None, value: str) -> str:
+    """What to make of a number that ended at the edge of what is tried."""
+    way = f": {limit.replace('_', ' ')} {value}" if limit else ", no interval"
+    return f"at the edge of what is tried{way}"
+
+
+def plain(value: float) -> str:
+    """Three significant digits without zeros at the end."""
+    return f"{float(f'{value:.3g}') + 0.0:g}"
 
 
 def neutral_value(effect: str, parameter: str, boat: Boat) -> str:
