@@ -9,6 +9,7 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates, hull_nuisance, wave_values
+from swamp_rl.criticism.conclude import plainest
 from swamp_rl.criticism.data import CHANNELS, Gap, Trials, trials_of
 from swamp_rl.criticism.extend import write_extended
 from swamp_rl.criticism.fit import fit
@@ -111,6 +112,17 @@ def test_wind_is_named_and_not_a_current_or_a_push() -> None:
     assert found.adequate
     assert found.winner.hypothesis.label == "wind"
     assert np.hypot(*found.winner.x) == pytest.approx(4.0, rel=0.05)
+
+
+@pytest.mark.parametrize(("rate", "name"), [(0.0, "current"), (0.002, "drifting_current")])
+def test_a_current_is_said_to_drift_where_runs_held_out_confirm_it(rate: float, name: str) -> None:
+    effect = {"effect": "drifting_current", "north": 0.1, "east": 0.05, "north_rate": rate, "east_rate": 0.0}
+    found = trials([effect], seed=6)
+    ladder = ladder_of(found, weights(found, noise_levels(found)))
+    every = candidates(found.boat, SECONDS)
+    drifting = Hypothesis((by_label(every)["drifting_current"],))
+    best = ladder.fit(1, drifting, np.array([0.1, 0.05, 0.0, 0.0]))
+    assert plainest(ladder, best, every, 1).hypothesis.label == name
 
 
 def driven(effects: list[dict[str, Any]], commands: np.ndarray, surge: float, seed: int) -> Trials:

@@ -93,6 +93,7 @@ def concluded(
     if adequate:
         special = beside_nuisance(ladder, best, atoms)
         best, rivals = compared(ladder, best, [*tried, *special], rung)
+        best = plainest(ladder, best, atoms, rung)
         rivals = [
             one
             for one in rivals
@@ -164,6 +165,39 @@ def confirmations(ladder: Ladder, best: Fit, chances: int) -> dict[str, Confirma
             if one.holds:
                 break
     return found
+
+
+def plainest(ladder: Ladder, best: Fit, atoms: Sequence[Atom], rung: int) -> Fit:
+    """The best with special cases in the place of atoms whose further numbers matter little to the score and
+    are confirmed by no held-out run, where nothing but noise is left without them too.
+    """
+    for atom in best.hypothesis.atoms:
+        for special in atoms:
+            fields = {parameter.field for parameter in special.effect.parameters}
+            if special == atom or not nested(Hypothesis((special,)), Hypothesis((atom,))) or not fields:
+                continue
+            plain = _with_special(ladder, best, atom, special, rung)
+            if score(plain) > score(best) + NEAR or not adequacy(ladder.problems[rung], plain).adequate:
+                continue
+            general = [ladder.fit(short, best.hypothesis, best.x) for short in (0, 1)]
+            less = [_with_special(ladder, one, atom, special, short) for short, one in enumerate(general)]
+            held = (confirmation(ladder.problems[i], general[i], less[i], 2 * len(atoms)) for i in (0, 1))
+            if not any(one.holds for one in held):
+                return plain
+    return best
+
+
+def _with_special(ladder: Ladder, best: Fit, atom: Atom, special: Atom, rung: int) -> Fit:
+    """The best with one atom's special case in its place, begun from where the best is."""
+    numbers = {p.field: x for p, x in zip(atom.effect.parameters, _own(best, atom), strict=True)}
+    own = {a.label: x for a, x in best.hypothesis.parts(best.x)}
+    own[special.label] = np.array([numbers[p.field] for p in special.effect.parameters])
+    less = best.hypothesis.without(atom.label).with_atom(special)
+    return ladder.fit(rung, less, np.concatenate([own[one.label] for one in less.atoms]), best.states)
+
+
+def _own(best: Fit, atom: Atom) -> np.ndarray:
+    return next(x for a, x in best.hypothesis.parts(best.x) if a.label == atom.label)
 
 
 def beside_nuisance(ladder: Ladder, best: Fit, atoms: Sequence[Atom]) -> list[Fit]:
