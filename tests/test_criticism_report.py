@@ -5,17 +5,22 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data import Trials
-from swamp_rl.criticism.report.page import gain_rows, gained, lacking, named, table
+from swamp_rl.criticism.report.page import gain_rows, gained, lacking, left_over, named, table, told_apart
 from swamp_rl.criticism.report.words import (
     cause_rows,
+    gain_sentence,
     headline,
     leftover_sentence,
+    meaning,
     number_cells,
     rounded,
     spoken,
+    trial_words,
     unseen_of,
+    wandering_sentence,
+    written,
 )
-from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Gain, Leftover, Paired
+from swamp_rl.criticism.result import Cause, Contrast, Diagnosis, Estimate, Gain, Leftover, Paired
 
 
 def diagnosis(verdict: str, **changes: object) -> Diagnosis:
@@ -50,6 +55,11 @@ def test_labels_are_spoken_with_their_thrusters() -> None:
         ("cause", {"causes": [OFFSET]}, "misses one thing: azimuth offset (bs)"),
         ("cause", {"causes": [OFFSET, LAG]}, "misses 2 things: azimuth offset (bs) and azimuth lag"),
         ("indistinguishable", {"indistinguishable": [["mass", "linear_drag"]]}, "tell mass from linear drag"),
+        (
+            "indistinguishable",
+            {"indistinguishable": [["mass", "wind", "current"]]},
+            "tell which of 3 it is: mass, wind or current",
+        ),
         ("unexplained", {}, "no known effect explains"),
     ],
 )
@@ -58,7 +68,7 @@ def test_every_verdict_is_a_sentence(verdict: str, changes: dict[str, object], t
 
 
 def test_a_cause_has_its_interval_in_degrees_beside_what_the_boat_file_has() -> None:
-    rows = cause_rows(diagnosis("cause", causes=[OFFSET, LAG]), load_boat("swamp"))
+    rows = cause_rows([OFFSET, LAG], load_boat("swamp"))
     assert rows[0][0] == "azimuth offset (bs)"
     assert rows[0][2:] == ("offset", "11.5", "10.3 to 12.6", "degrees", "0")
     assert rows[1][2:] == ("time constant", "0.612", "0.588 to 0.636", "s", "0.1")
@@ -69,7 +79,7 @@ def test_a_number_at_the_edge_of_what_is_tried_has_no_interval() -> None:
     turned = Estimate(value=-1.6, standard_error=0.1, unit="rad", at_bound=True, limit="at_most")
     either = Estimate(value=0.5, standard_error=0.1, unit="1", at_bound=True)
     assert number_cells(slow) == ("4", "at the edge of what is tried: at least 4", "s")
-    assert number_cells(turned) == ("-91.7", "at the edge of what is tried: at most -91.7", "degrees")
+    assert number_cells(turned) == ("−91.7", "at the edge of what is tried: at most −91.7", "degrees")
     assert number_cells(either)[1] == "at the edge of what is tried, no interval"
 
 
@@ -118,3 +128,50 @@ def trials() -> Trials:
     return Trials(
         load_boat("swamp"), 0.1, (), np.zeros((0, 1, 8)), np.zeros((0, 1, 6)), np.zeros(0, np.int64)
     )
+
+
+def test_an_unexplained_rest_is_told_with_a_variable_or_said_to_go_with_none() -> None:
+    left = [Leftover(force="yaw", variable="heading", explained=0.62)]
+    assert "goes with heading" in left_over(diagnosis("unexplained", leftover=left))
+    assert "stands below" in meaning(diagnosis("unexplained", leftover=left))
+    assert "No single variable" in left_over(diagnosis("unexplained"))
+    assert "stands below" not in meaning(diagnosis("unexplained"))
+    assert left_over(diagnosis("nothing_wrong")) == ""
+
+
+@pytest.mark.parametrize(
+    ("ci95", "said"), [((0.1, 0.3), ""), ((-0.1, 0.3), "within chance"), ((-0.4, -0.1), "predicted worse")]
+)
+def test_a_gain_that_is_none_is_called_so(ci95: tuple[float, float], said: str) -> None:
+    paired = Paired(before=1.0, after=0.9, ci95=ci95)
+    gain = Gain(horizon_s=10.0, restarts=9, blocks="runs", position_rmse_m=paired)
+    told = gain_sentence(diagnosis("cause", causes=[LAG], gain=[gain]))
+    assert said in told and bool(told) == bool(said)
+
+
+def test_units_are_written_as_one_does_and_stay_on_one_line() -> None:
+    assert [written(unit) for unit in ("1", "m/s2", "N s/m")] == ["", "m/s²", "N\N{NO-BREAK SPACE}s/m"]
+
+
+def test_errors_that_last_are_a_receivers_or_the_models_own() -> None:
+    lasting = {"standard_deviation": 0.5, "time_constant_s": 21.0}
+    assert "positions wander (standard deviation): north 0.500 m; such errors fade over 21 s" in (
+        wandering_sentence(diagnosis("cause", wandering={"north": lasting}))
+    )
+    told = wandering_sentence(diagnosis("unexplained", wandering={"heading": lasting}))
+    assert "the simulation itself is off" in told and "heading 28.6 degrees" in told
+    assert wandering_sentence(diagnosis("cause")) == ""
+
+
+def test_rivals_stand_with_their_numbers() -> None:
+    names = ["mass", "azimuth_lag"]
+    contrast = Contrast(effects=names, angle=0.1, evidence=-2.0, mutual_refit=1.0, rival=[LAG])
+    found = diagnosis("indistinguishable", indistinguishable=[names], contrasts=[contrast])
+    told = told_apart(found, trials())
+    assert "0.588 to 0.636" in told and "−2.0" in told
+
+
+def test_a_trial_is_told_as_the_boat_can_sail_it() -> None:
+    assert trial_words("spin", load_boat("swamp")).startswith("turning on the spot")
+    assert trial_words("spin", load_boat("esso_osaka")).startswith("hard over (35°)")
+    assert trial_words("zig-zag, 80 %", load_boat("swamp")) == "zig-zag, 80 %"

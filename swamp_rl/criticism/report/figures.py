@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 SHOWN_RUNS = 6
 WINDOW = 10.0  # s between restarts of the tracks that are drawn
 BINS = 7
+ROUGH = 0.15  # m of noise from which a measured track is drawn in dots, a line would be a tangle
 PERFECT = 4  # times that a perfect simulation is tried
 MEASURED, BEFORE, AFTER = "#a9b2ba", "#c0392b", "#1f6fb2"
 DEGREES = 180.0 / math.pi
@@ -77,10 +78,14 @@ def draw_tracks(figure: Any, misfit: Misfit) -> None:
     rows, columns = (2, math.ceil(runs / 2)) if runs > 3 else (1, runs)
     figure.set_size_inches(10.5, 3.9 * rows)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
+    rough = misfit.diagnosis.noise.get("north", 0.0) > ROUGH
     seconds = min(WINDOW, 0.4 * float(trials.lengths[:runs].min()) * trials.dt)
     for run, axes in enumerate(grid[:runs]):
         measured = trials.measured[run, : trials.lengths[run]]
-        axes.plot(measured[:, 1], measured[:, 0], color=MEASURED, lw=4, solid_capstyle="round")
+        if rough:
+            axes.plot(measured[:, 1], measured[:, 0], ".", color=MEASURED, ms=3.5, mew=0)
+        else:
+            axes.plot(measured[:, 1], measured[:, 0], color=MEASURED, lw=4, solid_capstyle="round")
         nothing = (Hypothesis(), np.zeros(0), BEFORE)
         for hypothesis, x, colour in [nothing, (misfit.hypothesis, misfit.x, AFTER)][: 1 + misfit.extended]:
             found = restarted(trials, misfit.weight, run, seconds, hypothesis, x)
@@ -93,7 +98,7 @@ def draw_tracks(figure: Any, misfit: Misfit) -> None:
         axes.remove()
     legend = [(MEASURED, 4, "measured"), (BEFORE, 1.5, "predicted by the boat file")]
     legend += [(AFTER, 1.5, "predicted with what was found")] * misfit.extended
-    _legend(figure, legend, f"restart, every {seconds:.3g} s")
+    _legend(figure, legend, f"restart, every {seconds:.3g} s", cloud=rough)
 
 
 def _legend(
@@ -102,10 +107,13 @@ def _legend(
     dot: str = "",
     noise: bool = False,
     perfect: bool = False,
+    cloud: bool = False,
 ) -> None:
     from matplotlib.lines import Line2D
 
     handles = [Line2D([], [], color=colour, lw=width, label=label) for colour, width, label in lines]
+    if cloud:  # what the first line names is drawn in dots
+        handles[0].set(linestyle="", marker=".", markersize=6)
     if dot:
         handles.append(Line2D([], [], color="#222222", marker=".", ls="", ms=6, label=dot))
     if perfect:
@@ -201,7 +209,8 @@ def draw_forces(figure: Any, misfit: Misfit) -> None:
     axes = figure.subplots(3, len(chosen), squeeze=False, sharey="row", sharex="col")
     titles = ("surge force [N]", "sway force [N]", "yaw moment [N m]")
     for row, title in enumerate(titles):
-        reach = 1.3 * np.quantile(np.abs(before.force[:, row]), 0.93)
+        every = [np.abs(forces.force[:, row]) for forces in (before, misfit.forces)[: 1 + misfit.extended]]
+        reach = 1.3 * max(float(np.quantile(one, 0.93)) for one in every)
         for column, (name, (label, factor)) in enumerate(chosen.items()):
             ax = axes[row, column]
             ax.axhline(0, color="#888888", lw=0.8)
@@ -227,7 +236,7 @@ def shown_variables(trials: Trials, forces: Forces) -> dict[str, tuple[str, floa
     wanted = {
         "speed": ("speed [m/s]", 1.0),
         "yaw rate": ("yaw rate [°/s]", DEGREES),
-        f"throttle {working}": (f"thrust level {working}", 1.0),
+        f"throttle {working}": (f"throttle {working} [of full]", 1.0),
         f"azimuth {turning}": (f"azimuth {turning} [°]", DEGREES),
         "heading": ("heading [°]", DEGREES),
         "time": ("time [s]", 1.0),

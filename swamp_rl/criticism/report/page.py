@@ -9,14 +9,19 @@ from swamp_rl.criticism.report.figures import DEGREES, SHOWN
 from swamp_rl.criticism.report.words import (
     GAINED_ON,
     cause_rows,
+    closeness,
+    gain_sentence,
     headline,
-    leftover_sentence,
     meaning,
+    minus,
     names_of,
     places_of,
+    rest_sentence,
     rounded,
     spoken,
+    trial_words,
     unseen_of,
+    wandering_sentence,
 )
 from swamp_rl.criticism.result import Diagnosis, Gain
 
@@ -42,13 +47,16 @@ img{width:100%;height:auto;margin:.4rem 0}summary{cursor:pointer;color:var(--sof
 """
 
 
+CHI2 = "χ² is the squared error in units of the sensors' variance, summed: noise alone makes 1 a sample."
+
+
 def page(found: Diagnosis, trials: Trials, images: Mapping[str, str]) -> str:
     """The whole HTML page; images: PNG in base64 by name."""
     parts = [
         opening(found, trials),
-        seen(images, found.gain_on),
+        seen(found, images),
         named(found, trials),
-        told_apart(found),
+        told_apart(found, trials),
         left_over(found),
         gained(found),
         lacking(found, trials),
@@ -93,14 +101,17 @@ def cards(found: Diagnosis) -> str:
     return f'<div class="cards">{"".join(made)}</div>'
 
 
-def seen(images: Mapping[str, str], gain_on: str) -> str:
+def seen(found: Diagnosis, images: Mapping[str, str]) -> str:
     """The misfit, before any number."""
+    noise = ""
+    if found.verdict == "nothing_wrong":
+        noise = " Here they are no more than what noise makes of none."
     perfect = (
         " Even a perfect simulation leaves the sensors' noise behind with time, since it starts from a state "
         "that is known only to within it: the dashed line. What lies above that line is wrong in the "
         "simulation."
     )
-    if gain_on == "other_runs":
+    if found.gain_on == "other_runs":
         perfect = " These are the runs held out; the tracks above are of those diagnosed."
     return (
         "<h2>The misfit</h2><p>The simulation is started from the measured state again and again. Where it "
@@ -111,7 +122,7 @@ def seen(images: Mapping[str, str], gain_on: str) -> str:
         + "<p>The forces that the simulation lacks, told from how the measured motion bends away from it, "
         "against what the boat did. What hangs on the heading is fixed to the earth (wind, current); what "
         "hangs on thrust or azimuth sits in the thrusters; what hangs on speed or yaw rate sits in the hull. "
-        "Dots are moments, lines are means with their standard errors.</p>"
+        f"Dots are moments, lines are means with their standard errors.{noise}</p>"
         + image(images["forces"], "Missing forces")
     )
 
@@ -131,17 +142,22 @@ def named(found: Diagnosis, trials: Trials) -> str:
     }
     title = titles.get(found.verdict, "What was found")
     heads = ("effect", "what it is", "parameter", "value", "95 % interval", "unit", "boat file")
-    rows = cause_rows(found, trials.boat)
+    rows = cause_rows(found.causes, trials.boat)
     note = ""
-    if found.verdict == "unexplained":
+    if found.nuisance:
         note = (
+            "<p>The hull's linear coefficients were fitted beside it, since no file has them exactly; "
+            "<code>diagnosis.json</code> has them as <code>nuisance</code>.</p>"
+        )
+    if found.verdict == "unexplained":
+        note += (
             "<p>These explain some of the misfit and leave structure behind. They may stand in for "
             "something that is not in the library: do not take them for the cause.</p>"
         )
     return f"<h2>{title}</h2>{note}" + table(heads, rows, numbers=(3, 4, 6))
 
 
-def told_apart(found: Diagnosis) -> str:
+def told_apart(found: Diagnosis, trials: Trials) -> str:
     """The explanations that fit alike, why, and the trial that would tell."""
     if not found.indistinguishable:
         return ""
@@ -149,44 +165,64 @@ def told_apart(found: Diagnosis) -> str:
         (
             " <b>or</b> ".join(html.escape(spoken(name)) for name in one.effects),
             f"{DEGREES * one.angle:.1f}°",
-            f"{one.evidence:.1f}",
-            f"{one.mutual_refit:.1f}",
+            minus(f"{one.evidence:.1f}"),
+            minus(f"{one.mutual_refit:.1f}"),
         )
         for one in found.contrasts
     ]
     heads = ("explanations", "angle between what they change", "fits worse by [χ²]", "left after refit [χ²]")
-    text = (
+    return (
         "<h2>Why they cannot be told apart</h2><p>Each explanation moves the predictions in some direction. "
-        "The smaller the angle between two directions, the better one can stand in for the other. The last "
-        "column is what remains when each is fitted to clean data made with the other; next to noise, less "
-        "than about 9 does not show.</p>" + table(heads, rows, numbers=(1, 2, 3), raw=True)
+        "The smaller the angle between two directions, the better one can stand in for the other. "
+        f"{html.escape(closeness(found.verdict))} {CHI2}</p>"
+        + table(heads, rows, numbers=(1, 2, 3), raw=True)
+        + rivals_numbers(found, trials)
+        + deciding_trial(found, trials)
     )
+
+
+def rivals_numbers(found: Diagnosis, trials: Trials) -> str:
+    """What every explanation beside the best has for numbers."""
+    rows: list[tuple[str, ...]] = []
+    for one in found.contrasts:
+        title = spoken(one.effects[-1])
+        for effect, _, *numbers in cause_rows(one.rival, trials.boat):
+            rows.append((title, effect, *numbers))
+            title = ""
+    if not rows:
+        return ""
+    heads = ("explanation", "effect", "parameter", "value", "95 % interval", "unit", "boat file")
+    return "<p>The others with their numbers:</p>" + table(heads, rows, numbers=(3, 4, 6))
+
+
+def deciding_trial(found: Diagnosis, trials: Trials) -> str:
+    """What to sail so that one of the explanations stands out."""
     trial = found.separating_trial
     if trial is None:
-        return text
-    apart = f"{trial.separation:.1f}" if trial.separation < 100.0 else "more than 100"
+        return ""
+    apart = f"{trial.separation:.1f}" if trial.separation < 100.0 else "100"
     enough = "Three are enough to decide."
     if trial.separation < 3.0:
         enough = "That is less than the three that would decide: repeat it several times."
-    return text + (
-        f"<h2>The trial that would tell</h2><p><b>{html.escape(trial.manoeuvre)}</b>, "
-        f"{trial.duration_s:.0f} s with the same sensors: the two would end {apart} standard errors apart. "
-        f"{enough}</p>"
+    return (
+        "<h2>The trial that would tell</h2><p>Of what this boat can do: "
+        f"<b>{html.escape(trial_words(trial.manoeuvre, trials.boat))}</b>, for {trial.duration_s:.0f} s with "
+        f"the same sensors. The one that fits best would then stand {apart} standard errors or more from "
+        f"each of the others. {enough}</p>"
     )
 
 
 def left_over(found: Diagnosis) -> str:
     """Where structure remains."""
-    if not found.leftover:
+    if found.verdict != "unexplained":
         return ""
     rows = [
         (f"{one.force} force" if one.force != "yaw" else "yaw moment", one.variable, f"{one.explained:.0%}")
         for one in found.leftover
     ]
     heads = ("what is missing", "goes with", "explained by it, on other runs")
-    return f"<h2>Where the rest lives</h2><p>{html.escape(leftover_sentence(found))}</p>" + table(
-        heads, rows, numbers=(2,)
-    )
+    said = f"<h2>Where the rest lives</h2><p>{html.escape(rest_sentence(found))}</p>"
+    return said + (table(heads, rows, numbers=(2,)) if rows else "")
 
 
 def gained(found: Diagnosis) -> str:
@@ -201,8 +237,8 @@ def gained(found: Diagnosis) -> str:
     return (
         f"<h2>What it gains</h2>{cards(found)}<p>Root mean square errors {GAINED_ON[found.gain_on]}. The "
         "interval is of the difference, restart by restart on the same data, resampled by "
-        f"{' and '.join(blocks)}; where it lies above zero, the gain is more than chance.</p>"
-        + table(heads, rows, numbers=(0, 2, 3, 4))
+        f"{' and '.join(blocks)}; where it lies above zero, the gain is more than chance. "
+        f"<b>{gain_sentence(found)}</b></p>" + table(heads, rows, numbers=(0, 2, 3, 4))
     )
 
 
@@ -219,7 +255,7 @@ def gain_rows(gain: Gain) -> list[tuple[str, ...]]:
         cells = [
             f"{round(value, places) + 0.0:.{places}f}" for value in (before, after, before - after, low, high)
         ]
-        span = f"{cells[2]} ({cells[3]} to {cells[4]})".replace("-", "−")
+        span = minus(f"{cells[2]} ({cells[3]} to {cells[4]})")
         ahead = f"{gain.horizon_s:g} ({gain.restarts})" if not rows else ""
         rows.append((ahead, title, cells[0], cells[1], span, unit))
     return rows
@@ -247,17 +283,24 @@ def details(found: Diagnosis, trials: Trials) -> str:
             factor, shown = (DEGREES, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
             rows.append((name.replace("_", " "), rounded(factor * found.noise[name]), shown))
     tried = [
-        (spoken(c.effect), f"{c.held_out_score:.3f}", f"{c.gain:.0f}", "{:.0f} to {:.0f}".format(*c.gain_ci))
+        (
+            spoken(c.effect),
+            f"{c.held_out_score:.3f}",
+            minus(f"{c.gain:.0f}"),
+            minus("{:.0f} to {:.0f}".format(*c.gain_ci)),
+        )
         for c in found.candidates
     ]
+    extended = "with what was found" if found.causes else "as it is, since nothing was found to add"
     heads = ("explanation", "misfit a sample [χ²], 1 is noise", "gain [χ²]", "95 % interval")
     return (
         "<h2>Details</h2><p>Noise of the sensors, estimated from the data alone:</p>"
         + table(("channel", "standard deviation", "unit"), rows, numbers=(1,))
+        + (f"<p>{wandering_sentence(found)}</p>" if found.wandering else "")
         + "<details><summary>The explanations that were tried, best first, scored on runs held "
-        f"out</summary>{table(heads, tried, numbers=(1, 2, 3))}</details>"
+        f"out</summary><p>{CHI2}</p>{table(heads, tried, numbers=(1, 2, 3))}</details>"
         + f'<p class="soft">Found in {found.elapsed_s:.0f} s. <code>diagnosis.json</code> holds every '
-        "number, <code>extended_boat.yaml</code> is the boat file with what was found. "
+        f"number, <code>extended_boat.yaml</code> is the boat file {extended}. "
         f"{html.escape(names_of(found))}</p>"
     )
 

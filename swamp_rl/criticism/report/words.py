@@ -1,9 +1,13 @@
 """A diagnosis in words that need no knowledge of the code."""
 
 import math
+from collections.abc import Sequence
+
+import numpy as np
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.result import Diagnosis, Estimate, Limit
+from swamp_rl.criticism.data import CHANNELS, UNITS
+from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Limit
 from swamp_rl.effects import LIBRARY
 
 Z95 = 1.959964
@@ -41,8 +45,18 @@ def headline(found: Diagnosis) -> str:
         )
     if found.verdict == "indistinguishable":
         names = [spoken(name) for name in found.indistinguishable[0]] if found.indistinguishable else []
+        if len(names) > 2:
+            which = f"which of {len(names)} it is: {either(names)}"
+            return f"The misfit is real, but these data cannot tell {which}."
         return f"The misfit is real, but these data cannot tell {' from '.join(names)}."
     return "Something is at work that no known effect explains." + partly(found)
+
+
+def either(names: Sequence[str]) -> str:
+    """Explanations, each perhaps of several effects, as alternatives."""
+    if any(" and " in name for name in names):
+        return "; or ".join(names)
+    return f"{', '.join(names[:-1])} or {names[-1]}"
 
 
 def partly(found: Diagnosis) -> str:
@@ -50,7 +64,9 @@ def partly(found: Diagnosis) -> str:
     if not found.causes:
         return ""
     others = [spoken(name) for group in found.indistinguishable for name in group[1:]]
-    instead = f", or as well {', or '.join(others)}" if others else ""
+    instead = f", or just as well {others[0]}" if others else ""
+    if len(others) > 1:
+        instead = f", or one of {len(others)} others that predict as well (see below)"
     return f" Part of the misfit is {causes(found)}{instead}."
 
 
@@ -72,10 +88,10 @@ def meaning(found: Diagnosis) -> str:
             "guess. extended_boat.yaml holds the one that fits best; predictions of runs like these are safe "
             "with it, others are not. A trial that would decide is named below."
         )
-    return (
-        "Every effect of the library was tried, alone and beside others, and more than noise remains. Which "
-        "force is missing, and what it goes with, stands below: look there on the real boat."
-    )
+    tried = "Every effect of the library was tried, alone and beside others, and more than noise remains. "
+    if not found.leftover:
+        return tried + "Nor does what is missing go with any one thing that was recorded."
+    return tried + "Which force is missing, and what it goes with, stands below: look there on the real boat."
 
 
 def leftover_sentence(found: Diagnosis) -> str:
@@ -86,6 +102,87 @@ def leftover_sentence(found: Diagnosis) -> str:
         f"Most of it is a {first.force} {kind} that goes with {first.variable}: on runs that this was not "
         f"told from, {first.variable} explains {first.explained:.0%} of it."
     )
+
+
+def rest_sentence(found: Diagnosis) -> str:
+    """Where what remains lives, or that it is not to be told."""
+    if found.leftover:
+        return leftover_sentence(found)
+    return (
+        "No single variable explains a share of the missing forces worth naming on runs that this was not "
+        "told from. It may be somebody's hand, a place, or two things at once: look at the missing forces "
+        "above."
+    )
+
+
+def gain_sentence(found: Diagnosis) -> str:
+    """That what was found predicts no better, where that is so."""
+    gain = next((one for one in found.gain if one.horizon_s == 10.0 and one.position_rmse_m), None)
+    if gain is None or gain.position_rmse_m is None or not found.causes:
+        return ""
+    low, high = gain.position_rmse_m.ci95
+    if low > 0.0:
+        return ""
+    if high < 0.0:
+        return "With it positions 10 s ahead are predicted worse: do not predict with extended_boat.yaml. "
+    return "Of positions 10 s ahead the change is within chance. "
+
+
+def wandering_sentence(found: Diagnosis) -> str:
+    """Errors that last, where some were found: a receiver's, or the model's own."""
+    if not found.wandering:
+        return ""
+    parts = []
+    for name, one in found.wandering.items():
+        unit = dict(zip(CHANNELS, UNITS, strict=True))[name]
+        factor, shown = (180.0 / math.pi, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
+        parts.append(f"{name.replace('_', ' ')} {rounded(factor * one.standard_deviation)} {shown}")
+    seconds = max(one.time_constant_s for one in found.wandering.values())
+    whose = (
+        "Beside that noise positions wander"
+        if set(found.wandering) <= {"north", "east"}
+        else "Beside that noise the simulation itself is off, for seconds at a time"
+    )
+    return f"{whose} (standard deviation): {', '.join(parts)}; such errors fade over {seconds:.2g} s."
+
+
+def closeness(verdict: str) -> str:
+    """What the columns of the table of explanations say."""
+    if verdict == "unexplained":
+        return (
+            "None of these explains all, so none is judged by how well it fits: they are here because "
+            "windows that they were not fitted to are predicted no worse by one than by another, but for "
+            "chance."
+        )
+    return (
+        "The last column is what remains when each is fitted to clean data made with the other; next to "
+        "noise, less than about 9 does not show."
+    )
+
+
+TRIALS = {
+    "spin": "turning on the spot, all thrusters across at 60 %",
+    "astern": "straight astern, 60 %",
+    "sideways": "sideways, all thrusters abeam at 60 %",
+}
+"""Trials of which only thrusters that turn all the way are capable."""
+OTHERS = {
+    "differential thrust": "straight ahead, the thrusters of either side pushing harder in turn",
+    "adrift": "ten seconds ahead at 80 %, then adrift",
+}
+
+
+def trial_words(name: str, boat: Boat) -> str:
+    """What a manoeuvre is, where its name does not say it: a rudder that cannot go round is put hard over."""
+    from swamp_rl.simulator import parameters
+
+    if name not in TRIALS:
+        return OTHERS.get(name, name)
+    record = parameters(boat)[0]
+    reach = float(max(np.abs(record["azimuth_min"]).max(), np.abs(record["azimuth_max"]).max()))
+    if reach >= math.pi / 2:
+        return TRIALS[name]
+    return f"hard over ({math.degrees(reach):.0f}°) at 60 %" if reach > 0.0 else "straight ahead, 60 %"
 
 
 GAINED_ON = {
@@ -110,10 +207,10 @@ def unseen_of(found: Diagnosis, boat: Boat) -> str:
     return ", ".join(parts)
 
 
-def cause_rows(found: Diagnosis, boat: Boat) -> list[tuple[str, ...]]:
+def cause_rows(causes: Sequence[Cause], boat: Boat) -> list[tuple[str, ...]]:
     """Effect, what it is, parameter, value, interval, unit, and what the boat file has."""
     rows: list[tuple[str, ...]] = []
-    for cause in found.causes:
+    for cause in causes:
         effect = LIBRARY[cause.effect]
         on = cause.thruster if isinstance(cause.thruster, str) else " and ".join(cause.thruster or ())
         name = cause.effect.replace("_", " ") + (f" ({on})" if on else "")
@@ -132,12 +229,17 @@ def number_cells(estimate: Estimate) -> tuple[str, str, str]:
     factor, unit = (180.0 / math.pi, "degrees") if estimate.unit == "rad" else (1.0, estimate.unit)
     if estimate.at_bound:
         ended = plain(factor * estimate.value)
-        return ended, edge(estimate.limit, ended), "" if unit == "1" else unit
+        return ended, edge(estimate.limit, ended), written(unit)
     value, reach = factor * estimate.value, factor * Z95 * estimate.standard_error
     places = 2 if reach <= 0.0 or not math.isfinite(reach) else max(0, 1 - math.floor(math.log10(reach)))
     places = min(places, 6)
-    span = f"{value - reach:.{places}f} to {value + reach:.{places}f}"
-    return f"{value:.{places}f}", span, "" if unit == "1" else unit
+    low, middle, high = (minus(f"{v:.{places}f}") for v in (value - reach, value, value + reach))
+    return middle, f"{low} to {high}", written(unit)
+
+
+def written(unit: str) -> str:
+    """A unit as one writes it, nothing for a plain number; on one line."""
+    return "" if unit == "1" else unit.replace("2", "²").replace("3", "³").replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def edge(limit: Limit | None, value: str) -> str:
@@ -148,7 +250,12 @@ def edge(limit: Limit | None, value: str) -> str:
 
 def plain(value: float) -> str:
     """Three significant digits without zeros at the end."""
-    return f"{float(f'{value:.3g}') + 0.0:g}"
+    return minus(f"{float(f'{value:.3g}') + 0.0:g}")
+
+
+def minus(digits: str) -> str:
+    """Numbers with the sign that is as wide as a plus."""
+    return digits.replace("-", "−")
 
 
 def neutral_value(effect: str, parameter: str, boat: Boat) -> str:
