@@ -77,6 +77,9 @@ def test_a_cause_has_its_interval_in_degrees_beside_what_the_boat_file_has() -> 
 def test_a_number_at_the_edge_of_what_is_tried_has_no_interval() -> None:
     slow = Estimate(value=4.0, standard_error=0.2, unit="s", at_bound=True, limit="at_least")
     turned = Estimate(value=-1.6, standard_error=0.1, unit="rad", at_bound=True, limit="at_most")
+    cause = Cause(effect="pump_lag", parameters={"time_constant": slow})
+    assert "may stand in for another" in meaning(diagnosis("cause", causes=[cause]))
+    assert "may stand in" not in meaning(diagnosis("cause", causes=[OFFSET, LAG]))
     either = Estimate(value=0.5, standard_error=0.1, unit="1", at_bound=True)
     assert number_cells(slow) == ("4", "at the edge of what is tried: at least 4", "s")
     assert number_cells(turned) == ("−91.7", "at the edge of what is tried: at most −91.7", "degrees")

@@ -78,10 +78,16 @@ def meaning(found: Diagnosis) -> str:
             "need be added to the boat file. What these data could not show is listed below."
         )
     if found.verdict == "cause":
-        return (
-            "With it, what remains is sensor noise. The numbers below are fitted and can be used at once: "
-            "extended_boat.yaml is the boat file with them."
+        added = "it" if len(found.causes) == 1 else "them"
+        told = (
+            f"With {added}, what remains is sensor noise. The numbers below are fitted and can be used at "
+            "once: extended_boat.yaml is the boat file with them."
         )
+        if any(one.at_bound for cause in found.causes for one in cause.parameters.values()):
+            told += (
+                " One ended at the edge of what is tried, so its effect may stand in for another: look twice."
+            )
+        return told
     if found.verdict == "indistinguishable":
         return (
             "Each of these explanations brings the misfit down to sensor noise, so choosing one would be a "
