@@ -11,8 +11,9 @@ from swamp_rl.criticism.conclude import Search, without_unconfirmed
 from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.heldout import Confirmation
 from swamp_rl.criticism.ladder import ladder_of
-from swamp_rl.criticism.leftover import leftovers, missing_forces
+from swamp_rl.criticism.leftover import missing_forces
 from swamp_rl.criticism.noise import noise_levels, weights
+from swamp_rl.criticism.pointing import leftovers
 from swamp_rl.criticism.shooting import Shooting
 from tests.test_criticism import SECONDS, commands, driven
 
@@ -64,6 +65,7 @@ def test_missing_forces_are_told_from_a_slow_receiver_and_from_none_without_faul
     measured = sailed.measured.copy()
     measured[:, np.arange(measured.shape[1]) % every > 0, :2] = np.nan
     sparse = replace(sailed, measured=measured)
-    forces = missing_forces(sparse, weights(sparse, noise_levels(sailed)), Hypothesis(), np.zeros(0))
+    weight = weights(sparse, noise_levels(sailed))
+    forces = missing_forces(sparse, weight, Hypothesis(), np.zeros(0))
     assert (len(forces.run) > 10) == told
-    assert all(one.explained < 0.5 for one in leftovers([forces]))
+    assert leftovers(sparse, weight, [(Hypothesis(), np.zeros(0))]) == []

@@ -26,9 +26,10 @@ from swamp_rl.criticism.gain import gains
 from swamp_rl.criticism.heldout import bootstrap_interval, heldout_loss, heldout_numbers
 from swamp_rl.criticism.imperfect import in_noise
 from swamp_rl.criticism.ladder import Ladder
-from swamp_rl.criticism.leftover import Forces, leftovers, missing_forces
+from swamp_rl.criticism.leftover import Forces, missing_forces
 from swamp_rl.criticism.motion import missing_motion
 from swamp_rl.criticism.noise import noise_levels, weights
+from swamp_rl.criticism.pointing import leftovers
 from swamp_rl.criticism.refusals import refuse_other_vehicle, refuse_sources_inside
 from swamp_rl.criticism.result import Candidate, Cause, Diagnosis, Gain, HeldOut, Verdict, Wandering
 from swamp_rl.criticism.rivals import contrast, separating_trial
@@ -119,7 +120,7 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
         else None,
         leftover=[]
         if found.adequate
-        else leftovers([forces, missing_forces(trials, weight, Hypothesis(), NONE)]),
+        else leftovers(replace(trials, slow=coloured.slow), weight, _models(found.winner)),
         candidates=_candidates(ladder, found, rng),
         unseen=found.unseen,
         missing_motion=missing_motion(trials, other is not None),
@@ -144,6 +145,12 @@ def confirmed_causes(problem: Shooting, found: Search) -> tuple[list[Cause], boo
             cause.held_out = HeldOut(gain=one.gain, low=one.low, level=one.level)
     claimed = [cause for cause in every if _is_finite(cause)]
     return claimed, len(claimed) == len(every)
+
+
+def _models(winner: Fit) -> list[tuple[Hypothesis, Array]]:
+    """The boat file alone, and with what was found."""
+    found = [(winner.hypothesis, winner.x)] if winner.hypothesis.atoms else []
+    return [(Hypothesis(), NONE), *found]
 
 
 def _is_finite(cause: Cause) -> bool:

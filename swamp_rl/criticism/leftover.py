@@ -1,6 +1,5 @@
-"""Forces that the model lacks, and which variable they go with."""
+"""Forces that the model lacks, piece by piece, with what the boat did meanwhile."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,6 @@ from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import normal_equations, settle
 from swamp_rl.criticism.pushes import AXES, Pushes, push_slopes, pushes_of
-from swamp_rl.criticism.result import Force, Leftover
 from swamp_rl.criticism.shooting import Shooting, wrap
 
 Array = NDArray[np.float64]
@@ -19,21 +17,14 @@ Array = NDArray[np.float64]
 WINDOW, PIECE = 5.0, 2.5
 WINDOW_WITHOUT_VELOCITY, PIECE_WITHOUT_VELOCITY = 10.0, 5.0
 SEEN = 0.25  # of the positions that a piece should hold, below which its force is not told
-BINS = 6
 ROUNDS = 6  # steps towards the forces
 REACH = 3.0  # standard deviation of a missing force beforehand, in thrusts of the strongest thruster
-CLIP = 4.0  # spreads from the median beyond which a force is drawn nearer
-SIGNIFICANT = 0.8  # median of force over error, 0.67 where there is none
-ALIKE = 0.05  # of variance explained, within which two variables are listed side by side
-LISTED = 4
-SHOWN = 0.15  # share of a force's variance that a variable must explain, on other runs, to be named
-FORCES: tuple[Force, ...] = ("surge", "sway", "yaw", "north", "east")
 
 
 @dataclass(frozen=True)
 class Forces:
-    """Missing forces at n instants: force (n, 5) in the order of FORCES [N, N m], error (n, 5) their
-    standard errors.
+    """Missing forces at n instants: force (n, 5) of surge, sway, yaw, north and east [N, N m], error (n, 5)
+    their standard errors.
 
     run: (n,); variables: what the boat did there, by name (n,).
     """
@@ -54,7 +45,8 @@ def missing_forces(trials: Trials, weight: Array, hypothesis: Hypothesis, x: Arr
         seconds, piece = WINDOW_WITHOUT_VELOCITY, PIECE_WITHOUT_VELOCITY
     problem = Shooting(trials, weight, seconds, before=trials.dt)
     pushes = pushes_of(problem, piece)
-    track, force, covariance = _fitted(problem, hypothesis, x, pushes)
+    made = followed(problem, hypothesis, x, pushes)
+    track, force, covariance = made.track, made.force, made.covariance
     win = problem.windows
     found = []
     held = (win.weight[..., 0] > 0) & (np.arange(win.rows) >= win.pad)  # less what the start is guessed to be
@@ -78,10 +70,20 @@ def missing_forces(trials: Trials, weight: Array, hypothesis: Hypothesis, x: Arr
     )
 
 
-def _fitted(
-    problem: Shooting, hypothesis: Hypothesis, x: Array, pushes: Pushes
-) -> tuple[Array, Array, Array]:
-    """Track (W, T, 6), forces (W, B, 3) and their covariance (W, 3 B, 3 B)."""
+@dataclass(frozen=True)
+class Followed:
+    """Windows pushed so that they follow the data: states (W, 6) at their starts, track (W, T, 6), force
+    (W, B, 3) [N, N, N m] and its covariance (W, 3 B, 3 B).
+    """
+
+    states: Array
+    track: Array
+    force: Array
+    covariance: Array
+
+
+def followed(problem: Shooting, hypothesis: Hypothesis, x: Array, pushes: Pushes) -> Followed:
+    """The forces, constant in each piece, that make rollouts agree best with what was measured."""
     states, track, residual = settle(problem, hypothesis, x, problem.guess(), ROUNDS)
     shape = (problem.windows.count, pushes.count, AXES)
     reach = REACH * float(np.max(problem.boat_thrust))
@@ -112,7 +114,7 @@ def _fitted(
         states[better] += shift[better]
         force[better], track[better], residual[better] = tried[better], moved[better], left[better]
         damping = np.where(better, np.where(damping < 0.1, 0.0, damping / 10.0), 10.0 * damping + 0.1)
-    return track, force, covariance
+    return Followed(states, track, force, covariance)
 
 
 def _variables(
@@ -136,47 +138,3 @@ def _variables(
         found[f"azimuth {name}"] = commands[:, k]
         found[f"throttle {name}"] = commands[:, len(names) + k]
     return {name: values for name, values in found.items() if len(values) and np.ptp(values) > 1e-6}
-
-
-def explained(values: Array, force: Array, error: Array, run: NDArray[np.int64]) -> float:
-    """Share of a force's power that bins of a variable explain on runs that the bins were not filled from;
-    what lies far out counts as if it were nearer.
-    """
-    edges = np.quantile(values, np.linspace(0, 1, BINS + 1)[1:-1])
-    bins = np.searchsorted(edges, values)
-    spread = float(np.median(np.abs(force - np.median(force)))) + float(np.median(error))
-    force = np.clip(force, np.median(force) - CLIP * spread, np.median(force) + CLIP * spread)
-    weight = 1.0 / (error**2 + spread**2)
-    left, whole = 0.0, 0.0
-    for one in np.unique(run):
-        mine = run == one
-        for b in np.unique(bins[mine]):
-            rest = ~mine & (bins == b)
-            mean = float(np.average(force[rest], weights=weight[rest])) if rest.any() else 0.0
-            here = mine & (bins == b)
-            left += float((weight[here] * (force[here] - mean) ** 2).sum())
-            whole += float((weight[here] * force[here] ** 2).sum())
-    return 1.0 - left / max(whole, 1e-12)
-
-
-def leftovers(every: Sequence[Forces]) -> list[Leftover]:
-    """Force and variable of what remains, the best explained first, at most `LISTED`, with the variables that
-    explain a force about as well as the best one; every: what is missing beside one model and another, as a
-    wrong cause bends what is left over.
-    """
-    found: dict[tuple[Force, str], float] = {}
-    for forces in every:
-        for c, name in enumerate(FORCES if forces.variables else ()):
-            significance = np.median(np.abs(forces.force[:, c]) / np.maximum(forces.error[:, c], 1e-9))
-            if significance < SIGNIFICANT:
-                continue
-            shares = {
-                variable: explained(values, forces.force[:, c], forces.error[:, c], forces.run)
-                for variable, values in forces.variables.items()
-            }
-            best = max(shares.values())
-            for variable, share in shares.items():
-                if share > max(SHOWN, best - ALIKE):
-                    found[name, variable] = max(share, found.get((name, variable), 0.0))
-    listed = sorted(found.items(), key=lambda one: -one[1])[:LISTED]
-    return [Leftover(force=name, variable=variable, explained=share) for (name, variable), share in listed]

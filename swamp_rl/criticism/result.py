@@ -4,7 +4,6 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-Force = Literal["surge", "sway", "yaw", "north", "east"]
 GainOn = Literal["each_run_in_turn", "other_runs", "same_run"]
 Limit = Literal["at_least", "at_most"]
 Verdict = Literal["nothing_wrong", "cause", "indistinguishable", "unexplained"]
@@ -83,9 +82,13 @@ class Trial(Part):
 
 
 class Leftover(Part):
-    """Where structure remains: a residual force, and the variable that explains most of it."""
+    """Where structure remains: a residual force, and the variable that it is a function of.
 
-    force: Force
+    force: surge, sway, yaw, north, east, or `thrust of` a thruster; explained: share of its power that the
+    function foretells on runs that it was not fitted to.
+    """
+
+    force: str
     variable: str
     explained: float
 

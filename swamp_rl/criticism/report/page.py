@@ -10,6 +10,7 @@ from swamp_rl.criticism.report.words import (
     GAINED_ON,
     cause_rows,
     closeness,
+    force_name,
     gain_sentence,
     headline,
     meaning,
@@ -216,11 +217,8 @@ def left_over(found: Diagnosis) -> str:
     """Where structure remains."""
     if found.verdict != "unexplained":
         return ""
-    rows = [
-        (f"{one.force} force" if one.force != "yaw" else "yaw moment", one.variable, f"{one.explained:.0%}")
-        for one in found.leftover
-    ]
-    heads = ("what is missing", "goes with", "explained by it, on other runs")
+    rows = [(force_name(one.force), one.variable, f"{one.explained:.0%}") for one in found.leftover]
+    heads = ("what is missing", "goes with", "of its power foretold, on other runs")
     said = f"<h2>Where the rest lives</h2><p>{html.escape(rest_sentence(found))}</p>"
     return said + (table(heads, rows, numbers=(2,)) if rows else "")
 

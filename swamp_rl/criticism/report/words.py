@@ -100,13 +100,18 @@ def meaning(found: Diagnosis) -> str:
     return tried + "Which force is missing, and what it goes with, stands below: look there on the real boat."
 
 
+def force_name(force: str) -> str:
+    """`yaw` as `yaw moment`, `thrust of bs` as it is."""
+    return force if " " in force else f"{force} {'moment' if force == 'yaw' else 'force'}"
+
+
 def leftover_sentence(found: Diagnosis) -> str:
     """Where the largest of what remains lives."""
     first = found.leftover[0]
-    kind = "moment" if first.force == "yaw" else "force"
+    what = "a lack or an excess of " if first.force.startswith("thrust of") else "a "
     return (
-        f"Most of it is a {first.force} {kind} that goes with {first.variable}: on runs that this was not "
-        f"told from, {first.variable} explains {first.explained:.0%} of it."
+        f"Most of it is {what}{force_name(first.force)} that goes with {first.variable}: on runs that this "
+        f"was not told from, {first.variable} foretells {first.explained:.0%} of its power."
     )
 
 

@@ -1,0 +1,62 @@
+"""A force that no effect of the library makes is told by what it goes with."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.candidates import Hypothesis
+from swamp_rl.criticism.data import Trials
+from swamp_rl.criticism.noise import noise_levels, weights
+from swamp_rl.criticism.pointing import functions, leftovers
+from tests.hidden_effects import DT, Case, deviations, measure, voyages
+
+NOTHING = [(Hypothesis(), np.zeros(0))]
+SECTOR = {"what": "sector", "centre": 1.0, "force": 4.0}
+DEAD_ZONE = {"what": "dead_zone", "thruster": "ss", "below": 0.55}
+MOORING = {"what": "mooring", "length": 4.0, "stiffness": 2.0}
+
+
+def sailed(outside: dict[str, Any] | None, level: str) -> Trials:
+    """Five runs of 80 s of every kind with the noise of a level."""
+    rng = np.random.default_rng(1)
+    found = voyages(Case(level, "outside", [], outside=outside), rng)
+    noise = deviations(level)
+    seen = np.stack([measure(one, noise, rng)[0] for one in found])
+    seen[..., 2] = np.unwrap(seen[..., 2])
+    seen[..., ~np.isfinite(noise)] = np.nan
+    commands = np.stack([one.commands for one in found])
+    lengths = np.full(len(found), seen.shape[1])
+    return Trials(load_boat("swamp"), DT, tuple("abcde"), commands, seen, lengths)
+
+
+@pytest.mark.parametrize(
+    ("outside", "level", "pairs"),
+    [
+        (SECTOR, "A", {("surge", "heading")}),
+        (SECTOR, "B", {("surge", "heading")}),
+        (DEAD_ZONE, "A", {("thrust of ss", "throttle ss")}),
+        (MOORING, "A", {("north", "position north"), ("east", "position east")}),
+    ],
+)
+def test_what_no_effect_makes_is_told_by_what_it_goes_with(
+    outside: dict[str, Any], level: str, pairs: set[tuple[str, str]]
+) -> None:
+    trials = sailed(outside, level)
+    found = leftovers(trials, weights(trials, noise_levels(trials)), NOTHING)
+    assert pairs & {(one.force, one.variable) for one in found}, found
+
+
+@pytest.mark.parametrize("level", ["A", "B"])
+def test_where_nothing_is_missing_nothing_is_pointed_at(level: str) -> None:
+    trials = sailed(None, level)
+    assert leftovers(trials, weights(trials, noise_levels(trials)), NOTHING) == []
+
+
+@pytest.mark.parametrize(("name", "reach"), [("heading", np.pi), ("azimuth bs", np.pi), ("speed", 1.2)])
+def test_functions_of_a_variable_add_up_to_one_and_go_round_an_angle(name: str, reach: float) -> None:
+    values = np.linspace(-reach, reach, 200)
+    basis = functions(name, values)
+    assert basis.sum(axis=-1) == pytest.approx(1.0)
+    assert np.allclose(basis[0], basis[-1], atol=1e-9) == (name != "speed")
