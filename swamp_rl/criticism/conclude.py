@@ -19,6 +19,7 @@ GAP = 9.0  # of penalised chi2 within which two names cannot be told apart
 NEAR = 40.0  # the same on shorter windows, beyond which longer ones will not bring two together
 CLEARLY = 50.0  # of penalised chi2, beyond what longer windows can do to the comparison of two fits
 OVERWHELMING = 500.0  # the same, beyond what a fit that has not quite ended can be wrong by
+RUNAWAY = 10.0  # chi2 a sample, of whole runs whose model left only noise on shorter windows
 FAR = 1.8  # standard deviations of a derivative's prior beyond which it may be more than a nuisance
 MOST_RIVALS = 4
 LAST = len(RUNGS) - 1
@@ -92,7 +93,7 @@ def concluded(
     rivals: list[Fit] = []
     if adequate:
         special = beside_nuisance(ladder, best, atoms)
-        best, rivals = compared(ladder, best, [*tried, *special], rung)
+        best, rivals, rung = compared(ladder, best, [*tried, *special], rung)
         best = plainest(ladder, best, atoms, rung)
         rivals = [
             one
@@ -119,9 +120,13 @@ def without(ladder: Ladder, best: Fit, label: str, rung: int) -> Fit:
     """The best less one atom, fitted on a rung from where the best is."""
     less = best.hypothesis.without(label)
     known = ladder.fits.get((rung, less.label))
-    if known is not None and (not less.atoms or known.chi2 > best.chi2 + OVERWHELMING):
+    if known is not None and not less.atoms:
         return known
     x = np.concatenate([np.zeros(0), *(own for a, own in best.hypothesis.parts(best.x) if a.label != label)])
+    if known is not None and known.chi2 > best.chi2 + OVERWHELMING:
+        glance = fit(ladder.problems[rung], less, x, best.states, 2)  # for the known one may have been stuck
+        if glance.chi2 > best.chi2 + OVERWHELMING:
+            return known
     made = fit(ladder.problems[rung], less, x, best.states, 8, fresh=True)
     if known is None or made.chi2 < known.chi2:
         ladder.fits[(rung, less.label)] = made
@@ -244,8 +249,11 @@ def nested(small: Hypothesis, large: Hypothesis) -> bool:
     return all(holds(atom) for atom in small.atoms)
 
 
-def compared(ladder: Ladder, best: Fit, tried: Sequence[Fit], rung: int) -> tuple[Fit, list[Fit]]:
-    """The best of all that was tried and its rivals, on one rung; each only on shorter windows before."""
+def compared(ladder: Ladder, best: Fit, tried: Sequence[Fit], rung: int) -> tuple[Fit, list[Fit], int]:
+    """The best of all that was tried and its rivals on one rung, each only on shorter windows before; and
+    that rung. Where whole runs of one that is near ran away, as a boat does that keeps no course by itself,
+    they tell nothing of it, and all are compared on the middle windows.
+    """
     near = score(ladder.fit(1, best.hypothesis, best.x)) + NEAR
     here = score(ladder.fit(0, best.hypothesis, best.x)) + NEAR
     every = [best]
@@ -254,8 +262,11 @@ def compared(ladder: Ladder, best: Fit, tried: Sequence[Fit], rung: int) -> tupl
             continue
         if score(climb(ladder, one.hypothesis, one.x)) <= near:
             every.append(ladder.fit(rung, one.hypothesis, one.x))
+    if rung > 1 and any(one.chi2 > RUNAWAY * ladder.problems[rung].samples for one in every):
+        rung = 1
+        every = [ladder.fit(rung, one.hypothesis, one.x) for one in every]
     every.sort(key=score)
     close = [one for one in every[1:] if score(one) < score(every[0]) + GAP]
     apart = {one.hypothesis.accused: one for one in reversed(close)}
     apart.pop(every[0].hypothesis.accused, None)
-    return every[0], sorted(apart.values(), key=score)
+    return every[0], sorted(apart.values(), key=score), rung
