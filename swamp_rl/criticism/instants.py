@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import Fit, bounded_step, normal_equations
+from swamp_rl.criticism.responses import command_responses
 from swamp_rl.criticism.shooting import Shooting
-from swamp_rl.criticism.windows import Windows
 
 Array = NDArray[np.float64]
 
@@ -61,35 +61,6 @@ def best_shares(
 
 def _responses(problem: Shooting, at: Fit, window: int, rows: NDArray[np.int64], change: Array) -> Array:
     """(M, n) slopes of a window's weighted prediction by the share of the change after each of n rows."""
-    trials, win = problem.trials, problem.windows
-    run, count = int(win.run[window]), len(rows)
-    commands = np.repeat(trials.commands[run][None], count + 1, axis=0)
-    commands[np.arange(count), rows] += STEP * change[rows]
-
-    def each(values: NDArray[np.generic]) -> NDArray[np.generic]:
-        """The window's own, once for every change."""
-        return np.repeat(values[window][None], count + 1, axis=0)
-
-    windows = Windows(
-        np.arange(count + 1),
-        each(win.first),  # type: ignore[arg-type]
-        each(win.steps),  # type: ignore[arg-type]
-        each(win.measured),  # type: ignore[arg-type]
-        each(win.weight),  # type: ignore[arg-type]
-        win.pad,
-        win.rows,
-    )
-    several = replace(
-        trials,
-        names=(trials.names[run],) * (count + 1),
-        commands=commands,
-        measured=np.repeat(trials.measured[run][None], count + 1, axis=0),
-        lengths=np.repeat(trials.lengths[run], count + 1),
-        gaps=(),
-    )
-    weight = np.repeat(problem.weight[run][None], count + 1, axis=0)
-    many = Shooting(several, weight, problem.seconds, windows)
-    states = np.repeat(at.states[window][None], count + 1, axis=0)
-    track = many.predict(at.hypothesis, at.x[None], states[None])[0]
-    change_of_track = many.part(np.arange(count + 1) < count).weighed((track[:-1] - track[-1]) / STEP)
-    return np.moveaxis(change_of_track.reshape(count, -1), 0, 1)
+    changes = np.zeros((len(rows), *change.shape))
+    changes[np.arange(len(rows)), rows] = STEP * change[rows]
+    return np.moveaxis(command_responses(problem, at, window, changes) / STEP, 0, 1)

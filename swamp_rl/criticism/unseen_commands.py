@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import Fit, normal_equations
+from swamp_rl.criticism.responses import command_responses
 from swamp_rl.criticism.shooting import Shooting
-from swamp_rl.criticism.windows import Windows
 
 Array = NDArray[np.float64]
 
@@ -68,37 +68,8 @@ def _responses(
     problem: Shooting, at: Fit, window: int, rows: NDArray[np.int64], channels: NDArray[np.int64]
 ) -> Array:
     """(rows, M, channels) change of the weighted prediction of a run by each command in each of its rows."""
-    trials, win = problem.trials, problem.windows
-    run, count = int(win.run[window]), len(rows) * len(channels)
-    commands = np.repeat(trials.commands[run][None], count + 1, axis=0)
-    place = np.arange(count)
-    commands[place, np.repeat(rows, len(channels)), np.tile(channels, len(rows))] += STEP
-    several = replace(
-        trials,
-        names=(trials.names[run],) * (count + 1),
-        commands=commands,
-        measured=np.repeat(trials.measured[run][None], count + 1, axis=0),
-        lengths=np.repeat(trials.lengths[run], count + 1),
-        gaps=(),
-    )
-
-    def each(values: NDArray[np.generic]) -> NDArray[np.generic]:
-        """The window's own, once for every change."""
-        return np.repeat(values[window][None], count + 1, axis=0)
-
-    windows = Windows(
-        np.arange(count + 1),
-        each(win.first),  # type: ignore[arg-type]
-        each(win.steps),  # type: ignore[arg-type]
-        each(win.measured),  # type: ignore[arg-type]
-        each(win.weight),  # type: ignore[arg-type]
-        win.pad,
-        win.rows,
-    )
-    many = Shooting(
-        several, np.repeat(problem.weight[run][None], count + 1, axis=0), problem.seconds, windows
-    )
-    states = np.repeat(at.states[window][None], count + 1, axis=0)
-    track = many.predict(at.hypothesis, at.x[None], states[None])[0]
-    change = many.part(np.arange(count + 1) < count).weighed((track[:-1] - track[-1]) / STEP)
-    return np.moveaxis(change.reshape(len(rows), len(channels), -1), 1, 2)
+    count = len(rows) * len(channels)
+    changes = np.zeros((count, *problem.trials.commands.shape[1:]))
+    changes[np.arange(count), np.repeat(rows, len(channels)), np.tile(channels, len(rows))] = STEP
+    slopes = command_responses(problem, at, window, changes) / STEP
+    return np.moveaxis(slopes.reshape(len(rows), len(channels), -1), 1, 2)
