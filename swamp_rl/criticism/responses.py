@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 def command_responses(problem: Shooting, at: Fit, window: int, changes: Array) -> Array:
-    """(n, M) change of a window's weighted prediction by each of n changes (n, T, C) of its run's commands."""
+    """(n, M) changes of a window's weighted prediction by changes (n, T, C) of its run's commands."""
     trials, win = problem.trials, problem.windows
     run, count = int(win.run[window]), len(changes)
     unchanged = np.zeros((1, *changes.shape[1:]))
