@@ -121,7 +121,7 @@ def _extend(
     fitted: list[Fit] = []
     limit = np.inf
     for number, one in enumerate(chosen):
-        if one.promised + cost_of(one.hypothesis) < limit:
+        if not fitted or one.promised + cost_of(one.hypothesis) < limit:  # a promise may overflow
             fitted.append(ladder.fit(0, one.hypothesis, one.x, one.states))
         best = min(fitted, key=score)
         enough = adequacy(ladder.problems[0], best).adequate
