@@ -117,19 +117,25 @@ def followed(problem: Shooting, hypothesis: Hypothesis, x: Array, pushes: Pushes
     return Followed(states, track, force, covariance)
 
 
+def motion_variables(time: Array, at: Array) -> dict[str, Array]:
+    """What a force may go with of a boat's motion, by name (...): time (...) [s], states at (..., 6)."""
+    north, east, heading, surge, sway, yaw_rate = np.moveaxis(at, -1, 0)
+    return {
+        "time": time,
+        "position north": north,
+        "position east": east,
+        "heading": wrap(heading),
+        "speed": np.hypot(surge, sway),
+        "surge": surge,
+        "sway": sway,
+        "yaw rate": yaw_rate,
+    }
+
+
 def _variables(
     trials: Trials, at: Array, runs: NDArray[np.int64], sample: NDArray[np.int64]
 ) -> dict[str, Array]:
-    found = {
-        "time": sample * trials.dt,
-        "position north": at[:, 0],
-        "position east": at[:, 1],
-        "heading": wrap(at[:, 2]),
-        "speed": np.hypot(at[:, 3], at[:, 4]),
-        "surge": at[:, 3],
-        "sway": at[:, 4],
-        "yaw rate": at[:, 5],
-    }
+    found = motion_variables(np.asarray(sample * trials.dt), at)
     names = trials.boat.thruster_names
     half = max(1, round(1.0 / trials.dt))
     around = np.clip(sample[:, None] + np.arange(-half, half), 0, trials.commands.shape[1] - 1)

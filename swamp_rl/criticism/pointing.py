@@ -16,7 +16,7 @@ from swamp_rl.criticism.colour import OTHERS
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import normal_equations
 from swamp_rl.criticism.kernel import roll_actuators
-from swamp_rl.criticism.leftover import followed
+from swamp_rl.criticism.leftover import followed, motion_variables
 from swamp_rl.criticism.pushes import AXES, Pushes, push_slopes, pushes_of
 from swamp_rl.criticism.result import Leftover
 from swamp_rl.criticism.shooting import Shooting, wrap
@@ -127,18 +127,8 @@ def _courses(problem: Shooting, track: Array, count: int) -> tuple[dict[str, Arr
     at = track[np.arange(win.count)[:, None], places]
     sample = win.first[:, None] + places
     reached = reached_actuators(trials)[win.run[:, None], sample]
-    north, east, heading, u, v, r = np.moveaxis(at, -1, 0)
-    rows = {
-        "time": sample * trials.dt,
-        "position north": north,
-        "position east": east,
-        "heading": wrap(heading),
-        "speed": np.hypot(u, v),
-        "surge": u,
-        "sway": v,
-        "yaw rate": r,
-    }
-    zero, one = np.zeros_like(u), np.ones_like(u)
+    rows, heading = motion_variables(np.asarray(sample * trials.dt), at), at[..., 2]
+    zero, one = np.zeros_like(heading), np.ones_like(heading)
     cos, sin = np.cos(heading), np.sin(heading)
     ways = {
         "surge": np.stack([one, zero, zero], axis=-1),
