@@ -1,7 +1,7 @@
 """Search under white noise; where that leaves something, again under errors that wander as what was left."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -17,6 +17,7 @@ from swamp_rl.criticism.readings import MIDDLE, as_well, better_reading, gained,
 from swamp_rl.criticism.search import PATIENCE, search
 from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.criticism.slow import slow_errors
+from swamp_rl.criticism.unsteady import gain_of_forces, gain_of_wandering
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,8 @@ FAR_ABOVE = 3.0  # chi2 a sample that is left from which on the model's own erro
 ROUNDS = 3  # times that the wandering is told anew, beside a fit that knows of it
 PATIENCE_AGAIN = 5e6  # steps of a boat that each later search may take
 PATIENCE_SUSPECTED = 8e6  # that the first one may take where positions seem to wander whatever is wrong
+ALIKE, TINY = (1.0, 1.5), 1e-9  # logarithms of sizes and times that make no difference; in place of none
+SEARCHES = 3  # times that the search is made again as the wandering is told anew
 TOGETHER = 2e7  # steps that all searches may take before none is made again
 READINGS = 2  # times that the commands are read anew
 STEPS = 6  # Jacobians that such a fit may take
@@ -41,31 +44,25 @@ def searched(
     """
     spent: list[Ladder] = []
     trials, ladder, found = _read_as_obeyed(trials, weight, atoms, hull, spent, PATIENCE)
+    if found.adequate and found.rung == LAST:
+        return trials, ladder, found
+    winner, rung = found.winner, LAST if found.adequate else MIDDLE
+    sensor, every = wandering(ladder, winner, rung)
+    if not sensor and winner.hypothesis.atoms and not found.adequate:  # it may have bent to the wandering
+        winner = ladder.fit(MIDDLE, Hypothesis(), np.zeros(0))
+        sensor, beside_nothing = wandering(ladder, winner, rung)
+        every = beside_nothing if sensor else every
+    if sensor:
+        again = _beside_wandering(weight, atoms, hull, spent, ladder, winner)
+        if again is not None:
+            return again
     if found.adequate:
         return trials, ladder, found
-    result = trials, ladder, found
-    sensor, every = wandering(ladder, found.winner)
-    if not sensor and found.winner.hypothesis.atoms:  # what was found may have bent to the wandering
-        sensor, beside_nothing = wandering(ladder, ladder.fit(MIDDLE, Hypothesis(), np.zeros(0)))
-        every = beside_nothing if sensor else every
-    if not sensor and every is not None and not is_spent(spent):
-        wider, again = _under(trials, weight, every, atoms, hull, spent)
-        result = wider.problems[0].trials, wider, replace(again, adequate=False, rivals=[])
-        if again.adequate:
-            sensor, every = wandering(wider, again.winner)
-    if sensor and every is not None:
-        wider, again = _under(trials, weight, every, atoms, hull, spent)
-        if again.adequate and again.rung < LAST:  # the slowest part shows in whole runs alone
-            whole = whole_runs(wider, again.winner.hypothesis, again.winner.x)
-            wider, again = _under(trials, weight, _alone(wider.problems[LAST], whole), atoms, hull, spent)
-        if again.adequate and again.rung == LAST:
-            return wider.problems[0].trials, wider, again
     if every is not None and not sensor:
         despite = found_despite(trials, weight, atoms, hull)
         if despite is not None:
             return despite
-    told, its_ladder, partial = result
-    return told, its_ladder, without_unconfirmed(its_ladder, partial, [*atoms, *([hull] if hull else [])])
+    return trials, ladder, without_unconfirmed(ladder, found, [*atoms, *([hull] if hull else [])])
 
 
 def _read_as_obeyed(
@@ -75,6 +72,7 @@ def _read_as_obeyed(
     hull: Atom | None,
     spent: list[Ladder],
     patience: float,
+    before: Sequence[Fit] = (),
 ) -> tuple[Trials, Ladder, Search]:
     """The search, made again under another reading of the commands between rows where that fits clearly
     better; every ladder that was climbed is added to `spent`.
@@ -88,7 +86,7 @@ def _read_as_obeyed(
         spent.append(ladder)
     if trials.slow is None and _suspected(ladder):
         patience = min(patience, PATIENCE_SUSPECTED)
-    found = search(ladder, atoms, hull, patience, partial(misread, held=held))
+    found = search(ladder, atoms, hull, patience, partial(misread, held=held), before)
     for _ in range(READINGS):
         if (found.adequate and not found.winner.hypothesis.atoms) or is_spent(spent):
             break
@@ -119,47 +117,84 @@ def is_spent(ladders: Sequence[Ladder]) -> bool:
     return sum(ladder.rolled for ladder in ladders) > TOGETHER
 
 
-def _under(
-    trials: Trials,
+def _beside_wandering(
     weight: Array,
-    slow: Array,
     atoms: Sequence[Atom],
     hull: Atom | None,
     spent: list[Ladder],
-) -> tuple[Ladder, Search]:
-    trials = replace(trials, slow=slow)
-    _, ladder, found = _read_as_obeyed(trials, weight, atoms, hull, spent, PATIENCE_AGAIN)
-    return ladder, found
+    ladder: Ladder,
+    winner: Fit,
+) -> tuple[Trials, Ladder, Search] | None:
+    """What is found where positions wander, told beside the winner and then anew beside what is found, until
+    that changes little; None where something else is left.
+    """
+    trials, slow = ladder.problems[0].trials, slowest(ladder, winner)
+    for _ in range(SEARCHES):
+        climb(ladder, winner.hypothesis, winner.x)
+        before = [ladder.fit(rung, winner.hypothesis, winner.x) for rung in (0, MIDDLE)]
+        _, ladder, found = _read_as_obeyed(
+            replace(trials, slow=slow), weight, atoms, hull, spent, PATIENCE_AGAIN, before
+        )
+        if not found.adequate:
+            return None
+        winner, told, slow = found.winner, slow, slowest(ladder, found.winner)
+        if is_spent(spent) or alike(told, slow):
+            break
+    return ladder.problems[0].trials, ladder, found
 
 
-def wandering(ladder: Ladder, winner: Fit) -> tuple[bool, Array | None]:
-    """Whether positions alone wander beside the winner, as a receiver's may, and (6, 2) what wanders; None if
-    nothing does, or nothing that is worth a second search.
+def slowest(ladder: Ladder, winner: Fit) -> Array:
+    """(6, 2) how positions wander beside a hypothesis, by whole runs: the slowest part shows there alone."""
+    whole = whole_runs(ladder, winner.hypothesis, winner.x)
+    return _only_positions(_alone(ladder.problems[LAST], whole).told)
+
+
+def alike(one: Array, other: Array) -> bool:
+    """Whether two ways to wander (6, 2) are hardly farther apart than those that are looked at."""
+    size, time = np.abs(np.log(np.maximum(one, TINY) / np.maximum(other, TINY))).T
+    return bool((size < ALIKE[0]).all() and (time < ALIKE[1]).all())
+
+
+def wandering(ladder: Ladder, winner: Fit, rung: int) -> tuple[bool, Array | None]:
+    """Whether positions alone wander beside the winner on a rung, as a receiver's may, and (6, 2) what
+    wanders; None if nothing does, or nothing that is worth a second look.
 
     A fit that does not know of it follows the wandering with heading and speed, so it is told anew beside one
-    that does. A force that is missing bends positions too, but smoothly: short windows, each with a start of
-    its own, take that up, and a receiver's wandering remains.
+    that does. A force that is missing bends positions too: which of the two it is, their likelihoods say.
     """
-    at = ladder.fit(MIDDLE, winner.hypothesis, winner.x)
-    first = _told(ladder.problems[1], at)
+    problem = ladder.problems[rung]
+    at = ladder.fit(rung, winner.hypothesis, winner.x)
+    first = _told(problem, at)
     if not (first[:, 0] > 0).any():
         return False, None
-    short = _alone(ladder.problems[0], ladder.fit(0, winner.hypothesis, winner.x))
-    middle = _alone(ladder.problems[1], at)
-    if (short[POSITIONS, 0] > 0).any() and not (middle[OTHERS, 0] > 0).any():
-        return True, middle
-    return False, first if at.chi2 > FAR_ABOVE * ladder.problems[1].samples else None
+    alone = _alone(problem, at)
+    if not (alone.told[OTHERS, 0] > 0).any() and alone.gain > gain_of_forces(problem, at):
+        return True, alone.told
+    return False, first if at.chi2 > FAR_ABOVE * problem.samples else None
 
 
-def _alone(problem: Shooting, at: Fit) -> Array:
-    """(6, 2) what wanders beside a fit for which positions alone do."""
-    told = _told(problem, at)
+@dataclass(frozen=True)
+class Wandering:
+    """told: (6, 2) what wanders beside a fit for which positions alone do; gain: twice the log-likelihood
+    that this adds.
+    """
+
+    told: Array
+    gain: float
+
+
+def _alone(problem: Shooting, white: Fit) -> Wandering:
+    at, told, gain = white, _told(problem, white), 0.0
     for _ in range(ROUNDS):
-        slow = np.where(np.arange(len(told))[:, None] < POSITIONS.stop, told, 0.0)
+        slow = _only_positions(told)
         aware = Shooting(replace(problem.trials, slow=slow), problem.weight, problem.seconds, problem.windows)
         at = fit(aware, at.hypothesis, at.x, at.states, STEPS)
-        told = _told(aware, at)
-    return told
+        told, gain = _told(aware, at), gain_of_wandering(white, aware, at)
+    return Wandering(told, gain)
+
+
+def _only_positions(told: Array) -> Array:
+    return np.where(np.arange(len(told))[:, None] < POSITIONS.stop, told, 0.0)
 
 
 def _told(problem: Shooting, at: Fit) -> Array:

@@ -7,10 +7,12 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.fit import Fit, inverse
 from swamp_rl.criticism.shooting import Shooting
+from swamp_rl.criticism.windows import Windows
 
 Array = NDArray[np.float64]
 
 RESAMPLES = 2000
+ENOUGH = 4  # runs, of which one can be held out whole and the others still show all
 RARE = 50000  # resamples for a level far out in the tail
 
 
@@ -18,11 +20,11 @@ def heldout_loss(problem: Shooting, at: Fit) -> Array:
     """(W,) chi2 of each window under the numbers that the other runs alone would give.
 
     One Newton step without a run's own windows, the loss there to second order with the initial states
-    eliminated; with a single run, each window is held out instead.
+    eliminated. Of few runs, halves are held out, of a single one each window.
     """
     if at.hypothesis.size == 0:
         return at.loss
-    runs = problem.windows.run if len(set(problem.windows.run)) > 1 else np.arange(problem.windows.count)
+    runs = held_together(problem.windows)
     _, precision = at.hypothesis.prior()
     mean, _ = at.hypothesis.prior()
     H, g = at.normal.information, at.normal.gradient
@@ -33,6 +35,20 @@ def heldout_loss(problem: Shooting, at: Fit) -> Array:
         step = inverse(rest) @ (g[~mine].sum(axis=0) - precision * (at.x - mean))
         loss[mine] += -2.0 * g[mine] @ step + np.einsum("wij,i,j->w", H[mine], step, step)
     return loss
+
+
+def held_together(windows: Windows) -> NDArray[np.int64]:
+    """(W,) which windows are held out together: those of a run where there are enough runs to learn from
+    without it, else those of half a run, or one by one.
+    """
+    every = np.unique(windows.run)
+    if len(every) >= ENOUGH:
+        return windows.run
+    if len(every) == 1:
+        return np.arange(windows.count)
+    middle = np.array([np.median(windows.first[windows.run == run]) for run in every])
+    place = np.searchsorted(every, windows.run)
+    return np.asarray(2 * place + (windows.first > middle[place]))
 
 
 def heldout_numbers(problem: Shooting, at: Fit) -> Array:

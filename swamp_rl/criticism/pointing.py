@@ -20,6 +20,7 @@ from swamp_rl.criticism.leftover import followed, motion_variables
 from swamp_rl.criticism.pushes import AXES, Pushes, push_slopes, pushes_of
 from swamp_rl.criticism.result import Leftover
 from swamp_rl.criticism.shooting import Shooting, wrap
+from swamp_rl.criticism.unsteady import random_forces
 from swamp_rl.simulator import initial_state, parameters
 from swamp_rl.simulator.state import ACTUATORS
 
@@ -33,7 +34,6 @@ KNOTS, KNOTS_ROUND = 6, 8  # of a function of a variable, and of an angle
 SHRUNK = (1.0, 5.0, 25.0)  # N, standard deviations of its weights beforehand, of which the best is taken
 FOLDS = 8  # most parts that runs are held out in
 LASTING = 4.0  # s that what no function explains hangs together for
-REACH, LEAST_POWER, ROUNDS = 5.0, 1e-4, 12  # N and N2, of that at first and at least; times it is told anew
 WORTH = 15.0  # chi2 on runs held out that a pair must save beside those already listed
 ALIKE = 0.7  # share of what the first one saves, from which on another is listed with it
 LISTED = 4
@@ -193,20 +193,12 @@ def pairs(found: Responses) -> list[Pair]:
 
 
 def remainder(found: Responses, known: Array) -> Remainder:
-    """What remains beside forces that are known (W, 3 B); its power at greatest likelihood (EM)."""
+    """What remains beside forces that are known (W, 3 B); its power at greatest likelihood."""
     H = found.information
     g = found.gradient - (H @ known[..., None])[..., 0]
-    pieces = H.shape[1] // AXES
-    apart = np.abs(np.subtract.outer(np.arange(pieces), np.arange(pieces))) * found.block * found.dt
-    alike = np.linalg.inv(np.exp(-apart / LASTING))
-    power = np.full(AXES, REACH**2)
-    for _ in range(ROUNDS):
-        prior = np.kron(alike, np.diag(1.0 / power))
-        spread = np.linalg.inv(H + prior)
-        force = (spread @ g[..., None])[..., 0]
-        squares = force**2 + np.einsum("wii->wi", spread)
-        power = np.maximum(squares.reshape(-1, pieces, AXES).mean(axis=(0, 1)), LEAST_POWER)
-    return Remainder(np.asarray(prior - prior @ spread @ prior), (prior @ force[..., None])[..., 0], power)
+    made = random_forces(H, g, found.block * found.dt, LASTING)
+    push = (made.prior @ made.force[..., None])[..., 0]
+    return Remainder(np.asarray(made.prior - made.prior @ made.spread @ made.prior), push, made.power)
 
 
 def saved(pair: Pair, rest: Remainder, fold: NDArray[np.int64]) -> tuple[float, Array]:

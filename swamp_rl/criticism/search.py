@@ -30,15 +30,19 @@ def search(
     hull: Atom | None,
     patience: float = PATIENCE,
     misread: Callable[[Ladder, Fit], object] | None = None,
+    before: Sequence[Fit] = (),
 ) -> Search:
     """Climb from nothing to `MOST` atoms, until what is left is noise and nothing more is to be gained.
 
     patience: steps of a boat rolled out after which no further depth is begun; misread: whether the best of
-    the first depth wants no further atom, but that the commands are read otherwise.
+    the first depth wants no further atom, but that the commands are read otherwise; before: what a search
+    under other noise ended with, on the shortest windows and the middle ones, which is tried too.
     """
     every = [*atoms, *([hull] if hull else [])]
     best = climb(ladder, Hypothesis(), np.zeros(0))
-    rung = adequate_rung(ladder, best)
+    if before:
+        best = min(best, _again(ladder, before), key=score)
+    rung = adequate_rung(ladder, best) if not best.hypothesis.atoms else None
     first = prospects(ladder.problems[rung or 0], ladder.fit(rung or 0, Hypothesis(), np.zeros(0)), every)
     if rung is not None and not _promising(ladder, rung, best, first):
         return concluded(ladder, best, [], first, _unseen(first), every)
@@ -47,13 +51,15 @@ def search(
     unseen = _unseen(first)
     every = [atom for atom in every if atom.label not in unseen]
     tried: dict[str, Fit] = {}
+    if best.hypothesis.atoms:
+        tried[best.hypothesis.label] = ladder.fit(0, best.hypothesis, best.x)
     beam = [ladder.fit(0, Hypothesis(), np.zeros(0))]
     for depth in range(MOST):
         if ladder.rolled > patience or (depth > 0 and _is_enough(ladder, best, every)):
             break
         if depth == 1 and misread is not None and misread(ladder, best) is not None:
             break
-        fitted = _extend(ladder, beam, every, first if depth == 0 else None)
+        fitted = _extend(ladder, beam, every, first if depth == 0 else None, patience)
         if not fitted:
             break
         tried |= {one.hypothesis.label: one for one in fitted}
@@ -66,6 +72,15 @@ def search(
         closest = min(tried.values(), key=score)
         best = min(best, climb(ladder, closest.hypothesis, closest.x), key=score)
     return concluded(ladder, best, list(tried.values()), first, unseen, every)
+
+
+def _again(ladder: Ladder, before: Sequence[Fit]) -> Fit:
+    """The fit to the middle windows, each rung begun from where it ended under other noise."""
+    for rung, one in enumerate(before):
+        if len(one.states) == ladder.problems[rung].windows.count:
+            made = fit(ladder.problems[rung], one.hypothesis, one.x, one.states)
+            ladder.fits[rung, one.hypothesis.label] = made
+    return climb(ladder, before[0].hypothesis, before[0].x)
 
 
 def _climbers(ladder: Ladder, fitted: list[Fit]) -> list[Fit]:
@@ -104,11 +119,12 @@ def _holds(problem: Shooting, prospect: Prospect, here: Fit) -> bool:
 
 
 def _extend(
-    ladder: Ladder, beam: list[Fit], atoms: Sequence[Atom], known: list[Prospect] | None
+    ladder: Ladder, beam: list[Fit], atoms: Sequence[Atom], known: list[Prospect] | None, patience: float
 ) -> list[Fit]:
     """Fits, on the shortest windows, of the most promising sets with one atom more, best first.
 
-    Those that promise far less than the first few keep are not fitted at all.
+    Those that promise far less than the first few keep are not fitted at all, nor any but those few once
+    patience is at its end.
     """
     found: dict[str, Prospect] = {}
     for at in beam:
@@ -121,6 +137,8 @@ def _extend(
     fitted: list[Fit] = []
     limit = np.inf
     for number, one in enumerate(chosen):
+        if number >= FIRST and ladder.rolled > patience:
+            break
         if not fitted or one.promised + cost_of(one.hypothesis) < limit:  # a promise may overflow
             fitted.append(ladder.fit(0, one.hypothesis, one.x, one.states))
         best = min(fitted, key=score)
