@@ -21,7 +21,7 @@ LASTING = (2.0, 8.0, 32.0)  # s that forces hang together for, of which the like
 @dataclass(frozen=True)
 class RandomForces:
     """Forces that come and go, surge, sway and yaw in the B pieces of W windows: a first-order Gauss-Markov
-    process at greatest likelihood.
+    process of the likeliest power.
 
     prior (3 B, 3 B): inverse of their covariance; spread (W, 3 B, 3 B): covariance given the data; force
     (W, 3 B): expected [N, N m]; power (3,): variance; gain: twice the log-likelihood over that of none.
@@ -36,7 +36,8 @@ class RandomForces:
 
 def random_forces(information: Array, gradient: Array, piece: float, lasting: float) -> RandomForces:
     """From chi2 as a function of forces, initial states eliminated: information (W, 3 B, 3 B) and gradient
-    (W, 3 B); pieces of `piece` s. The power by expectation and maximisation (Dempster, Laird and Rubin 1977).
+    (W, 3 B); pieces of `piece` s. The power by expectation and maximisation (Dempster, Laird and Rubin 1977),
+    each piece by itself.
     """
     windows, pieces = len(gradient), gradient.shape[1] // AXES
     apart = np.abs(np.subtract.outer(np.arange(pieces), np.arange(pieces))) * piece
@@ -46,11 +47,8 @@ def random_forces(information: Array, gradient: Array, piece: float, lasting: fl
         prior = np.kron(alike, np.diag(1.0 / power))
         spread = np.linalg.inv(information + prior)
         force = (spread @ gradient[..., None])[..., 0]
-        parts = force.reshape(windows, pieces, AXES)
-        squares: Array = np.einsum("wibjb->bij", spread.reshape(windows, pieces, AXES, pieces, AXES))
-        squares += np.einsum("wib,wjb->bij", parts, parts)
-        fresh = np.einsum("bij,ij->b", squares, alike) / (windows * pieces)
-        told, power = power, np.maximum(fresh, LEAST_POWER)
+        squares: Array = force**2 + np.einsum("wii->wi", spread)
+        told, power = power, np.maximum(squares.reshape(-1, AXES).mean(axis=0), LEAST_POWER)
     volume = np.linalg.slogdet(spread)[1].sum() + windows * np.linalg.slogdet(prior)[1]
     return RandomForces(np.asarray(prior), spread, force, told, float((gradient * force).sum() + volume))
 
