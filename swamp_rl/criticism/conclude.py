@@ -80,7 +80,7 @@ def concluded(
         if adequacy(ladder.problems[LAST], whole).adequate:
             best, rung = whole, LAST
         best = pruned(ladder, best, rung)
-    confirmed = confirmations(ladder, best, chances)
+    confirmed = confirmations(ladder, best, best.hypothesis.atoms, chances)
     for label, one in confirmed.items():
         if adequate and not one.holds:
             less = without(ladder, best, label, rung)
@@ -95,6 +95,8 @@ def concluded(
         special = beside_nuisance(ladder, best, atoms)
         best, rivals, rung = compared(ladder, best, [*tried, *special], rung)
         best = plainest(ladder, best, atoms, rung)
+        put = [atom for atom in best.hypothesis.atoms if atom.label not in confirmed]
+        confirmed |= confirmations(ladder, best, put, chances)
         rivals = [
             one
             for one in rivals
@@ -112,7 +114,8 @@ def without_unconfirmed(ladder: Ladder, found: Search, atoms: Sequence[Atom]) ->
     while not all(one.holds for one in confirmed.values()):
         worst = min(confirmed, key=lambda label: confirmed[label].low)
         best = without(ladder, best, worst, found.rung)
-        confirmed = confirmations(ladder, best, len(atoms) * (1 + len(best.hypothesis.atoms)))
+        chances = len(atoms) * (1 + len(best.hypothesis.atoms))
+        confirmed = confirmations(ladder, best, best.hypothesis.atoms, chances)
     return replace(found, winner=best, confirmed=confirmed)
 
 
@@ -155,10 +158,10 @@ def indispensable(ladder: Ladder, best: Fit, label: str, rung: int) -> bool:
     return False
 
 
-def confirmations(ladder: Ladder, best: Fit, chances: int) -> dict[str, Confirmation]:
-    """Of every cause of the best: whether runs that its numbers were not fitted to gain by it."""
+def confirmations(ladder: Ladder, best: Fit, causes: Sequence[Atom], chances: int) -> dict[str, Confirmation]:
+    """Of some causes of the best: whether runs that its numbers were not fitted to gain by them."""
     found: dict[str, Confirmation] = {}
-    for atom in best.hypothesis.atoms:
+    for atom in causes:
         if atom.effect.name == NUISANCE and len(best.hypothesis.atoms) > 1:
             continue
         for rung in (0, 1):  # shorter windows are more, and cheaper; longer ones see more
