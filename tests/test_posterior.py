@@ -62,6 +62,13 @@ def test_nothing_is_drawn_beyond_the_bounds_of_an_effect(tmp_path: Path) -> None
     assert np.median(gains) == pytest.approx(truncnorm.median(-0.4, 5.0, 0.02, 0.05), abs=1e-4)
 
 
+def test_a_number_at_the_edge_of_what_the_fit_may_try_is_not_drawn(tmp_path: Path) -> None:
+    at_edge = estimate(0.0, 0.3) | {"at_bound": True, "limit": "at_most"}
+    cause = {"effect": "thruster_gain", "thruster": "bs", "parameters": {"gain": at_edge}}
+    level = write_posterior(diagnosis(tmp_path, cause), tmp_path / "found.yaml")
+    assert level["effects"] == [{"effect": "thruster_gain", "thruster": "bs", "gain": 0.0}]
+
+
 def test_numbers_that_were_fitted_together_are_drawn_together(tmp_path: Path) -> None:
     matrix = [[1.0, -0.9, 0.5], [-0.9, 1.0, -0.3], [0.5, -0.3, 1.0]]
     sure = {"effect": "thruster_gain", "thruster": "bs", "parameters": {"gain": estimate(0.8, 0.05)}}

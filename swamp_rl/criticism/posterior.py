@@ -21,9 +21,10 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     """Write the level of the causes in a `diagnosis.json` to `out`, a YAML file, and return it.
 
     A number is drawn from a normal distribution about its value, as wide as its standard error and cut off at
-    the effect's bounds; together with the others as the diagnosis's correlations have it. among: a level
-    whose start and other effects are there too. UserError where the diagnosis cannot be read or names no
-    cause, or that level has correlations of its own.
+    the effect's bounds; together with the others as the diagnosis's correlations have it. One that ended at
+    the edge of what the fit may try has no standard error that means anything, and stays as it is.
+    among: a level whose start and other effects are there too. UserError where the diagnosis cannot be read
+    or names no cause, or that level has correlations of its own.
     """
     found = _read(diagnosis)
     if not found.causes:
@@ -92,7 +93,7 @@ def _correlated(entries: list[dict[str, Any]], matrix: list[list[float]]) -> dic
 
 def _drawn(parameter: Parameter, found: Estimate) -> float | dict[str, list[float]]:
     value, doubt = found.value, found.standard_error
-    if not doubt > 0.0:
+    if found.at_bound or not doubt > 0.0:
         return value
     lowest = math.nextafter(parameter.low, math.inf) if parameter.above_low else parameter.low
     low, high = max(value - REACH * doubt, lowest), min(value + REACH * doubt, parameter.high)
