@@ -40,7 +40,7 @@ class Spec:
     @property
     def difference(self) -> float:
         """Step of the finite difference, in the parameter's unit."""
-        return self.step if self.step is not None else 1e-3 * self.scale
+        return self.step if self.step is not None else 1e-6 * self.scale
 
 
 def around(scale: float, low: float, high: float, *starts: float) -> Spec:

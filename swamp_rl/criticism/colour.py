@@ -168,7 +168,8 @@ def wandering(ladder: Ladder, winner: Fit, rung: int) -> tuple[bool, Array | Non
     if not (first[:, 0] > 0).any():
         return False, None
     alone = _alone(problem, at)
-    if not (alone.told[OTHERS, 0] > 0).any() and alone.gain > gain_of_forces(problem, at):
+    only = (alone.told[POSITIONS, 0] > 0).any() and not (alone.told[OTHERS, 0] > 0).any()
+    if only and alone.gain > gain_of_forces(problem, at):
         return True, alone.told
     return False, first if at.chi2 > FAR_ABOVE * problem.samples else None
 

@@ -20,6 +20,7 @@ STEPS = (8, 10, 10)  # Jacobians that a fit may take on each
 ROUNDS = 12  # steps that a first guess of a state is given
 PATIENCE = 16  # steps on a longer rung for what fits well on the shorter one
 TAPS = 4  # times that commands in lost rows are corrected
+HOPELESS = 10.0  # chi2 a sample of what is far from the data
 GOOD = 1.1  # chi2 a sample that counts as fitting well
 
 
@@ -31,6 +32,7 @@ class Ladder:
     guesses: list[Array]
     gaps: tuple[Gap, ...] = ()
     fits: dict[tuple[int, str], Fit] = field(default_factory=dict)
+    half: Shooting | None = None
 
     def fit(self, rung: int, hypothesis: Hypothesis, x: Array, states: Array | None = None) -> Fit:
         """The hypothesis at its best on that rung, begun from x and states (W, 6) or, where there is one,
@@ -51,10 +53,31 @@ class Ladder:
         self.fits[key] = made
         return made
 
+    def stuck(self, made: Fit) -> bool:
+        """Whether a fit to the shortest windows found no way down, though it is far from the data."""
+        return made.steps == 1 and made.chi2 > HOPELESS * self.problems[0].samples
+
+    def freed(self, made: Fit) -> Fit:
+        """A fit to the shortest windows begun again from one to windows half as long: in these a boat that
+        keeps no course by itself has no time to run away.
+        """
+        if self.half is None:
+            first = self.problems[0]
+            self.half = Shooting(first.trials, first.weight, 0.5 * RUNGS[0])
+        x, hypothesis = made.x, made.hypothesis
+        for problem, guess in ((self.half, self.half.guess()), (self.problems[0], self.guesses[0])):
+            states, _, _ = settle(problem, hypothesis, x, guess, ROUNDS)
+            again = fit(problem, hypothesis, x, states, STEPS[0])
+            x = again.x
+        best = min(made, again, key=lambda one: one.chi2)
+        self.fits[0, hypothesis.label] = best
+        return best
+
     @property
     def rolled(self) -> int:
         """Steps of a boat that were rolled out so far."""
-        return sum(problem.rolled[0] for problem in self.problems)
+        every = [*self.problems, *([self.half] if self.half else [])]
+        return sum(problem.rolled[0] for problem in every)
 
     def put(self, rung: int, problem: Shooting) -> None:
         """Another comparison on a rung; what was fitted there is forgotten."""

@@ -59,7 +59,9 @@ def search(
             break
         if depth == 1 and misread is not None and misread(ladder, best) is not None:
             break
-        fitted = _extend(ladder, beam, every, first if depth == 0 else None, patience)
+        fitted = _extend(
+            ladder, beam, every, first if depth == 0 else None, patience if depth == MOST - 1 else np.inf
+        )
         if not fitted:
             break
         tried |= {one.hypothesis.label: one for one in fitted}
@@ -140,7 +142,8 @@ def _extend(
         if number >= FIRST and ladder.rolled > patience:
             break
         if not fitted or one.promised + cost_of(one.hypothesis) < limit:  # a promise may overflow
-            fitted.append(ladder.fit(0, one.hypothesis, one.x, one.states))
+            made = ladder.fit(0, one.hypothesis, one.x, one.states)
+            fitted.append(ladder.freed(made) if ladder.stuck(made) else made)
         best = min(fitted, key=score)
         enough = adequacy(ladder.problems[0], best).adequate
         if enough or number + 1 >= FIRST:

@@ -28,7 +28,8 @@ SETTLING = 3.0  # s at a run's start that are not compared: how the actuators st
 BELIEVED, BELIEVED_NOISE = np.array([0.5, 0.5, 0.15, 0.5, 0.5, 0.3]), 3.0
 COURSES = 12  # of actuators over whole runs that are kept
 NO_PUSH = np.zeros((0, 1, 3))
-STATE_STEP = np.array([1e-3, 1e-3, 1e-4, 1e-4, 1e-4, 1e-4])
+# of finite differences; small, for a boat that keeps no course by itself magnifies them a thousandfold
+STATE_STEP = np.array([1e-5, 1e-5, 1e-6, 1e-6, 1e-6, 1e-6])
 
 
 def cut(trials: Trials, weight: Array, seconds: float, before: float = PAD) -> Windows:
