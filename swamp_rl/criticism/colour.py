@@ -47,6 +47,8 @@ def searched(
     if found.adequate and found.rung == LAST:
         return trials, ladder, found
     winner, rung = found.winner, LAST if found.adequate else MIDDLE
+    if found.adequate and ran_away(ladder, winner):
+        return trials, ladder, found
     sensor, every = wandering(ladder, winner, rung)
     if not sensor and winner.hypothesis.atoms and not found.adequate:  # it may have bent to the wandering
         winner = ladder.fit(MIDDLE, Hypothesis(), np.zeros(0))
@@ -144,9 +146,22 @@ def _beside_wandering(
 
 
 def slowest(ladder: Ladder, winner: Fit) -> Array:
-    """(6, 2) how positions wander beside a hypothesis, by whole runs: the slowest part shows there alone."""
+    """(6, 2) how positions wander beside a hypothesis, by whole runs where these have not run away: the
+    slowest part shows there alone.
+    """
+    rung = MIDDLE if ran_away(ladder, winner) else LAST
+    at = ladder.fit(rung, winner.hypothesis, winner.x)
+    return _only_positions(_alone(ladder.problems[rung], at).told)
+
+
+def ran_away(ladder: Ladder, winner: Fit) -> bool:
+    """Whether whole runs leave far more than their windows do, as of a boat that keeps no course by itself:
+    that tells nothing of its receiver.
+    """
+    middle = climb(ladder, winner.hypothesis, winner.x)
     whole = whole_runs(ladder, winner.hypothesis, winner.x)
-    return _only_positions(_alone(ladder.problems[LAST], whole).told)
+    left = [one.chi2 / ladder.problems[rung].samples for rung, one in ((MIDDLE, middle), (LAST, whole))]
+    return left[1] > FAR_ABOVE * left[0]
 
 
 def alike(one: Array, other: Array) -> bool:
