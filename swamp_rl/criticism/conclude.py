@@ -92,18 +92,36 @@ def concluded(
     confirmed = {label: one for label, one in confirmed.items() if label in kept}
     rivals: list[Fit] = []
     if adequate:
-        special = beside_nuisance(ladder, best, atoms)
-        best, rivals, rung = compared(ladder, best, [*tried, *special], rung)
-        best = plainest(ladder, best, atoms, rung)
-        put = [atom for atom in best.hypothesis.atoms if atom.label not in confirmed]
-        confirmed |= confirmations(ladder, best, put, chances)
-        rivals = [
-            one
-            for one in rivals
-            if not nested(best.hypothesis, one.hypothesis)
-            or any(one.hypothesis.label == other.hypothesis.label for other in special)
-        ][:MOST_RIVALS]
+        best, rivals, rung, confirmed = _best_of_all(ladder, best, tried, atoms, rung, confirmed)
     return Search(best, adequate, rung, rivals, tried, first, unseen, confirmed)
+
+
+def _best_of_all(
+    ladder: Ladder,
+    sure: Fit,
+    tried: Sequence[Fit],
+    atoms: Sequence[Atom],
+    rung: int,
+    confirmed: dict[str, Confirmation],
+) -> tuple[Fit, list[Fit], int, dict[str, Confirmation]]:
+    """The best of all that was tried, its rivals, their rung and what confirms the causes: the best so far
+    where no held-out run confirms what would take its place, that being another explanation at most.
+    """
+    special = beside_nuisance(ladder, sure, atoms)
+    best, rivals, deepest = compared(ladder, sure, [*tried, *special], rung)
+    best = plainest(ladder, best, atoms, deepest)
+    put = [atom for atom in best.hypothesis.atoms if atom.label not in confirmed]
+    told = confirmations(ladder, best, put, len(atoms) * (1 + len(best.hypothesis.atoms)))
+    if not all(one.holds for one in told.values()):
+        rivals = [best] if sure.hypothesis.atoms else []
+        best, deepest, told = sure, rung, {}
+    rivals = [
+        one
+        for one in rivals
+        if not nested(best.hypothesis, one.hypothesis)
+        or any(one.hypothesis.label == other.hypothesis.label for other in special)
+    ]
+    return best, rivals[:MOST_RIVALS], deepest, confirmed | told
 
 
 def without_unconfirmed(ladder: Ladder, found: Search, atoms: Sequence[Atom]) -> Search:
