@@ -47,7 +47,7 @@ def test_the_power_of_forces_is_told() -> None:
 
 def positions_alone_wander(trials: Trials) -> bool:
     ladder = ladder_of(trials, weights(trials, noise_levels(trials)))
-    return wandering(ladder, ladder.fit(MIDDLE, Hypothesis(), np.zeros(0)), MIDDLE)[0]
+    return wandering(ladder, ladder.fit(MIDDLE, Hypothesis(), np.zeros(0)), MIDDLE) == "receiver"
 
 
 @pytest.mark.parametrize("outside", [SECTOR, MOORING, DEAD_ZONE], ids=lambda one: one["what"])

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,7 @@ FAR_ABOVE = 3.0  # chi2 a sample that is left from which on the model's own erro
 ROUNDS = 3  # times that the wandering is told anew, beside a fit that knows of it
 PATIENCE_AGAIN = 5e6  # steps of a boat that each later search may take
 PATIENCE_SUSPECTED = 8e6  # that the first one may take where positions seem to wander whatever is wrong
-ALIKE, TINY = (1.0, 1.5), 1e-9  # logarithms of sizes and times that make no difference; in place of none
+HARDLY, TINY = (1.0, 1.5), 1e-9  # logarithms of sizes and times that make no difference; in place of none
 SEARCHES = 3  # times that the search is made again as the wandering is told anew
 TOGETHER = 2e7  # steps that all searches may take before none is made again
 READINGS = 2  # times that the commands are read anew
@@ -49,18 +50,18 @@ def searched(
     winner, rung = found.winner, LAST if found.adequate else MIDDLE
     if found.adequate and ran_away(ladder, winner):
         return trials, ladder, found
-    sensor, every = wandering(ladder, winner, rung)
-    if not sensor and winner.hypothesis.atoms and not found.adequate:  # it may have bent to the wandering
-        winner = ladder.fit(MIDDLE, Hypothesis(), np.zeros(0))
-        sensor, beside_nothing = wandering(ladder, winner, rung)
-        every = beside_nothing if sensor else every
-    if sensor:
+    wanders = wandering(ladder, winner, rung)
+    if wanders != "receiver" and winner.hypothesis.atoms and not found.adequate:  # it may have bent to that
+        nothing = ladder.fit(MIDDLE, Hypothesis(), np.zeros(0))
+        if wandering(ladder, nothing, rung) == "receiver":
+            winner, wanders = nothing, "receiver"
+    if wanders == "receiver":
         again = _beside_wandering(weight, atoms, hull, spent, ladder, winner)
         if again is not None:
             return again
     if found.adequate:
         return trials, ladder, found
-    if every is not None and not sensor:
+    if wanders == "model":
         despite = found_despite(trials, weight, atoms, hull)
         if despite is not None:
             return despite
@@ -140,7 +141,7 @@ def _beside_wandering(
         if not found.adequate:
             return None
         winner, told, slow = found.winner, slow, slowest(ladder, found.winner)
-        if is_spent(spent) or alike(told, slow):
+        if is_spent(spent) or as_before(told, slow):
             break
     return ladder.problems[0].trials, ladder, found
 
@@ -164,15 +165,15 @@ def ran_away(ladder: Ladder, winner: Fit) -> bool:
     return left[1] > FAR_ABOVE * left[0]
 
 
-def alike(one: Array, other: Array) -> bool:
+def as_before(one: Array, other: Array) -> bool:
     """Whether two ways to wander (6, 2) are hardly farther apart than those that are looked at."""
     size, time = np.abs(np.log(np.maximum(one, TINY) / np.maximum(other, TINY))).T
-    return bool((size < ALIKE[0]).all() and (time < ALIKE[1]).all())
+    return bool((size < HARDLY[0]).all() and (time < HARDLY[1]).all())
 
 
-def wandering(ladder: Ladder, winner: Fit, rung: int) -> tuple[bool, Array | None]:
-    """Whether positions alone wander beside the winner on a rung, as a receiver's may, and (6, 2) what
-    wanders; None if nothing does, or nothing that is worth a second look.
+def wandering(ladder: Ladder, winner: Fit, rung: int) -> Literal["receiver", "model"] | None:
+    """What wanders beside the winner on a rung: positions alone, as a receiver's may, or what the model
+    predicts; None if nothing does, or nothing that is worth a second look.
 
     A fit that does not know of it follows the wandering with heading and speed, so it is told anew beside one
     that does. A force that is missing bends positions too: which of the two it is, their likelihoods say.
@@ -181,16 +182,16 @@ def wandering(ladder: Ladder, winner: Fit, rung: int) -> tuple[bool, Array | Non
     at = ladder.fit(rung, winner.hypothesis, winner.x)
     first = _told(problem, at)
     if not (first[:, 0] > 0).any():
-        return False, None
+        return None
     alone = _alone(problem, at)
     only = (alone.told[POSITIONS, 0] > 0).any() and not (alone.told[OTHERS, 0] > 0).any()
     if only and alone.gain > gain_of_forces(problem, at):
-        return True, alone.told
-    return False, first if at.chi2 > FAR_ABOVE * problem.samples else None
+        return "receiver"
+    return "model" if at.chi2 > FAR_ABOVE * problem.samples else None
 
 
 @dataclass(frozen=True)
-class Wandering:
+class Alone:
     """told: (6, 2) what wanders beside a fit for which positions alone do; gain: twice the log-likelihood
     that this adds.
     """
@@ -199,14 +200,14 @@ class Wandering:
     gain: float
 
 
-def _alone(problem: Shooting, white: Fit) -> Wandering:
+def _alone(problem: Shooting, white: Fit) -> Alone:
     at, told, gain = white, _told(problem, white), 0.0
     for _ in range(ROUNDS):
         slow = _only_positions(told)
         aware = Shooting(replace(problem.trials, slow=slow), problem.weight, problem.seconds, problem.windows)
         at = fit(aware, at.hypothesis, at.x, at.states, STEPS)
         told, gain = _told(aware, at), gain_of_wandering(white, aware, at)
-    return Wandering(told, gain)
+    return Alone(told, gain)
 
 
 def _only_positions(told: Array) -> Array:
