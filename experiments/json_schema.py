@@ -108,5 +108,7 @@ def _pilot_by_kind() -> Schema:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+        raise SystemExit(__doc__)
     with write_beside(Path(sys.argv[1])) as file:
         file.write_text(schema_text(), encoding="utf-8")

@@ -23,7 +23,7 @@ def schema_text() -> str:
 
 def main() -> None:
     """Write the schema to the file named on the command line."""
-    if len(sys.argv) != 2:
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
         raise SystemExit(__doc__)
     with write_beside(Path(sys.argv[1])) as part:
         part.write_text(schema_text(), encoding="utf-8")
