@@ -39,7 +39,8 @@ def settle(
         part, tried = _chosen(problem, active), states[active] + step[active]
         prediction = part.predict(hypothesis, x[None], tried[None])[0]
         left = part.residuals(prediction)
-        gain = (residual[active] ** 2).sum(axis=1) - (left**2).sum(axis=1)
+        with np.errstate(over="ignore"):  # what ran away is infinitely far off, and so no better
+            gain = (residual[active] ** 2).sum(axis=1) - (left**2).sum(axis=1)
         better = gain > 0.0
         place = np.flatnonzero(active)
         won, lost = place[better], place[~better]
