@@ -7,9 +7,9 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from swamp_rl.criticism.candidates import Hypothesis
-from swamp_rl.criticism.colour import MIDDLE, wandering
+from swamp_rl.criticism.colour import wandering
 from swamp_rl.criticism.data import Trials
-from swamp_rl.criticism.ladder import ladder_of
+from swamp_rl.criticism.ladder import MIDDLE, ladder_of
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.unsteady import random_forces
 from tests.test_criticism_pointing import DEAD_ZONE, MOORING, SECTOR, sailed

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Atom, Hypothesis
-from swamp_rl.criticism.conclude import LAST, Search, climb, without_unconfirmed
+from swamp_rl.criticism.conclude import Search, climb, without_unconfirmed
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import Fit, fit
-from swamp_rl.criticism.ladder import Ladder, ladder_of, whole_runs
+from swamp_rl.criticism.ladder import LAST, MIDDLE, Ladder, ladder_of, whole_runs
 from swamp_rl.criticism.partial import found_despite
-from swamp_rl.criticism.readings import MIDDLE, as_well, better_reading, gained, misread, without_timing
+from swamp_rl.criticism.readings import as_well, better_reading, gained, misread, without_timing
 from swamp_rl.criticism.search import PATIENCE, search
 from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.criticism.slow import slow_errors

@@ -11,8 +11,8 @@ from swamp_rl.criticism.adequacy import adequacy, near
 from swamp_rl.criticism.candidates import NUISANCE, NUISANCE_SD, Atom, Hypothesis
 from swamp_rl.criticism.cost import score
 from swamp_rl.criticism.fit import Fit, fit
-from swamp_rl.criticism.heldout import Confirmation, confirmation
-from swamp_rl.criticism.ladder import RUNGS, Ladder, whole_runs
+from swamp_rl.criticism.heldout import Confirmation, confirmation, confirmation_by_stretches
+from swamp_rl.criticism.ladder import LAST, UNBROKEN, Ladder, whole_runs
 from swamp_rl.criticism.score import Prospect
 
 GAP = 9.0  # of penalised chi2 within which two names cannot be told apart
@@ -22,7 +22,7 @@ OVERWHELMING = 500.0  # the same, beyond what a fit that has not quite ended can
 RUNAWAY = 10.0  # chi2 a sample, of whole runs whose model left only noise on shorter windows
 FAR = 1.8  # standard deviations of a derivative's prior beyond which it may be more than a nuisance
 MOST_RIVALS = 4
-LAST = len(RUNGS) - 1
+LOOKS = 3  # lengths of windows that a cause may be confirmed on
 
 
 @dataclass(frozen=True)
@@ -182,10 +182,11 @@ def confirmations(ladder: Ladder, best: Fit, causes: Sequence[Atom], chances: in
     for atom in causes:
         if atom.effect.name == NUISANCE and len(best.hypothesis.atoms) > 1:
             continue
-        for rung in (0, 1):  # shorter windows are more, and cheaper; longer ones see more
+        for rung in (0, 1, UNBROKEN):  # shorter windows are more, and cheaper; longer ones see more
             whole = ladder.fit(rung, best.hypothesis, best.x)
             less = without(ladder, whole, atom.label, rung)
-            one = confirmation(ladder.problems[rung], whole, less, 2 * chances)
+            judged = confirmation_by_stretches if rung == UNBROKEN else confirmation
+            one = judged(ladder.problems[rung], whole, less, LOOKS * chances)
             if atom.label not in found or one.low > found[atom.label].low:
                 found[atom.label] = one
             if one.holds:
@@ -209,7 +210,7 @@ def plainest(ladder: Ladder, best: Fit, atoms: Sequence[Atom], rung: int) -> Fit
             less = [_with_special(ladder, one, atom, special, short) for short, one in enumerate(general)]
             held = (confirmation(ladder.problems[i], general[i], less[i], 2 * len(atoms)) for i in (0, 1))
             if not any(one.holds for one in held):
-                return plain
+                return plainest(ladder, plain, atoms, rung)
     return best
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Hypothesis
-from swamp_rl.criticism.settle import enough, settle
+from swamp_rl.criticism.settle import enough, losses, settle
 from swamp_rl.criticism.shooting import Shooting
 
 Array = NDArray[np.float64]
@@ -144,7 +144,7 @@ class Point:
     @property
     def loss(self) -> Array:
         """(W,) chi2 of each window."""
-        return np.asarray((self.residual**2).sum(axis=1))
+        return losses(self.residual)
 
     @property
     def chi2(self) -> float:
@@ -249,7 +249,7 @@ def _released(
     starts = [states[could]] if problem.windows.pad == 0 else [states[could], held]
     for start in starts:  # where the fit stands, and where the boat was seen
         found = settle(part, hypothesis, at.x, start, 2 * ROUNDS)
-        better = (found[2] ** 2).sum(axis=1) < (residual[could] ** 2).sum(axis=1)
+        better = losses(found[2]) < losses(residual[could])
         place = np.flatnonzero(could)[better]
         states[place], base[place], residual[place] = (one[better] for one in found)
     moved = Point(at.x, states, base, residual, at.penalty)
@@ -265,7 +265,7 @@ def _moved(
     x, states = at.x + step, at.states + shift
     base = problem.predict(hypothesis, x[None], states[None])[0]
     residual = problem.residuals(base)
-    loss = (residual**2).sum(axis=1)
+    loss = losses(residual)
     off = (loss > at.loss + WORSE) | (np.abs(shift) > FAR * STATE_REACH).any(axis=1)
     if not 0 < off.sum() <= len(off) // 3:
         off = np.zeros_like(off)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.fit import Fit, inverse
+from swamp_rl.criticism.settle import settle
 from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.criticism.windows import Windows
 
@@ -14,6 +15,8 @@ Array = NDArray[np.float64]
 RESAMPLES = 2000
 ENOUGH = 4  # runs, of which one can be held out whole and the others still show all
 RARE = 50000  # resamples for a level far out in the tail
+STRETCH = 20.0  # s of a long window that is a block of its own
+ROUNDS = 8  # steps that the start of a window held out is given
 
 
 def heldout_loss(problem: Shooting, at: Fit) -> Array:
@@ -94,7 +97,37 @@ def confirmation(problem: Shooting, whole: Fit, less: Fit, chances: int) -> Conf
     comes from the very gains that speak for it. The loss of a window saturates, n ln(1 + chi2 / n), or a few
     wild ones would hide the rest.
     """
-    gains = saturated_loss(problem, less) - saturated_loss(problem, whole)
+    return _bootstrapped(saturated_loss(problem, less) - saturated_loss(problem, whole), chances)
+
+
+def confirmation_by_stretches(problem: Shooting, whole: Fit, less: Fit, chances: int) -> Confirmation:
+    """As `confirmation`, for windows that are too long and too few to be blocks: these are stretches of them,
+    each window being followed, from a start of its own, under the numbers that the other runs alone give.
+    """
+    gains = stretch_losses(problem, less) - stretch_losses(problem, whole)
+    return _bootstrapped(gains[np.isfinite(gains)], chances)
+
+
+def stretch_losses(problem: Shooting, at: Fit) -> Array:
+    """(W S,) saturated loss of each stretch of each window; not finite where nothing was measured."""
+    residual = at.residual.copy()
+    if at.hypothesis.size:
+        for run, x in enumerate(heldout_numbers(problem, at)):
+            mine = problem.windows.run == run
+            if mine.any():
+                states = at.states[mine]
+                residual[mine] = settle(problem.part(mine), at.hypothesis, x, states, ROUNDS)[2]
+    rows = max(1, round(STRETCH / problem.dt))
+    squares = (residual**2).reshape(len(residual), -1, problem.windows.weight.shape[2]).sum(axis=2)
+    starts = np.arange(0, squares.shape[1], rows)
+    chi2 = np.add.reduceat(squares, starts, axis=1)
+    seen = np.add.reduceat((problem.windows.weight > 0).sum(axis=2), starts, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(seen > 0, seen * np.log1p(chi2 / seen), np.nan).ravel())
+
+
+def _bootstrapped(gains: Array, chances: int) -> Confirmation:
+    """Of the gains of blocks (B,)."""
     tail = 0.025 / chances
     rng = np.random.default_rng(len(gains))
     shares = np.full(len(gains), 1.0 / len(gains))

@@ -16,7 +16,10 @@ from swamp_rl.criticism.unseen_commands import tapped
 Array = NDArray[np.float64]
 
 RUNGS = (5.0, 20.0, np.inf)  # s
-STEPS = (8, 10, 10)  # Jacobians that a fit may take on each
+MIDDLE = 1
+LAST = len(RUNGS) - 1  # whole runs, the commands of lost rows read as fits best
+UNBROKEN = LAST + 1  # beside the rungs: runs cut wherever it is in doubt which command stood in a lost row
+STEPS = (8, 10, 10, 8)  # Jacobians that a fit may take on each
 ROUNDS = 12  # steps that a first guess of a state is given
 PATIENCE = 16  # steps on a longer rung for what fits well on the shorter one
 TAPS = 4  # times that commands in lost rows are corrected
@@ -26,7 +29,7 @@ GOOD = 1.1  # chi2 a sample that counts as fitting well
 
 @dataclass
 class Ladder:
-    """The same trials cut at every rung, and the fits made so far by rung and hypothesis."""
+    """The same trials cut at every rung and unbroken, and the fits made so far by rung and hypothesis."""
 
     problems: list[Shooting]
     guesses: list[Array]
@@ -49,7 +52,7 @@ class Ladder:
             states, _, _ = settle(self.problems[rung], hypothesis, x, self.guesses[rung], ROUNDS)
         good = below is not None and below.chi2 < GOOD * self.problems[rung - 1].samples
         steps = PATIENCE if good else STEPS[rung]
-        made = fit(self.problems[rung], hypothesis, x, states, steps, fresh=rung == len(RUNGS) - 1)
+        made = fit(self.problems[rung], hypothesis, x, states, steps, fresh=rung >= LAST)
         self.fits[key] = made
         return made
 
@@ -77,7 +80,8 @@ class Ladder:
     def rolled(self) -> int:
         """Steps of a boat that were rolled out so far."""
         every = [*self.problems, *([self.half] if self.half else [])]
-        return sum(problem.rolled[0] for problem in every)
+        counts = {id(problem): problem.rolled[0] for problem in every}  # one may stand on two rungs
+        return sum(counts.values())
 
     def put(self, rung: int, problem: Shooting) -> None:
         """Another comparison on a rung; what was fitted there is forgotten."""
@@ -101,39 +105,38 @@ def ladder_of(trials: Trials, weight: Array) -> Ladder:
     """The rungs for these trials; short windows end where it matters which command stood in a lost row."""
     cautious = without_harmless(trials, weight)
     problems = [Shooting(cautious, weight, seconds) for seconds in RUNGS]
+    problems.append(problems[LAST])
     return Ladder(problems, [problem.guess() for problem in problems], trials.gaps)
 
 
 def whole_runs(ladder: Ladder, hypothesis: Hypothesis, x: Array) -> Fit:
     """The fit to whole runs, the commands of lost rows read as fits it best; later fits keep that reading."""
-    last = len(RUNGS) - 1
-    first = ladder.problems[last]
-    if (last, hypothesis.label) in ladder.fits:
-        return ladder.fit(last, hypothesis, x)
+    first = ladder.problems[LAST]
+    if (LAST, hypothesis.label) in ladder.fits:
+        return ladder.fit(LAST, hypothesis, x)
     trials = resolved(first.trials, first.weight, ladder.gaps, hypothesis, x)
-    ladder.put(last, Shooting(trials, first.weight, first.seconds))
-    made = _with_taps(ladder, ladder.fit(last, hypothesis, x))
-    again = reread(ladder.problems[last], made, ladder.gaps)
-    if not np.array_equal(again.commands, ladder.problems[last].trials.commands):
-        ladder.put(last, Shooting(again, first.weight, first.seconds))
-        made = ladder.fit(last, hypothesis, made.x)
+    ladder.put(LAST, Shooting(trials, first.weight, first.seconds))
+    made = _with_taps(ladder, ladder.fit(LAST, hypothesis, x))
+    again = reread(ladder.problems[LAST], made, ladder.gaps)
+    if not np.array_equal(again.commands, ladder.problems[LAST].trials.commands):
+        ladder.put(LAST, Shooting(again, first.weight, first.seconds))
+        made = ladder.fit(LAST, hypothesis, made.x)
     return made
 
 
 def _with_taps(ladder: Ladder, made: Fit) -> Fit:
     """A fit to whole runs with commands that only stood in lost rows, where those leave nothing but noise."""
-    last = len(RUNGS) - 1
-    before, first = ladder.problems[last], made
+    before, first = ladder.problems[LAST], made
     for _ in range(TAPS):
-        problem = ladder.problems[last]
+        problem = ladder.problems[LAST]
         if adequacy(problem, made).adequate or made.chi2 > NEARLY * problem.samples:
             break
         trials = tapped(problem, made)
         if trials is None:
             break
-        ladder.put(last, Shooting(trials, problem.weight, problem.seconds))
-        made = ladder.fit(last, made.hypothesis, made.x)
-    if made is not first and not adequacy(ladder.problems[last], made).adequate:
-        ladder.put(last, before)
-        ladder.fits[(last, first.hypothesis.label)] = made = first
+        ladder.put(LAST, Shooting(trials, problem.weight, problem.seconds))
+        made = ladder.fit(LAST, made.hypothesis, made.x)
+    if made is not first and not adequacy(ladder.problems[LAST], made).adequate:
+        ladder.put(LAST, before)
+        ladder.fits[(LAST, first.hypothesis.label)] = made = first
     return made

@@ -12,13 +12,12 @@ from swamp_rl.criticism.cost import cost, score
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import Fit, enough, fit
 from swamp_rl.criticism.instants import best_shares, changes, read_at
-from swamp_rl.criticism.ladder import Ladder
+from swamp_rl.criticism.ladder import MIDDLE, Ladder
 from swamp_rl.criticism.shooting import Shooting
 
 Array = NDArray[np.float64]
 
 NONE = np.zeros(0)
-MIDDLE = 1  # the rung that readings are compared on
 SHARES = (0.5, 1.0)  # of the next row's command in a step that are tried: drawn straight, held until the row
 CLEARLY = 40.0  # chi2 that another reading must save: a delay that is a cause is worth the same under each
 SHARE = 0.2  # of what is left above noise that it must save too: a missing force is no matter of reading

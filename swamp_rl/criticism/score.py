@@ -1,20 +1,26 @@
 """The score test: what each further candidate would explain, told from one Jacobian without refitting."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.boat import Boat
 from swamp_rl.criticism.candidates import FAILURE, WAVES, Atom, Hypothesis
 from swamp_rl.criticism.fit import Fit, bounded_step, inverse, normal_equations
 from swamp_rl.criticism.harmonic import wave_starts
+from swamp_rl.criticism.settle import settle
 from swamp_rl.criticism.shooting import Shooting
+from swamp_rl.simulator import parameters
 
 Array = NDArray[np.float64]
 
 INSTANTS = 17  # looked at about the best one
 BATCH = 24  # points of a grid rolled out at once
+GROSS = 2.0  # chi2 a sample beyond which what has no number is judged with starts settled for it
+ROUNDS = 3  # steps that these are given
+BESIDE = 1e-3  # typical sizes beside a value that changes nothing, where some slopes do not exist
 
 
 @dataclass(frozen=True)
@@ -56,13 +62,23 @@ def _prospect(problem: Shooting, at: Fit, atom: Atom, by_x: Array) -> Prospect:
         starts = failure_starts(problem, at, hypothesis, atom, by_x)
     elif atom.grid:
         starts.append(atom.grid[_best_of_grid(problem, at, atom, hypothesis, place, by_x)])
-    best: Prospect | None = None
-    for start in starts:
-        tried = _newton(problem, at, atom, hypothesis, place, by_x, np.array(start, dtype=float))
-        if best is None or tried.promised < best.promised:
-            best = tried
-    assert best is not None
-    return best
+    promises = [_newton(problem, at, atom, hypothesis, place, by_x, np.array(one)) for one in starts]
+    if atom.size > 0 and not any(np.isfinite(one.promised) for one in promises):  # a boat may run away there
+        start = np.array(beside_nothing(atom, problem.boat).starts[0])
+        promises.append(_newton(problem, at, atom, hypothesis, place, by_x, start))
+    return min(promises, key=lambda one: one.promised)
+
+
+def beside_nothing(atom: Atom, boat: Boat) -> Atom:
+    """The atom begun from what changes nothing, or hardly anything: the boat file's own numbers."""
+    record = parameters(boat)
+    neutral = [
+        float(np.mean(record[p.field])) if p.neutral is None else p.neutral for p in atom.effect.parameters
+    ]
+    if atom.effect.name == "wind":  # as components
+        neutral = [BESIDE * spec.scale for spec in atom.specs]
+    start = tuple(float(np.clip(x, s.low, s.high)) for x, s in zip(neutral, atom.specs, strict=True))
+    return replace(atom, starts=(start,), grid=())
 
 
 def _columns_of(hypothesis: Hypothesis, atom: Atom) -> NDArray[np.bool_]:
@@ -162,7 +178,9 @@ def _newton(
     new = np.vstack([start[None], start + np.diag(step)]) if len(step) else start[None]
     x = _joint(place, at.x, new)
     prediction = problem.predict(hypothesis, x, np.broadcast_to(at.states, (len(x), *at.states.shape)))
-    residual = problem.residuals(prediction[0])
+    states, residual = at.states, problem.residuals(prediction[0])
+    if not len(step) and at.chi2 > GROSS * problem.samples:  # as large as what it should explain
+        states, _, residual = settle(problem, hypothesis, x[0], at.states, ROUNDS)
     slopes = np.zeros((*residual.shape, len(place)))
     slopes[..., ~place] = by_x
     if len(step):
@@ -181,4 +199,4 @@ def _newton(
     loss = loss if np.isfinite(loss) else np.inf
     seen = seen if np.isfinite(seen) else 0.0
     changed = changed if np.isfinite(changed) else 0.0
-    return Prospect(hypothesis, atom, x[0], at.states, loss, max(seen, changed))
+    return Prospect(hypothesis, atom, x[0], states, loss, max(seen, changed))

@@ -9,6 +9,7 @@ from swamp_rl.criticism.candidates import Atom, Hypothesis
 from swamp_rl.criticism.conclude import Search, adequate_rung, climb, concluded
 from swamp_rl.criticism.cost import cost as cost_of
 from swamp_rl.criticism.cost import needed, score
+from swamp_rl.criticism.faint import with_faint
 from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.ladder import Ladder
 from swamp_rl.criticism.score import Prospect, prospects
@@ -45,11 +46,12 @@ def search(
     rung = adequate_rung(ladder, best) if not best.hypothesis.atoms else None
     first = prospects(ladder.problems[rung or 0], ladder.fit(rung or 0, Hypothesis(), np.zeros(0)), every)
     if rung is not None and not _promising(ladder, rung, best, first):
-        return concluded(ladder, best, [], first, _unseen(first), every)
+        faint = with_faint(ladder, best, _seen(every, first), MOST)
+        return concluded(ladder, faint.best, faint.tried, first, _unseen(first), every)
     if rung is not None:
         first = prospects(ladder.problems[0], ladder.fit(0, Hypothesis(), np.zeros(0)), every)
     unseen = _unseen(first)
-    every = [atom for atom in every if atom.label not in unseen]
+    every = _seen(every, first)
     tried: dict[str, Fit] = {}
     if best.hypothesis.atoms:
         tried[best.hypothesis.label] = ladder.fit(0, best.hypothesis, best.x)
@@ -73,7 +75,17 @@ def search(
     if tried and adequate_rung(ladder, best) is None:
         closest = min(tried.values(), key=score)
         best = min(best, climb(ladder, closest.hypothesis, closest.x), key=score)
+    if near(ladder.problems[1], best):
+        faint = with_faint(ladder, best, every, MOST)
+        best = faint.best
+        tried |= {one.hypothesis.label: one for one in faint.tried}
     return concluded(ladder, best, list(tried.values()), first, unseen, every)
+
+
+def _seen(atoms: Sequence[Atom], ahead: Sequence[Prospect]) -> list[Atom]:
+    """Those that the data can show."""
+    unseen = _unseen(ahead)
+    return [atom for atom in atoms if atom.label not in unseen]
 
 
 def _again(ladder: Ladder, before: Sequence[Fit]) -> Fit:

@@ -39,8 +39,7 @@ def settle(
         part, tried = _chosen(problem, active), states[active] + step[active]
         prediction = part.predict(hypothesis, x[None], tried[None])[0]
         left = part.residuals(prediction)
-        with np.errstate(over="ignore"):  # what ran away is infinitely far off, and so no better
-            gain = (residual[active] ** 2).sum(axis=1) - (left**2).sum(axis=1)
+        gain = losses(residual[active]) - losses(left)
         better = gain > 0.0
         place = np.flatnonzero(active)
         won, lost = place[better], place[~better]
@@ -52,6 +51,12 @@ def settle(
         moved = np.zeros(count, dtype=bool)
         moved[won] = True
     return states, base, residual
+
+
+def losses(residual: Array) -> Array:
+    """(W,) chi2 of each window's residuals (W, M), infinite where a rollout ran away."""
+    with np.errstate(over="ignore"):
+        return np.asarray((residual**2).sum(axis=1))
 
 
 def enough(problem: Shooting, chi2: float) -> float:
