@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 INSTANTS = 17  # looked at about the best one
 BATCH = 24  # points of a grid rolled out at once
-GROSS = 2.0  # chi2 a sample beyond which what has no number is judged with starts settled for it
+GROSS = 2.0  # chi2 a sample beyond which a cause is large: if it has no number, starts are settled for it
 ROUNDS = 3  # steps that these are given
 BESIDE = 1e-3  # typical sizes beside a value that changes nothing, where some slopes do not exist
 
@@ -60,10 +60,13 @@ def _prospect(problem: Shooting, at: Fit, atom: Atom, by_x: Array) -> Prospect:
         starts = [tuple(start) for start in wave_starts(problem, at, by_x)]
     elif atom.effect.name == FAILURE:
         starts = failure_starts(problem, at, hypothesis, atom, by_x)
-    elif atom.grid:
-        starts.append(atom.grid[_best_of_grid(problem, at, atom, hypothesis, place, by_x)])
+    elif atom.size > 0:
+        if atom.grid:
+            starts.append(atom.grid[_best_of_grid(problem, at, atom, hypothesis, place, by_x)])
+        if at.chi2 < GROSS * problem.samples:  # what is left is small, and so is its cause
+            starts += beside_nothing(atom, problem.boat).starts
     promises = [_newton(problem, at, atom, hypothesis, place, by_x, np.array(one)) for one in starts]
-    if atom.size > 0 and not any(np.isfinite(one.promised) for one in promises):  # a boat may run away there
+    if atom.size > 0 and not any(np.isfinite(one.promised) for one in promises):  # for it ran away there
         start = np.array(beside_nothing(atom, problem.boat).starts[0])
         promises.append(_newton(problem, at, atom, hypothesis, place, by_x, start))
     return min(promises, key=lambda one: one.promised)
