@@ -7,17 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.adequacy import adequacy
-from swamp_rl.criticism.candidates import FAILURE, WAVES, Atom
+from swamp_rl.criticism.candidates import FAILURE, WAVES, Atom, by_label
 from swamp_rl.criticism.conclude import LOOKS, RUNAWAY, climb, without
 from swamp_rl.criticism.cost import cost, needed, score
 from swamp_rl.criticism.fit import Fit
 from swamp_rl.criticism.heldout import confirmation_by_stretches
 from swamp_rl.criticism.ladder import LAST, MIDDLE, UNBROKEN, Ladder, whole_runs
-from swamp_rl.criticism.score import beside_nothing, prospects
+from swamp_rl.criticism.score import Prospect, beside_nothing, prospects
 
 Array = NDArray[np.float64]
 
-SHORTLIST = 6  # candidates that are fitted for each cause
+SHORTLIST = 5  # candidates that are fitted for each cause
 WORTH = 8.0  # of penalised chi2 that a cause must gain
 CLOSE = 40.0  # of it, within which two are compared on longer windows
 
@@ -55,14 +55,20 @@ def with_faint(ladder: Ladder, best: Fit, atoms: Sequence[Atom], most: int) -> F
 
 def _grown(ladder: Ladder, at: Fit, atoms: Sequence[Atom], most: int) -> Fit:
     """A fit to unbroken runs with further causes, each confirmed on runs held out."""
+    problem, chances = ladder.problems[UNBROKEN], LOOKS * len(atoms)
     while len(at.hypothesis.atoms) < most:
-        fitted = _fitted(ladder, at, atoms)
-        if not fitted or score(fitted[0]) > score(at) - WORTH:
+        ahead = _ahead(ladder, at, atoms)
+        if not ahead:
             break
-        problem, chances = ladder.problems[UNBROKEN], LOOKS * len(atoms)
-        if not confirmation_by_stretches(problem, fitted[0], at, chances).holds:
+        less = without(ladder, _fitted(ladder, at, atoms, ahead[:1])[0], ahead[0].atom.label, UNBROKEN)
+        if less.chi2 < at.chi2 - WORTH:  # which had ended too early
+            at = less
+            continue
+        best = _fitted(ladder, at, atoms, ahead)[0]
+        kept = confirmation_by_stretches(problem, best, at, chances)
+        if score(best) > score(at) - WORTH or not kept.holds:
             break
-        at = fitted[0]
+        at = best
     return at
 
 
@@ -77,7 +83,8 @@ def _instead(ladder: Ladder, at: Fit, atoms: Sequence[Atom]) -> list[Fit]:
             continue
         less = without(ladder, at, atom.label, UNBROKEN)
         others = [one for one in atoms if one.label != atom.label]
-        found += [one for one in _fitted(ladder, less, others) if score(one) < score(at) + CLOSE]
+        fitted = _fitted(ladder, less, others, _ahead(ladder, less, others))
+        found += [one for one in fitted if score(one) < score(at) + CLOSE]
     return found
 
 
@@ -86,14 +93,19 @@ def is_small(atom: Atom) -> bool:
     return atom.size > 0 and atom.effect.name != FAILURE
 
 
-def _fitted(ladder: Ladder, at: Fit, atoms: Sequence[Atom]) -> list[Fit]:
-    """Fits to unbroken runs of the most promising with one atom more, best first."""
-    problem, known = ladder.problems[UNBROKEN], {atom.label: atom for atom in atoms}
+def _ahead(ladder: Ladder, at: Fit, atoms: Sequence[Atom]) -> list[Prospect]:
+    """The most promising with one atom more on unbroken runs, in order."""
+    problem = ladder.problems[UNBROKEN]
     begun = [a if a.effect.name == WAVES else beside_nothing(a, problem.boat) for a in atoms if is_small(a)]
     ahead = [one for one in prospects(problem, at, begun) if at.chi2 - one.promised > needed(one.atom)]
-    ahead.sort(key=lambda one: one.promised + cost(one.hypothesis))
+    return sorted(ahead, key=lambda one: one.promised + cost(one.hypothesis))[:SHORTLIST]
+
+
+def _fitted(ladder: Ladder, at: Fit, atoms: Sequence[Atom], ahead: Sequence[Prospect]) -> list[Fit]:
+    """Fits to unbroken runs of what promises most, best first."""
+    known = by_label(atoms)
     made = [
         ladder.fit(UNBROKEN, at.hypothesis.with_atom(known[one.atom.label]), one.x, at.states)
-        for one in ahead[:SHORTLIST]
+        for one in ahead
     ]
     return sorted(made, key=score)
