@@ -9,7 +9,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.noise import noise_levels, weights
-from swamp_rl.criticism.pointing import functions, leftovers
+from swamp_rl.criticism.pointing import Pair, Remainder, functions, leftovers, saved
 from tests.hidden_effects import DT, Case, deviations, measure, voyages
 
 NOTHING = [(Hypothesis(), np.zeros(0))]
@@ -37,7 +37,9 @@ def sailed(outside: dict[str, Any] | None, level: str) -> Trials:
         (SECTOR, "A", {("surge", "heading")}),
         (SECTOR, "B", {("surge", "heading")}),
         (DEAD_ZONE, "A", {("thrust of ss", "throttle ss")}),
+        (DEAD_ZONE, "B", {("thrust of ss", "throttle ss")}),
         (MOORING, "A", {("north", "position north"), ("east", "position east")}),
+        (MOORING, "B", {("north", "position north"), ("east", "position east")}),
     ],
 )
 def test_what_no_effect_makes_is_told_by_what_it_goes_with(
@@ -60,3 +62,18 @@ def test_functions_of_a_variable_add_up_to_one_and_go_round_an_angle(name: str, 
     basis = functions(name, values)
     assert basis.sum(axis=-1) == pytest.approx(1.0)
     assert np.allclose(basis[0], basis[-1], atol=1e-9) == (name != "speed")
+
+
+def test_what_acts_in_one_run_alone_is_learnt_from_the_rest_of_it() -> None:
+    rng = np.random.default_rng(5)
+    run = np.repeat(np.arange(4), 8)
+    design = rng.standard_normal((32, 6, 2)) * (run == 1)[:, None, None]
+    information = np.broadcast_to(100.0 * np.eye(6), (32, 6, 6))
+    gradient = 100.0 * design @ [1.0, -0.5]
+    rest = Remainder(information, gradient, np.ones(3))
+    pair = Pair("surge", "throttle ss", design)
+    alone, _ = saved(pair, rest, (run,))
+    in_turn, foretold = saved(pair, rest, (run, np.arange(32) % 8))
+    assert alone == pytest.approx(0.0, abs=1e-9)
+    assert in_turn > 100.0
+    assert foretold == pytest.approx(design @ [1.0, -0.5], abs=0.05)

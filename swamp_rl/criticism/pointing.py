@@ -5,6 +5,7 @@ a smooth function of a variable is a weighted sum of such pushes, so each pair o
 a few linear equations, and is judged on runs that its weights were not fitted to.
 """
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -32,7 +33,7 @@ SPANS, SPANS_WITHOUT_VELOCITY = (10.0, 2.5, 4), (10.0, 5.0, 5)
 MOST_WINDOWS = 240  # that are looked at, of longer data some evenly
 KNOTS, KNOTS_ROUND = 6, 8  # of a function of a variable, and of an angle
 SHRUNK = (1.0, 5.0, 25.0)  # N, standard deviations of its weights beforehand, of which the best is taken
-FOLDS = 8  # most parts that runs are held out in
+FOLDS = 8  # most parts that runs are held out in, and parts that windows are in turn
 LASTING = 4.0  # s that what no function explains hangs together for
 WORTH = 15.0  # chi2 on runs held out that a pair must save beside those already listed
 ALIKE = 0.7  # share of what the first one saves, from which on another is listed with it
@@ -46,13 +47,14 @@ class Responses:
     """Chi2 of W windows as a function of forces f (W, 3 B) in B pieces, initial states eliminated: less 2
     gradient f, plus f information f.
 
-    fold: (W,) which part of the runs; block: rows of a piece; dt: of a row [s]; rows: (W, B block) of each
-    variable, by name; ways: (W, B block, 3) surge, sway and yaw that a unit of each force is, by name.
+    folds: (W,) which part is held out together: of the runs, and of the windows in turn; block: rows of a
+    piece; dt: of a row [s]; rows: (W, B block) of each variable, by name; ways: (W, B block, 3) surge, sway
+    and yaw that a unit of each force is, by name.
     """
 
     information: Array
     gradient: Array
-    fold: NDArray[np.int64]
+    folds: tuple[NDArray[np.int64], ...]
     block: int
     dt: float
     rows: dict[str, Array]
@@ -103,7 +105,7 @@ def responses(trials: Trials, weight: Array, hypothesis: Hypothesis, x: Array) -
     return Responses(
         normal.information,
         normal.gradient + (normal.information @ f[..., None])[..., 0],
-        _folds(win.run, win.first),
+        (_folds(win.run, win.first), np.arange(win.count) % FOLDS),
         block,
         trials.dt,
         rows,
@@ -201,18 +203,19 @@ def remainder(found: Responses, known: Array) -> Remainder:
     return Remainder(np.asarray(made.prior - made.prior @ made.spread @ made.prior), push, made.power)
 
 
-def saved(pair: Pair, rest: Remainder, fold: NDArray[np.int64]) -> tuple[float, Array]:
+def saved(pair: Pair, rest: Remainder, folds: Sequence[NDArray[np.int64]]) -> tuple[float, Array]:
     """Chi2 that a pair saves on the parts that its weights were not fitted to, and the forces (W, 3 B) that
-    it foretells there.
+    it foretells there; of several ways to hold parts out the one that shows most: what happens in one run
+    alone, such as a throttle that no other asks for, is learnt from the rest of that run.
     """
     across = np.swapaxes(pair.design, 1, 2)
     H, g = across @ rest.information @ pair.design, (across @ rest.gradient[..., None])[..., 0]
     best, foretold = -np.inf, np.zeros(rest.gradient.shape)
-    for deviation in SHRUNK:
+    for fold, deviation in itertools.product(folds, SHRUNK):
         weights = np.empty(g.shape)
+        prior = np.eye(g.shape[1]) / deviation**2
         for part in np.unique(fold):
             others = fold != part
-            prior = np.eye(g.shape[1]) / deviation**2
             weights[~others] = np.linalg.solve(H[others].sum(axis=0) + prior, g[others].sum(axis=0))
         gain = float((2.0 * g * weights).sum() - np.einsum("wij,wi,wj->", H, weights, weights))
         if gain > best:
@@ -229,7 +232,7 @@ def pointed(found: Responses) -> tuple[float, list[Leftover]]:
     rest = first = remainder(found, known)
     total, listed = 0.0, list[Leftover]()
     while len(listed) < LISTED and every:
-        judged = [(*saved(pair, rest, found.fold), pair) for pair in every]
+        judged = [(*saved(pair, rest, found.folds), pair) for pair in every]
         judged.sort(key=lambda one: -one[0])
         gain, foretold, best = judged[0]
         if gain < WORTH:
