@@ -9,7 +9,17 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.noise import noise_levels, weights
-from swamp_rl.criticism.pointing import Pair, Remainder, functions, leftovers, saved
+from swamp_rl.criticism.pointing import (
+    LASTING,
+    Pair,
+    Remainder,
+    Responses,
+    functions,
+    leftovers,
+    remainder,
+    saved,
+)
+from swamp_rl.criticism.unsteady import random_forces
 from tests.hidden_effects import DT, Case, deviations, measure, voyages
 
 NOTHING = [(Hypothesis(), np.zeros(0))]
@@ -70,10 +80,23 @@ def test_what_acts_in_one_run_alone_is_learnt_from_the_rest_of_it() -> None:
     design = rng.standard_normal((32, 6, 2)) * (run == 1)[:, None, None]
     information = np.broadcast_to(100.0 * np.eye(6), (32, 6, 6))
     gradient = 100.0 * design @ [1.0, -0.5]
-    rest = Remainder(information, gradient, np.ones(3))
+    rest = Remainder(information, gradient, np.ones(3), 0.0)
     pair = Pair("surge", "throttle ss", design)
     alone, _ = saved(pair, rest, (run,))
     in_turn, foretold = saved(pair, rest, (run, np.arange(32) % 8))
     assert alone == pytest.approx(0.0, abs=1e-9)
     assert in_turn > 100.0
     assert foretold == pytest.approx(design @ [1.0, -0.5], abs=0.05)
+
+
+def test_what_is_left_is_what_the_forces_and_random_ones_do_not_explain() -> None:
+    rng = np.random.default_rng(6)
+    slopes, seen = rng.standard_normal((3, 40, 12)), 3.0 * rng.standard_normal((3, 40))
+    known = rng.standard_normal((3, 12))
+    across = slopes.swapaxes(1, 2)
+    information, gradient = across @ slopes, (across @ seen[..., None])[..., 0]
+    found = Responses(float((seen**2).sum()), information, gradient, (), 10, 0.1, {}, {})
+    away = seen - (slopes @ known[..., None])[..., 0]
+    rest = (across @ away[..., None])[..., 0]
+    expected = (away**2).sum() - random_forces(information, rest, 1.0, LASTING).gain
+    assert remainder(found, known).left == pytest.approx(expected)

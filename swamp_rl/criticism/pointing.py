@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.colour import OTHERS
+from swamp_rl.criticism.cost import cost
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.fit import normal_equations
 from swamp_rl.criticism.kernel import roll_actuators
@@ -44,14 +45,15 @@ AXES_OF = {"surge": (0,), "sway": (1,), "yaw": (2,), "north": (0, 1), "east": (0
 
 @dataclass(frozen=True)
 class Responses:
-    """Chi2 of W windows as a function of forces f (W, 3 B) in B pieces, initial states eliminated: less 2
-    gradient f, plus f information f.
+    """Chi2 of W windows as a function of forces f (W, 3 B) in B pieces, initial states eliminated: none less
+    2 gradient f, plus f information f.
 
     folds: (W,) which part is held out together: of the runs, and of the windows in turn; block: rows of a
     piece; dt: of a row [s]; rows: (W, B block) of each variable, by name; ways: (W, B block, 3) surge, sway
     and yaw that a unit of each force is, by name.
     """
 
+    none: float
     information: Array
     gradient: Array
     folds: tuple[NDArray[np.int64], ...]
@@ -73,12 +75,14 @@ class Pair:
 @dataclass(frozen=True)
 class Remainder:
     """Chi2 with what remains taken for random forces that last a while: information (W, 3 B, 3 B) and
-    gradient (W, 3 B) of a force that is not random; power: (3,) variance of the random ones [N2, N2, N2 m2].
+    gradient (W, 3 B) of a force that is not random; power: (3,) variance of the random ones [N2, N2, N2 m2];
+    left: chi2 less what the random ones explain, twice the logarithm of a likelihood.
     """
 
     information: Array
     gradient: Array
     power: Array
+    left: float
 
 
 def responses(trials: Trials, weight: Array, hypothesis: Hypothesis, x: Array) -> Responses:
@@ -102,9 +106,11 @@ def responses(trials: Trials, weight: Array, hypothesis: Hypothesis, x: Array) -
     f = force.reshape(len(force), -1)
     win = problem.windows
     rows, ways = _courses(problem, found.track, block * fine.count)
+    bent = (normal.information @ f[..., None])[..., 0]
     return Responses(
+        float(normal.free.sum() + (f * (2.0 * normal.gradient + bent)).sum()),
         normal.information,
-        normal.gradient + (normal.information @ f[..., None])[..., 0],
+        normal.gradient + bent,
         (_folds(win.run, win.first), np.arange(win.count) % FOLDS),
         block,
         trials.dt,
@@ -200,7 +206,8 @@ def remainder(found: Responses, known: Array) -> Remainder:
     g = found.gradient - (H @ known[..., None])[..., 0]
     made = random_forces(H, g, found.block * found.dt, LASTING)
     push = (made.prior @ made.force[..., None])[..., 0]
-    return Remainder(np.asarray(made.prior - made.prior @ made.spread @ made.prior), push, made.power)
+    left = found.none - float((known * (found.gradient + g)).sum()) - made.gain
+    return Remainder(np.asarray(made.prior - made.prior @ made.spread @ made.prior), push, made.power, left)
 
 
 def saved(pair: Pair, rest: Remainder, folds: Sequence[NDArray[np.int64]]) -> tuple[float, Array]:
@@ -224,13 +231,14 @@ def saved(pair: Pair, rest: Remainder, folds: Sequence[NDArray[np.int64]]) -> tu
 
 
 def pointed(found: Responses) -> tuple[float, list[Leftover]]:
-    """Chi2 saved by the pairs that explain what is missing, and these: those that save most, then further
-    ones, each beside those found before it; told in the order of what they explain. Empty where none does.
+    """What is left in the end, see `Remainder`, and the pairs that explain what is missing: those that save
+    most, then further ones, each beside those found before it; told in the order of what they explain. Empty
+    where none does.
     """
     every = pairs(found)
     known = np.zeros(found.gradient.shape)
     rest = first = remainder(found, known)
-    total, listed = 0.0, list[Leftover]()
+    listed = list[Leftover]()
     while len(listed) < LISTED and every:
         judged = [(*saved(pair, rest, found.folds), pair) for pair in every]
         judged.sort(key=lambda one: -one[0])
@@ -239,14 +247,13 @@ def pointed(found: Responses) -> tuple[float, list[Leftover]]:
             break
         known = known + foretold
         rest = remainder(found, known)
-        alike = [one for one in judged if one[0] > (ALIKE * gain if total == 0.0 else gain - 1e-9)]
-        total += gain
+        alike = [one for one in judged if one[0] > (gain - 1e-9 if listed else ALIKE * gain)]
         every = [one for one in every if one is not best]
         for _, its_forces, pair in alike:
             share = power_share(pair, its_forces, rest, first)
             listed += [Leftover(force=f, variable=v, explained=share) for f, v in _told(pair)]
     apart = {(one.force, one.variable): one for one in reversed(listed)}
-    return total, sorted(list(reversed(apart.values()))[:LISTED], key=lambda one: -one.explained)
+    return rest.left, sorted(list(reversed(apart.values()))[:LISTED], key=lambda one: -one.explained)
 
 
 def power_share(pair: Pair, foretold: Array, rest: Remainder, first: Remainder) -> float:
@@ -265,11 +272,14 @@ def _told(pair: Pair) -> list[tuple[str, str]]:
 
 def leftovers(trials: Trials, weight: Array, every: Sequence[tuple[Hypothesis, Array]]) -> list[Leftover]:
     """What remains and what it goes with, beside that of some hypotheses with their numbers (p,) which leaves
-    most to be told: a wrong cause bends what is left over, a right one clears it.
+    least once that is told: a wrong cause bends what is missing, a right one clears it.
 
     Where errors of all channels were let wander, that was the missing force, so they are not here.
     """
     if trials.slow is not None and (trials.slow[OTHERS, 0] > 0).any():
         trials = replace(trials, slow=None)
-    told = [pointed(responses(trials, weight, hypothesis, x)) for hypothesis, x in every]
-    return max(told, key=lambda one: one[0])[1]
+    told = []
+    for hypothesis, x in every:
+        left, listed = pointed(responses(trials, weight, hypothesis, x))
+        told.append((left + cost(hypothesis), listed))
+    return min(told, key=lambda one: one[0])[1]
