@@ -37,7 +37,7 @@ def test_a_hull_that_turns_by_itself_is_fitted_though_windows_run_away(moment: f
     atom = next(one for one in candidates(found.boat, SECONDS) if one.label == "hull_asymmetry")
     start = prospects(ladder.problems[0], nothing, [atom])[0]
     made = ladder.fit(0, start.hypothesis, start.x, start.states)
-    assert ladder.stuck(made)
+    assert ladder.stuck(made, nothing.chi2, start.promised)
     freed = ladder.freed(made)
     assert freed.chi2 < 1.1 * ladder.problems[0].samples
     assert freed.x == pytest.approx([moment], rel=0.01)

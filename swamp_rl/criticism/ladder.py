@@ -24,6 +24,7 @@ ROUNDS = 12  # steps that a first guess of a state is given
 PATIENCE = 16  # steps on a longer rung for what fits well on the shorter one
 TAPS = 4  # times that commands in lost rows are corrected
 HOPELESS = 10.0  # chi2 a sample of what is far from the data
+LITTLE = 0.25  # share of a promise that a fit keeps which found no way down
 GOOD = 1.1  # chi2 a sample that counts as fitting well
 
 
@@ -56,9 +57,13 @@ class Ladder:
         self.fits[key] = made
         return made
 
-    def stuck(self, made: Fit) -> bool:
-        """Whether a fit to the shortest windows found no way down, though it is far from the data."""
-        return made.steps == 1 and made.chi2 > HOPELESS * self.problems[0].samples
+    def stuck(self, made: Fit, before: float, promised: float) -> bool:
+        """Whether a fit to the shortest windows, far from the data, gained little of what was promised from
+        the chi2 before.
+        """
+        return made.chi2 > HOPELESS * self.problems[0].samples and before - made.chi2 < LITTLE * (
+            before - promised
+        )
 
     def freed(self, made: Fit) -> Fit:
         """A fit to the shortest windows begun again from one to windows half as long: in these a boat that

@@ -132,6 +132,10 @@ def _holds(problem: Shooting, prospect: Prospect, here: Fit) -> bool:
     return here.chi2 - made.chi2 > needed(prospect.atom)
 
 
+def _beside(prospect: Prospect) -> Hypothesis:
+    return prospect.hypothesis.without(prospect.atom.label)
+
+
 def _extend(
     ladder: Ladder, beam: list[Fit], atoms: Sequence[Atom], known: list[Prospect] | None, patience: float
 ) -> list[Fit]:
@@ -155,7 +159,8 @@ def _extend(
             break
         if not fitted or one.promised + cost_of(one.hypothesis) < limit:  # a promise may overflow
             made = ladder.fit(0, one.hypothesis, one.x, one.states)
-            fitted.append(ladder.freed(made) if ladder.stuck(made) else made)
+            before = min(at.chi2 for at in beam if at.hypothesis.label == _beside(one).label)
+            fitted.append(ladder.freed(made) if ladder.stuck(made, before, one.promised) else made)
         best = min(fitted, key=score)
         enough = adequacy(ladder.problems[0], best).adequate
         if enough or number + 1 >= FIRST:
