@@ -93,3 +93,15 @@ def test_a_cause_whose_first_try_runs_away_is_tried_beside_nothing() -> None:
     ahead = prospects(ladder.problems[0], nothing, [wild])[0]
     assert np.isfinite(ahead.promised)
     assert ahead.seen > 1000.0
+
+
+def test_what_the_data_show_of_a_cause_they_show_wherever_its_fit_begins() -> None:
+    ladder = climbed(trials([]))
+    problem, nothing = ladder.problems[0], ladder.fit(0, Hypothesis(), np.zeros(0))
+    atoms = [one for one in ATOMS if is_small(one) and one.effect.name != "waves"]
+    softly = {one.label: beside_nothing(one, BOAT) for one in atoms}
+    alone = {one.atom.label: one.seen for one in prospects(problem, nothing, list(softly.values()))}
+    ahead = prospects(problem, nothing, atoms)
+    assert all(one.seen >= alone[one.atom.label] for one in ahead)
+    larger = [one for one in ahead if one.seen > 1.5 * alone[one.atom.label]]
+    assert any(np.array_equal(one.x, softly[one.atom.label].starts[0]) for one in larger)

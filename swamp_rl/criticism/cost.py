@@ -3,6 +3,8 @@
 from swamp_rl.criticism.candidates import NUISANCE, Atom, Hypothesis
 from swamp_rl.criticism.fit import Fit
 
+WORTH = 8.0  # of penalised chi2 that one more cause must gain
+
 
 def cost(hypothesis: Hypothesis) -> float:
     """Chi2 that a hypothesis must earn: for choosing among some sixty candidates and for its numbers.
@@ -20,4 +22,4 @@ def score(made: Fit) -> float:
 
 def needed(atom: Atom) -> float:
     """Fall of chi2 that makes an atom worth adding."""
-    return cost(Hypothesis((atom,))) + 8.0
+    return cost(Hypothesis((atom,))) + WORTH

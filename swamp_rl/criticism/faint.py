@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.adequacy import adequacy
 from swamp_rl.criticism.candidates import FAILURE, WAVES, Atom, by_label
 from swamp_rl.criticism.conclude import LOOKS, RUNAWAY, climb, without
-from swamp_rl.criticism.cost import cost, needed, score
+from swamp_rl.criticism.cost import WORTH, cost, needed, score
 from swamp_rl.criticism.fit import Fit
 from swamp_rl.criticism.heldout import confirmation_by_stretches
 from swamp_rl.criticism.ladder import LAST, MIDDLE, UNBROKEN, Ladder, whole_runs
@@ -18,7 +18,6 @@ from swamp_rl.criticism.score import Prospect, beside_nothing, prospects
 Array = NDArray[np.float64]
 
 SHORTLIST = 5  # candidates that are fitted for each cause
-WORTH = 8.0  # of penalised chi2 that a cause must gain
 CLOSE = 40.0  # of it, within which two are compared on longer windows
 
 

@@ -67,9 +67,11 @@ def _prospect(problem: Shooting, at: Fit, atom: Atom, by_x: Array) -> Prospect:
             starts += beside_nothing(atom, problem.boat).starts
     promises = [_newton(problem, at, atom, hypothesis, place, by_x, np.array(one)) for one in starts]
     if atom.size > 0 and not any(np.isfinite(one.promised) for one in promises):  # for it ran away there
-        start = np.array(beside_nothing(atom, problem.boat).starts[0])
-        promises.append(_newton(problem, at, atom, hypothesis, place, by_x, start))
-    return min(promises, key=lambda one: one.promised)
+        (neutral,) = beside_nothing(atom, problem.boat).starts
+        if neutral not in starts:
+            promises.append(_newton(problem, at, atom, hypothesis, place, by_x, np.array(neutral)))
+    seen = max(one.seen for one in promises)  # the data can show a cause that they show at one of its sizes
+    return replace(min(promises, key=lambda one: one.promised), seen=seen)
 
 
 def beside_nothing(atom: Atom, boat: Boat) -> Atom:
