@@ -40,9 +40,8 @@ def diagnose(
     for gain in found.gain:
         if gain.horizon_s == 10.0 and gain.position_rmse_m:
             missed = gain.position_rmse_m
-            typer.echo(
-                f"  position 10 s ahead is off by {missed.before:.3g} m, with it by {missed.after:.3g} m"
-            )
+            extended = f", with it by {missed.after:.3g} m" if found.causes else ""
+            typer.echo(f"  position 10 s ahead is off by {missed.before:.3g} m{extended}")
     for lack in found.missing_motion:
         typer.echo(f"  the runs lack {lack}")
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")

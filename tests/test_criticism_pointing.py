@@ -60,6 +60,19 @@ def test_what_no_effect_makes_is_told_by_what_it_goes_with(
     assert pairs & {(one.force, one.variable) for one in found}, found
 
 
+def test_the_shape_of_what_is_missing_is_that_of_the_hidden_force() -> None:
+    trials = sailed(SECTOR, "A")
+    found = leftovers(trials, weights(trials, noise_levels(trials)), NOTHING)
+    curve = next(one for one in found if (one.force, one.variable) == ("surge", "heading")).curve
+    assert [one.at for one in curve] == sorted(one.at for one in curve)
+    assert len(curve) == 8
+    for point in curve:
+        ahead = np.cos(point.at - SECTOR["centre"])
+        if abs(ahead) > 0.3:  # straight lines between corners cannot follow the sector's edges
+            assert point.force == pytest.approx(SECTOR["force"] * (ahead > 0.0), abs=0.8), curve
+        assert 0.0 < point.standard_error < 0.3
+
+
 @pytest.mark.parametrize("level", ["A", "B"])
 def test_where_nothing_is_missing_nothing_is_pointed_at(level: str) -> None:
     trials = sailed(None, level)
@@ -81,12 +94,11 @@ def test_what_acts_in_one_run_alone_is_learnt_from_the_rest_of_it() -> None:
     information = np.broadcast_to(100.0 * np.eye(6), (32, 6, 6))
     gradient = 100.0 * design @ [1.0, -0.5]
     rest = Remainder(information, gradient, np.ones(3), 0.0)
-    pair = Pair("surge", "throttle ss", design)
-    alone, _ = saved(pair, rest, (run,))
-    in_turn, foretold = saved(pair, rest, (run, np.arange(32) % 8))
-    assert alone == pytest.approx(0.0, abs=1e-9)
-    assert in_turn > 100.0
-    assert foretold == pytest.approx(design @ [1.0, -0.5], abs=0.05)
+    pair = Pair("surge", "throttle ss", design, (np.zeros(2),))
+    assert saved(pair, rest, (run,)).gain == pytest.approx(0.0, abs=1e-9)
+    in_turn = saved(pair, rest, (run, np.arange(32) % 8))
+    assert in_turn.gain > 100.0
+    assert in_turn.foretold == pytest.approx(design @ [1.0, -0.5], abs=0.05)
 
 
 def test_what_is_left_is_what_the_forces_and_random_ones_do_not_explain() -> None:

@@ -5,6 +5,8 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data import Trials
+from swamp_rl.criticism.leftover import motion_variables
+from swamp_rl.criticism.report.figures import DEGREES, labelled
 from swamp_rl.criticism.report.page import gain_rows, gained, lacking, left_over, named, table, told_apart
 from swamp_rl.criticism.report.words import (
     cause_rows,
@@ -20,7 +22,7 @@ from swamp_rl.criticism.report.words import (
     wandering_sentence,
     written,
 )
-from swamp_rl.criticism.result import Cause, Contrast, Diagnosis, Estimate, Gain, Leftover, Paired
+from swamp_rl.criticism.result import Cause, Contrast, Diagnosis, Estimate, Gain, Leftover, Paired, Point
 
 
 def diagnosis(verdict: str, **changes: object) -> Diagnosis:
@@ -98,6 +100,35 @@ def test_what_is_left_is_said_with_its_force_and_variable() -> None:
     assert "yaw moment that goes with heading" in said and "62%" in said
 
 
+def test_the_shape_of_a_missing_force_is_shown_beside_what_it_was_told_beside() -> None:
+    curve = [Point(at=0.0, force=-1.0, standard_error=0.1), Point(at=0.5, force=0.0, standard_error=0.1)]
+    left = [Leftover(force="yaw", variable="yaw rate", explained=0.6, curve=curve, beside=["sway_drag"])]
+    shown = left_over(diagnosis("unexplained", leftover=left), {"missing": "aGk="})
+    assert "what the boat file with sway drag lacks" in shown and 'base64,aGk="' in shown
+    plain = left_over(
+        diagnosis("unexplained", leftover=[Leftover(force="yaw", variable="time", explained=1)]), {}
+    )
+    assert "shapes" not in plain
+
+
+@pytest.mark.parametrize(
+    ("variable", "label", "factor"),
+    [
+        ("yaw rate", "yaw rate [°/s]", DEGREES),
+        ("position east", "position east [m]", 1.0),
+        ("azimuth bs", "azimuth bs [°]", DEGREES),
+        ("throttle main", "throttle main [of full]", 1.0),
+    ],
+)
+def test_what_forces_are_drawn_against_has_its_unit(variable: str, label: str, factor: float) -> None:
+    assert labelled(variable) == (label, factor)
+
+
+def test_every_variable_that_a_force_may_go_with_can_be_drawn() -> None:
+    for variable in motion_variables(np.zeros(1), np.zeros((1, 6))):
+        assert labelled(variable)[0].startswith(variable)
+
+
 def test_digits_are_plain_and_cells_are_escaped() -> None:
     assert [rounded(v) for v in (1234.5, 0.01234, 0.0, 5.0e-7)] == ["1234", "0.0123", "0", "0.00000"]
     assert "&lt;b&gt;" in table(("a",), [("<b>",)]) and "<b>" in table(("a",), [("<b>",)], raw=True)
@@ -135,11 +166,11 @@ def trials() -> Trials:
 
 def test_an_unexplained_rest_is_told_with_a_variable_or_said_to_go_with_none() -> None:
     left = [Leftover(force="yaw", variable="heading", explained=0.62)]
-    assert "goes with heading" in left_over(diagnosis("unexplained", leftover=left))
+    assert "goes with heading" in left_over(diagnosis("unexplained", leftover=left), {})
     assert "stands below" in meaning(diagnosis("unexplained", leftover=left))
-    assert "No single variable" in left_over(diagnosis("unexplained"))
+    assert "No single variable" in left_over(diagnosis("unexplained"), {})
     assert "stands below" not in meaning(diagnosis("unexplained"))
-    assert left_over(diagnosis("nothing_wrong")) == ""
+    assert left_over(diagnosis("nothing_wrong"), {}) == ""
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from swamp_rl.criticism.fit import normal_equations
 from swamp_rl.criticism.kernel import roll_actuators
 from swamp_rl.criticism.leftover import followed, motion_variables
 from swamp_rl.criticism.pushes import AXES, Pushes, push_slopes, pushes_of
-from swamp_rl.criticism.result import Leftover
+from swamp_rl.criticism.result import Leftover, Point
 from swamp_rl.criticism.shooting import Shooting, wrap
 from swamp_rl.criticism.unsteady import random_forces
 from swamp_rl.simulator import initial_state, parameters
@@ -65,11 +65,14 @@ class Responses:
 
 @dataclass(frozen=True)
 class Pair:
-    """A force that is a function of a variable. design: (W, 3 B, K) forces in the pieces by its weights."""
+    """A force that is a function of a variable. design: (W, 3 B, K) forces in the pieces by its weights;
+    knots: where these stand, K in all, those of north before those of east where the force has both.
+    """
 
     force: str
     variable: str
     design: Array
+    knots: tuple[Array, ...]
 
 
 @dataclass(frozen=True)
@@ -167,15 +170,27 @@ def reached_actuators(trials: Trials) -> Array:
     return states[..., ACTUATORS - 2 * AXES :]
 
 
-def functions(name: str, values: Array) -> Array:
-    """(..., K) hat functions of a variable, which add up to one: about quantiles, or round an angle."""
-    if name == "heading" or (name.startswith("azimuth") and np.ptp(values) > np.pi):
-        turn = KNOTS_ROUND * values[..., None] / (2.0 * np.pi) - np.arange(KNOTS_ROUND)
-        away = np.abs(turn - KNOTS_ROUND * np.round(turn / KNOTS_ROUND))
-        return np.asarray(np.maximum(1.0 - away, 0.0))
+def is_round(name: str, values: Array) -> bool:
+    """Whether a variable is an angle that goes all the way round."""
+    return name == "heading" or bool(name.startswith("azimuth") and np.ptp(values) > np.pi)
+
+
+def knots_of(name: str, values: Array) -> Array:
+    """(K,) where a function of a variable has its corners: at quantiles, or evenly round an angle."""
+    if is_round(name, values):
+        return wrap(2.0 * np.pi / KNOTS_ROUND * np.arange(KNOTS_ROUND, dtype=np.float64))
     low, high = np.quantile(values, [0.02, 0.98])
     knots = np.unique(np.concatenate([np.quantile(values, np.linspace(0.02, 0.98, KNOTS)), [low, high]]))
-    knots = knots[np.concatenate([[True], np.diff(knots) > 1e-3 * max(high - low, 1e-9)])]
+    return np.asarray(knots[np.concatenate([[True], np.diff(knots) > 1e-3 * max(high - low, 1e-9)])])
+
+
+def functions(name: str, values: Array) -> Array:
+    """(..., K) hat functions of a variable, one at each of its knots, which add up to one."""
+    knots = knots_of(name, values)
+    if is_round(name, values):
+        turn = KNOTS_ROUND * (values[..., None] - knots) / (2.0 * np.pi)
+        away = np.abs(turn - KNOTS_ROUND * np.round(turn / KNOTS_ROUND))
+        return np.asarray(np.maximum(1.0 - away, 0.0))
     return np.stack([np.interp(values, knots, row) for row in np.eye(len(knots))], axis=-1)
 
 
@@ -197,7 +212,10 @@ def pairs(found: Responses) -> list[Pair]:
     parts = [every.get((name, f"{PLACE} {name}")) for name in ("north", "east")]
     if all(part is not None for part in parts):
         every[EARTH, PLACE] = np.concatenate([part for part in parts if part is not None], axis=2)
-    return [Pair(force, variable, design) for (force, variable), design in every.items()]
+    knots: dict[str, tuple[Array, ...]] = {v: (knots_of(v, values),) for v, values in found.rows.items()}
+    if (EARTH, PLACE) in every:
+        knots[PLACE] = knots[f"{PLACE} north"] + knots[f"{PLACE} east"]
+    return [Pair(force, variable, design, knots[variable]) for (force, variable), design in every.items()]
 
 
 def remainder(found: Responses, known: Array) -> Remainder:
@@ -210,14 +228,24 @@ def remainder(found: Responses, known: Array) -> Remainder:
     return Remainder(np.asarray(made.prior - made.prior @ made.spread @ made.prior), push, made.power, left)
 
 
-def saved(pair: Pair, rest: Remainder, folds: Sequence[NDArray[np.int64]]) -> tuple[float, Array]:
-    """Chi2 that a pair saves on the parts that its weights were not fitted to, and the forces (W, 3 B) that
-    it foretells there; of several ways to hold parts out the one that shows most: what happens in one run
+@dataclass(frozen=True)
+class Saved:
+    """Chi2 that a pair saves on parts that its weights were not fitted to, the forces (W, 3 B) that it
+    foretells there, and the standard deviation [N] that its weights were given beforehand.
+    """
+
+    gain: float
+    foretold: Array
+    deviation: float
+
+
+def saved(pair: Pair, rest: Remainder, folds: Sequence[NDArray[np.int64]]) -> Saved:
+    """What a pair saves; of several ways to hold parts out the one that shows most: what happens in one run
     alone, such as a throttle that no other asks for, is learnt from the rest of that run.
     """
     across = np.swapaxes(pair.design, 1, 2)
     H, g = across @ rest.information @ pair.design, (across @ rest.gradient[..., None])[..., 0]
-    best, foretold = -np.inf, np.zeros(rest.gradient.shape)
+    best = Saved(-np.inf, np.zeros(rest.gradient.shape), 0.0)
     for fold, deviation in itertools.product(folds, SHRUNK):
         weights = np.empty(g.shape)
         prior = np.eye(g.shape[1]) / deviation**2
@@ -225,9 +253,27 @@ def saved(pair: Pair, rest: Remainder, folds: Sequence[NDArray[np.int64]]) -> tu
             others = fold != part
             weights[~others] = np.linalg.solve(H[others].sum(axis=0) + prior, g[others].sum(axis=0))
         gain = float((2.0 * g * weights).sum() - np.einsum("wij,wi,wj->", H, weights, weights))
-        if gain > best:
-            best, foretold = gain, (pair.design @ weights[..., None])[..., 0]
-    return best, foretold
+        if gain > best.gain:
+            best = Saved(gain, (pair.design @ weights[..., None])[..., 0], deviation)
+    return best
+
+
+def curves(pair: Pair, information: Array, gradient: Array, deviation: float) -> list[list[Point]]:
+    """The functions of a pair as all windows tell them, each in the order of its variable; information
+    (W, 3 B, 3 B) and gradient (W, 3 B): of a force, beside what remains once this one is told.
+    """
+    across = np.swapaxes(pair.design, 1, 2)
+    H = (across @ information @ pair.design).sum(axis=0)
+    covariance = np.linalg.inv(H + np.eye(len(H)) / deviation**2)
+    weights = covariance @ (across @ gradient[..., None]).sum(axis=0)[:, 0]
+    points = [
+        Point(at=float(at), force=float(force), standard_error=float(np.sqrt(variance)))
+        for at, force, variance in zip(np.concatenate(pair.knots), weights, np.diag(covariance), strict=True)
+    ]
+    ends = np.cumsum([0, *(len(knots) for knots in pair.knots)])
+    return [
+        sorted(points[low:high], key=lambda one: one.at) for low, high in itertools.pairwise(ends.tolist())
+    ]
 
 
 def pointed(found: Responses) -> tuple[float, list[Leftover]]:
@@ -240,18 +286,24 @@ def pointed(found: Responses) -> tuple[float, list[Leftover]]:
     rest = first = remainder(found, known)
     listed = list[Leftover]()
     while len(listed) < LISTED and every:
-        judged = [(*saved(pair, rest, found.folds), pair) for pair in every]
-        judged.sort(key=lambda one: -one[0])
-        gain, foretold, best = judged[0]
-        if gain < WORTH:
+        judged = [(saved(pair, rest, found.folds), pair) for pair in every]
+        judged.sort(key=lambda one: -one[0].gain)
+        most, best = judged[0]
+        if most.gain < WORTH:
             break
-        known = known + foretold
+        known = known + most.foretold
         rest = remainder(found, known)
-        alike = [one for one in judged if one[0] > (gain - 1e-9 if listed else ALIKE * gain)]
+        back = rest.gradient + (rest.information @ most.foretold[..., None])[..., 0]
+        least = most.gain - 1e-9 if listed else ALIKE * most.gain
         every = [one for one in every if one is not best]
-        for _, its_forces, pair in alike:
-            share = power_share(pair, its_forces, rest, first)
-            listed += [Leftover(force=f, variable=v, explained=share) for f, v in _told(pair)]
+        for one, pair in [one for one in judged if one[0].gain > least]:
+            share = power_share(pair, one.foretold, rest, first)
+            listed += [
+                Leftover(force=force, variable=variable, explained=share, curve=curve)
+                for (force, variable), curve in zip(
+                    _told(pair), curves(pair, rest.information, back, one.deviation), strict=True
+                )
+            ]
     apart = {(one.force, one.variable): one for one in reversed(listed)}
     return rest.left, sorted(list(reversed(apart.values()))[:LISTED], key=lambda one: -one.explained)
 
@@ -281,5 +333,7 @@ def leftovers(trials: Trials, weight: Array, every: Sequence[tuple[Hypothesis, A
     told = []
     for hypothesis, x in every:
         left, listed = pointed(responses(trials, weight, hypothesis, x))
+        beside = [atom.label for atom in hypothesis.atoms]
+        listed = [one.model_copy(update={"beside": beside}) for one in listed]
         told.append((left + cost(hypothesis), listed))
     return min(told, key=lambda one: one[0])[1]

@@ -81,16 +81,27 @@ class Trial(Part):
     duration_s: float
 
 
+class Point(Part):
+    """A function's value: at [SI, rad] of the variable, force and its standard error [N, N m]."""
+
+    at: float
+    force: float
+    standard_error: float
+
+
 class Leftover(Part):
     """Where structure remains: a residual force, and the variable that it is a function of.
 
     force: surge, sway, yaw, north, east, or `thrust of` a thruster; explained: share of its power that the
-    function foretells on runs that it was not fitted to.
+    function foretells on runs that it was not fitted to; curve: the function as all runs tell it, straight
+    between its points; beside: the causes that the boat file was extended by when it was told.
     """
 
     force: str
     variable: str
     explained: float
+    curve: list[Point] = []
+    beside: list[str] = []
 
 
 class Paired(Part):

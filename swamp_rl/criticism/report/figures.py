@@ -13,6 +13,7 @@ from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import CHANNELS, Trials
 from swamp_rl.criticism.gain import QUANTITIES, errors_at, restarted
 from swamp_rl.criticism.leftover import Forces, missing_forces
+from swamp_rl.criticism.report.words import Z95, force_name
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.criticism.shooting import SETTLING
 from swamp_rl.figure_style import sheet
@@ -29,6 +30,17 @@ ROUGH = 0.15  # m of noise from which a measured track is drawn in dots, a line 
 PERFECT = 4  # times that a perfect simulation is tried
 MEASURED, BEFORE, AFTER = "#a9b2ba", "#c0392b", "#1f6fb2"
 DEGREES = 180.0 / math.pi
+VARIABLE_UNITS = {
+    "time": ("s", 1.0),
+    "position": ("m", 1.0),
+    "heading": ("°", DEGREES),
+    "speed": ("m/s", 1.0),
+    "surge": ("m/s", 1.0),
+    "sway": ("m/s", 1.0),
+    "yaw rate": ("°/s", DEGREES),
+    "azimuth": ("°", DEGREES),
+    "throttle": ("of full", 1.0),
+}
 # title, unit, factor from SI, channel whose noise is drawn
 SHOWN = {
     "position_rmse_m": ("position", "m", 1.0, "north"),
@@ -233,15 +245,33 @@ def shown_variables(trials: Trials, forces: Forces) -> dict[str, tuple[str, floa
     swings = [np.ptp(forces.variables.get(f"azimuth {name}", np.zeros(1))) for name in names]
     works = [np.ptp(forces.variables.get(f"throttle {name}", np.zeros(1))) for name in names]
     turning, working = names[int(np.argmax(swings))], names[int(np.argmax(works))]
-    wanted = {
-        "speed": ("speed [m/s]", 1.0),
-        "yaw rate": ("yaw rate [°/s]", DEGREES),
-        f"throttle {working}": (f"throttle {working} [of full]", 1.0),
-        f"azimuth {turning}": (f"azimuth {turning} [°]", DEGREES),
-        "heading": ("heading [°]", DEGREES),
-        "time": ("time [s]", 1.0),
-    }
-    return {name: shown for name, shown in wanted.items() if name in forces.variables}
+    wanted = ("speed", "yaw rate", f"throttle {working}", f"azimuth {turning}", "heading", "time")
+    return {name: labelled(name) for name in wanted if name in forces.variables}
+
+
+def labelled(variable: str) -> tuple[str, float]:
+    """A variable with its unit as it is drawn, and the factor from SI."""
+    unit, factor = VARIABLE_UNITS[variable.split()[0] if variable not in VARIABLE_UNITS else variable]
+    return f"{variable} [{unit}]", factor
+
+
+def draw_missing(figure: Any, misfit: Misfit) -> None:
+    """Each missing force against what it goes with, as the data tell it, with its 95 % interval."""
+    told = [one for one in misfit.diagnosis.leftover if one.curve]
+    figure.set_size_inches(10.5, 3.2)
+    axes = figure.subplots(1, max(3, len(told)), squeeze=False)[0]
+    for ax in axes[len(told) :]:
+        ax.set_visible(False)
+    for ax, one in zip(axes, told, strict=False):
+        label, factor = labelled(one.variable)
+        at = factor * np.array([point.at for point in one.curve])
+        force = np.array([point.force for point in one.curve])
+        reach = Z95 * np.array([point.standard_error for point in one.curve])
+        ax.axhline(0, color="#888888", lw=0.8)
+        ax.fill_between(at, force - reach, force + reach, color=BEFORE, alpha=0.18, lw=0)
+        ax.plot(at, force, "o-", ms=3.5, lw=1.5, color=BEFORE)
+        ax.set_xlabel(label)
+        ax.set_ylabel(f"{force_name(one.force)} [{'N m' if one.force == 'yaw' else 'N'}]")
 
 
 def _scatter(axes: Any, values: Array, force: Array, colour: str) -> None:

@@ -19,6 +19,7 @@ from swamp_rl.criticism.report.words import (
     places_of,
     rest_sentence,
     rounded,
+    shape_sentence,
     spoken,
     trial_words,
     unseen_of,
@@ -58,7 +59,7 @@ def page(found: Diagnosis, trials: Trials, images: Mapping[str, str]) -> str:
         seen(found, images),
         named(found, trials),
         told_apart(found, trials),
-        left_over(found),
+        left_over(found, images),
         gained(found),
         lacking(found, trials),
         details(found, trials),
@@ -213,14 +214,17 @@ def deciding_trial(found: Diagnosis, trials: Trials) -> str:
     )
 
 
-def left_over(found: Diagnosis) -> str:
+def left_over(found: Diagnosis, images: Mapping[str, str]) -> str:
     """Where structure remains."""
     if found.verdict != "unexplained":
         return ""
     rows = [(force_name(one.force), one.variable, f"{one.explained:.0%}") for one in found.leftover]
     heads = ("what is missing", "goes with", "of its power foretold, on other runs")
     said = f"<h2>Where the rest lives</h2><p>{html.escape(rest_sentence(found))}</p>"
-    return said + (table(heads, rows, numbers=(2,)) if rows else "")
+    said += table(heads, rows, numbers=(2,)) if rows else ""
+    if "missing" in images:
+        said += f"<p>{html.escape(shape_sentence(found))}</p>" + image(images["missing"], "Missing force")
+    return said
 
 
 def gained(found: Diagnosis) -> str:

@@ -126,6 +126,17 @@ def rest_sentence(found: Diagnosis) -> str:
     )
 
 
+def shape_sentence(found: Diagnosis) -> str:
+    """What the pictures of missing forces show."""
+    beside = found.leftover[0].beside
+    file = f"the boat file with {spoken(' + '.join(beside))}" if beside else "the boat file"
+    return (
+        f"Their shapes, as all runs tell them: what {file} lacks, counted positive ahead, to starboard, to "
+        "the north or to the east, and of a moment that turns to starboard. The band is the 95 % interval if "
+        "nothing else is missing. A step, a kink or a slope here is what the missing effect should have."
+    )
+
+
 def gain_sentence(found: Diagnosis) -> str:
     """That what was found predicts no better, where that is so."""
     gain = next((one for one in found.gain if one.horizon_s == 10.0 and one.position_rmse_m), None)

@@ -4,7 +4,14 @@ import base64
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from swamp_rl.criticism.report.figures import Misfit, draw, draw_errors, draw_forces, draw_tracks
+from swamp_rl.criticism.report.figures import (
+    Misfit,
+    draw,
+    draw_errors,
+    draw_forces,
+    draw_missing,
+    draw_tracks,
+)
 from swamp_rl.criticism.report.page import page
 
 if TYPE_CHECKING:
@@ -19,6 +26,8 @@ def write_report(folder: Path, finding: "Finding") -> None:
         "errors": draw(folder / "errors.png", misfit, draw_errors),
         "forces": draw(folder / "forces.png", misfit, draw_forces),
     }
+    if any(one.curve for one in finding.diagnosis.leftover):
+        paths["missing"] = draw(folder / "missing.png", misfit, draw_missing)
     images = {name: base64.b64encode(path.read_bytes()).decode() for name, path in paths.items()}
     text = page(finding.diagnosis, finding.trials, images)
     (folder / "report.html").write_text(text, encoding="utf-8")
