@@ -12,22 +12,22 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.esso_circles import circle, circle_table, steady_figures, steady_table
 from benchmarks.esso_diagnosed import days, diagnosed, diagnosis_table
+from benchmarks.esso_sway import circles_table, sway_table, sway_words, told_scales
 from benchmarks.esso_wind import Named, drift_table, error_table, named, ranking_table, wind_table
-from benchmarks.esso_words import Steady, calm_run_words, cause_words, circle_words, refused, steady_words
+from benchmarks.esso_words import calm_run_words, cause_words, circle_words, refused, steady_words
 from experiments.report import table
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.files import write_beside
 from swamp_rl.runs import Run
 from swamp_rl.runs.free_running import import_free_running
-from swamp_rl.runs.turning import Turn, turn_of
-from swamp_rl.simulator.windows import replay_from, replay_windows
+from swamp_rl.simulator.windows import replay_windows
 
 Array = NDArray[np.float64]
 
 ROOT = Path(__file__).resolve().parents[1]
 HORIZON = 30.0  # s
-RUDDER_OVER = np.radians(15.0)  # what counts as the turn, apart from steering before and after
 
 
 def window_errors(boat: Boat, runs: Sequence[Run], seconds: float, measured_wind: bool) -> Array:
@@ -39,40 +39,6 @@ def window_errors(boat: Boat, runs: Sequence[Run], seconds: float, measured_wind
 def rms(errors: Array) -> float:
     """Root mean square."""
     return float(np.sqrt(np.mean(errors**2)))
-
-
-def turn_rows(run: Run) -> tuple[int, int]:
-    """First and last row of the longest stretch with the rudder over."""
-    over = np.abs(run.columns["rudder_main"]) > RUDDER_OVER
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], over.astype(int), [0]])))
-    first, last = edges[::2], edges[1::2] - 1
-    longest = int(np.argmax(last - first))
-    return int(first[longest]), int(last[longest])
-
-
-def circle(boat: Boat, run: Run) -> tuple[Turn, Turn, Turn]:
-    """The run's turn as measured, as predicted with the measured wind, and as predicted without wind."""
-    first, last = turn_rows(run)
-    start = np.array([first])
-    windy, calm = (replay_from(boat, run, start, last - first, wind).simulated[0] for wind in (True, False))
-    return turn_of(run.pose[first : last + 1]), turn_of(windy), turn_of(calm)
-
-
-def steady(pose: Array, dt: float) -> tuple[float, float, float]:
-    """Mean speed [m/s], drift angle [deg] and yaw rate [deg/s] of poses (T, 3) by their differences.
-
-    Over whole turns, so that a steady wind does not show.
-    """
-    turned = np.abs(pose[:, 2] - pose[0, 2])
-    turns = turned[-1] // (2.0 * np.pi)
-    if turns > 0:
-        pose = pose[: int(np.argmax(turned >= 2.0 * np.pi * turns))]
-    rate = np.diff(pose, axis=0) / dt
-    cos, sin = np.cos(pose[:-1, 2]), np.sin(pose[:-1, 2])
-    surge = float(np.mean(rate[:, 0] * cos + rate[:, 1] * sin))
-    sway = float(np.mean(rate[:, 1] * cos - rate[:, 0] * sin))
-    drift, yaw_rate = np.degrees(np.arctan2(abs(sway), surge)), np.degrees(np.mean(rate[:, 2]))
-    return float(np.hypot(surge, sway)), float(drift), abs(float(yaw_rate))
 
 
 def with_hull(boat: Boat, **changes: float) -> Boat:
@@ -91,43 +57,6 @@ def window_table(boat: Boat, runs: Sequence[Run]) -> str:
     rows.append(["**all**", str(len(calm)), "", f"**{rms(calm):.2f}**", f"**{rms(windy):.2f}**"])
     rows.append(["an independent program", "", "", "0.75", "0.47"])
     return table(["run", "windows", "mean wind, m/s", "no wind, m", "measured wind, m"], rows)
-
-
-def circle_table(boat: Boat, runs: Sequence[Run]) -> str:
-    """Advance and tactical diameter, measured and predicted."""
-    rows = []
-    for run in runs:
-        first, _ = turn_rows(run)
-        rudder = np.degrees(run.columns["rudder_main"][first + 20])
-        turns = circle(boat, run)
-        cells = [f"{turn.advance:.1f} / {turn.tactical_diameter:.1f}" for turn in turns]
-        rows.append([run.name, f"{rudder:+.0f}", f"{run.columns['propeller_main'][first]:.0f}", *cells])
-    return table(["run", "rudder, deg", "rps", "measured, m", "with its wind, m", "no wind, m"], rows)
-
-
-def steady_figures(boat: Boat, other: Boat, runs: Sequence[Run]) -> list[tuple[Steady, Steady, Steady]]:
-    """Each turn after its first minute: as measured, of the boat and of the other one."""
-    found = []
-    for run in runs:
-        first, last = turn_rows(run)
-        pose = run.pose
-        pose[:, 2] = np.unwrap(pose[:, 2])
-        starts, steps = np.array([first]), last - first
-        tracks = [pose[first : last + 1]]
-        tracks += [replay_from(each, run, starts, steps, True).simulated[0] for each in (boat, other)]
-        measured, own, others = (steady(track[600:], 0.1) for track in tracks)
-        found.append((measured, own, others))
-    return found
-
-
-def steady_table(boat: Boat, other: Boat, runs: Sequence[Run]) -> str:
-    """Mean speed, drift angle and yaw rate in the turn after its first minute."""
-    rows = [
-        [run.name, *(f"{u:.2f}, {drift:.0f}, {yaw:.2f}" for u, drift, yaw in figures)]
-        for run, figures in zip(runs, steady_figures(boat, other, runs), strict=True)
-    ]
-    heading = ["run", "measured: m/s, drift deg, deg/s", "boat file", "boat file with C_rY = 1"]
-    return table(heading, rows)
 
 
 def as_published(boat: Boat) -> Boat:
@@ -157,6 +86,7 @@ def document(boat: Boat, random: Sequence[Run], turning: Sequence[Run], zigzags:
     raw_calm, raw_windy = (
         rms(window_errors(as_published(boat), random, HORIZON, wind)) for wind in (False, True)
     )
+    told = {day: diagnosed(boat, runs) for day, runs in days(random).items()}
     return f"""# The Esso Osaka model ship against its pond tests
 
 Written by `python -m benchmarks.esso_osaka ../shared/data/esso_osaka`. The boat is
@@ -210,7 +140,7 @@ from the other half of the minutes:
 The runs of each day together, their wind columns hidden, through the command's own method from beginning to
 end: one constant wind for all of a day's runs, among all other candidates. Intervals cover 95 %.
 
-{diagnosis_table({day: diagnosed(boat, runs) for day, runs in days(random).items()})}
+{diagnosis_table(told)}
 
 ## Circles
 
@@ -222,6 +152,19 @@ column.
 The same turns after their first minute, over whole turns: speed, drift angle, yaw rate.
 
 {steady_table(boat, with_hull(boat, c_ry=1.0), turning)}
+
+## What the sway drag explains
+
+{sway_words(told, every)}
+
+{sway_table(every)}
+
+Half the drag sideways, or a third, was told from runs with a rudder at random. The circles above had no part
+in that; they were sailed in other months. Predicted from their first state, in their measured wind, by how
+much is each off, in the median of {len(turning)} turns and in the worst, speed, drift angle and yaw rate
+after the first minute?
+
+{circles_table(boat, told_scales(told, every), turning)}
 
 ## What differs
 

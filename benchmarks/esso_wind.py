@@ -13,6 +13,7 @@ from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.data import CHANNELS, trials_of
 from swamp_rl.criticism.fit import Fit, fit, settle
 from swamp_rl.criticism.heldout import heldout_loss
+from swamp_rl.criticism.score import beside_nothing
 from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.effects import EffectEntry
 from swamp_rl.runs import Run
@@ -32,6 +33,7 @@ CANDIDATES: tuple[tuple[str, ...], ...] = (
     ("current",),
     ("external_force",),
     ("current", "wind"),
+    ("sway_drag", "wind"),
 )
 
 
@@ -58,9 +60,9 @@ def named(boat: Boat, run: Run) -> Named:
     residual = found.residual.reshape(found.residual.shape[0], -1, len(CHANNELS))
     sigma = FIRST_SIGMA * np.sqrt(np.mean(residual**2, axis=(0, 1)))
     problem = Shooting(trials, np.isfinite(trials.measured) / sigma, WINDOW)
-    fits = {}
+    fits, atoms = {}, by_label(candidates(boat, 1e3))
     for names in CANDIDATES:
-        begin = np.zeros(2 * len(names))
+        begin = np.array([x for name in names for x in beside_nothing(atoms[name], boat).starts[0]])
         if "wind" in names:
             begin[-2:] = found.x
         fits[names] = fitted(boat, problem, names, begin, states)
@@ -198,7 +200,7 @@ def error_table(boat: Boat, every: Sequence[Named], rms: dict[str, float]) -> st
     for names in CANDIDATES[1:]:
         errors = np.concatenate([horizon_errors(boat, one, names) for one in every])
         theirs = "0.60" if names == ("wind",) else ""
-        told = f"one constant {' and '.join(names)}, from the motion of the other minutes".replace("_", " ")
+        told = f"{' and '.join(names)}, from the motion of the other minutes".replace("_", " ")
         rows.append([told, f"{np.sqrt(np.mean(errors**2)):.2f}", theirs])
     rows.append(["the measured wind, sample by sample", f"{rms['measured']:.2f}", "0.47"])
     return table(["added to the boat file", "error at 30 s, m", "an independent program, m"], rows)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.esso_osaka import HORIZON, rms, turn_rows, window_errors
+from benchmarks.esso_circles import turn_rows
+from benchmarks.esso_osaka import HORIZON, rms, window_errors
 from swamp_rl.boat import Boat
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
 from swamp_rl.manoeuvres.analysis.figure import Result

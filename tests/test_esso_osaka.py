@@ -10,7 +10,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from benchmarks.esso_osaka import circle, window_errors
+from benchmarks.esso_circles import circle
+from benchmarks.esso_osaka import window_errors
 from envs.fleet import world_of
 from swamp_rl.boat import PropellerRudder, load_boat
 from swamp_rl.course import load_course
