@@ -159,19 +159,23 @@ The same turns after their first minute, over whole turns: speed, drift angle, y
 
 {sway_table(every)}
 
-Half the drag sideways, or a third, was told from runs with a rudder at random. The circles above had no part
-in that; they were sailed in other months. Predicted from their first state, in their measured wind, by how
-much is each off, in the median of {len(turning)} turns and in the worst, speed, drift angle and yaw rate
-after the first minute?
+That was told from runs with a rudder at random. The circles above had no part in it; they were sailed in
+other months. Predicted from their first state, in their measured wind, by how much is each off, in the median
+of {len(turning)} turns and in the worst? Speed, drift angle and yaw rate are those after the first minute.
 
 {circles_table(boat, told_scales(told, every), turning)}
+
+What the candidates call sway drag is the hull's whole cross-flow drag. What else resists sideways could hide
+behind it, so the runs tell how much resists, not why. One wind for all of a day's runs, which the diagnosis
+has, leaves what the wind changes by between them to the hull.
 
 ## What differs
 
 * {circle_words([circle(boat, run) for run in turning])}
 * {steady_words(steady_figures(boat, with_hull(boat, c_ry=1.0), turning))} C_rY multiplies the yaw rate in the
   sideways drag, whose net force then pushes the hull into the turn and keeps the drift small. One value tried
-  once is a hint at a cause, not a fit; the boat file keeps what was published.
+  once is a hint at a cause, not a fit. Less sway drag, which the random runs call for, is told above. The boat
+  file keeps what was published.
 * Without the measured wind the windows' error is {calm / measured:.1f} times as large. The DNV coefficients
   are not this ship's own, yet with the hull taken as the independent program took it they leave
   {raw_windy:.2f} m, where that program got 0.47 m from Fujiwara's.

@@ -3,7 +3,8 @@
 import numpy as np
 
 from benchmarks.esso_diagnosed import diagnosed, measured_wind
-from benchmarks.esso_wind import apart
+from benchmarks.esso_sway import errors, sway_scales, with_sway_drag
+from benchmarks.esso_wind import apart, named
 from swamp_rl.runs import Run
 from tests.test_esso_osaka import BOAT, DATA, on_the_pond, pond
 
@@ -23,6 +24,18 @@ def test_the_wind_is_among_what_is_named_and_blows_as_the_anemometer_says() -> N
     assert 0.63 < told.speed.value / speed < 1.38
     # much of the ship's motion stays unexplained, and that is said
     assert told.diagnosis.verdict == "unexplained"
+
+
+@on_the_pond
+def test_circles_of_other_months_come_out_nearer_with_the_sway_drag_that_a_random_run_tells() -> None:
+    told = named(BOAT, pond("random/random_06-Aug-2020_16_24_25_5.csv"))
+    (scale,) = sway_scales([told])
+    assert 0.3 < scale < 0.8
+    circles = [pond(f"turning/{path.name}") for path in sorted((DATA / "turning").glob("*.csv"))]
+    assert len(circles) == 7
+    before, after = (errors(boat, circles) for boat in (BOAT, with_sway_drag(BOAT, scale)))
+    for figure in ("tactical diameter", "speed", "drift angle", "yaw rate"):
+        assert np.median(np.abs(after[figure])) < 0.75 * np.median(np.abs(before[figure])), figure
 
 
 def beginning(run: Run) -> Run:
