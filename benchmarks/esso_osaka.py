@@ -174,8 +174,8 @@ has, leaves what the wind changes by between them to the hull.
 * {circle_words([circle(boat, run) for run in turning])}
 * {steady_words(steady_figures(boat, with_hull(boat, c_ry=1.0), turning))} C_rY multiplies the yaw rate in the
   sideways drag, whose net force then pushes the hull into the turn and keeps the drift small. One value tried
-  once is a hint at a cause, not a fit. Less sway drag, which the random runs call for, is told above. The boat
-  file keeps what was published.
+  once is a hint at a cause, not a fit. Less sway drag, which the random runs call for, is told above. The
+  boat file keeps what was published.
 * Without the measured wind the windows' error is {calm / measured:.1f} times as large. The DNV coefficients
   are not this ship's own, yet with the hull taken as the independent program took it they leave
   {raw_windy:.2f} m, where that program got 0.47 m from Fujiwara's.
