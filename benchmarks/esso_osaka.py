@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.esso_circles import circle, circle_table, steady_figures, steady_table
-from benchmarks.esso_diagnosed import days, diagnosed, diagnosis_table
+from benchmarks.esso_diagnosed import days, diagnosed, diagnosis_table, interval_words
 from benchmarks.esso_sway import circles_table, sway_table, sway_words, told_scales
 from benchmarks.esso_wind import Named, drift_table, error_table, named, ranking_table, wind_table
 from benchmarks.esso_words import calm_run_words, cause_words, circle_words, refused, steady_words
@@ -141,6 +141,8 @@ The runs of each day together, their wind columns hidden, through the command's 
 end: one constant wind for all of a day's runs, among all other candidates. Intervals cover 95 %.
 
 {diagnosis_table(told)}
+
+{interval_words(told)}
 
 ## Circles
 
