@@ -63,7 +63,9 @@ def scored(folder: Path, name: str) -> dict[str, Any]:
     truth = json.loads((folder / "truth" / f"{name}.json").read_text())
     answer = folder / "answers" / name / "diagnosis.json"
     found = None if told["error"] else json.loads(answer.read_text())
-    result = {key: told[key] for key in ("case", "error", "processor_s")} | judged(truth, found)
+    result = {key: told.get(key) for key in ("case", "error", "processor_s", "alone_s")} | judged(
+        truth, found
+    )
     bound = kept_bound(folder, name, truth) if result["estimates"] or truth["level"] == POWER else None
     least = dict(zip(map(tuple, bound.names), bound.deviation, strict=True)) if bound else {}
     for number in result["estimates"]:

@@ -139,6 +139,7 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
         "failed": sum(r["verdict"] == "failed" for r in results),
         "processor_s_median": float(np.median(busy)) if busy else None,
         "processor_s_longest": max(busy, default=None),
+        "alone_s_longest": max((r["alone_s"] for r in results if r.get("alone_s") is not None), default=None),
         "longest_s": max(times, default=None),
     }
 

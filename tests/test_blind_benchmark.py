@@ -88,9 +88,8 @@ def answers(folder: Path, verdict: str, causes: list[dict[str, Any]], **more: An
     for part in ("judged", "truth", "answers/A0104"):
         (folder / part).mkdir(parents=True, exist_ok=True)
     (folder / "truth" / "A0104.json").write_text(json.dumps(vars(drawn(104, "A")[0])))
-    (folder / "judged" / "A0104.json").write_text(
-        json.dumps({"case": "A0104", "error": "", "processor_s": 9.0})
-    )
+    timed = {"case": "A0104", "error": "", "processor_s": 70.0, "alone_s": 40.0}
+    (folder / "judged" / "A0104.json").write_text(json.dumps(timed))
     said = {"verdict": verdict, "causes": causes, "indistinguishable": [], "elapsed_s": 1.0} | more
     (folder / "answers" / "A0104" / "diagnosis.json").write_text(json.dumps(said))
     return every_score(folder)[0]
@@ -127,6 +126,10 @@ def test_a_table_is_written_from_the_files_of_however_many_cases_are_done(
     text = note.read_text()
     assert "old" not in text and text.startswith("before") and text.endswith("after\n")
     assert "Cases diagnosed: A 1." in text
+    assert (
+        "took 70 s of one core; the slow ones done again, alone on two cores, took 40 s at most, within"
+        in text
+    )
     assert "| A | single | external_force | unexplained | external_force | 1 |" in text
     assert (tmp_path / "blind_confusion.png").stat().st_size > 1000
     assert (tmp_path / "blind_power.png").stat().st_size > 1000
