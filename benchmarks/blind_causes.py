@@ -114,7 +114,9 @@ def time_again(out: Path, least: float) -> None:
     for path in slow[:1] + slow:  # the first one twice, since it compiles
         boat = json.loads((out / "truth" / path.name).read_text()).get("boat", "swamp")
         begun = time.perf_counter()
-        both.diagnose(out / "data" / path.stem, out / "again" / path.stem, boat)
+        _, fault = both.diagnose(out / "data" / path.stem, out / "again" / path.stem, boat)
+        if fault:
+            raise SystemExit(f"{path.stem}: {fault}")
         kept = json.loads(path.read_text()) | {"alone_s": time.perf_counter() - begun}
         path.write_text(json.dumps(kept))
         print(path.stem, f"{kept['processor_s']:.1f} s of a core, {kept['alone_s']:.1f} s alone", flush=True)

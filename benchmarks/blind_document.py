@@ -113,7 +113,8 @@ def reached(scores: Mapping[str, Mapping[str, Any]]) -> str:
                 found[word].append(f"{row.replace('_', ' ')} at {level} ({rate:.3f}, bar {bar:g})")
     barred = [score for level, score in scores.items() if level in LEVELS] or list(scores.values())
     busiest, alone = (
-        max(score[row] or 0.0 for score in barred) for row in ("processor_s_longest", "alone_s_longest")
+        max(score[row] or 0.0 for score in barred)
+        for row in ("processor_s_longest", "longest_s_slow_ones_alone")
     )
     bars = sum(map(len, found.values()))
     sentences = [f"{len(found['reached'])} of {bars} bars are reached."] if bars else []
@@ -121,10 +122,10 @@ def reached(scores: Mapping[str, Mapping[str, Any]]) -> str:
         sentences.append(f"Short of the bar, by what may be chance: {'; '.join(found['short'])}.")
     if found["missed"]:
         sentences.append(f"Missed beyond chance: {'; '.join(found['missed'])}.")
-    limit = "within" if (alone or busiest) <= LONGEST else "over"
+    limit = "within" if alone <= LONGEST else "over"
     where = " at A to D" if any(level in LEVELS for level in scores) else ""
     time = f"The slowest diagnosis{where} took {busiest:.0f} s of one core"
-    if alone:
+    if alone < busiest:
         time += f"; the slow ones done again, alone on two cores, took {alone:.0f} s at most"
     sentences.append(f"{time}, {limit} the {LONGEST:.0f} s that a case may take.")
     return " ".join(sentences)

@@ -26,15 +26,27 @@ def turn_rows(run: Run) -> tuple[int, int]:
     return int(first[longest]), int(last[longest])
 
 
+def measured_turn(run: Run) -> Array:
+    """(T, 3) poses of the run's turn, the heading without jumps."""
+    first, last = turn_rows(run)
+    pose = run.pose
+    pose[:, 2] = np.unwrap(pose[:, 2])
+    return pose[first : last + 1]
+
+
+def predicted_turn(boat: Boat, run: Run, wind: bool = True) -> Array:
+    """The track of the run's turn as predicted from its first state, with the measured wind or without."""
+    first, last = turn_rows(run)
+    return replay_from(boat, run, np.array([first]), last - first, wind).simulated[0]
+
+
 def circle(boat: Boat, run: Run) -> tuple[Turn, Turn, Turn]:
     """The run's turn as measured, as predicted with the measured wind, and as predicted without wind."""
-    first, last = turn_rows(run)
-    start = np.array([first])
-    windy, calm = (replay_from(boat, run, start, last - first, wind).simulated[0] for wind in (True, False))
-    return turn_of(run.pose[first : last + 1]), turn_of(windy), turn_of(calm)
+    windy, calm = (predicted_turn(boat, run, wind) for wind in (True, False))
+    return turn_of(measured_turn(run)), turn_of(windy), turn_of(calm)
 
 
-def steady(pose: Array, dt: float) -> tuple[float, float, float]:
+def steady(pose: Array, dt: float) -> Steady:
     """Mean speed [m/s], drift angle [deg] and yaw rate [deg/s] of poses (T, 3) by their differences.
 
     Over whole turns, so that a steady wind does not show.
@@ -63,19 +75,21 @@ def circle_table(boat: Boat, runs: Sequence[Run]) -> str:
     return table(["run", "rudder, deg", "rps", "measured, m", "with its wind, m", "no wind, m"], rows)
 
 
+def after_a_minute(turn: Array) -> Steady:
+    """The steady figures of a turn's track after its first minute."""
+    return steady(turn[600:], 0.1)
+
+
 def steady_figures(boat: Boat, other: Boat, runs: Sequence[Run]) -> list[tuple[Steady, Steady, Steady]]:
     """Each turn after its first minute: as measured, of the boat and of the other one."""
-    found = []
-    for run in runs:
-        first, last = turn_rows(run)
-        pose = run.pose
-        pose[:, 2] = np.unwrap(pose[:, 2])
-        starts, steps = np.array([first]), last - first
-        tracks = [pose[first : last + 1]]
-        tracks += [replay_from(each, run, starts, steps, True).simulated[0] for each in (boat, other)]
-        measured, own, others = (steady(track[600:], 0.1) for track in tracks)
-        found.append((measured, own, others))
-    return found
+    return [
+        (
+            after_a_minute(measured_turn(run)),
+            after_a_minute(predicted_turn(boat, run)),
+            after_a_minute(predicted_turn(other, run)),
+        )
+        for run in runs
+    ]
 
 
 def steady_table(boat: Boat, other: Boat, runs: Sequence[Run]) -> str:

@@ -6,14 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from benchmarks.esso_circles import circle, steady_figures
+from benchmarks.esso_circles import after_a_minute, measured_turn, predicted_turn
 from benchmarks.esso_diagnosed import Told, named_causes
-from benchmarks.esso_wind import Named
+from benchmarks.esso_wind import Named, with_effects
 from benchmarks.esso_words import misfit
 from experiments.report import table
 from swamp_rl.boat import Boat
 from swamp_rl.effects import parse_effects
 from swamp_rl.runs import Run
+from swamp_rl.runs.turning import turn_of
 
 Array = NDArray[np.float64]
 
@@ -24,7 +25,7 @@ FIGURES = ("tactical diameter", "advance", "speed", "drift angle", "yaw rate")
 def with_sway_drag(boat: Boat, scale: float) -> Boat:
     """The boat file with its drag sideways so many times as large."""
     added = parse_effects([{"effect": "sway_drag", "scale": scale}], "sway drag", boat.thruster_names)
-    return boat.model_copy(update={"effects": (*boat.effects, *added)})
+    return with_effects(boat, added)
 
 
 def sway_scales(every: Sequence[Named]) -> Array:
@@ -77,15 +78,19 @@ def sway_words(told: Mapping[str, Told], every: Sequence[Named]) -> str:
     )
 
 
+def figures(turn: Array) -> tuple[float, ...]:
+    """Those of `FIGURES`, of a turn's track."""
+    begun = turn_of(turn)
+    return (begun.tactical_diameter, begun.advance, *after_a_minute(turn))
+
+
 def errors(boat: Boat, turning: Sequence[Run]) -> dict[str, Array]:
     """(turns,) by how much of the measured value each predicted figure is off [%]."""
-    circles = [circle(boat, run) for run in turning]
-    seen, made, _ = (np.array(part) for part in zip(*steady_figures(boat, boat, turning), strict=True))
-    found = {
-        "tactical diameter": [windy.tactical_diameter / own.tactical_diameter for own, windy, _ in circles],
-        "advance": [windy.advance / own.advance for own, windy, _ in circles],
-    } | {name: made[:, i] / seen[:, i] for i, name in enumerate(("speed", "drift angle", "yaw rate"))}
-    return {name: 100.0 * (np.asarray(share) - 1.0) for name, share in found.items()}
+    seen, made = (
+        np.array([figures(turn) for turn in turns])
+        for turns in (map(measured_turn, turning), (predicted_turn(boat, run) for run in turning))
+    )
+    return dict(zip(FIGURES, 100.0 * (made / seen - 1.0).T, strict=True))
 
 
 def circles_table(boat: Boat, scales: Mapping[str, float], turning: Sequence[Run]) -> str:

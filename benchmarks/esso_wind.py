@@ -173,9 +173,8 @@ def drift_table(every: Sequence[Named]) -> str:
     return table(head, rows)
 
 
-def with_effects(boat: Boat, found: Fit) -> Boat:
-    """The boat file with what was fitted."""
-    entries: list[EffectEntry] = found.hypothesis.entries(found.x)
+def with_effects(boat: Boat, entries: Sequence[EffectEntry]) -> Boat:
+    """The boat file with further effects."""
     return boat.model_copy(update={"effects": (*boat.effects, *entries)})
 
 
@@ -190,7 +189,8 @@ def horizon_errors(boat: Boat, one: Named, names: tuple[str, ...]) -> Array:
         first = (one.problem.windows.first + one.problem.windows.pad)[np.arange(count) % 2 == odd]
         starts = np.concatenate([first, first + steps])
         starts = starts[starts + steps < len(one.run.time)]
-        errors.append(replay_from(with_effects(boat, told), one.run, starts, steps).position_error[:, -1])
+        extended = with_effects(boat, told.hypothesis.entries(told.x))
+        errors.append(replay_from(extended, one.run, starts, steps).position_error[:, -1])
     return np.concatenate(errors)
 
 

@@ -333,7 +333,7 @@ def leftovers(trials: Trials, weight: Array, every: Sequence[tuple[Hypothesis, A
     told = []
     for hypothesis, x in every:
         left, listed = pointed(responses(trials, weight, hypothesis, x))
-        beside = [atom.label for atom in hypothesis.atoms]
-        listed = [one.model_copy(update={"beside": beside}) for one in listed]
-        told.append((left + cost(hypothesis), listed))
-    return min(told, key=lambda one: one[0])[1]
+        told.append((left + cost(hypothesis), hypothesis, listed))
+    _, hypothesis, listed = min(told, key=lambda one: one[0])
+    beside = [atom.label for atom in hypothesis.atoms]
+    return [one.model_copy(update={"beside": beside}) for one in listed]
