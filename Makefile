@@ -14,7 +14,9 @@ run: $(READY)
 test: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
+	rm -rf build/types && mkdir -p build/types/swamp_rl
+	ln -s $(CURDIR)/swamp_rl/* $(CURDIR)/envs $(CURDIR)/experiments build/types/swamp_rl/
+	cd build/types && $(CURDIR)/$(BIN)/mypy --config-file $(CURDIR)/pyproject.toml # laid out as installed
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
 smoke: $(READY)

@@ -11,9 +11,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from experiments.closed_loop_report import report
-from experiments.comparison import compare
-from experiments.comparison_report import improvement, success
+from swamp_rl.experiments.closed_loop_report import report
+from swamp_rl.experiments.comparison import compare
+from swamp_rl.experiments.comparison_report import improvement, success
+
 from swamp_rl.files import write_beside
 
 ROOT = Path(__file__).resolve().parents[1]

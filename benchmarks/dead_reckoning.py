@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
+from swamp_rl.experiments.report import table
 
-from experiments.report import table
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import parse_effects
 from swamp_rl.navigation.filter import COASTING, START, WITH_MODEL, Navigator

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.experiments.report import table
 
 from benchmarks.esso_words import Steady
-from experiments.report import table
 from swamp_rl.boat import Boat
 from swamp_rl.runs import Run
 from swamp_rl.runs.turning import Turn, turn_of

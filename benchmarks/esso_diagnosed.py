@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from swamp_rl.experiments.report import table
 
 from benchmarks.esso_wind import anemometer, apart, hidden
-from experiments.report import table
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data import trials_of
 from swamp_rl.criticism.diagnose import examine

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.experiments.report import table
 
 from benchmarks.esso_circles import circle, circle_table, steady_figures, steady_table
 from benchmarks.esso_diagnosed import days, diagnosed, diagnosis_table, interval_words
 from benchmarks.esso_sway import circles_table, sway_table, sway_words, told_scales
 from benchmarks.esso_wind import Named, drift_table, error_table, named, ranking_table, wind_table
 from benchmarks.esso_words import calm_run_words, cause_words, circle_words, refused, steady_words
-from experiments.report import table
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.files import write_beside
 from swamp_rl.runs import Run

@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
+from swamp_rl.experiments.report import table
 
 from benchmarks.esso_circles import after_a_minute, measured_turn, predicted_turn
 from benchmarks.esso_diagnosed import Told, named_causes
 from benchmarks.esso_wind import Named, with_effects
 from benchmarks.esso_words import misfit
-from experiments.report import table
 from swamp_rl.boat import Boat
 from swamp_rl.effects import parse_effects
 from swamp_rl.runs import Run

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.experiments.report import table
 
-from experiments.report import table
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.data import CHANNELS, trials_of

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+from swamp_rl.experiments.report import table
 
 from benchmarks.identification_common import DT, NOISE, SEEDS
 from benchmarks.identification_forces import CURRENT, TRUE, deduction_rows, elementary_rows
@@ -18,7 +19,6 @@ from benchmarks.identification_yaw import (
     own_rows,
     simulator_rows,
 )
-from experiments.report import table
 from swamp_rl.boat import load_boat
 from swamp_rl.identification.elementary import identify_surge, identify_yaw
 from swamp_rl.identification.estimate import Estimate

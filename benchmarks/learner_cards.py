@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from swamp_rl.experiments.curves import quantity_of
+from swamp_rl.experiments.learners import learner
+from swamp_rl.experiments.report import table
+from swamp_rl.experiments.schema import load_experiment
 
 from benchmarks.reservoir_choice import correlation
-from experiments.curves import quantity_of
-from experiments.learners import learner
-from experiments.report import table
-from experiments.schema import load_experiment
 from swamp_rl.files import write_beside
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "learners.md"

@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.experiments.report import table
 
 from benchmarks.update_readme import between_marks
-from envs.batched import GatesVectorEnv
-from experiments.report import table
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation.rollout import drive
 from swamp_rl.export import OnnxPilot, greatest_difference, write_onnx

@@ -25,15 +25,15 @@ from typing import Any
 
 import numpy as np
 import psutil
+from swamp_rl.experiments.report import table
 
 from benchmarks.update_readme import between_marks
-from experiments.report import table
 
 PRESSES = 60
 HOURS, KEPT = 8, 8  # hours sailed; one in so many runs is accepted, the others are discarded
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
-DEMO = "from experiments.cli import main; main()"
-RECORD = "import sys; from experiments.cli import main; sys.argv[0] = 'swamp-rl'; main()"
+DEMO = "from swamp_rl.experiments.cli import main; main()"
+RECORD = "import sys; from swamp_rl.experiments.cli import main; sys.argv[0] = 'swamp-rl'; main()"
 
 
 def chromium() -> str | None:
@@ -139,7 +139,8 @@ def _resident() -> float:
 
 def hundred(folder: Path) -> dict[str, Any]:
     """Seconds until a hundred runs are recorded for rerun, and until its viewer can be opened on them."""
-    from envs.batched import GatesVectorEnv
+    from swamp_rl.envs.batched import GatesVectorEnv
+
     from swamp_rl.pilots.record import record_scripted
 
     record_scripted(

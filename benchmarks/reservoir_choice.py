@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from swamp_rl.envs.hindsight import with_gates
+from swamp_rl.experiments.learn import record
+from swamp_rl.experiments.scene import Scene, read_scene
+from swamp_rl.experiments.schema import load_experiment
 
-from envs.hindsight import with_gates
-from experiments.learn import record
-from experiments.scene import Scene, read_scene
-from experiments.schema import load_experiment
 from swamp_rl.evaluation import drive
 from swamp_rl.files import write_beside
 from swamp_rl.pilots.demonstrations import choose_runs

@@ -11,6 +11,7 @@ from itertools import combinations, permutations
 from pathlib import Path
 
 import numpy as np
+from swamp_rl.experiments.report import table
 
 from benchmarks.sea_trials_model import (
     ALL60,
@@ -28,7 +29,6 @@ from benchmarks.sea_trials_model import (
     speed,
     with_even_factor,
 )
-from experiments.report import table
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.criticism.candidates import NUISANCE, Atom, Hypothesis, candidates, hull_nuisance
 from swamp_rl.files import write_beside

@@ -10,10 +10,10 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
+from swamp_rl.experiments.scene import Scene, read_scene
+from swamp_rl.experiments.schema import load_experiment
 
 from benchmarks.trying_cards import place
-from experiments.scene import Scene, read_scene
-from experiments.schema import load_experiment
 from swamp_rl.evaluation import drive
 from swamp_rl.evaluation.rollout import Pilot
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.experiments.report import table
 
-from experiments.report import table
 from swamp_rl.allocation import Jets, jets_of
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import parse_effects

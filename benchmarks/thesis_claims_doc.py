@@ -8,8 +8,9 @@ import json
 import sys
 from pathlib import Path
 
+from swamp_rl.experiments.claims_report import report
+
 from benchmarks.closed_loop_doc import ROOT
-from experiments.claims_report import report
 from swamp_rl.files import write_beside
 
 FIRST = (

@@ -18,12 +18,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from swamp_rl.experiments.learn import record, train
+from swamp_rl.experiments.learners import in_order
+from swamp_rl.experiments.results import mean_command_change
+from swamp_rl.experiments.scene import Scene, read_scene
+from swamp_rl.experiments.schema import Experiment, load_experiment
 
-from experiments.learn import record, train
-from experiments.learners import in_order
-from experiments.results import mean_command_change
-from experiments.scene import Scene, read_scene
-from experiments.schema import Experiment, load_experiment
 from swamp_rl.evaluation import drive, episode_table, wilson
 from swamp_rl.files import write_beside
 from swamp_rl.pilots.pilot import Pilot

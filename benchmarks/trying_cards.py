@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from swamp_rl.experiments.curves import Curve
+from swamp_rl.experiments.figures import learning_curves
 
-from experiments.curves import Curve
-from experiments.figures import learning_curves
 from swamp_rl.evaluation.seeds import interquartile_mean
 from swamp_rl.files import write_beside
 

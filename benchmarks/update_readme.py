@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from experiments.report import rate, table
+from swamp_rl.experiments.report import rate, table
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURE = "tracks.png"

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from swamp_rl.experiments.report import table
 
 from benchmarks.esso_osaka import HORIZON
 from benchmarks.validation_esso import FIGURES, INDEPENDENT, Circle, circles, windows
@@ -26,7 +27,6 @@ from benchmarks.validation_swamp import (
     turning_rows,
     yaw_rows,
 )
-from experiments.report import table
 from swamp_rl.boat import load_boat
 from swamp_rl.files import write_beside
 from swamp_rl.runs.free_running import import_free_running

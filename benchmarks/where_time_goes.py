@@ -14,13 +14,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.sb3 import GatesVecEnv
+from swamp_rl.experiments.learners import learner
+from swamp_rl.experiments.report import table
+from swamp_rl.experiments.schema import Experiment, load_experiment
+
 from benchmarks.pilot_speed import Timed
 from benchmarks.update_readme import between_marks
-from envs.batched import GatesVectorEnv
-from envs.sb3 import GatesVecEnv
-from experiments.learners import learner
-from experiments.report import table
-from experiments.schema import Experiment, load_experiment
 from swamp_rl.pilots.ppo import PPOSettings, train_ppo
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "experiments.md"

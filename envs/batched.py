@@ -8,11 +8,11 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
+from swamp_rl.envs.fleet import Disturbances, Fleet
+from swamp_rl.envs.kernel import RUNNING, TIMEOUT
+from swamp_rl.envs.observation import observation_space
+from swamp_rl.envs.spaces import joypad_space, known_options, known_render_mode
 
-from envs.fleet import Disturbances, Fleet
-from envs.kernel import RUNNING, TIMEOUT
-from envs.observation import observation_space
-from envs.spaces import joypad_space, known_options, known_render_mode
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
 from swamp_rl.errors import UserError
@@ -22,7 +22,7 @@ Array = NDArray[Any]
 
 
 class GatesVectorEnv(VectorEnv[Array, Array, Array]):
-    """`envs.single.GatesEnv`, n boats at once; what `gymnasium.make_vec("swamp/Gates-v0", num_envs=n)` makes.
+    """`GatesEnv`, n boats at once; what `gymnasium.make_vec("swamp/Gates-v0", num_envs=n)` makes.
 
     A boat that has ended starts anew by itself: with `autoreset_mode` NEXT_STEP (the default, and
     Gymnasium's) in the following step, which ignores its levers and pays nothing, so that until then `pose`
@@ -145,7 +145,7 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         """A top view (H, W, 3) of every boat; None unless the render mode is `rgb_array`."""
         if self.render_mode is None:
             return None
-        from envs.view import top_view
+        from swamp_rl.envs.view import top_view
 
         return tuple(top_view(self.fleet, i) for i in range(self.num_envs))
 

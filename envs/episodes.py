@@ -6,9 +6,9 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.envs.kernel import boat_record
+from swamp_rl.envs.past import POSITIONS, begin_at_rest, past_fields
 
-from envs.kernel import boat_record
-from envs.past import POSITIONS, begin_at_rest, past_fields
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
 from swamp_rl.effects import Level

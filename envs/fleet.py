@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from envs.episodes import START_DRAWS, Episodes, Generators, draw_episodes
-from envs.kernel import (
+from swamp_rl.envs.episodes import START_DRAWS, Episodes, Generators, draw_episodes
+from swamp_rl.envs.kernel import (
     LEVERS,
     OUTCOMES,
     RUNNING,
@@ -19,7 +18,8 @@ from envs.kernel import (
     sense_all,
     world_record,
 )
-from envs.observation import senses
+from swamp_rl.envs.observation import senses
+
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.load import refuse_untested_depth
 from swamp_rl.course import Course, buoy_table, gate_table, load_course
@@ -99,7 +99,7 @@ class Fleet:
     def sail(
         self, asked: NDArray[np.float64], rewards: NDArray[np.float64], observations: NDArray[np.float32]
     ) -> int:
-        """One step of all boats; see `envs.kernel.sail_all`. UserError where a lever is not a number."""
+        """One step of all boats; see `sail_all`. UserError where a lever is not a number."""
         ended = self._sail(self.boats, self.params, asked, self._shared, rewards, observations)
         if ended and (self.boats["outcome"] == LEVERS).any():
             i = int(np.argmax(self.boats["outcome"] == LEVERS))

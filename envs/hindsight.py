@@ -2,8 +2,8 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.envs.observation import OBSERVATION, look
 
-from envs.observation import OBSERVATION, look
 from swamp_rl.course import Course, gate_table
 from swamp_rl.course.geometry import crosses_gate
 from swamp_rl.pilots.demonstrations import NEXT_GATE

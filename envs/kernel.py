@@ -9,10 +9,10 @@ from typing import Any
 
 import numba
 import numpy as np
+from swamp_rl.envs.observation import OBSERVATION, look
+from swamp_rl.envs.past import arrived_command, keep_pose, sensed_pose
+from swamp_rl.envs.reward import reward
 
-from envs.observation import OBSERVATION, look
-from envs.past import arrived_command, keep_pose, sensed_pose
-from envs.reward import reward
 from swamp_rl.course.geometry import crosses_gate, outside, touches_buoy
 from swamp_rl.course.progress import distance_to_go
 from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_HALF_WIDTH, GATE_NORTH, GATE_SIN
@@ -29,7 +29,7 @@ CHUNK = (
 
 
 def boat_record(thrusters: int, past: Sequence[tuple[Any, ...]] = ()) -> np.dtype[np.void]:
-    """What the environment keeps of each boat; K thrusters. past: `envs.past.past_fields`.
+    """What the environment keeps of each boat; K thrusters. past: `swamp_rl.envs.past.past_fields`.
 
     These come first: numba takes a record that begins like another for one of its kind.
     """

@@ -8,9 +8,8 @@ from gymnasium import spaces
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
-
-from envs.batched import GatesVectorEnv
-from envs.spaces import joypad_space
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.spaces import joypad_space
 
 
 class GatesVecEnv(VecEnv):

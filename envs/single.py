@@ -7,11 +7,11 @@ from typing import Any
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.envs.fleet import Disturbances, Fleet
+from swamp_rl.envs.kernel import TIMEOUT
+from swamp_rl.envs.observation import observation_space
+from swamp_rl.envs.spaces import joypad_space, known_options, known_render_mode
 
-from envs.fleet import Disturbances, Fleet
-from envs.kernel import TIMEOUT
-from envs.observation import observation_space
-from envs.spaces import joypad_space, known_options, known_render_mode
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
 
@@ -78,6 +78,6 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         """The course from above, north up, (H, W, 3); None unless the render mode is `rgb_array`."""
         if self.render_mode is None:
             return None
-        from envs.view import top_view
+        from swamp_rl.envs.view import top_view
 
         return top_view(self.fleet, 0)

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.envs.fleet import Fleet
 
-from envs.fleet import Fleet
 from swamp_rl.course import Gate
 
 HEIGHT = 480  # pixels

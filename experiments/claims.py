@@ -6,18 +6,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from swamp_rl.experiments.claims_effects import CLAIMS, Hypothesis, hypotheses
+from swamp_rl.experiments.claims_flown import fly
+from swamp_rl.experiments.claims_report import report
+from swamp_rl.experiments.claims_schema import Claims
+from swamp_rl.experiments.comparison import without_nan
+from swamp_rl.experiments.kept import WORK, seeds, write_hashes
+from swamp_rl.experiments.learn import get_data
+from swamp_rl.experiments.learners import learner
+from swamp_rl.experiments.progress import Stages, measured
+from swamp_rl.experiments.results import data_results
+from swamp_rl.experiments.scene import Scene
 
-from experiments.claims_effects import CLAIMS, Hypothesis, hypotheses
-from experiments.claims_flown import fly
-from experiments.claims_report import report
-from experiments.claims_schema import Claims
-from experiments.comparison import without_nan
-from experiments.kept import WORK, seeds, write_hashes
-from experiments.learn import get_data
-from experiments.learners import learner
-from experiments.progress import Stages, measured
-from experiments.results import data_results
-from experiments.scene import Scene
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import holm, sign_flip_test
 from swamp_rl.evaluation.crossed import crossed_mean

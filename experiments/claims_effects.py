@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.experiments.claims_schema import Claims
 
-from experiments.claims_schema import Claims
 from swamp_rl.boat import Boat
 from swamp_rl.evaluation import Rollout, Table, command_change, jet_power
 from swamp_rl.evaluation.metrics import bollard_thrust

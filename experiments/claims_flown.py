@@ -5,13 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from swamp_rl.experiments.claims_effects import Flight, Flown, Who, alone, named
+from swamp_rl.experiments.claims_schema import Claims
+from swamp_rl.experiments.learn import train, with_takeover
+from swamp_rl.experiments.progress import Stages
+from swamp_rl.experiments.scene import Scene
+from swamp_rl.experiments.schema import PilotPlan
 
-from experiments.claims_effects import Flight, Flown, Who, alone, named
-from experiments.claims_schema import Claims
-from experiments.learn import train, with_takeover
-from experiments.progress import Stages
-from experiments.scene import Scene
-from experiments.schema import PilotPlan
 from swamp_rl.evaluation import Rollout, drive, episode_table
 from swamp_rl.files import write_beside
 from swamp_rl.pilots.pilot import Pilot

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from experiments.comparison_report import p_value
-from experiments.report import table
+from swamp_rl.experiments.comparison_report import p_value
+from swamp_rl.experiments.report import table
 
 Results = Mapping[str, Any]
 

@@ -5,20 +5,20 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
+import swamp_rl.experiments.verbs_exchange  # noqa: F401  it adds its verbs to `runs`
 import typer
+from swamp_rl.experiments.stopping import stoppable
+from swamp_rl.experiments.verbs_compare import compare
+from swamp_rl.experiments.verbs_criticism import diagnose, disturbances
+from swamp_rl.experiments.verbs_demo import demo
+from swamp_rl.experiments.verbs_experiments import evaluate, run, train
+from swamp_rl.experiments.verbs_export import export
+from swamp_rl.experiments.verbs_identification import identify_app
+from swamp_rl.experiments.verbs_people import record
+from swamp_rl.experiments.verbs_runs import runs_app
+from swamp_rl.experiments.verbs_sweep import sweep
+from swamp_rl.experiments.verbs_trials import trial_app
 
-import experiments.verbs_exchange  # noqa: F401  it adds its verbs to `runs`
-from experiments.stopping import stoppable
-from experiments.verbs_compare import compare
-from experiments.verbs_criticism import diagnose, disturbances
-from experiments.verbs_demo import demo
-from experiments.verbs_experiments import evaluate, run, train
-from experiments.verbs_export import export
-from experiments.verbs_identification import identify_app
-from experiments.verbs_people import record
-from experiments.verbs_runs import runs_app
-from experiments.verbs_sweep import sweep
-from experiments.verbs_trials import trial_app
 from swamp_rl import __version__
 from swamp_rl.errors import UserError
 
@@ -81,7 +81,7 @@ def simulate(
     from swamp_rl.simulator.replay import replay
 
     if window is not None:
-        from experiments.verbs_criticism import simulate_windows
+        from swamp_rl.experiments.verbs_criticism import simulate_windows
 
         simulate_windows(commands, out, boat, window)
         return
@@ -103,7 +103,8 @@ def record_scripted_runs(
     seed: Annotated[int, typer.Option(min=0, help="Another seed, other runs.")] = 0,
 ) -> None:
     """Record runs of the scripted pilot, which drives the way people do."""
-    from envs.batched import GatesVectorEnv
+    from swamp_rl.envs.batched import GatesVectorEnv
+
     from swamp_rl.pilots.record import record_scripted
     from swamp_rl.runs import read_dataset
 
@@ -123,7 +124,7 @@ def bench(
     out: Annotated[Path, typer.Option(help="The JSON file to write.")] = Path("bench.json"),
 ) -> None:
     """Measure speed, as ratios against Gymnasium's Pendulum-v1."""
-    from experiments.bench import run_bench
+    from swamp_rl.experiments.bench import run_bench
 
     for name, value in run_bench(out).items():
         typer.echo(f"{name:<42} {value:>16,.4g}")

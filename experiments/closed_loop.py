@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.experiments.kept import WORK, seeds, write_hashes
+from swamp_rl.experiments.learn import get_data, train_pilots
+from swamp_rl.experiments.progress import Stages, measured
+from swamp_rl.experiments.results import pilot_results
+from swamp_rl.experiments.scene import Scene
+from swamp_rl.experiments.schema import Logs
+from swamp_rl.experiments.trial import try_pilots
 
-from experiments.kept import WORK, seeds, write_hashes
-from experiments.learn import get_data, train_pilots
-from experiments.progress import Stages, measured
-from experiments.results import pilot_results
-from experiments.scene import Scene
-from experiments.schema import Logs
-from experiments.trial import try_pilots
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.diagnose import RESULT, diagnose
 from swamp_rl.criticism.result import Diagnosis
@@ -148,7 +148,7 @@ def results_of(
     scene: Scene, found: Diagnosis, tables: dict[tuple[str, str], Table], progress: Stages, folder: Path
 ) -> dict[str, Any]:
     """All of results.json; report.md and its figure are written beside."""
-    from experiments.closed_loop_report import write_report
+    from swamp_rl.experiments.closed_loop_report import write_report
 
     experiment = scene.experiment
     assert experiment.hidden is not None

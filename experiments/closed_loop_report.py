@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from experiments.figures import success_rates
-from experiments.report import rate, table
+from swamp_rl.experiments.figures import success_rates
+from swamp_rl.experiments.report import rate, table
 
 Results = Mapping[str, Any]
 

@@ -10,8 +10,15 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.experiments.entrants import (
+    Entrant,
+    Result,
+    entrants,
+    find_results,
+    read_result,
+    refuse_other_settings,
+)
 
-from experiments.entrants import Entrant, Result, entrants, find_results, read_result, refuse_other_settings
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import (
     Interval,

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from experiments.report import COST_NAMES, table
+from swamp_rl.experiments.report import COST_NAMES, table
 
 Found = Mapping[str, Any]
 

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from experiments.scene import Scene
-from experiments.trial import Tried
+from swamp_rl.experiments.scene import Scene
+from swamp_rl.experiments.trial import Tried
+
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, create_dataset
 from swamp_rl.runs.writer import append_runs
 

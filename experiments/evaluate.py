@@ -4,9 +4,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from experiments.kept import CONFIG, EXPERIMENT, TRAINED, kept_config, same_configs
-from experiments.run import evaluated
-from experiments.schema import Experiment, Targets, load_experiment, overridden
+from swamp_rl.experiments.kept import CONFIG, EXPERIMENT, TRAINED, kept_config, same_configs
+from swamp_rl.experiments.run import evaluated
+from swamp_rl.experiments.schema import Experiment, Targets, load_experiment, overridden
+
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.store import DESCRIPTION, load_pilot
 

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from swamp_rl.experiments.curves import Curve
 
-from experiments.curves import Curve
 from swamp_rl.course import Course
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import common_steps, curve_band

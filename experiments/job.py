@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from experiments.kept import RESULTS, TRAINED, WORK, description
-from experiments.progress import Stages, stages
-from experiments.scene import Scene
-from experiments.tracking import TENSORBOARD
+from swamp_rl.experiments.kept import RESULTS, TRAINED, WORK, description
+from swamp_rl.experiments.progress import Stages, stages
+from swamp_rl.experiments.scene import Scene
+from swamp_rl.experiments.tracking import TENSORBOARD
+
 from swamp_rl.unfinished import taken_up
 
 SECONDS = "seconds.json"

@@ -1,6 +1,6 @@
 """The published schema of experiment files, by which editors complete and check them.
 
-    python -m experiments.json_schema docs/experiment.schema.json
+    python -m swamp_rl.experiments.json_schema docs/experiment.schema.json
 
 It is of the file as it is written: one that extends another may leave out what that one has, and a pilot's
 keys and options are those of its kind.
@@ -11,8 +11,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from experiments.learners import LEARNERS, Learner, learner
-from experiments.schema import Experiment
+from swamp_rl.experiments.learners import LEARNERS, Learner, learner
+from swamp_rl.experiments.schema import Experiment
+
 from swamp_rl.files import write_beside
 
 Schema = dict[str, Any]

@@ -7,9 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from experiments.scene import Scene, config_files
-from experiments.schema import Experiment
-from experiments.versions import versions
+from swamp_rl.experiments.scene import Scene, config_files
+from swamp_rl.experiments.schema import Experiment
+from swamp_rl.experiments.versions import versions
+
 from swamp_rl.errors import UserError
 from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, write_beside, yaml_text
 from swamp_rl.pilots.store import DESCRIPTION, load_pilot

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from swamp_rl.experiments.comparison import pilot_row
+from swamp_rl.experiments.entrants import Entrant, Result, entrants, find_results, read_result
 
-from experiments.comparison import pilot_row
-from experiments.entrants import Entrant, Result, entrants, find_results, read_result
 from swamp_rl.errors import UserError
 
 

@@ -4,12 +4,13 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from experiments.curves import CURVE, write_curve
-from experiments.learners import Log, Training, in_order, learner
-from experiments.progress import Stages, Tick
-from experiments.scene import Scene
-from experiments.schema import PilotPlan
-from experiments.tracking import TENSORBOARD, tracked
+from swamp_rl.experiments.curves import CURVE, write_curve
+from swamp_rl.experiments.learners import Log, Training, in_order, learner
+from swamp_rl.experiments.progress import Stages, Tick
+from swamp_rl.experiments.scene import Scene
+from swamp_rl.experiments.schema import PilotPlan
+from swamp_rl.experiments.tracking import TENSORBOARD, tracked
+
 from swamp_rl.errors import UserError
 from swamp_rl.files import folder_beside
 from swamp_rl.pilots.description import FittedOn

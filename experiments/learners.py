@@ -10,16 +10,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
+from swamp_rl.experiments.progress import Tick
 
-from experiments.progress import Tick
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.pilots.settings import Settings
 
 if TYPE_CHECKING:
-    from envs.batched import GatesVectorEnv
-    from experiments.scene import Scene
-    from experiments.schema import PilotPlan
+    from swamp_rl.envs.batched import GatesVectorEnv
+    from swamp_rl.experiments.scene import Scene
+    from swamp_rl.experiments.schema import PilotPlan
+
     from swamp_rl.pilots.description import FittedOn
     from swamp_rl.pilots.pilot import Pilot
     from swamp_rl.runs import Dataset, Run
@@ -48,13 +49,14 @@ class Training:
 
     def runs(self) -> "list[Run]":
         """The runs it learns from, with the gates it was heading for; UserError where there are too few."""
-        from envs.hindsight import with_gates
+        from swamp_rl.envs.hindsight import with_gates
 
         return [with_gates(run, self.scene.course) for run in self._chosen()]
 
     def fitted_on(self) -> "FittedOn":
         """Which runs these are, to be stored with the pilot."""
-        from experiments.kept import digest, hashes
+        from swamp_rl.experiments.kept import digest, hashes
+
         from swamp_rl.pilots.description import FittedOn
 
         return FittedOn(
@@ -193,7 +195,7 @@ def _dagger() -> Learner:
     from swamp_rl.pilots.dagger import DaggerSettings, fit_dagger
 
     def train(training: Training) -> "Pilot":
-        from envs.hindsight import with_gates
+        from swamp_rl.envs.hindsight import with_gates
 
         scene = training.scene
         return fit_dagger(
@@ -220,7 +222,7 @@ def _ppo() -> Learner:
     from swamp_rl.pilots.ppo import PPOSettings, train_ppo
 
     def train(training: Training) -> "Pilot":
-        from envs.sb3 import GatesVecEnv
+        from swamp_rl.envs.sb3 import GatesVecEnv
 
         settings = training.settings
         boats = GatesVecEnv(training.boats(settings.boats, settings.senses), settings.hold)
@@ -234,7 +236,7 @@ def _sac() -> Learner:
     from swamp_rl.pilots.sac import SACSettings, train_sac
 
     def train(training: Training) -> "Pilot":
-        from envs.sb3 import GatesVecEnv
+        from swamp_rl.envs.sb3 import GatesVecEnv
 
         settings = training.settings
         boats = GatesVecEnv(training.boats(settings.boats, settings.senses), settings.hold)

@@ -4,16 +4,17 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from experiments.driven import write_driven
-from experiments.kept import WORK, pilot_hash, seeds, write_hashes
-from experiments.learn import get_data, train_pilots
-from experiments.pictures import choose_race, draw_figures, write_race
-from experiments.progress import Stages, measured
-from experiments.report import report
-from experiments.results import gather
-from experiments.scene import Scene
-from experiments.tracking import track_success
-from experiments.trial import Tried, try_pilots
+from swamp_rl.experiments.driven import write_driven
+from swamp_rl.experiments.kept import WORK, pilot_hash, seeds, write_hashes
+from swamp_rl.experiments.learn import get_data, train_pilots
+from swamp_rl.experiments.pictures import choose_race, draw_figures, write_race
+from swamp_rl.experiments.progress import Stages, measured
+from swamp_rl.experiments.report import report
+from swamp_rl.experiments.results import gather
+from swamp_rl.experiments.scene import Scene
+from swamp_rl.experiments.tracking import track_success
+from swamp_rl.experiments.trial import Tried, try_pilots
+
 from swamp_rl.evaluation import write_episodes
 from swamp_rl.runs import Dataset
 

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from experiments import figures
-from experiments.scene import Scene
-from experiments.trial import Tried
+from swamp_rl.experiments import figures
+from swamp_rl.experiments.scene import Scene
+from swamp_rl.experiments.trial import Tried
+
 from swamp_rl.demo.recording import write_recording
 from swamp_rl.demo.scene import demo_scene
 from swamp_rl.runs import Dataset, Run

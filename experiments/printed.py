@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from swamp_rl.experiments.claims_report import print_claims
+from swamp_rl.experiments.report import rate
 
-from experiments.claims_report import print_claims
-from experiments.report import rate
 from swamp_rl.files import write_beside
 
 

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from experiments.versions import hardware
+from swamp_rl.experiments.versions import hardware
+
 from swamp_rl.files import write_beside
 
 Tick = Callable[[float], None]

@@ -6,10 +6,10 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+from swamp_rl.experiments.learners import learner
+from swamp_rl.experiments.scene import Scene
+from swamp_rl.experiments.schema import PilotPlan, Targets
 
-from experiments.learners import learner
-from experiments.scene import Scene
-from experiments.schema import PilotPlan, Targets
 from swamp_rl.evaluation import Interval, Table, command_change, differences, summary
 from swamp_rl.runs import Dataset, Run
 

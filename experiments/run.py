@@ -4,14 +4,22 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from experiments.job import job, same_job, say
-from experiments.kept import RESULTS, TRAINED, kept_config, same_configs, with_data_hash, with_pilot_hashes
-from experiments.learn import get_data, train_pilots
-from experiments.main_job import do_experiment
-from experiments.printed import print_results, read_json, write_json
-from experiments.progress import Stages, measured
-from experiments.scene import Scene, read_scene
-from experiments.schema import Experiment, load_experiment
+from swamp_rl.experiments.job import job, same_job, say
+from swamp_rl.experiments.kept import (
+    RESULTS,
+    TRAINED,
+    kept_config,
+    same_configs,
+    with_data_hash,
+    with_pilot_hashes,
+)
+from swamp_rl.experiments.learn import get_data, train_pilots
+from swamp_rl.experiments.main_job import do_experiment
+from swamp_rl.experiments.printed import print_results, read_json, write_json
+from swamp_rl.experiments.progress import Stages, measured
+from swamp_rl.experiments.scene import Scene, read_scene
+from swamp_rl.experiments.schema import Experiment, load_experiment
+
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 
@@ -94,8 +102,8 @@ def _folder(experiment: Experiment, out: Path | str | None) -> Path:
 
 def _sound(experiment: Experiment, given: str | Path) -> tuple[Scene, Work]:
     """The scene of an experiment, and what is to be done in it; UserError for whatever is wrong."""
-    from experiments.claims import check_claims, examine_claims
-    from experiments.closed_loop import close_loop, true_scene
+    from swamp_rl.experiments.claims import check_claims, examine_claims
+    from swamp_rl.experiments.closed_loop import close_loop, true_scene
 
     hashed = with_pilot_hashes(with_data_hash(experiment, str(given)), str(given))
     scene = read_scene(hashed)

@@ -6,8 +6,8 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from rich.table import Table
+from swamp_rl.experiments.figures import DRIVEN, FAILED, draw_course
 
-from experiments.figures import DRIVEN, FAILED, draw_course
 from swamp_rl.course import load_course
 from swamp_rl.errors import UserError
 from swamp_rl.figure_style import STYLE

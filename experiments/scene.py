@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.observation import senses as places_of
+from swamp_rl.experiments.schema import Experiment
 
-from envs.batched import GatesVectorEnv
-from envs.observation import senses as places_of
-from experiments.schema import Experiment
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.course import Course, load_course
 from swamp_rl.errors import UserError

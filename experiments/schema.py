@@ -6,10 +6,10 @@ from typing import Annotated, Any, Self
 
 import yaml
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from swamp_rl.experiments.claims_schema import Claims
+from swamp_rl.experiments.learners import LEARNERS, in_order, learner
+from swamp_rl.experiments.smoke import shrunk
 
-from experiments.claims_schema import Claims
-from experiments.learners import LEARNERS, in_order, learner
-from experiments.smoke import shrunk
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.files import find_config, read_yaml, validated

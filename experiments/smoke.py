@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from experiments.schema import Experiment, PilotPlan
+    from swamp_rl.experiments.schema import Experiment, PilotPlan
 
 RUNS, EPISODES = 3, 3
 MOST = {

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from swamp_rl.errors import UserError
 
 if TYPE_CHECKING:
-    from experiments.learners import Log
-    from experiments.results import Tables
-    from experiments.schema import Experiment
+    from swamp_rl.experiments.learners import Log
+    from swamp_rl.experiments.results import Tables
+    from swamp_rl.experiments.schema import Experiment
 
 TENSORBOARD = "tensorboard"
 "The folder of event files in a folder of results, by pilot."

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from swamp_rl.experiments.progress import Stages
+from swamp_rl.experiments.results import Tables
+from swamp_rl.experiments.scene import Scene
 
-from experiments.progress import Stages
-from experiments.results import Tables
-from experiments.scene import Scene
 from swamp_rl.evaluation import Table, drive, episode_table
 from swamp_rl.evaluation.rollout import Pilot
 from swamp_rl.files import write_beside

@@ -7,8 +7,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from experiments.report import table
-from experiments.trial_figures import draw_trials
+from swamp_rl.experiments.report import table
+from swamp_rl.experiments.trial_figures import draw_trials
+
 from swamp_rl.boat import Boat
 from swamp_rl.files import folder_beside
 from swamp_rl.manoeuvres.analysis.analyse import analyse_dataset

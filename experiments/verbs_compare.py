@@ -31,7 +31,7 @@ def compare(
     if (leaderboard is None) == (not results):
         raise UserError("compare: name folders of results, or one folder with --leaderboard, but not both")
     if leaderboard is not None:
-        from experiments.leaderboard import gather, page
+        from swamp_rl.experiments.leaderboard import gather, page
 
         found = gather(leaderboard, seed)
         with write_beside(out or PAGE) as part:
@@ -40,8 +40,8 @@ def compare(
             typer.echo(f"left out: {line}")
         typer.echo(f"{out or PAGE}: {len(found.rows)} rows of {found.folders} results")
         return
-    from experiments.comparison import compare as compared
-    from experiments.comparison_report import report
+    from swamp_rl.experiments.comparison import compare as compared
+    from swamp_rl.experiments.comparison_report import report
 
     comparison = compared(results or [], seed)
     folder = out or FOLDER
@@ -60,8 +60,7 @@ def print_comparison(found: dict[str, Any]) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
-
-    from experiments.comparison_report import difference, heads, p_value, rows
+    from swamp_rl.experiments.comparison_report import difference, heads, p_value, rows
 
     console = Console()
     table = Table(title="success [%]", box=SIMPLE_HEAD)

@@ -34,7 +34,8 @@ def demo(
     html: Annotated[Path | None, typer.Option(help="Write a page that needs nothing else.")] = None,
 ) -> None:
     """Show runs of people, scripts and pilots: in rerun, as a film, or as a page."""
-    from experiments.shown import read_shown
+    from swamp_rl.experiments.shown import read_shown
+
     from swamp_rl.demo.viewer import has_display
 
     window = not (web or save or video or html)

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
+from swamp_rl.experiments.verbs_runs import runs_app
 
-from experiments.verbs_runs import runs_app
 from swamp_rl.errors import UserError
 
 Rate = Annotated[float | None, typer.Option(min=1e-3, help="Rows a second, where there are no times to use.")]

@@ -18,7 +18,7 @@ Out = Annotated[Path | None, typer.Option(help="Folder of results, in place of r
 
 def run(experiment: ExperimentName, set_: Set = None, out: Out = None) -> None:
     """Train, evaluate and report all that an experiment's YAML asks for."""
-    from experiments.run import run_experiment
+    from swamp_rl.experiments.run import run_experiment
 
     run_experiment(experiment, set_ or [], out)
 
@@ -33,7 +33,7 @@ def train(
     out: Out = None,
 ) -> None:
     """Train an experiment's pilots, to be evaluated later by `evaluate` or `run`."""
-    from experiments.run import train_experiment
+    from swamp_rl.experiments.run import train_experiment
 
     train_experiment(experiment, set_ or [], out, only)
 
@@ -56,7 +56,7 @@ def evaluate(
     ] = None,
 ) -> None:
     """Evaluate and report pilots that are trained already, all in the same episodes."""
-    from experiments.evaluate import evaluate_folders
+    from swamp_rl.experiments.evaluate import evaluate_folders
 
     asked = {"levels": level, "episodes": episodes, "seed": seed}
     changes = {key: value for key, value in asked.items() if value not in (None, [])}

@@ -84,7 +84,8 @@ def record(
 
 def _berth(folder: Path, boat: str, course: str, disturbances: str, source: str) -> "Berth":
     """UserError where the boat does not fit the course or the first level."""
-    from envs.single import GatesEnv
+    from swamp_rl.envs.single import GatesEnv
+
     from swamp_rl.teleop.berth import Berth
     from swamp_rl.teleop.recordings import Recordings
 

@@ -39,8 +39,8 @@ def show(
 ) -> None:
     """Print a table of the runs and draw their tracks."""
     from rich.console import Console
+    from swamp_rl.experiments.runs_view import draw_tracks, run_table
 
-    from experiments.runs_view import draw_tracks, run_table
     from swamp_rl.errors import UserError
     from swamp_rl.runs import read_dataset
 

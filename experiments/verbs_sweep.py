@@ -26,8 +26,8 @@ def sweep(
     ] = None,
 ) -> None:
     """Try every trial of a sweep; the same command again goes on where one was interrupted or killed."""
-    from experiments.sweep.run import run_sweep
-    from experiments.sweep.store import Trial
+    from swamp_rl.experiments.sweep.run import run_sweep
+    from swamp_rl.experiments.sweep.store import Trial
 
     def tell(trial: Trial, total: int) -> None:
         what = trial.error or ("no value" if trial.value is None else f"{trial.value:.4g}")

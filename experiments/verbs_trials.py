@@ -38,7 +38,8 @@ def _carry_out(out: Path, boat: str, direction: float, seed: int, entry: dict[st
 
 
 def _execute(plan: Any, out: Path) -> None:
-    from experiments.trial_report import analyse_trials
+    from swamp_rl.experiments.trial_report import analyse_trials
+
     from swamp_rl.manoeuvres.record import record_trials
 
     record_trials(out, plan.boat, plan.singly, plan.place, plan.seed)
@@ -187,6 +188,6 @@ def analyse(
     ] = None,
 ) -> None:
     """Figures of recorded trials, measured or simulated."""
-    from experiments.trial_report import analyse_trials
+    from swamp_rl.experiments.trial_report import analyse_trials
 
     _say(*analyse_trials(dataset, out))

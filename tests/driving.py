@@ -4,8 +4,8 @@ import math
 from pathlib import Path
 
 import numpy as np
+from swamp_rl.envs.single import GatesEnv
 
-from envs.single import GatesEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.runs import DatasetMeta

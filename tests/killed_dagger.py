@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.hindsight import with_gates
 
-from envs.batched import GatesVectorEnv
-from envs.hindsight import with_gates
 from swamp_rl.boat import load_boat
 from swamp_rl.course import load_course
 from swamp_rl.pilots import Pilot

@@ -7,8 +7,9 @@ It writes the pilot into FOLDER/pilot and prints how often it was killed. A proc
 
 from pathlib import Path
 
-from envs.batched import GatesVectorEnv
-from envs.sb3 import GatesVecEnv
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.sb3 import GatesVecEnv
+
 from swamp_rl.pilots.legs import Log
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.sac import SACSettings, train_sac

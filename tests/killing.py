@@ -12,9 +12,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-
-from experiments import figures
-from experiments.run import run_experiment
+from swamp_rl.experiments import figures
+from swamp_rl.experiments.run import run_experiment
 
 INSTANTS = ("open", "os.", "shutil.")
 MOST = 8  # lives that are killed, before one may go on to its end

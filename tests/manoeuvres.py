@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.envs.observation import OBSERVATION, look
 
-from envs.observation import OBSERVATION, look
 from swamp_rl.course import gate_table, load_course
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.simulator.state import EAST, HEADING, NORTH

@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from ray.cluster_utils import Cluster
+from swamp_rl.experiments.sweep.cluster import RayCrew
+from swamp_rl.experiments.sweep.report import results
+from swamp_rl.experiments.sweep.run import carry_on, run_sweep
+from swamp_rl.experiments.sweep.schema import Sweep
+from swamp_rl.experiments.sweep.store import opened
 
-from experiments.sweep.cluster import RayCrew
-from experiments.sweep.report import results
-from experiments.sweep.run import carry_on, run_sweep
-from experiments.sweep.schema import Sweep
-from experiments.sweep.store import opened
 from tests.sweep_trials import DRAWN, formula, stuck_on_the_doomed_node, sweep_of
 
 NODE = {

@@ -7,10 +7,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from experiments.sweep.local import LocalCrew
-from experiments.sweep.run import carry_on
-from experiments.sweep.schema import Sweep
-from experiments.sweep.store import opened
+from swamp_rl.experiments.sweep.local import LocalCrew
+from swamp_rl.experiments.sweep.run import carry_on
+from swamp_rl.experiments.sweep.schema import Sweep
+from swamp_rl.experiments.sweep.store import opened
 
 FORMULA: dict[str, Any] = {
     "name": "formula",

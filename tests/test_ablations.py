@@ -3,8 +3,7 @@
 from typing import Any
 
 import pytest
-
-from experiments.schema import load_experiment
+from swamp_rl.experiments.schema import load_experiment
 
 VARIED = {
     "ablation_runs": ("runs", {5, 10, 20, 40}),

@@ -6,15 +6,15 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from swamp_rl.experiments import claims_flown
+from swamp_rl.experiments.claims import blocks, check_claims, claim_row, disjoint, examine_claims, judge
+from swamp_rl.experiments.claims_effects import Flown, Hypothesis, lever_power, named, not_copied
+from swamp_rl.experiments.claims_report import report, shown
+from swamp_rl.experiments.claims_schema import Claims
+from swamp_rl.experiments.progress import stages
+from swamp_rl.experiments.scene import Scene, read_scene
+from swamp_rl.experiments.schema import load_experiment
 
-from experiments import claims_flown
-from experiments.claims import blocks, check_claims, claim_row, disjoint, examine_claims, judge
-from experiments.claims_effects import Flown, Hypothesis, lever_power, named, not_copied
-from experiments.claims_report import report, shown
-from experiments.claims_schema import Claims
-from experiments.progress import stages
-from experiments.scene import Scene, read_scene
-from experiments.schema import load_experiment
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import Rollout

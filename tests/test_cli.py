@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from swamp_rl.experiments import cli
 
-from experiments import cli
 from swamp_rl import __version__
 from swamp_rl.boat import load_boat
 from swamp_rl.runs import Run, RunMeta, append_run, read_dataset, read_run, write_run
@@ -23,7 +23,7 @@ from tests.conftest import circling
 Called = tuple[int, str, str]
 Call = Callable[..., Called]
 VERBS = ("run", "simulate", "record", "record-scripted", "bench", "runs", "demo")
-HEAVY = ("torch", "starlette", "matplotlib", "numba", "pyarrow", "gymnasium", "scipy", "reservoirpy", "rerun")
+HEAVY = ("torch", "starlette", "matplotlib", "numba", "pyarrow", "scipy", "reservoirpy", "rerun")
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tm
 
 def separately(*words: object, **options: object) -> subprocess.CompletedProcess[str]:
     """The command line in a process of its own."""
-    start = [sys.executable, "-c", "from experiments.cli import main; main()"]
+    start = [sys.executable, "-c", "from swamp_rl.experiments.cli import main; main()"]
     return subprocess.run([*start, *map(str, words)], capture_output=True, text=True, timeout=60, **options)
 
 
@@ -76,7 +76,7 @@ def test_without_a_verb_the_help_is_printed() -> None:
 def test_help_waits_for_no_heavy_library() -> None:
     look = "sys.argv[1:] = ['--help']\ntry: main()\nexcept SystemExit: pass\n"
     check = f"print([name for name in {HEAVY} if name in sys.modules], file=sys.stderr)"
-    script = f"import sys\nfrom experiments.cli import main\n{look}{check}"
+    script = f"import sys\nfrom swamp_rl.experiments.cli import main\n{look}{check}"
     called = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
     assert called.stderr == "[]\n"
 
@@ -318,7 +318,14 @@ def test_a_bug_is_one_line_for_users_and_a_traceback_for_those_who_ask(
 def test_output_may_be_cut_short_by_its_reader(folder: Path) -> None:
     reading, writing = os.pipe()
     os.close(reading)
-    start = [sys.executable, "-c", "from experiments.cli import main; main()", "runs", "check", str(folder)]
+    start = [
+        sys.executable,
+        "-c",
+        "from swamp_rl.experiments.cli import main; main()",
+        "runs",
+        "check",
+        str(folder),
+    ]
     called = subprocess.run(start, stdout=writing, stderr=subprocess.PIPE, text=True, timeout=60)
     os.close(writing)
     assert called.returncode == 1

@@ -1,4 +1,4 @@
-"""What is installed works on its own: the wheel carries the YAML, the command and Gymnasium's line."""
+"""What is installed works on its own: the wheel carries the YAML and the command."""
 
 import subprocess
 import sys
@@ -37,13 +37,12 @@ def test_the_wheel_holds_the_recorders_page(installed: Path) -> None:
     assert carried == {path.name for path in (CHECKOUT / page).iterdir()}
 
 
-def test_the_wheel_holds_the_three_packages_the_command_and_gymnasiums_line(installed: Path) -> None:
+def test_the_wheel_holds_one_package_and_the_command(installed: Path) -> None:
     (info,) = installed.glob("*.dist-info")
-    assert {path.name for path in installed.iterdir()} == {
-        *("swamp_rl", "envs", "experiments", "swamp_rl_envs.pth"),
-        info.name,
-    }
-    assert "swamp-rl = experiments.cli:main" in (info / "entry_points.txt").read_text()
+    assert {path.name for path in installed.iterdir()} == {"swamp_rl", info.name}
+    assert (installed / "swamp_rl" / "envs" / "single.py").is_file()
+    assert (installed / "swamp_rl" / "experiments" / "cli.py").is_file()
+    assert "swamp-rl = swamp_rl.experiments.cli:main" in (info / "entry_points.txt").read_text()
 
 
 def test_an_installed_package_finds_its_configs_by_name(installed: Path, tmp_path: Path) -> None:

@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
+from swamp_rl.experiments import cli
 
-from experiments import cli
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset, read_dataset
 from tests.test_cli import Call, assert_complains
 from tests.test_cli import call as call  # the fixture

@@ -9,12 +9,12 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import yaml
+from swamp_rl.experiments import closed_loop, learn
+from swamp_rl.experiments.closed_loop import noisy, true_scene
+from swamp_rl.experiments.run import run_experiment
+from swamp_rl.experiments.scene import read_scene
+from swamp_rl.experiments.schema import Logs, load_experiment
 
-from experiments import closed_loop, learn
-from experiments.closed_loop import noisy, true_scene
-from experiments.run import run_experiment
-from experiments.scene import read_scene
-from experiments.schema import Logs, load_experiment
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, check_dataset, read_dataset

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import yaml
 from scipy.stats import binomtest
+from swamp_rl.experiments.comparison import compare
+from swamp_rl.experiments.comparison_report import report
+from swamp_rl.experiments.entrants import entrants, find_results, read_result
 
-from experiments.comparison import compare
-from experiments.comparison_report import report
-from experiments.entrants import entrants, find_results, read_result
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import write_episodes
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from swamp_rl.experiments.curves import quantity_of, read_curve, write_curve
+from swamp_rl.experiments.figures import learning_curves
 
-from experiments.curves import quantity_of, read_curve, write_curve
-from experiments.figures import learning_curves
 from swamp_rl.errors import UserError
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.hindsight import with_gates
 
-from envs.batched import GatesVectorEnv
-from envs.hindsight import with_gates
 from swamp_rl.boat import load_boat
 from swamp_rl.course import load_course
 from swamp_rl.evaluation import drive

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import psutil
 import pytest
+from swamp_rl.experiments.shown import read_shown
 
-from experiments.shown import read_shown
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
 from tests.conftest import circling, described
@@ -79,7 +79,7 @@ def test_what_cannot_be_shown_is_said(results: Path, tmp_path: Path) -> None:
 
 
 def started(*words: object, **environment: str) -> subprocess.Popen[str]:
-    start = [sys.executable, "-c", "from experiments.cli import main; main()"]
+    start = [sys.executable, "-c", "from swamp_rl.experiments.cli import main; main()"]
     without = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
     return subprocess.Popen(
         [*start, *map(str, words)],

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from swamp_rl.envs.reward import CHANGE, EFFORT, FAILURE, GATE, PROGRESS, TIME
+from swamp_rl.envs.single import GatesEnv
 
-from envs.reward import CHANGE, EFFORT, FAILURE, GATE, PROGRESS, TIME
-from envs.single import GatesEnv
 from swamp_rl.course import Course, Gate, Point, Pose, Start, gate_table, load_course
 from swamp_rl.course.progress import distance_to_go
 

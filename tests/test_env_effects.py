@@ -7,9 +7,9 @@ import gymnasium
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.single import GatesEnv
 
-from envs.batched import GatesVectorEnv
-from envs.single import GatesEnv
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import parse_effects
 from swamp_rl.errors import UserError

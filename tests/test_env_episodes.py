@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.fleet import PARALLEL_FROM
+from swamp_rl.envs.single import GatesEnv
 
-from envs.batched import GatesVectorEnv
-from envs.fleet import PARALLEL_FROM
-from envs.single import GatesEnv
 from swamp_rl.course import Course, load_course
 
 STEPS = 120

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from swamp_rl.envs.hindsight import with_gates
+from swamp_rl.envs.single import GatesEnv
 
-from envs.hindsight import with_gates
-from envs.single import GatesEnv
 from swamp_rl.course import load_course
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.demonstrations import NEXT_GATE, observed

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.observation import OBSERVATION
+from swamp_rl.envs.single import GatesEnv
 
-import envs  # noqa: F401  registers
-from envs.batched import GatesVectorEnv
-from envs.observation import OBSERVATION
-from envs.single import GatesEnv
+import swamp_rl  # noqa: F401  registers
 from swamp_rl.errors import UserError
 
 

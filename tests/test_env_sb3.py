@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.single import GatesEnv
 
-from envs.batched import GatesVectorEnv
-from envs.single import GatesEnv
 from swamp_rl.course import Course, load_course
 
-sb3 = pytest.importorskip("envs.sb3")
+sb3 = pytest.importorskip("swamp_rl.envs.sb3")
 
 
 def boats(n: int, course: Course | str = "camogli") -> GatesVectorEnv:

@@ -5,8 +5,8 @@ import copy
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies
+from swamp_rl.envs.batched import GatesVectorEnv
 
-from envs.batched import GatesVectorEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.evaluation import drive, episode_table
 from swamp_rl.evaluation.rollout import WORTH_DROPPING

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from swamp_rl.envs.fleet import world_of
 
 from benchmarks.esso_circles import circle
 from benchmarks.esso_osaka import window_errors
-from envs.fleet import world_of
 from swamp_rl.boat import PropellerRudder, load_boat
 from swamp_rl.course import load_course
 from swamp_rl.errors import UserError

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from swamp_rl.envs.batched import GatesVectorEnv
 
-from envs.batched import GatesVectorEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.evaluation import Rollout, differences, drive, episode_table, summary, write_episodes
 from swamp_rl.evaluation.rollout import Array

@@ -8,10 +8,10 @@ from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
+from swamp_rl.experiments.evaluate import evaluate_folders
+from swamp_rl.experiments.run import run_experiment, train_experiment
+from swamp_rl.experiments.schema import load_experiment
 
-from experiments.evaluate import evaluate_folders
-from experiments.run import run_experiment, train_experiment
-from experiments.schema import load_experiment
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.store import describe_pilot
 from tests.tiny import content, write_tiny

@@ -8,10 +8,10 @@ from typing import Any
 import jsonschema
 import pytest
 import yaml
+from swamp_rl.experiments.json_schema import schema_text
+from swamp_rl.experiments.learners import LEARNERS, learner
+from swamp_rl.experiments.schema import load_experiment
 
-from experiments.json_schema import schema_text
-from experiments.learners import LEARNERS, learner
-from experiments.schema import load_experiment
 from swamp_rl.errors import UserError
 
 ROOT = Path(__file__).parents[1]
@@ -58,7 +58,7 @@ def refused(folder: Path, data: Any) -> str:
 
 def test_the_published_schema_is_that_of_the_code() -> None:
     assert PUBLISHED.read_text(encoding="utf-8") == schema_text(), (
-        "write it anew: python -m experiments.json_schema docs/experiment.schema.json"
+        "write it anew: python -m swamp_rl.experiments.json_schema docs/experiment.schema.json"
     )
     jsonschema.Draft202012Validator.check_schema(json.loads(schema_text()))
 

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from swamp_rl.experiments import learn, learners, main_job, trial
+from swamp_rl.experiments.learners import Learner, Training
+from swamp_rl.experiments.printed import read_json
+from swamp_rl.experiments.run import run_experiment
 
-from experiments import learn, learners, main_job, trial
-from experiments.learners import Learner, Training
-from experiments.printed import read_json
-from experiments.run import run_experiment
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.pilots.pilot import Pilot

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.experiments import learn, main_job
+from swamp_rl.experiments.run import run_experiment
+from swamp_rl.experiments.schema import load_experiment
 
-from envs.batched import GatesVectorEnv
-from experiments import learn, main_job
-from experiments.run import run_experiment
-from experiments.schema import load_experiment
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import drive
 from swamp_rl.pilots.store import load_pilot

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import pytest
+from swamp_rl.experiments.schema import load_experiment, merged
 
-from experiments.schema import load_experiment, merged
 from swamp_rl.errors import UserError
 
 SMALL = """

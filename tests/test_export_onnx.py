@@ -8,8 +8,8 @@ import numpy as np
 import onnx
 import pytest
 from hypothesis import given, settings, strategies
+from swamp_rl.experiments.verbs_export import export
 
-from experiments.verbs_export import export
 from swamp_rl.errors import UserError
 from swamp_rl.export import OnnxPilot, greatest_difference, write_onnx
 from swamp_rl.pilots import Pilot, save_pilot

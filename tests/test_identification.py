@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from swamp_rl.experiments import cli
 
-from experiments import cli
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.identification.deduction import deduction_points, paired, resistance_at

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import yaml
 from playwright.sync_api import sync_playwright
+from swamp_rl.experiments.leaderboard import gather, page
 
-from experiments.leaderboard import gather, page
 from swamp_rl.errors import UserError
 from tests.test_compare import folder_of
 

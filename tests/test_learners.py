@@ -5,11 +5,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from swamp_rl.experiments import learners
+from swamp_rl.experiments.learners import LEARNERS, Learner, Training, in_order, learner
+from swamp_rl.experiments.scene import read_scene
+from swamp_rl.experiments.schema import PilotPlan, load_experiment
 
-from experiments import learners
-from experiments.learners import LEARNERS, Learner, Training, in_order, learner
-from experiments.scene import read_scene
-from experiments.schema import PilotPlan, load_experiment
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.scripted import ScriptedPilot
@@ -91,7 +91,7 @@ def test_a_pilot_learns_from_the_failed_runs_that_its_plan_asks_for() -> None:
 
 def test_reading_an_experiment_loads_no_library_for_training() -> None:
     code = (
-        "import sys; from experiments.schema import load_experiment; load_experiment('camogli');"
+        "import sys; from swamp_rl.experiments.schema import load_experiment; load_experiment('camogli');"
         "print(sorted({'torch', 'stable_baselines3', 'reservoirpy'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import torch
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.sb3 import GatesVecEnv
 
-from envs.batched import GatesVectorEnv
-from envs.sb3 import GatesVecEnv
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.demonstrations import observed

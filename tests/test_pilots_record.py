@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from swamp_rl.envs.batched import GatesVectorEnv
 
-from envs.batched import GatesVectorEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.errors import UserError

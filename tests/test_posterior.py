@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.stats import kstest, truncnorm
+from swamp_rl.envs.batched import GatesVectorEnv
 
-from envs.batched import GatesVectorEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.posterior import write_posterior
 from swamp_rl.effects import load_disturbances

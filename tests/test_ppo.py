@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.sb3 import GatesVecEnv
 
-from envs.batched import GatesVectorEnv
-from envs.sb3 import GatesVecEnv
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.network import NetworkPilot, layers_of
 from swamp_rl.pilots.ppo import PPOSettings, train_ppo

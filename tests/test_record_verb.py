@@ -16,7 +16,7 @@ from websockets.sync.client import connect
 from swamp_rl.runs import read_dataset
 from tests.driving import aim
 
-RECORD = "import sys; from experiments.cli import main; sys.argv[0] = 'swamp-rl'; main()"
+RECORD = "import sys; from swamp_rl.experiments.cli import main; sys.argv[0] = 'swamp-rl'; main()"
 
 
 @contextmanager

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from swamp_rl.envs.batched import GatesVectorEnv
 
-from envs.batched import GatesVectorEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.evaluation import Rollout, drive
 from swamp_rl.pilots.record import drive_episodes

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from swamp_rl.experiments.verbs_criticism import simulate_windows
 
-from experiments.verbs_criticism import simulate_windows
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, read_run, write_run

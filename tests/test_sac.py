@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.sb3 import GatesVecEnv
 
-from envs.batched import GatesVectorEnv
-from envs.sb3 import GatesVecEnv
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.sac import SACSettings, _learner, _pilot, train_sac

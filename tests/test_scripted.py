@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from swamp_rl.envs.batched import GatesVectorEnv
 
-from envs.batched import GatesVectorEnv
 from swamp_rl.evaluation.rollout import Rollout, drive
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 

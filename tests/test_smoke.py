@@ -4,10 +4,9 @@ import json
 from pathlib import Path
 
 import pytest
-
-from experiments.run import run_experiment
-from experiments.schema import load_experiment
-from experiments.smoke import EPISODES, MOST
+from swamp_rl.experiments.run import run_experiment
+from swamp_rl.experiments.schema import load_experiment
+from swamp_rl.experiments.smoke import EPISODES, MOST
 
 SHIPPED = sorted(path.stem for path in (Path(__file__).parents[1] / "configs" / "experiments").glob("*.yaml"))
 

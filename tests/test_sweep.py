@@ -14,14 +14,14 @@ import numpy as np
 import psutil
 import pytest
 import yaml
+from swamp_rl.experiments.schema import load_experiment
+from swamp_rl.experiments.sweep.local import LocalCrew, attempt
+from swamp_rl.experiments.sweep.propose import batches_of, propose
+from swamp_rl.experiments.sweep.report import best_of, results, write_report
+from swamp_rl.experiments.sweep.run import carry_on, checked
+from swamp_rl.experiments.sweep.schema import Sweep, load_sweep, override
+from swamp_rl.experiments.sweep.store import Trial, opened
 
-from experiments.schema import load_experiment
-from experiments.sweep.local import LocalCrew, attempt
-from experiments.sweep.propose import batches_of, propose
-from experiments.sweep.report import best_of, results, write_report
-from experiments.sweep.run import carry_on, checked
-from experiments.sweep.schema import Sweep, load_sweep, override
-from experiments.sweep.store import Trial, opened
 from swamp_rl.errors import UserError
 from tests import sweep_trials
 from tests.sweep_trials import DRAWN, sweep_of

@@ -9,9 +9,9 @@ from typing import Any
 
 import psutil
 import pytest
+from swamp_rl.experiments.sweep.cluster import RayCrew
+from swamp_rl.experiments.sweep.run import run_sweep
 
-from experiments.sweep.cluster import RayCrew
-from experiments.sweep.run import run_sweep
 from swamp_rl.errors import UserError
 from tests import sweep_trials
 from tests.sweep_trials import DRAWN, FORMULA, sweep_of

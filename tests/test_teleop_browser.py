@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, ViewportSize
+from swamp_rl.envs.single import GatesEnv
 
-from envs.single import GatesEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.scripted import ScriptedPilot

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.hindsight import with_gates
+from swamp_rl.envs.sb3 import GatesVecEnv
 
-from envs.batched import GatesVectorEnv
-from envs.hindsight import with_gates
-from envs.sb3 import GatesVecEnv
 from swamp_rl.course import load_course
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE

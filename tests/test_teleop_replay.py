@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from swamp_rl.envs.single import GatesEnv
 
-from envs.single import GatesEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.runs import DatasetMeta, check_dataset

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from swamp_rl.experiments.schema import Experiment, load_experiment
+from swamp_rl.experiments.tracking import track_success, tracked
 
-from experiments.schema import Experiment, load_experiment
-from experiments.tracking import track_success, tracked
 from swamp_rl.errors import UserError
 
 POINTS = [(100, {"success": 0.25, "return": -3.0}), (200, {"success": 0.5, "return": 1.5})]

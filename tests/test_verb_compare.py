@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from swamp_rl.experiments.cli import app
 from typer.testing import CliRunner
 
-from experiments.cli import app
 from swamp_rl.errors import UserError
 from tests.test_compare import folder_of
 

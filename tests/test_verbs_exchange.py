@@ -5,8 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from swamp_rl.experiments import cli
 
-from experiments import cli
 from swamp_rl.runs import read_dataset
 from tests.conftest import circling
 

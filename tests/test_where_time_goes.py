@@ -1,9 +1,9 @@
 """The table of where the time goes adds up to all of it, each stage under its own kind of work."""
 
 import pytest
+from swamp_rl.experiments.schema import load_experiment
 
 from benchmarks.where_time_goes import divided, times
-from experiments.schema import load_experiment
 
 
 def test_every_second_of_every_stage_is_counted_once() -> None:

@@ -4,7 +4,8 @@ import logging
 import socket
 from typing import Any
 
-from experiments.sweep.local import Work, attempt
+from swamp_rl.experiments.sweep.local import Work, attempt
+
 from swamp_rl.errors import UserError
 
 PATIENCE = 5.0  # s

@@ -5,9 +5,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from experiments.sweep.schema import Parameter, Sweep
-from experiments.sweep.store import Trial
+from swamp_rl.experiments.sweep.schema import Parameter, Sweep
+from swamp_rl.experiments.sweep.store import Trial
 
 Values = dict[str, Any]
 

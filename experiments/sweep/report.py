@@ -5,10 +5,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from experiments.report import rate, table
-from experiments.sweep.propose import trials_of
-from experiments.sweep.schema import Sweep, override
-from experiments.sweep.store import Trial
+from swamp_rl.experiments.report import rate, table
+from swamp_rl.experiments.sweep.propose import trials_of
+from swamp_rl.experiments.sweep.schema import Sweep, override
+from swamp_rl.experiments.sweep.store import Trial
+
 from swamp_rl.figure_style import sheet
 from swamp_rl.files import write_beside
 

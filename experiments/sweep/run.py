@@ -8,11 +8,12 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
-from experiments.schema import Experiment, load_experiment
-from experiments.sweep.propose import Values, batches_of, propose, trials_of
-from experiments.sweep.schema import Objective, Sweep, load_sweep, override
-from experiments.sweep.store import Store, Trial, opened
-from experiments.sweep.trial import carry_out, job_of
+from swamp_rl.experiments.schema import Experiment, load_experiment
+from swamp_rl.experiments.sweep.propose import Values, batches_of, propose, trials_of
+from swamp_rl.experiments.sweep.schema import Objective, Sweep, load_sweep, override
+from swamp_rl.experiments.sweep.store import Store, Trial, opened
+from swamp_rl.experiments.sweep.trial import carry_out, job_of
+
 from swamp_rl import __version__
 from swamp_rl.errors import UserError
 
@@ -48,7 +49,7 @@ def run_sweep(
     processor; ray: the address of a cluster to be used in their place. UserError for whatever is wrong in the
     files, before any work is done.
     """
-    from experiments.sweep.report import write_report
+    from swamp_rl.experiments.sweep.report import write_report
 
     sweep = load_sweep(name_or_path)
     fixed = [*(override(key, value) for key, value in sweep.set.items()), *overrides]
@@ -120,7 +121,7 @@ def _ended(
 
 def checked(sweep: Sweep, fixed: list[str]) -> Experiment:
     """The experiment before any parameter is set; UserError where a value, a pilot or a level cannot be."""
-    from experiments.scene import read_scene
+    from swamp_rl.experiments.scene import read_scene
 
     base = load_experiment(sweep.experiment, fixed)
     _check_objective(base, sweep.objective)
@@ -156,9 +157,9 @@ def _experiment(sweep: Sweep, fixed: list[str], values: Values) -> Experiment:
 
 def _crew(workers: int | None, ray: str | None) -> Any:
     if ray is not None:
-        from experiments.sweep.cluster import RayCrew
+        from swamp_rl.experiments.sweep.cluster import RayCrew
 
         return RayCrew(carry_out, ray)
-    from experiments.sweep.local import LocalCrew
+    from swamp_rl.experiments.sweep.local import LocalCrew
 
     return LocalCrew(carry_out, workers or os.cpu_count() or 1)

@@ -5,8 +5,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from experiments.schema import Experiment, Targets
-from experiments.sweep.schema import Objective
+from swamp_rl.experiments.schema import Experiment, Targets
+from swamp_rl.experiments.sweep.schema import Objective
 
 
 def job_of(experiment: Experiment, objective: Objective) -> str:
@@ -14,7 +14,7 @@ def job_of(experiment: Experiment, objective: Objective) -> str:
 
     Pilots that this one starts from are kept.
     """
-    from experiments.learners import in_order
+    from swamp_rl.experiments.learners import in_order
 
     needed = in_order(experiment.pilots, [objective.pilot])
     pilots = {name: experiment.pilots[name] for name in needed}
@@ -27,9 +27,10 @@ def job_of(experiment: Experiment, objective: Objective) -> str:
 
 def carry_out(job: str) -> str:
     """Train and evaluate; JSON of the objective's value and the summary of the episodes."""
-    from experiments.learn import get_data, train_pilots
-    from experiments.scene import read_scene
-    from experiments.trial import try_pilots
+    from swamp_rl.experiments.learn import get_data, train_pilots
+    from swamp_rl.experiments.scene import read_scene
+    from swamp_rl.experiments.trial import try_pilots
+
     from swamp_rl.evaluation import summary
 
     asked = json.loads(job)
@@ -54,8 +55,7 @@ def _quiet() -> Any:
     from contextlib import contextmanager
 
     from rich.progress import Progress
-
-    from experiments.progress import Stages
+    from swamp_rl.experiments.progress import Stages
 
     @contextmanager
     def stages() -> Any:

@@ -19,29 +19,35 @@ from numba import config
 
 F = TypeVar("F", bound=Callable[..., object])
 
-COMPILED_FOLDERS = (
-    "swamp_rl/physics",
-    "swamp_rl/simulator",
-    "swamp_rl/sensors",
-    "swamp_rl/course",
-    "swamp_rl/allocation",
-    "swamp_rl/criticism",
-    "envs",
-)
 KEPT_CACHES = 4
 
 NUMERICS: dict[str, Any] = {"error_model": "numpy"}  # a division by zero is inf or nan, no exception
 INSIDE = NUMERICS | {"forceinline": True}
 
 
+def compiled_sources() -> list[Path]:
+    """Every source of the sub-packages that hold a compiled function, their own folders included, in order.
+
+    Whole sub-packages, for a constant that stands beside compiled functions is compiled into them.
+    """
+    library = Path(__file__).resolve().parents[1]
+    envs = library / "envs" if (library / "envs").is_dir() else library.parent / "envs"
+    packages = [folder for folder in library.iterdir() if (folder / "__init__.py").is_file()] + [envs]
+    sources = {package: sorted(package.rglob("*.py")) for package in sorted(set(packages))}
+    return [
+        source
+        for inside in sources.values()
+        if any(b"@compiled" in source.read_bytes() for source in inside)
+        for source in inside
+    ]
+
+
 @lru_cache(maxsize=1)
 def cache_folder() -> Path:
     """Folder of the machine code of exactly these sources; older ones beyond `KEPT_CACHES` are removed."""
-    root = Path(__file__).resolve().parents[2]
     digest = hashlib.sha256()
-    for folder in COMPILED_FOLDERS:
-        for source in sorted((root / folder).glob("*.py")):
-            digest.update(source.read_bytes())
+    for source in compiled_sources():
+        digest.update(source.read_bytes())
     base = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "swamp_rl"
     folder_of_sources = base / digest.hexdigest()[:16]
     try:

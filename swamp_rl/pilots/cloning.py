@@ -38,7 +38,7 @@ def fit_cloning(
 
     Where pilots at the same place held a lever hard over to either side, the clone holds it in between.
     `tick`, `checkpoint`, `log`: see `train_by_epochs`. UserError where a run lacks a column; those of the
-    next gate are put there by `envs.hindsight.with_gates`.
+    next gate are put there by `swamp_rl.envs.hindsight.with_gates`.
     """
     import torch
 
