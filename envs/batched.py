@@ -22,7 +22,7 @@ Array = NDArray[Any]
 
 
 class GatesVectorEnv(VectorEnv[Array, Array, Array]):
-    """`GatesEnv`, n boats at once; what `gymnasium.make_vec("swamp/Gates-v0", num_envs=n)` makes.
+    """`GatesEnv`, n boats at once; what `gymnasium.make_vec("swamp/Gates-v1", num_envs=n)` makes.
 
     A boat that has ended starts anew by itself: with `autoreset_mode` NEXT_STEP (the default, and
     Gymnasium's) in the following step, which ignores its levers and pays nothing, so that until then `pose`

@@ -19,7 +19,7 @@ ONLY = np.zeros(1, dtype=np.intp)
 
 
 class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
-    """Drive a boat through the gates of a course by its joypad: `swamp/Gates-v0`.
+    """Drive a boat through the gates of a course by its joypad: `swamp/Gates-v1`.
 
     Action: throttle in [0, 1] and angle in [-1, 1], held for `step` seconds; what is beyond is brought back
     to the end of the lever's way, and what is not a number is a UserError.

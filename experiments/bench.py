@@ -60,7 +60,7 @@ def batch_stepper(boats: int) -> tuple[Callable[[], int], float]:
     """A function that takes 5 steps of a batch with all forces on, and the batch's bytes per boat."""
     import gymnasium
 
-    environment: Any = gymnasium.make_vec("swamp/Gates-v0", num_envs=boats, disturbances=ALL_FORCES)
+    environment: Any = gymnasium.make_vec("swamp/Gates-v1", num_envs=boats, disturbances=ALL_FORCES)
     environment.reset(seed=0)
     actions = np.random.default_rng(0).uniform([0.0, -1.0], [1.0, 1.0], (5, boats, 2))
 
@@ -129,8 +129,8 @@ def run_bench(out: Path | None = None) -> dict[str, Any]:
     rates = rates_of(
         {
             "pendulum": single_stepper("Pendulum-v1"),
-            "single": single_stepper("swamp/Gates-v0"),
-            "single_severe": single_stepper("swamp/Gates-v0", disturbances="severe"),
+            "single": single_stepper("swamp/Gates-v1"),
+            "single_severe": single_stepper("swamp/Gates-v1", disturbances="severe"),
             "batch": batch,
             "decision": decision_maker(),
         }

@@ -15,12 +15,14 @@ if not (
 ).is_dir():  # a checkout keeps `envs` and `experiments` beside this folder
     __path__.append(str(_checkout))
 
-ENVIRONMENT_IDS = ("swamp/Gates-v0",)
+# Default boats by environment: v0 keeps flying the thesis's model, so that results on it stay reproducible.
+ENVIRONMENTS = {"swamp/Gates-v0": "swamp-thesis", "swamp/Gates-v1": "swamp"}
 
-for _id in ENVIRONMENT_IDS:
+for _id, _boat in ENVIRONMENTS.items():
     if _id not in registry:
         register(
             id=_id,
             entry_point="swamp_rl.envs.single:GatesEnv",
             vector_entry_point="swamp_rl.envs.batched:GatesVectorEnv",
+            kwargs={"boat": _boat},
         )

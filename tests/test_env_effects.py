@@ -143,7 +143,7 @@ def test_a_boat_file_with_such_effects_is_flown_by_its_name_alone(tmp_path: Path
         "  - {effect: command_delay, delay: 0.5}\n"
         "  - {effect: heading_bias, bias: 0.2}\n"
     )
-    env = gymnasium.make("swamp/Gates-v0", boat=str(file))
+    env = gymnasium.make("swamp/Gates-v1", boat=str(file))
     seen, _ = env.reset(seed=0)
     true_heading = env.unwrapped.fleet.pose[0, 2]  # type: ignore[attr-defined]
     assert np.arctan2(seen[3], seen[2]) == pytest.approx(true_heading + 0.2, abs=1e-6)

@@ -22,7 +22,7 @@ def test_gymnasium_checks_the_single_environment() -> None:
         warnings.filterwarnings(
             "ignore", message=".*Box observation space (minimum|maximum) value is.*infinity"
         )
-        check_env(gymnasium.make("swamp/Gates-v0", disturbances="standard").unwrapped)
+        check_env(gymnasium.make("swamp/Gates-v1", disturbances="standard").unwrapped)
 
 
 def test_stable_baselines3_checks_the_single_environment() -> None:
@@ -31,11 +31,11 @@ def test_stable_baselines3_checks_the_single_environment() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", message=".*symmetric and normalized Box action space.*")
-        check(gymnasium.make("swamp/Gates-v0", disturbances="standard").unwrapped, skip_render_check=False)
+        check(gymnasium.make("swamp/Gates-v1", disturbances="standard").unwrapped, skip_render_check=False)
 
 
 def test_make_vec_gives_the_native_batch() -> None:
-    boats = gymnasium.make_vec("swamp/Gates-v0", num_envs=5, step=0.2, observation=["north", "east"])
+    boats = gymnasium.make_vec("swamp/Gates-v1", num_envs=5, step=0.2, observation=["north", "east"])
     assert isinstance(boats.unwrapped, GatesVectorEnv)
     assert boats.metadata["autoreset_mode"] == AutoresetMode.NEXT_STEP
     observation, _ = boats.reset(seed=1)
@@ -77,7 +77,7 @@ def test_the_levers_drive_the_bow_thrusters_and_leave_the_stern_alone() -> None:
 
 
 def test_a_picture_from_above_shows_both_gates_in_their_colours() -> None:
-    env = gymnasium.make("swamp/Gates-v0", render_mode="rgb_array")
+    env = gymnasium.make("swamp/Gates-v1", render_mode="rgb_array")
     env.reset(seed=0)
     picture: Any = env.render()
     assert picture.ndim == 3 and picture.dtype == np.uint8

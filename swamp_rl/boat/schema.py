@@ -18,6 +18,8 @@ class Hull(Part):
     """Nondimensional coefficients of the hull forces (thesis 8.16).
 
     c_d: of the cross flow; in the file also `yoshimura`, for his regression on length over draught.
+    spacing: between the centre planes of two demihulls, each of which meets its own surge speed; 0 for one
+    hull, whose resistance acts at midship.
     """
 
     x_vr: Annotated[float, Unit("1")]
@@ -28,6 +30,7 @@ class Hull(Part):
     c_d: Annotated[float, NOT_NEGATIVE, Unit("1")]
     c_ry: Annotated[float, Unit("1")]
     c_rn: Annotated[float, Unit("1")]
+    spacing: Annotated[float, NOT_NEGATIVE, Unit("m")] = 0.0
 
 
 class Thruster(Part):
@@ -36,7 +39,8 @@ class Thruster(Part):
     Its azimuth [rad] is the direction of the force on the boat, positive to starboard. Bollard thrust [N] at
     throttle p is linear p + quadratic p |p|, with the astern pair for p < 0; a zero astern pair: it does not
     reverse. A `fixed` one pushes along azimuth_min = azimuth_max. nozzle_area [m²] is the jet's, 0 where the
-    thruster has none: then it loses no momentum to the water's own way.
+    thruster has none: then it loses no momentum to the water's own way. advance_loss: c_a of
+    T = T_bollard (1 − c_a V_a/V_o), see `swamp_rl.physics.thrusters.loss_under_way`.
     """
 
     name: Annotated[str, NAME]
@@ -54,6 +58,7 @@ class Thruster(Part):
     astern_linear: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
     astern_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
     nozzle_area: Annotated[float, NOT_NEGATIVE, Unit("m2")] = 0.0
+    advance_loss: Annotated[float, NOT_NEGATIVE, Unit("1")] = 0.0
 
     @model_validator(mode="after")
     def _can_be_built(self) -> Self:
@@ -105,7 +110,7 @@ AnyThruster = Annotated[
 
 
 class ThrustDeduction(Part):
-    """1 - t against throttle: linear between two points, constant outside them."""
+    """1 - t against throttle: linear between two points, constant outside them; 1 where a file has none."""
 
     throttle_low: Annotated[float, FRACTION, Unit("1")]
     factor_low: Annotated[float, FRACTION, Unit("1")]
@@ -168,7 +173,7 @@ class Joypad(Part):
 class Boat(Part):
     """A boat file: particulars, hull, resistance, thrusters, what wind and current meet, and its effects.
 
-    thrust_deduction: of the jets; a propeller has its own. Added masses are the hydrodynamic derivatives,
+    thrust_deduction: of the jets, none where it is left out; a propeller has its own. Added masses are the hydrodynamic derivatives,
     hence negative or zero. x_g is forward of midship.
     """
 
@@ -224,8 +229,6 @@ class Boat(Part):
             raise ValueError(
                 "thrusters.all: a thruster cannot be named 'all': effects use it for all of them"
             )
-        if self.thrust_deduction is None and any(isinstance(item, Thruster) for item in self.thrusters):
-            raise ValueError("thrust_deduction: is missing; add it")
         for thruster in self.thrusters:
             if abs(thruster.x) > self.length or abs(thruster.y) > self.breadth:
                 raise ValueError(

@@ -66,7 +66,7 @@ SPECS: dict[str, tuple[Spec, ...]] = {
     "pump_lag": (around(0.2, 0.0, 4.0, 0.4, 1.2),),
     "thrust_scale": (around(0.2, 0.1, 3.0, 0.9),),
     "advance_thrust_loss": (around(0.2, 0.0, 5.0, 0.3),),
-    "crossflow_thrust_loss": (around(0.5, 0.0, 20.0, 0.5, 2.0),),
+    "crossflow_thrust_loss": (around(5.0, 0.0, 250.0, 5.0, 25.0),),
     "thrust_sag": (around(0.002, 0.0, 0.05, 0.002),),
     "resistance": (around(0.2, 0.05, 6.0, 1.1),),
     "linear_drag": (around(3.0, -40.0, 80.0, 2.0),),
@@ -295,12 +295,29 @@ def _centre_of_gravity(effect: Effect, boat: Boat, duration: float) -> list[Atom
     return [Atom(effect, (), (spec,), ((boat.x_g,),), names=("x_g",))]
 
 
+def _thrust_deduction(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
+    own = parameters(boat)[0]
+    start = (float(own["deduction_factor_low"]), float(own["deduction_factor_high"]))
+    specs = tuple(Spec(0.15, 0.05, 1.5, (value,)) for value in start)
+    return [Atom(effect, (), specs, (start,), names=effect.parameter_names)]
+
+
+def _demihull_spacing(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
+    spec = Spec(0.2 * boat.breadth, 0.0, 2.0 * boat.breadth, ())
+    starts = tuple(
+        (share * boat.breadth,) for share in (0.4, 0.9) if share * boat.breadth != boat.hull.spacing
+    )
+    return [Atom(effect, (), (spec,), starts, names=("spacing",))]
+
+
 SPECIAL: dict[str, Callable[[Effect, Boat, float], list[Atom]]] = {
     "wind": _wind,
     "waves": _waves,
     "thruster_failure": _failure,
     "mass": _mass,
     "centre_of_gravity": _centre_of_gravity,
+    "thrust_deduction": _thrust_deduction,
+    "demihull_spacing": _demihull_spacing,
 }
 
 

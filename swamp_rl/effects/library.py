@@ -207,12 +207,22 @@ declare(
 )
 
 declare(
+    "thrust_deduction",
+    Parameter("low", "1", None, "deduction_factor_low", low=0.0, high=1.5),
+    Parameter("high", "1", None, "deduction_factor_high", low=0.0, high=1.5),
+    acts_on="actuator",
+    combine="replace",
+    description="share of the jets' thrust that is left at the boat file's low and high throttle, 1 - t",
+    source="thesis 7.3.5: given by its ends only",
+)
+
+declare(
     "crossflow_thrust_loss",
-    Parameter("coefficient", "s2/m2", 0.0, "crossflow_loss"),
+    Parameter("coefficient", "1", 0.0, "crossflow_loss"),
     acts_on="actuator",
     combine="add",
-    description="thrust falls by exp(-coefficient V^2), V the speed of the water across the jet",
-    source="Typhoon AUV, eq. 24",
+    description="thrust falls by exp(-coefficient (V / V_o)^2), V the water's speed across a jet of speed V_o",
+    source="Typhoon AUV, eq. 24, on the ratio of speeds as the energy paper has it",
 )
 
 declare(
@@ -285,6 +295,15 @@ declare(
     combine="multiply",
     description="multiples of the linear hull derivatives",
     source="thesis 8.1.3: no real boat has exactly its regression's",
+)
+
+declare(
+    "demihull_spacing",
+    Parameter("spacing", "m", None, "hull_spacing", low=0.0),
+    acts_on="force",
+    combine="replace",
+    description="two demihulls that far apart, each meeting its own surge speed: a moment that damps turns",
+    source="thesis table 4.1; a catamaran's resistance acts on each hull",
 )
 
 declare(

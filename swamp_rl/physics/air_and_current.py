@@ -10,6 +10,8 @@ from swamp_rl.physics.compile import compiled
 def wind_forces(ahead: float, starboard: float, p: Any) -> tuple[float, float, float]:
     """Surge, sway force [N] and yaw moment [N m] of the apparent wind (8.17 to 8.19).
 
+    X = −½ ρ_a V² A_F c_x cos a,  Y = −½ ρ_a V² A_L c_y sin a,  N = Y (x_L + c_n (1 − 2 |a|/π) L)
+
     ahead, starboard [m/s]: components of where the apparent wind comes from. A wind from starboard pushes
     to port: the source's Y has y to port, hence the minus sign here.
     """
@@ -23,8 +25,10 @@ def wind_forces(ahead: float, starboard: float, p: Any) -> tuple[float, float, f
 
 @compiled
 def current_forces(ahead: float, starboard: float, p: Any) -> tuple[float, float, float]:
-    """Extra force of the current in the thesis's DNV form (8.20 to 8.22), for `model: dnv_force` only.
+    """Force and moment of a flow on the underwater hull in DNV's form (8.20 to 8.22).
 
+    X = −½ ρ V² A_F c_x cos a,  Y = −½ ρ V² A_L c_y sin a,  N = Y (x_L + l(a) L)
+    with a the direction that the flow comes from and l = 0.4 (1 − 2 |a|/π) within [−0.2, 0.25].
     ahead, starboard [m/s]: components of where the apparent current comes from.
     """
     pressure = 0.5 * p.water_density * math.sqrt(ahead * ahead + starboard * starboard)
@@ -33,3 +37,19 @@ def current_forces(ahead: float, starboard: float, p: Any) -> tuple[float, float
     from_bow = abs(math.atan2(starboard, ahead))
     relative_lever = max(min(0.4 * (1.0 - 2.0 * from_bow / math.pi), 0.25), -0.2)
     return surge, sway, sway * (p.current_lateral_centre + relative_lever * p.length)
+
+
+@compiled
+def current_push(
+    u: float, v: float, current_ahead: float, current_starboard: float, p: Any
+) -> tuple[float, float, float]:
+    """Extra force of a current, `model: dnv_force`: F(u − u_c, v − v_c) − F(u, v), F by `current_forces`.
+
+    u, v: the boat's velocity over ground, current_ahead, current_starboard: the current's components [m/s].
+    The thesis applies F to the relative speed alone. Decision: what F gives for the boat's own speed is taken
+    off, since the towing tank's resistance holds it already; so the push is zero, and continuous, where the
+    current is zero.
+    """
+    moving = current_forces(u - current_ahead, v - current_starboard, p)
+    still = current_forces(u, v, p)
+    return moving[0] - still[0], moving[1] - still[1], moving[2] - still[2]

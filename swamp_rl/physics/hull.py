@@ -26,13 +26,34 @@ def crossflow_integrals(a: float, b: float, length: float) -> tuple[float, float
 
 
 @compiled
+def demihull_resistance(
+    u: float, v: float, r: float, p: Any, tank: Any, tow: tuple[float, int, float]
+) -> tuple[float, float]:
+    """Surge force [N] and yaw moment [N m] of the resistance of two demihulls, `hull_spacing` S [m] apart.
+
+    Each meets its own surge speed and carries half of the resistance X_R of the whole boat:
+    X = ½ Σ X_R(u − r y_i, v), N = −½ Σ y_i X_R(u − r y_i, v), y_i = ±S/2. At r = 0, or with S = 0, it is the
+    resistance at midship. tow: `towing(p, tank)`.
+    """
+    offset = 0.5 * p.hull_spacing
+    difference = r * offset
+    if difference == 0.0:
+        return surge_resistance(u, v, p, tank, tow), 0.0
+    starboard = 0.5 * surge_resistance(u - difference, v, p, tank, tow)
+    port = 0.5 * surge_resistance(u + difference, v, p, tank, tow)
+    return starboard + port, offset * (port - starboard)
+
+
+@compiled
 def hull_forces(
     u: float, v: float, r: float, p: Any, tank: Any, tow: tuple[float, int, float]
 ) -> tuple[float, float, float]:
     """Surge force, sway force [N] and yaw moment [N m] on the hull (eq. 8.16); tow: `towing(p, tank)`.
 
-    With two departures that are zero for the boat as designed: a drag linear in surge, and the yaw moment of
-    hulls that are not alike.
+    X_H = X_R + q X'_vr L v r − d u,  N_R: `demihull_resistance`, q = ½ ρ L d
+    Y_H = q [Y'_v v |u| + Y'_r L r u − (C_D/L) ∫ |v + C_rY r x| (v + C_rY r x) dx]
+    N_H = q L [N'_v v u + N'_r L r |u| − (C_D/L²) ∫ |v + C_rN r x| (v + C_rN r x) x dx] + N_R + a u |u|
+    The linear drag d [N s/m] and the asymmetry a [N m s²/m²] are zero for the boat as designed.
     """
     length = p.length
     q = 0.5 * p.water_density * length * p.draught
@@ -40,7 +61,8 @@ def hull_forces(
     y_integral, n_integral = crossflow_integrals(v, p.c_ry * r, length)
     if p.c_rn != p.c_ry:
         _, n_integral = crossflow_integrals(v, p.c_rn * r, length)
-    surge = surge_resistance(u, v, p, tank, tow) + q * p.x_vr * length * v * r - p.linear_drag * u
+    resistance, turning_resistance = demihull_resistance(u, v, r, p, tank, tow)
+    surge = resistance + q * p.x_vr * length * v * r - p.linear_drag * u
     sway = q * (p.y_v * v * abs(u) + p.y_r * length * r * u - drag / length * y_integral)
     yaw = q * length * (p.n_v * v * u + p.n_r * length * r * abs(u) - drag / (length * length) * n_integral)
-    return surge, sway, yaw + p.asymmetry_yaw * u * abs(u)
+    return surge, sway, yaw + turning_resistance + p.asymmetry_yaw * u * abs(u)

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from swamp_rl.physics.air_and_current import current_forces, wind_forces
+from swamp_rl.physics.air_and_current import current_push, wind_forces
 from swamp_rl.physics.compile import compiled
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.propulsion import propulsion_forces
@@ -27,7 +27,7 @@ def water_velocity(time: float, p: Any) -> tuple[float, float]:
 
     Water that gathers speed presses on a floating hull with just the force that takes the hull along, so the
     motion relative to it stays that of still water. With the thesis's current model (a force) the water
-    stands still and `current_forces` acts instead.
+    stands still and `current_push` acts instead.
     """
     if p.current_as_force != 0.0:
         return 0.0, 0.0
@@ -56,9 +56,9 @@ def external_forces(
     if p.current_as_force != 0.0:
         current = current_at(time, p)
         if current[0] != 0.0 or current[1] != 0.0:
-            ahead = u_ground - current[0] * cos - current[1] * sin
-            starboard = v_ground - current[1] * cos + current[0] * sin
-            x, y, n = current_forces(ahead, starboard, p)
+            ahead = current[0] * cos + current[1] * sin
+            starboard = current[1] * cos - current[0] * sin
+            x, y, n = current_push(u_ground, v_ground, ahead, starboard, p)
             surge, sway, yaw = surge + x, sway + y, yaw + n
     north, east = p.external_force_north, p.external_force_east
     if p.wave_force != 0.0:

@@ -54,10 +54,10 @@ def factor_at_depth(piece: int, x: float, tank: Any, depth: int) -> float:
 
 @compiled
 def depth_place(depth_over_draught: float, tank: Any) -> tuple[int, float]:
-    """The next shallower tested depth and its weight [1], the next deeper one having the rest.
+    """The next shallower tested depth and its weight w [1], the next deeper one having the rest.
 
-    Linear in T/h between the tested depths, deep beyond the deepest. Shallower than the shallowest test is
-    refused before a simulation starts, never extrapolated here.
+    w is linear in T/h between the tested depths, deep beyond the deepest. Shallower than the shallowest test
+    is refused before a simulation starts, never extrapolated here.
     """
     deepest = tank.shape[0] - 1
     if depth_over_draught >= tank[deepest, DEPTH, 0]:
@@ -87,14 +87,18 @@ def towing(p: Any, tank: Any) -> tuple[float, int, float]:
 def resistance_of_tank(u: float, v: float, p: Any, tank: Any, tow: tuple[float, int, float]) -> float:
     """Surge force [N] of the resistance, -k(U) u U; the double-ended hull resists astern as ahead.
 
-    tow: `towing(p, tank)`.
+    Between tested depths log k is interpolated: k = k_shallow^w k_deep^(1 - w). Left out and interpolated
+    from the others, the towed depths h/T = 2, 2.5 and 4 come back within 16, 8 and 10 % (rms), against 28,
+    10 and 12 % where k itself is interpolated. tow: `towing(p, tank)`.
     """
     scale, depth, weight = tow
     speed = math.sqrt(u * u + v * v)
     piece, x = piece_of(speed, tank)
-    shallow = factor_at_depth(piece, x, tank, depth)
-    deep = factor_at_depth(piece, x, tank, min(depth + 1, tank.shape[0] - 1))
-    return -scale * (weight * shallow + (1.0 - weight) * deep) * u * speed
+    factor = factor_at_depth(piece, x, tank, depth)
+    if weight != 1.0:
+        deep = factor_at_depth(piece, x, tank, depth + 1)
+        factor *= math.exp((1.0 - weight) * math.log(deep / factor))
+    return -scale * factor * u * speed
 
 
 @compiled

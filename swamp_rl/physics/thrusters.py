@@ -86,12 +86,14 @@ def alive(k: int, time: float, h: float, p: Any) -> float:
 
 @compiled
 def loss_under_way(x_force: float, y_force: float, u: float, v: float, r: float, k: int, p: Any) -> float:
-    """What is left [1] of the force of thruster k in water that passes it at u, v [m/s] and r [rad/s].
+    """What is left [1] of the force T of thruster k in water that passes it at u, v [m/s] and r [rad/s].
 
-    The jet gains less momentum the faster the water already runs along it, by V_a / V_o, and the hull's
-    crossflow takes exp(-c V_t^2) (Typhoon AUV, eq. 24). It neither turns round nor is drawn backwards.
+    (1 − c_a V_a/V_o) exp(−c_t (V_t/V_o)²), V_o = √(T / (ρ A_n)): the jet gains less momentum the faster the
+    water already runs along it (thesis eq. 5.2), and the flow across it takes its share (Typhoon AUV, eq. 24,
+    on the ratio of speeds as the energy paper has it). V_a, V_t [m/s]: the thruster's own speed through the
+    water along and across the jet. No loss at rest; it neither turns round nor is drawn backwards.
     """
-    if p.advance_loss == 0.0 and p.crossflow_loss == 0.0:
+    if p.advance_loss[k] == 0.0 and p.crossflow_loss == 0.0:
         return 1.0
     thrust = math.sqrt(x_force * x_force + y_force * y_force)
     if thrust == 0.0:
@@ -100,8 +102,11 @@ def loss_under_way(x_force: float, y_force: float, u: float, v: float, r: float,
     along = (u_there * x_force + v_there * y_force) / thrust
     across = (v_there * x_force - u_there * y_force) / thrust
     jet_speed_inverse = math.sqrt(p.water_density * p.nozzle_area[k] / thrust)
-    advance = max(1.0 - p.advance_loss * along * jet_speed_inverse, 0.0)
-    return advance * math.exp(-p.crossflow_loss * across * across)
+    advance = max(1.0 - p.advance_loss[k] * along * jet_speed_inverse, 0.0)
+    if p.crossflow_loss == 0.0:
+        return advance
+    ratio = across * jet_speed_inverse
+    return advance * math.exp(-p.crossflow_loss * ratio * ratio)
 
 
 @compiled

@@ -25,6 +25,7 @@ JET_FIELDS = (
     "astern_linear",
     "astern_quadratic",
     "nozzle_area",
+    "advance_loss",
 )
 
 
@@ -49,6 +50,7 @@ def boat_fields(boat: Boat) -> dict[str, float]:
         "c_d": float(boat.hull.c_d),
         "c_ry": boat.hull.c_ry,
         "c_rn": boat.hull.c_rn,
+        "hull_spacing": boat.hull.spacing,
         **deduction_fields(boat),
         "air_density": boat.wind.air_density,
         "air_frontal_area": boat.wind.frontal_area,
