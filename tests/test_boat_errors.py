@@ -43,11 +43,11 @@ def refused(folder: Path, text: str) -> str:
         ("hull: 3", "hull: input should be a mapping of keys"),
         ("hull: {2: 3}", "hull.2: "),
         (
-            "thrust_deduction: {factor_low: 1.2}",
+            "thrust_deduction: {throttle_low: 0, factor_low: 1.2, throttle_high: 1, factor_high: 1}",
             "thrust_deduction.factor_low: input should be less than or equal",
         ),
         (
-            "thrust_deduction: {throttle_high: 0.2}",
+            "thrust_deduction: {throttle_low: 0.3, factor_low: 1, throttle_high: 0.2, factor_high: 1}",
             "thrust_deduction: throttle_low must be below throttle_high",
         ),
         ("current: {model: dnv}", "current.model: input should be 'relative' or 'dnv_force', not 'dnv'"),

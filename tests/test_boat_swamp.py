@@ -63,7 +63,8 @@ def test_the_thrusters_stand_at_the_corners_they_are_named_after(swamp: Boat) ->
     for thruster in swamp.thrusters:
         assert thruster.x == (0.35 if thruster.name[0] == "b" else -0.35)
         assert thruster.y == (0.40 if thruster.name[1] == "s" else -0.40)
-        assert math.degrees(thruster.azimuth_rate) == pytest.approx(492.0)
+        # 4840 RPM through a gear of 59 and one of 2: a turn is 4096 x 59 x 2 = 483,328 steps of the motor
+        assert thruster.azimuth_rate == pytest.approx(4840 / 60 / 59 / 2 * 2 * math.pi, rel=1e-3)
         assert not thruster.reverses
 
 
@@ -89,6 +90,9 @@ def test_the_resistance_table_is_the_whole_of_table_4_7(swamp: Boat) -> None:
 def test_the_light_swamp_differs_in_mass_draught_and_what_follows_from_them(swamp: Boat) -> None:
     light = load_boat("swamp-light")
     assert (light.mass, light.draught) == (48.0, 0.115)
+    assert light.added_mass_surge == pytest.approx(-0.05 * light.mass)
+    assert light.added_mass_sway == pytest.approx(-0.40 * light.mass)
+    assert light.added_inertia_yaw == pytest.approx(-0.50 * light.inertia_z)
     assert light.hull.c_d == pytest.approx(1.848 - 0.0591 * 1.24 / 0.115)
     assert light.thrusters == swamp.thrusters
     assert light.resistance == swamp.resistance

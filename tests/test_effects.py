@@ -57,6 +57,8 @@ def test_the_library_has_the_projects_vocabulary() -> None:
         "thrust_scale": ("scale",),
         "advance_thrust_loss": ("factor",),
         "crossflow_thrust_loss": ("coefficient",),
+        "thrust_deduction": ("low", "high"),
+        "demihull_spacing": ("spacing",),
         "thrust_sag": ("rate",),
         "resistance": ("scale",),
         "linear_drag": ("coefficient",),

@@ -15,7 +15,7 @@ from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE
 from tests.boats import Array, commands, forces_on_hull
 
-BOAT = load_boat("swamp")
+BOAT = load_boat("swamp-thesis")  # neutral in every effect
 NAMES = BOAT.thruster_names
 DT = 0.1
 SURGE_MASS = BOAT.mass - BOAT.added_mass_surge
@@ -41,6 +41,7 @@ STRONG: dict[str, dict[str, Any]] = {  # every effect far enough from neutral fo
     "thrust_scale": {"scale": 0.8},
     "advance_thrust_loss": {"factor": 1.0},
     "crossflow_thrust_loss": {"coefficient": 1.0},
+    "thrust_deduction": {"low": 0.6, "high": 0.9},
     "thrust_sag": {"rate": 0.01},
     "resistance": {"scale": 1.4},
     "linear_drag": {"coefficient": 4.0},
@@ -50,6 +51,7 @@ STRONG: dict[str, dict[str, Any]] = {  # every effect far enough from neutral fo
     "sway_drag": {"scale": 1.5},
     "yaw_damping": {"scale": 1.5},
     "hull_coefficients": {"y_v": 1.3},
+    "demihull_spacing": {"spacing": 0.8},
     "hull_asymmetry": {"yaw_moment": 3.0},
     "external_force": {"north": 2.0},
     "heading_bias": {"bias": 0.1},
@@ -222,13 +224,15 @@ def test_a_jet_that_loses_thrust_with_advance_nears_its_own_speed() -> None:
 
 
 def test_crossflow_takes_its_exponential_of_a_jet_across_the_way() -> None:
-    loss = {"effect": "crossflow_thrust_loss", "coefficient": 0.8}
+    loss = {"effect": "crossflow_thrust_loss", "coefficient": 4.0}
     params = record(loss)
     start = initial_state(params, np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0]]))
     start[0, ACTUATORS : ACTUATORS + 4] = np.pi / 2
     across = commands(90, 90, (0.7,) * 4, 1)
     end = simulate(params, tank(BOAT), start, across[None], np.zeros(1, np.uint64), 1e-4, 1)[0, -1]
-    assert end[SWAY] / 1e-4 == pytest.approx(thrust_at(0.7) * np.exp(-0.8) / SWAY_MASS, rel=1e-3)
+    jet_speed_squared = thrust_at(0.7) / 4 / (1025 * 900e-6)
+    expected = thrust_at(0.7) * np.exp(-4.0 / jet_speed_squared) / SWAY_MASS
+    assert end[SWAY] / 1e-4 == pytest.approx(expected, rel=1e-3)
 
 
 def test_runge_kutta_keeps_its_order_with_thrust_that_depends_on_speed() -> None:

@@ -173,8 +173,8 @@ class Joypad(Part):
 class Boat(Part):
     """A boat file: particulars, hull, resistance, thrusters, what wind and current meet, and its effects.
 
-    thrust_deduction: of the jets, none where it is left out; a propeller has its own. Added masses are the hydrodynamic derivatives,
-    hence negative or zero. x_g is forward of midship.
+    thrust_deduction: of the jets, none where it is left out; a propeller has its own. Added masses are the
+    hydrodynamic derivatives, hence negative or zero. x_g is forward of midship.
     """
 
     name: Annotated[str, Field(min_length=1)]

@@ -303,11 +303,8 @@ def _thrust_deduction(effect: Effect, boat: Boat, duration: float) -> list[Atom]
 
 
 def _demihull_spacing(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
-    spec = Spec(0.2 * boat.breadth, 0.0, 2.0 * boat.breadth, ())
-    starts = tuple(
-        (share * boat.breadth,) for share in (0.4, 0.9) if share * boat.breadth != boat.hull.spacing
-    )
-    return [Atom(effect, (), (spec,), starts, names=("spacing",))]
+    spec = Spec(0.2 * boat.breadth, 0.0, 2.0 * boat.breadth, (0.4 * boat.breadth, 0.9 * boat.breadth))
+    return [Atom(effect, (), (spec,), tuple((start,) for start in spec.starts), names=("spacing",))]
 
 
 SPECIAL: dict[str, Callable[[Effect, Boat, float], list[Atom]]] = {

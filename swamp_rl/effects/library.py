@@ -221,7 +221,7 @@ declare(
     Parameter("coefficient", "1", 0.0, "crossflow_loss"),
     acts_on="actuator",
     combine="add",
-    description="thrust falls by exp(-coefficient (V / V_o)^2), V the water's speed across a jet of speed V_o",
+    description="thrust falls by exp(-coefficient (V / V_o)^2), V: the flow across a jet of speed V_o",
     source="Typhoon AUV, eq. 24, on the ratio of speeds as the energy paper has it",
 )
 
