@@ -117,13 +117,14 @@ def test_resistance_between_two_tested_depths_lies_between_theirs() -> None:
         return -forces_on_hull(boat, params[0], 1.0, 0.0, 0.0)[0]
 
     assert drag(9.0) == drag(50.0) < drag(4.0) < drag(3.0) < drag(2.5) < drag(1.5)
-    # log R is linear in draught over depth: half-way between 1/2.5 and 1/4 is 1/3.0769
-    assert drag(1.0 / (0.5 / 2.5 + 0.5 / 4.0)) == pytest.approx(math.sqrt(drag(2.5) * drag(4.0)), rel=1e-12)
+    # 1/R is linear in draught over depth: half-way between 1/2.5 and 1/4 is 1/3.0769
+    half_way = 2.0 / (1.0 / drag(2.5) + 1.0 / drag(4.0))
+    assert drag(1.0 / (0.5 / 2.5 + 0.5 / 4.0)) == pytest.approx(half_way, rel=1e-12)
 
 
 def test_a_depth_left_out_of_the_table_comes_back_as_well_as_the_document_says() -> None:
     boat, given = load_boat("swamp"), load_boat("swamp").resistance
-    for left_out, stated in ((2.0, 0.16), (2.5, 0.08), (4.0, 0.10)):
+    for left_out, stated in ((2.0, 0.10), (2.5, 0.09), (4.0, 0.09)):
         (curve,) = (curve for curve in given.table if curve.h_over_t == left_out)
         rest = tuple(other for other in given.table if other is not curve)
         without = boat.model_copy(update={"resistance": given.model_copy(update={"table": rest})})

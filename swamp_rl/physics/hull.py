@@ -37,8 +37,6 @@ def demihull_resistance(
     """
     offset = 0.5 * p.hull_spacing
     difference = r * offset
-    if difference == 0.0:
-        return surge_resistance(u, v, p, tank, tow), 0.0
     starboard = 0.5 * surge_resistance(u - difference, v, p, tank, tow)
     port = 0.5 * surge_resistance(u + difference, v, p, tank, tow)
     return starboard + port, offset * (port - starboard)
