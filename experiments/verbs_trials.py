@@ -58,7 +58,7 @@ def turning_circle(
     angle: Angle,
     throttle: Throttle,
     boat: BoatName = "swamp",
-    turns: Annotated[int, typer.Option(help="Full turns.")] = 3,
+    turns: Annotated[int, typer.Option(help="Full turns; the second half counts as steady.")] = 6,
     duration: Annotated[float, typer.Option(help="Of the pull-out (s).")] = 30.0,
     pattern: Pattern = "opposed",
     start_speed: StartSpeed = None,

@@ -27,7 +27,7 @@ class Trial:
     angle: float = 0.0
     heading: float = 0.0
     pattern: Pattern = "opposed"
-    turns: int = 3
+    turns: int = 6
     executes: int = 6
     duration: float = 30.0
     astern: bool = False

@@ -54,7 +54,7 @@ class Entry(Part):
     angle_deg: Annotated[tuple[Degrees, ...], FROM_LIST, FILLED] | None = None
     heading_deg: Several | None = None
     pattern: Pattern = "opposed"
-    turns: Annotated[int, Field(ge=1, le=20)] = 3
+    turns: Annotated[int, Field(ge=1, le=20)] = 6
     executes: Annotated[int, Field(ge=2, le=40)] = 6
     duration_s: Annotated[float, Field(gt=0.0, le=600.0)] = 30.0
     astern: bool = False

@@ -99,7 +99,7 @@ def circle_figures(circle: Circle, drift: Drift | None, rng: np.random.Generator
         along = aside if across else ahead
         found[name] = _way(circle, turning, drift, along, angle, rng)
     steady = [_steady(circle, turning, k) for k in range(circle.turns)]
-    later = steady[1:] or steady  # the boat loses speed in the first turn
+    later = steady[len(steady) // 2 :]  # the boat loses speed in the turns before
     for i, (name, unit) in enumerate(STEADY.items()):
         found[name] = over([values[i] for values in later], unit, rng)
     start = float(np.hypot(*(circle.approach - water)))
