@@ -95,8 +95,9 @@ def test_a_trial_to_port_is_the_mirror_of_that_to_starboard() -> None:
 def test_the_circle_at_30_degrees_has_the_diameter_and_speed_that_the_docs_hold() -> None:
     boat = load_boat("swamp-light")
     result = analyse_run(run_of_trial(done(Trial("turning-circle", 0.6, 30 * DEG)), boat, "a", 0), boat)
-    assert result.figures["tactical_diameter"].value == pytest.approx(6.8, abs=0.1)
-    assert result.figures["steady_speed"].value == pytest.approx(0.83, abs=0.01)
+    assert result.figures["tactical_diameter"].value == pytest.approx(9.7, abs=0.1)
+    assert result.figures["steady_diameter"].value == pytest.approx(9.0, abs=0.1)
+    assert result.figures["steady_speed"].value == pytest.approx(0.96, abs=0.01)
 
 
 def test_in_a_current_the_corrected_circle_is_that_of_still_water(tmp_path: Path) -> None:
@@ -127,26 +128,20 @@ def test_a_pull_out_that_is_still_changing_is_judged_neither_way(tmp_path: Path)
     assert all(verdict.startswith("not told") for verdict in result.verdicts.values())
 
 
-def test_spirals_and_pull_outs_tell_that_swamp_is_unstable_on_its_course() -> None:
-    boat = load_boat("swamp-light")
-    # Y'v N'r - N'v (Y'r - m'x - m') < 0, see docs/physics.md.
-    for executed in execute(
-        boat, [Trial(kind, 0.6, 20 * DEG) for kind in ("spiral", "reverse-spiral", "pull-out")]
-    ):
+# Y'v N'r - N'v (Y'r - m'x - m') < 0 makes the printed model unstable; the demihulls' moment makes up for it.
+@pytest.mark.parametrize(("name", "told"), [("swamp-thesis", "unstable"), ("swamp-light", "stable")])
+def test_spirals_and_pull_outs_tell_whether_a_boat_is_stable_on_its_course(name: str, told: str) -> None:
+    boat = load_boat(name)
+    kinds = {
+        "spiral": {},
+        "reverse-spiral": {},
+        "pull-out": {"duration": 120.0},
+    }  # a slow decay is no residue
+    for executed in execute(boat, [Trial(kind, 0.9, 20 * DEG, **more) for kind, more in kinds.items()]):
         kind = executed.trial.kind
         result = analyse_run(run_of_trial(executed, boat, kind, 0), boat)
-        assert result.verdicts["course_stability"].startswith("unstable"), (kind, result.verdicts)
+        assert result.verdicts["course_stability"].startswith(told), (kind, result.verdicts)
         assert result.verdicts["bias"].startswith("none"), (kind, result.verdicts)
-
-
-def test_a_boat_with_more_yaw_damping_is_found_stable(tmp_path: Path) -> None:
-    boat = with_effects(tmp_path, "{effect: yaw_damping, scale: 4.0}")
-    for executed in execute(
-        boat, [Trial(kind, 0.6, 20 * DEG) for kind in ("spiral", "reverse-spiral", "pull-out")]
-    ):
-        kind = executed.trial.kind
-        result = analyse_run(run_of_trial(executed, boat, kind, 0), boat)
-        assert result.verdicts["course_stability"].startswith("stable"), (kind, result.verdicts)
 
 
 def test_the_propellers_ship_does_the_same_trials_by_its_rudder() -> None:
@@ -169,7 +164,7 @@ def test_a_stopping_trial_ends_without_way_and_straight_astern_goes_astern() -> 
 def test_what_a_trial_cannot_reach_is_noted_and_it_goes_on() -> None:
     fast = done(Trial("zig-zag", 0.6, 20 * DEG, 20 * DEG, executes=2, start_speed=1.4))
     assert fast.completed
-    assert "start speed 1.40 m/s was not reached, it began at 0.99 m/s" in fast.notes
+    assert "start speed 1.40 m/s was not reached, it began at 1.04 m/s" in fast.notes
 
 
 def test_a_boat_that_cannot_reach_its_waypoints_executes_from_where_it_is(tmp_path: Path) -> None:
@@ -187,7 +182,7 @@ def test_a_turn_that_never_comes_ends_the_trial_with_a_note(tmp_path: Path) -> N
     result = analyse_run(run_of_trial(executed, boat, "a", 0), boat)
     assert executed.notes[-1] in result.notes
     assert any("no complete turn" in note for note in result.notes)
-    assert result.figures["approach_speed"].value == pytest.approx(0.99, abs=0.01)
+    assert result.figures["approach_speed"].value == pytest.approx(1.04, abs=0.01)
 
 
 def test_a_delay_of_commands_makes_the_overshoot_larger(tmp_path: Path) -> None:
