@@ -19,6 +19,8 @@ from swamp_rl.sensors import observe
 from swamp_rl.simulator import tank
 from swamp_rl.simulator.step import simulate
 
+pytestmark = pytest.mark.slow
+
 BOAT = load_boat("swamp")
 
 

@@ -12,6 +12,8 @@ from benchmarks.esso_osaka.wind import apart, named
 from swamp_rl.criticism.result import Diagnosis, Estimate
 from swamp_rl.runs import Run
 
+pytestmark = pytest.mark.slow
+
 on_the_pond = pytest.mark.skipif(not DATA.is_dir(), reason="the pond data are not beside this checkout")
 BEGINNING = 160.0  # s of each run; whole runs take four times as long to diagnose
 

@@ -14,6 +14,8 @@ from swamp_rl.runs import Run
 from swamp_rl.runs.turning import Turn
 from swamp_rl.simulator.replay import replay
 
+pytestmark = pytest.mark.slow
+
 BOAT = load_boat("esso_osaka")
 FROM = 2.0
 

@@ -106,7 +106,7 @@ def _spread(milliseconds: Any) -> dict[str, float]:
 
 def hours(folder: Path) -> dict[str, Any]:
     """Memory [MiB] along eight hours at the levers, and how long an acceptance took at most [s]."""
-    from tests.support.driving import accept, drive, session
+    from benchmarks.recorder.driver import drive, session
 
     game = session(folder, "standard")
     memory: list[float] = []
@@ -118,7 +118,8 @@ def hours(folder: Path) -> dict[str, Any]:
             game.drop(again=False)
         else:
             begun = time.perf_counter()
-            accept(game)
+            game.accept()()
+            game.accepted()
             taken.append(time.perf_counter() - begun)
         if now // 3600.0 == len(memory) + 1:
             memory.append(_resident())

@@ -28,6 +28,8 @@ from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from tests.support.criticism import DT, SECONDS, SIGMA, driven, searched, trials
 
+pytestmark = pytest.mark.slow
+
 
 def test_the_noise_is_told_from_the_data_alone() -> None:
     assert noise_levels(trials([])) == pytest.approx(SIGMA, rel=0.1)

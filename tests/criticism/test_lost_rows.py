@@ -13,6 +13,8 @@ from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.criticism.unseen_commands import tapped
 from tests.support.criticism import commands, driven
 
+pytestmark = pytest.mark.slow
+
 ROW = 150
 
 

@@ -20,6 +20,8 @@ from swamp_rl.criticism.pointing import (
 from swamp_rl.criticism.unsteady import random_forces
 from tests.support.unmodelled_forces import DEAD_ZONE, MOORING, SECTOR, sailed
 
+pytestmark = pytest.mark.slow
+
 NOTHING = [(Hypothesis(), np.zeros(0))]
 
 

@@ -15,6 +15,8 @@ from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.criticism.schema import schema_text
 
+pytestmark = pytest.mark.slow
+
 PUBLISHED = Path(__file__).parents[2] / "docs" / "diagnosis.schema.json"
 
 

@@ -15,6 +15,8 @@ from swamp_rl.criticism.unsteady import random_forces
 from tests.support.criticism import wander
 from tests.support.unmodelled_forces import DEAD_ZONE, MOORING, SECTOR, sailed
 
+pytestmark = pytest.mark.slow
+
 PIECES, PIECE = 5, 1.0
 
 

@@ -14,6 +14,8 @@ from swamp_rl.criticism.slow import filter_of, slow_errors
 from swamp_rl.criticism.windows import Windows
 from tests.support.criticism import DT, SECONDS, trials, wander
 
+pytestmark = pytest.mark.slow
+
 
 def windows(count: int, rows: int) -> Windows:
     """Windows of unit weight with a few samples missing."""

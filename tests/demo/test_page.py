@@ -16,6 +16,8 @@ from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, RunMeta
 from tests.support.runs import circling
 
+pytestmark = pytest.mark.slow
+
 NASTY = """</script><img src=x onerror="document.title='pwned'">&amp;'"""
 
 

@@ -16,6 +16,8 @@ from swamp_rl.pilots.reservoir import ReservoirSettings, fit_reservoir
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.runs import Run
 
+pytestmark = pytest.mark.slow
+
 BOAT, COURSE = load_boat("swamp"), load_course("camogli")
 FEW = {"learner": {"kind": "reservoir", "units": 60}, "rounds": 2, "runs": 2, "trials": 0}
 

@@ -15,6 +15,8 @@ from swamp_rl.pilots.dagger_checkpoint import load_rounds
 from swamp_rl.pilots.store import load_pilot
 from tests.support.killed_dagger import trained
 
+pytestmark = pytest.mark.slow
+
 LEARNERS = {
     "reservoir": {"kind": "reservoir", "units": 40},
     "gru": {"kind": "gru", "epochs": 2, "units": 6},

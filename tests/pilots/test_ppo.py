@@ -19,6 +19,8 @@ from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.store import load_pilot
 from tests.support.killed_ppo import trained
 
+pytestmark = pytest.mark.slow
+
 QUICK = PPOSettings(boats=8, decisions=2048, horizon=64, batch_size=128, epochs=2, leg=2)
 CLONED = ("east", "north", "yaw_rate", "gate_sin")
 

@@ -16,6 +16,8 @@ from swamp_rl.pilots.store import load_pilot
 from tests.support.killed_clones import trained
 from tests.support.steering_runs import RUNS
 
+pytestmark = pytest.mark.slow
+
 POSE = ("north", "east", "cos_heading", "sin_heading")
 KINDS: dict[str, tuple[Callable[..., Any], Any]] = {
     "cloning": (fit_cloning, CloningSettings(senses=POSE, epochs=6, noise=0.05, seed=3)),

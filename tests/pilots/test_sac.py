@@ -15,6 +15,8 @@ from swamp_rl.pilots.sac import SACSettings, _learner, _pilot, train_sac
 from swamp_rl.pilots.store import load_pilot
 from tests.support.killed_sac import SETTINGS, trained
 
+pytestmark = pytest.mark.slow
+
 
 def boats_of(settings: SACSettings) -> GatesVecEnv:
     boats = GatesVectorEnv(settings.boats, observation=settings.senses, autoreset_mode="SameStep")

@@ -23,6 +23,8 @@ from swamp_rl.teleop.rows import largest_difference
 from tests.support.driving import BOAT, aim, meta
 from tests.support.recorder import GREAT_HASTE, serving
 
+pytestmark = pytest.mark.slow
+
 HASTE, MORE_HASTE = 3.0, 6.0  # keys are pressed from outside the browser, which takes time
 ATTEMPTS = 4
 PHONE: ViewportSize = {"width": 390, "height": 844}

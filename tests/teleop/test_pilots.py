@@ -24,6 +24,8 @@ from swamp_rl.teleop.session import ENDED, RUN, Session
 from tests.support.driving import BOAT, accept, command, drive, session
 from tests.support.steering_runs import RUNS, SMALL
 
+pytestmark = pytest.mark.slow
+
 COURSE = load_course("camogli")
 QUICK = CloningSettings(senses=(*POSE, *MOTION, *NEXT_GATE), epochs=2)
 

@@ -14,6 +14,8 @@ from swamp_rl.course import load_course
 from swamp_rl.pilots.scripted import ScriptedPilot
 from tests.support.recorder import GREAT_HASTE, serving
 
+pytestmark = pytest.mark.slow
+
 SIZES = {"desktop": (1280, 800), "phone across": (844, 390), "phone upright": (390, 844)}
 # What canvases write, beside the page's own words.
 NOTED = """

@@ -13,6 +13,8 @@ from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
 from tests.support.demo import dataset, started
 from tests.support.runs import circling, described
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def results(tmp_path: Path) -> Path:

@@ -9,10 +9,13 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pytest
 from PIL import Image
 from playwright.sync_api import ViewportSize, sync_playwright
 
 from tests.support.demo import dataset, started
+
+pytestmark = pytest.mark.slow
 
 FLAGS = [
     "--headless=new",

@@ -16,6 +16,8 @@ from swamp_rl.errors import UserError
 from swamp_rl.pilots.store import describe_pilot
 from tests.support.tiny_experiment import content, write_tiny
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:

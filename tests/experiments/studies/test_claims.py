@@ -28,6 +28,8 @@ from swamp_rl.evaluation import Rollout
 from swamp_rl.files import find_config
 from swamp_rl.runs import Run
 
+pytestmark = pytest.mark.slow
+
 SMALL = (
     "data.record.good=6",
     "claims.draws=2",

@@ -21,6 +21,8 @@ from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, check_dataset, read_dataset
 from tests.support.runs import circling
 
+pytestmark = pytest.mark.slow
+
 SMALL = {
     "extends": "closed_loop",
     "name": "small",

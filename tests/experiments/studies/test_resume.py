@@ -23,6 +23,8 @@ from swamp_rl.pilots.settings import Settings
 from swamp_rl.unfinished import taken_up
 from tests.support.tiny_experiment import content, write_tiny
 
+pytestmark = pytest.mark.slow
+
 
 def stopped(*_: Any) -> None:
     raise KeyboardInterrupt

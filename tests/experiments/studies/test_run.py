@@ -22,6 +22,8 @@ from swamp_rl.evaluation import drive
 from swamp_rl.pilots.store import load_pilot
 from swamp_rl.runs import check_dataset, read_dataset
 
+pytestmark = pytest.mark.slow
+
 PILOTS = ["scripted", "reservoir", "reservoir-alone", "cloning", "ppo"]
 LEVELS = ["calm", "standard", "severe"]
 

@@ -8,6 +8,8 @@ from swamp_rl.experiments.config.schema import load_experiment
 from swamp_rl.experiments.config.smoke import EPISODES, MOST
 from swamp_rl.experiments.studies.run import run_experiment
 
+pytestmark = pytest.mark.slow
+
 SHIPPED = sorted(path.stem for path in (Path(__file__).parents[3] / "configs" / "experiments").glob("*.yaml"))
 
 

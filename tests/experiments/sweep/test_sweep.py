@@ -26,6 +26,8 @@ from tests.support import sweeps as sweep_trials
 from tests.support.sweep_crews import HereCrew, said, swept
 from tests.support.sweeps import DRAWN, sweep_of
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(
     "changes", [{}, DRAWN, {**DRAWN, "sampler": "random"}], ids=["grid", "tpe", "random"]

@@ -17,7 +17,10 @@ from tests.support import sweeps as sweep_trials
 from tests.support.sweep_crews import HereCrew, said, swept
 from tests.support.sweeps import DRAWN, FORMULA, sweep_of
 
-pytestmark = pytest.mark.xdist_group("ray")  # a cluster takes long to start: one for the whole module
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.xdist_group("ray"),
+]  # a cluster takes long to start: one for the whole module
 
 LONGEST = 240  # s: a cluster that hangs is a failure and no endless wait
 LOOPBACK_ONLY = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0", "RAY_USAGE_STATS_ENABLED": "0"}
