@@ -28,8 +28,8 @@ from swamp_rl.experiments.synthetic.cases import (
 
 from swamp_rl.boat import load_boat
 from swamp_rl.effects import EffectEntry, apply_effects, parse_effects
-from swamp_rl.sensors import observe
 from swamp_rl.simulator import tank
+from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.step import simulate
 
 STATES = 6  # of a start: pose and velocities

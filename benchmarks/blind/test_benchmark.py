@@ -15,8 +15,8 @@ from benchmarks.blind.score import share, summary
 from benchmarks.blind.tables import document, judgement
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data import read_trials
-from swamp_rl.sensors import observe
 from swamp_rl.simulator import tank
+from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.step import simulate
 
 pytestmark = pytest.mark.slow

@@ -34,7 +34,7 @@ from swamp_rl.boat import Boat, PropellerRudder, load_boat
 from swamp_rl.files import write_yaml
 from swamp_rl.runs import DatasetMeta, RunMeta
 from swamp_rl.runs.table import write_table
-from swamp_rl.sensors import observe
+from swamp_rl.simulator.sensors import observe
 
 VARIANT = "X"
 KINDS = ("single",) * 6 + ("pair", "pair", "clean", "clean", "outside")

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 from swamp_rl.envs.hindsight import with_gates
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import Scene, read_scene
-from swamp_rl.experiments.config.schema import load_experiment
 from swamp_rl.experiments.training.train import record
 
 from swamp_rl.evaluation import drive

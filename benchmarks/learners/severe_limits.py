@@ -10,8 +10,8 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import Scene, read_scene
-from swamp_rl.experiments.config.schema import load_experiment
 
 from benchmarks.learners.reinforcement import place
 from swamp_rl.evaluation import drive

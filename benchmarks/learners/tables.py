@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from swamp_rl.experiments.config.schema import load_experiment
+from swamp_rl.experiments.config.learners import learner
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.training.curves import quantity_of
-from swamp_rl.experiments.training.learners import learner
 
 from benchmarks.learners.reservoir_choice import correlation
 from swamp_rl.files import write_beside

@@ -19,9 +19,10 @@ from typing import Any
 
 import numpy as np
 from swamp_rl.experiments.artifacts.results import mean_command_change
+from swamp_rl.experiments.config.learners import in_order
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import Scene, read_scene
-from swamp_rl.experiments.config.schema import Experiment, load_experiment
-from swamp_rl.experiments.training.learners import in_order
+from swamp_rl.experiments.config.schema import Experiment
 from swamp_rl.experiments.training.train import record, train
 
 from swamp_rl.evaluation import drive, episode_table, wilson

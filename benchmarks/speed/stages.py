@@ -16,9 +16,10 @@ from typing import Any
 
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.envs.sb3 import GatesVecEnv
-from swamp_rl.experiments.config.schema import Experiment, load_experiment
+from swamp_rl.experiments.config.learners import learner
+from swamp_rl.experiments.config.load import load_experiment
+from swamp_rl.experiments.config.schema import Experiment
 from swamp_rl.experiments.reports.experiment import table
-from swamp_rl.experiments.training.learners import learner
 
 from benchmarks.documents.readme import between_marks
 from benchmarks.speed.pilots import Timed

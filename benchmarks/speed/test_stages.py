@@ -1,7 +1,7 @@
 """The table of where the time goes adds up to all of it, each stage under its own kind of work."""
 
 import pytest
-from swamp_rl.experiments.config.schema import load_experiment
+from swamp_rl.experiments.config.load import load_experiment
 
 from benchmarks.speed.stages import divided, times
 

@@ -7,10 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from swamp_rl.experiments.artifacts.provenance import RESULTS, TRAINED, WORK, description
+from swamp_rl.experiments.artifacts.provenance import RESULTS, TENSORBOARD, TRAINED, WORK, description
 from swamp_rl.experiments.artifacts.stages import Stages, stages
 from swamp_rl.experiments.config.scene import Scene
-from swamp_rl.experiments.training.tracking import TENSORBOARD
 
 from swamp_rl.unfinished import taken_up
 

@@ -1,6 +1,5 @@
 """What a folder of results keeps of how it was made, and how an experiment is found again in one."""
 
-import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -8,20 +7,20 @@ from pathlib import Path
 from typing import Any
 
 from swamp_rl.experiments.artifacts.versions import versions
+from swamp_rl.experiments.config.digests import digest, hashes, pilot_hash
 from swamp_rl.experiments.config.scene import Scene, config_files
 from swamp_rl.experiments.config.schema import Experiment
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, write_beside, yaml_text
-from swamp_rl.pilots.store import DESCRIPTION, load_pilot
-from swamp_rl.runs.dataset import META
+from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, yaml_text
 
 RESULTS, TRAINED = "results.json", "training.json"
 """Marks of a whole result and of one whose pilots are trained but not evaluated."""
 CONFIG, EXPERIMENT = "config", "experiment.yaml"
 WORK = ".work"
 """Folders of what is needed only until the result is whole."""
-HASHES = "data.sha256"
+TENSORBOARD = "tensorboard"
+"""The folder of event files in a folder of results, by pilot."""
 
 
 def description(scene: Scene) -> dict[str, bytes]:
@@ -68,35 +67,6 @@ def _named_in(data: Any) -> Iterator[str]:
             yield from _named_in(part)
 
 
-def hashes(folder: Path) -> dict[str, str]:
-    """SHA-256 of each file of a dataset, by name; UserError where it is no dataset."""
-    if not (folder / META).is_file():
-        raise UserError(f"{folder / META}: no such file; name a folder of runs with its {META}")
-    listed = [META, *(str(entry["file"]) for entry in read_yaml(folder / META).get("runs") or ())]
-    missing = [name for name in listed if not (folder / name).is_file()]
-    if missing:
-        raise UserError(f"{folder / missing[0]}: no such file, but {META} lists it; put it there or drop it")
-    return {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in sorted(listed)}
-
-
-def digest(of: Mapping[str, str]) -> str:
-    """One SHA-256 for many files: that of the lines that `sha256sum` would print of them."""
-    return hashlib.sha256(_lines(of, Path()).encode()).hexdigest()
-
-
-def write_hashes(data: Path, folder: Path) -> str:
-    """Write `data.sha256` into `folder`, to be checked there by `sha256sum -c`; the digest of all of it."""
-    found = hashes(data)
-    shown = Path(data.name) if data.parent == folder else data
-    with write_beside(folder / HASHES) as part:
-        part.write_text(_lines(found, shown), encoding="utf-8")
-    return digest(found)
-
-
-def _lines(of: Mapping[str, str], folder: Path) -> str:
-    return "".join(f"{value}  {folder / name}\n" for name, value in of.items())
-
-
 def with_data_hash(experiment: Experiment, where: str) -> Experiment:
     """The experiment with the digest of the folder it learns from; UserError where it names another one."""
     data = experiment.data
@@ -109,13 +79,6 @@ def with_data_hash(experiment: Experiment, where: str) -> Experiment:
             "bring them back, or drop the key to learn from what is there"
         )
     return experiment.model_copy(update={"data": data.model_copy(update={"sha256": found})})
-
-
-def pilot_hash(folder: Path | str) -> str:
-    """SHA-256 of a stored pilot's `pilot.json`, which holds that of its weights; UserError as for
-    `load_pilot`."""
-    load_pilot(folder)
-    return hashlib.sha256((Path(folder) / DESCRIPTION).read_bytes()).hexdigest()
 
 
 def with_pilot_hashes(experiment: Experiment, where: str) -> Experiment:

@@ -6,9 +6,9 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+from swamp_rl.experiments.config.learners import learner
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan, Targets
-from swamp_rl.experiments.training.learners import learner
 
 from swamp_rl.evaluation import Interval, Table, command_change, differences, summary
 from swamp_rl.runs import Dataset, Run

@@ -4,7 +4,7 @@ import json
 import resource
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,9 +13,7 @@ from typing import Any
 from swamp_rl.experiments.artifacts.versions import hardware
 
 from swamp_rl.files import write_beside
-
-Tick = Callable[[float], None]
-"""Told how much of the stage's total is done so far."""
+from swamp_rl.pilots.callbacks import Tick
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,7 @@ def evaluate(
     ] = None,
 ) -> None:
     """Evaluate and report pilots that are trained already, all in the same episodes."""
-    from swamp_rl.experiments.evaluation.stored import evaluate_folders
+    from swamp_rl.experiments.studies.stored import evaluate_folders
 
     asked = {"levels": level, "episodes": episodes, "seed": seed}
     changes = {key: value for key, value in asked.items() if value not in (None, [])}

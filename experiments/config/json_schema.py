@@ -11,8 +11,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from swamp_rl.experiments.config.learners import LEARNERS, Learner, learner
 from swamp_rl.experiments.config.schema import Experiment
-from swamp_rl.experiments.training.learners import LEARNERS, Learner, learner
 
 from swamp_rl.files import write_beside
 

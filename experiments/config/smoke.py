@@ -1,10 +1,9 @@
 """Any experiment made so small that it says nothing, but goes through every stage: does it still work?"""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from swamp_rl.experiments.config.schema import Experiment, PilotPlan
+from swamp_rl.experiments.config.schema import Experiment, PilotPlan
 
 RUNS, EPISODES = 3, 3
 MOST = {
@@ -26,7 +25,7 @@ MOST = {
 """What an option of a pilot's training may be at most, by its name, whatever the kind of pilot."""
 
 
-def shrunk(experiment: "Experiment") -> "Experiment":
+def shrunk(experiment: Experiment) -> Experiment:
     """The experiment with few runs, decisions, epochs and episodes, under a name of its own.
 
     Every pilot and every level stays, so that what cannot be trained or evaluated is found.
@@ -53,7 +52,7 @@ def shrunk(experiment: "Experiment") -> "Experiment":
     )
 
 
-def _small(plan: "PilotPlan") -> "PilotPlan":
+def _small(plan: PilotPlan) -> PilotPlan:
     runs = None if plan.runs is None else min(plan.runs, RUNS)
     return plan.model_copy(update={"runs": runs, "options": _capped(plan.options)})
 

@@ -6,16 +6,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from swamp_rl.experiments.artifacts.provenance import WORK, seeds, write_hashes
+from swamp_rl.experiments.artifacts.provenance import WORK, seeds
 from swamp_rl.experiments.artifacts.results import data_results
 from swamp_rl.experiments.artifacts.stages import Stages, measured
 from swamp_rl.experiments.config.claims import Claims
+from swamp_rl.experiments.config.digests import write_hashes
+from swamp_rl.experiments.config.learners import learner
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.evaluation.comparison import without_nan
 from swamp_rl.experiments.reports.claims import report
 from swamp_rl.experiments.studies.claims_effects import CLAIMS, Hypothesis, hypotheses
 from swamp_rl.experiments.studies.claims_episodes import fly
-from swamp_rl.experiments.training.learners import learner
 from swamp_rl.experiments.training.train import get_data
 
 from swamp_rl.errors import UserError

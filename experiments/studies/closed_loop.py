@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from swamp_rl.experiments.artifacts.provenance import WORK, seeds, write_hashes
+from swamp_rl.experiments.artifacts.provenance import WORK, seeds
 from swamp_rl.experiments.artifacts.results import pilot_results
 from swamp_rl.experiments.artifacts.stages import Stages, measured
+from swamp_rl.experiments.config.digests import write_hashes
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import Logs
 from swamp_rl.experiments.evaluation.episodes import try_pilots

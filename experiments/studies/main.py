@@ -4,9 +4,10 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from swamp_rl.experiments.artifacts.provenance import WORK, pilot_hash, seeds, write_hashes
+from swamp_rl.experiments.artifacts.provenance import WORK, seeds
 from swamp_rl.experiments.artifacts.results import gather
 from swamp_rl.experiments.artifacts.stages import Stages, measured
+from swamp_rl.experiments.config.digests import pilot_hash, write_hashes
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.evaluation.episodes import Tried, try_pilots
 from swamp_rl.experiments.evaluation.pilot_runs import write_driven

@@ -14,8 +14,9 @@ from swamp_rl.experiments.artifacts.provenance import (
     with_pilot_hashes,
 )
 from swamp_rl.experiments.artifacts.stages import Stages, measured
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import Scene, read_scene
-from swamp_rl.experiments.config.schema import Experiment, load_experiment
+from swamp_rl.experiments.config.schema import Experiment
 from swamp_rl.experiments.reports.terminal import print_results, read_json, write_json
 from swamp_rl.experiments.studies.main import do_experiment
 from swamp_rl.experiments.training.train import get_data, train_pilots

@@ -14,7 +14,7 @@ def job_of(experiment: Experiment, objective: Objective) -> str:
 
     Pilots that this one starts from are kept.
     """
-    from swamp_rl.experiments.training.learners import in_order
+    from swamp_rl.experiments.config.learners import in_order
 
     needed = in_order(experiment.pilots, [objective.pilot])
     pilots = {name: experiment.pilots[name] for name in needed}

@@ -20,9 +20,9 @@ from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.files import write_yaml
 from swamp_rl.runs import DatasetMeta, RunMeta
 from swamp_rl.runs.table import write_table
-from swamp_rl.sensors import add_noise, observe
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.delay import delayed_command
+from swamp_rl.simulator.sensors import add_noise, observe
 from swamp_rl.simulator.state import EAST, HEADING, NORTH
 
 DT = 0.1

@@ -5,17 +5,14 @@ import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from swamp_rl.experiments.artifacts.results import Tables
+from swamp_rl.experiments.config.schema import Experiment
 
 from swamp_rl.errors import UserError
+from swamp_rl.pilots.callbacks import Log
 
-if TYPE_CHECKING:
-    from swamp_rl.experiments.artifacts.results import Tables
-    from swamp_rl.experiments.config.schema import Experiment
-    from swamp_rl.experiments.training.learners import Log
-
-TENSORBOARD = "tensorboard"
-"The folder of event files in a folder of results, by pilot."
 MLFLOW: dict[str, str] = {
     "MLFLOW_DISABLE_TELEMETRY": "true",
     "MLFLOW_ALLOW_FILE_STORE": "true",  # a plain folder, which MLflow itself keeps up no longer
@@ -27,7 +24,7 @@ after seconds and not minutes."""
 
 
 @contextmanager
-def tracked(folder: Path, experiment: "Experiment", pilot: str) -> Iterator["Log"]:
+def tracked(folder: Path, experiment: Experiment, pilot: str) -> Iterator[Log]:
     """Yields what hears the points of one pilot's training.
 
     folder: of event files; an earlier life's are dropped, since what it logged is logged again. UserError
@@ -46,7 +43,7 @@ def tracked(folder: Path, experiment: "Experiment", pilot: str) -> Iterator["Log
         yield log
 
 
-def track_success(experiment: "Experiment", tables: "Tables") -> None:
+def track_success(experiment: Experiment, tables: Tables) -> None:
     """Each pilot's success rates by level, as a run `NAME evaluated` with its settings, where MLflow is asked
     for; UserError where its store cannot be had."""
     if experiment.tracking.mlflow is None:
@@ -57,7 +54,7 @@ def track_success(experiment: "Experiment", tables: "Tables") -> None:
             log(0, {f"success/{level}": float(rate) for level, rate in rates.items()})
 
 
-def _event_files(folder: Path, stack: ExitStack) -> "Log":
+def _event_files(folder: Path, stack: ExitStack) -> Log:
     """Made at the first point, for many kinds of pilots log none."""
     writers: list[Any] = []
 
@@ -74,7 +71,7 @@ def _event_files(folder: Path, stack: ExitStack) -> "Log":
 
 
 @contextmanager
-def _mlflow_run(experiment: "Experiment", pilot: str, name: str) -> Iterator["Log"]:
+def _mlflow_run(experiment: Experiment, pilot: str, name: str) -> Iterator[Log]:
     """A run of that name, with the pilot's settings, in MLflow's experiment of the experiment's name; failed
     if the block fails."""
     uri = str(experiment.tracking.mlflow)

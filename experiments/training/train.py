@@ -4,15 +4,17 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from swamp_rl.experiments.artifacts.stages import Stages, Tick
+from swamp_rl.experiments.artifacts.provenance import TENSORBOARD
+from swamp_rl.experiments.artifacts.stages import Stages
+from swamp_rl.experiments.config.learners import Training, in_order, learner
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.training.curves import CURVE, write_curve
-from swamp_rl.experiments.training.learners import Log, Training, in_order, learner
-from swamp_rl.experiments.training.tracking import TENSORBOARD, tracked
+from swamp_rl.experiments.training.tracking import tracked
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import folder_beside
+from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.description import FittedOn
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import record_scripted

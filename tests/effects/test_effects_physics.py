@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from swamp_rl.boat import load_boat
 from swamp_rl.effects import LIBRARY, apply_effects, parse_effects
 from swamp_rl.physics.thrusters import effective_thrust
-from swamp_rl.sensors import observe
 from swamp_rl.simulator import initial_state, parameters, simulate, step, tank
 from swamp_rl.simulator.delay import delayed_command
+from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE
 from tests.support.boats import Array, commands, forces_on_hull
 

@@ -13,8 +13,8 @@ from swamp_rl.envs.single import GatesEnv
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import parse_effects
 from swamp_rl.errors import UserError
-from swamp_rl.sensors import observe
 from swamp_rl.simulator import simulate, tank
+from swamp_rl.simulator.sensors import observe
 
 Array = NDArray[Any]
 

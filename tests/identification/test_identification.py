@@ -25,8 +25,8 @@ from swamp_rl.identification.yaw_model import (
     rollout,
 )
 from swamp_rl.runs import DatasetMeta, Run, append_run, create_dataset
-from swamp_rl.sensors.observe import CHANNELS
 from swamp_rl.simulator import initial_state, parameters, step, tank
+from swamp_rl.simulator.sensors.observe import CHANNELS
 from swamp_rl.simulator.state import HEADING, YAW_RATE
 
 Array = NDArray[np.float64]

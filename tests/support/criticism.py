@@ -11,8 +11,8 @@ from swamp_rl.criticism.ladder import ladder_of
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.search import search
 from swamp_rl.effects import apply_effects, parse_effects
-from swamp_rl.sensors import observe
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
+from swamp_rl.simulator.sensors import observe
 
 SIGMA = np.array([0.05, 0.05, 0.009, 0.03, 0.03, 0.005])
 

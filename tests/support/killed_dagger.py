@@ -15,9 +15,9 @@ from swamp_rl.envs.hindsight import with_gates
 from swamp_rl.boat import load_boat
 from swamp_rl.course import load_course
 from swamp_rl.pilots import Pilot
+from swamp_rl.pilots.callbacks import Log
 from swamp_rl.pilots.dagger import DaggerSettings, fit_dagger
 from swamp_rl.pilots.record import drive_episodes
-from swamp_rl.pilots.regression import Log
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.runs import Run
 from tests.support.killed import lead_lives

@@ -10,7 +10,7 @@ from pathlib import Path
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.envs.sb3 import GatesVecEnv
 
-from swamp_rl.pilots.legs import Log
+from swamp_rl.pilots.callbacks import Log
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.sac import SACSettings, train_sac
 from tests.support.killed import lead_lives

@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from swamp_rl.experiments.config.schema import load_experiment
+from swamp_rl.experiments.config.load import load_experiment
 
 VARIED = {
     "ablation_runs": ("runs", {5, 10, 20, 40}),

@@ -9,8 +9,8 @@ import jsonschema
 import pytest
 import yaml
 from swamp_rl.experiments.config.json_schema import schema_text
-from swamp_rl.experiments.config.schema import load_experiment
-from swamp_rl.experiments.training.learners import LEARNERS, learner
+from swamp_rl.experiments.config.learners import LEARNERS, learner
+from swamp_rl.experiments.config.load import load_experiment
 
 from swamp_rl.errors import UserError
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from swamp_rl.experiments.config.schema import load_experiment, merged
+from swamp_rl.experiments.config.load import load_experiment, merged
 
 from swamp_rl.errors import UserError
 

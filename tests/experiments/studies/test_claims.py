@@ -8,8 +8,8 @@ import pytest
 import yaml
 from swamp_rl.experiments.artifacts.stages import stages
 from swamp_rl.experiments.config.claims import Claims
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import Scene, read_scene
-from swamp_rl.experiments.config.schema import load_experiment
 from swamp_rl.experiments.reports.claims import report, shown
 from swamp_rl.experiments.studies import claims_episodes as claims_flown
 from swamp_rl.experiments.studies.claims import (

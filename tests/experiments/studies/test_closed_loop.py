@@ -9,8 +9,9 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import yaml
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import read_scene
-from swamp_rl.experiments.config.schema import Logs, load_experiment
+from swamp_rl.experiments.config.schema import Logs
 from swamp_rl.experiments.studies import closed_loop
 from swamp_rl.experiments.studies.closed_loop import noisy, true_scene
 from swamp_rl.experiments.studies.run import run_experiment

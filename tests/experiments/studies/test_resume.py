@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from swamp_rl.experiments.config import learners
+from swamp_rl.experiments.config.learners import Learner, Training
 from swamp_rl.experiments.evaluation import episodes as trial
 from swamp_rl.experiments.reports.terminal import read_json
 from swamp_rl.experiments.studies import main as main_job
 from swamp_rl.experiments.studies.run import run_experiment
-from swamp_rl.experiments.training import learners
 from swamp_rl.experiments.training import train as learn
-from swamp_rl.experiments.training.learners import Learner, Training
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside

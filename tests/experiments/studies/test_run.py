@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from swamp_rl.envs.batched import GatesVectorEnv
-from swamp_rl.experiments.config.schema import load_experiment
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.studies import main as main_job
 from swamp_rl.experiments.studies.run import run_experiment
 from swamp_rl.experiments.training import train as learn

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from swamp_rl.experiments.config.schema import load_experiment
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.smoke import EPISODES, MOST
 from swamp_rl.experiments.studies.run import run_experiment
 

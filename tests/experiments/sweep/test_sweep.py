@@ -13,7 +13,7 @@ import numpy as np
 import psutil
 import pytest
 import yaml
-from swamp_rl.experiments.config.schema import load_experiment
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.sweep.local import LocalCrew
 from swamp_rl.experiments.sweep.propose import batches_of, propose
 from swamp_rl.experiments.sweep.report import best_of, write_report

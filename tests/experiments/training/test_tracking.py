@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from swamp_rl.experiments.config.schema import Experiment, load_experiment
+from swamp_rl.experiments.config.load import load_experiment
+from swamp_rl.experiments.config.schema import Experiment
 from swamp_rl.experiments.training.tracking import track_success, tracked
 
 from swamp_rl.errors import UserError

@@ -10,30 +10,28 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
-from swamp_rl.experiments.artifacts.stages import Tick
+from swamp_rl.experiments.config.scene import Scene
+from swamp_rl.experiments.config.schema import PilotPlan
 
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
+from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.settings import Settings
 
 if TYPE_CHECKING:
     from swamp_rl.envs.batched import GatesVectorEnv
-    from swamp_rl.experiments.config.scene import Scene
-    from swamp_rl.experiments.config.schema import PilotPlan
 
     from swamp_rl.pilots.description import FittedOn
     from swamp_rl.pilots.pilot import Pilot
     from swamp_rl.runs import Dataset, Run
-
-Log = Callable[[int, Mapping[str, float]], None]
 
 
 @dataclass(frozen=True)
 class Training:
     """What a pilot is trained with."""
 
-    scene: "Scene"
-    plan: "PilotPlan"
+    scene: Scene
+    plan: PilotPlan
     settings: Any
     "`plan.options`, as the settings of its kind."
     dataset: "Dataset"
@@ -55,7 +53,7 @@ class Training:
 
     def fitted_on(self) -> "FittedOn":
         """Which runs these are, to be stored with the pilot."""
-        from swamp_rl.experiments.artifacts.provenance import digest, hashes
+        from swamp_rl.experiments.config.digests import digest, hashes
 
         from swamp_rl.pilots.description import FittedOn
 
@@ -81,7 +79,7 @@ class Learner:
 
     settings: type[Settings]
     train: Callable[[Training], "Pilot"]
-    told: "Callable[[PilotPlan], str]"
+    told: Callable[[PilotPlan], str]
     "In words, what it learned from; empty where it learned nothing."
     from_runs: bool = False
     "It learns from runs, so that `runs` and `outcomes` have a meaning."
@@ -98,13 +96,13 @@ def learner(kind: str) -> Learner:
     return LEARNERS[kind]()
 
 
-def needed(plan: "PilotPlan") -> list[str]:
+def needed(plan: PilotPlan) -> list[str]:
     """The other pilots that a plan, its options written out, starts from."""
     named = [plan.options.get(option) for option in learner(plan.kind).starts_from]
     return [name for name in named if name is not None]
 
 
-def in_order(plans: Mapping[str, "PilotPlan"], wanted: list[str] | None = None) -> list[str]:
+def in_order(plans: Mapping[str, PilotPlan], wanted: list[str] | None = None) -> list[str]:
     """Names of the pilots (of `wanted` and all that these start from), each after those it starts from.
 
     UserError where one starts from a pilot that is not there, or by some way from itself.
@@ -132,14 +130,14 @@ class ScriptedSettings(Settings):
     seed: Annotated[int, Field(ge=0, lt=2**31)] = 0
 
 
-def _runs_told(plan: "PilotPlan") -> str:
+def _runs_told(plan: PilotPlan) -> str:
     count = "all" if plan.runs is None else f"the first {plan.runs}"
     if plan.outcomes == ("success",):
         return f"{count} successful runs"
     return f"{count} runs that ended in {' or '.join(plan.outcomes)}"
 
 
-def _tries_told(plan: "PilotPlan") -> str:
+def _tries_told(plan: PilotPlan) -> str:
     tried = f"{plan.options['decisions']:,} decisions of trying"
     return f"{tried}, disturbed as in `{plan.disturbances}`" if plan.disturbances else tried
 
@@ -210,7 +208,7 @@ def _dagger() -> Learner:
             training.checkpoint,
         )
 
-    def told(plan: "PilotPlan") -> str:
+    def told(plan: PilotPlan) -> str:
         corrected = plan.options["rounds"] * plan.options["runs"]
         level = f", disturbed as in `{plan.disturbances}`" if plan.disturbances else ""
         return f"{_runs_told(plan)}, and {corrected} runs of its own that were corrected{level}"

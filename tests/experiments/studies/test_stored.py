@@ -8,9 +8,9 @@ from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
-from swamp_rl.experiments.config.schema import load_experiment
-from swamp_rl.experiments.evaluation.stored import evaluate_folders
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.studies.run import run_experiment, train_experiment
+from swamp_rl.experiments.studies.stored import evaluate_folders
 
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.store import describe_pilot

@@ -5,10 +5,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from swamp_rl.experiments.config import learners
+from swamp_rl.experiments.config.learners import LEARNERS, Learner, Training, in_order, learner
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import read_scene
-from swamp_rl.experiments.config.schema import PilotPlan, load_experiment
-from swamp_rl.experiments.training import learners
-from swamp_rl.experiments.training.learners import LEARNERS, Learner, Training, in_order, learner
+from swamp_rl.experiments.config.schema import PilotPlan
 
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.pilot import Pilot
@@ -91,7 +92,7 @@ def test_a_pilot_learns_from_the_failed_runs_that_its_plan_asks_for() -> None:
 
 def test_reading_an_experiment_loads_no_library_for_training() -> None:
     code = (
-        "import sys; from swamp_rl.experiments.config.schema import load_experiment;"
+        "import sys; from swamp_rl.experiments.config.load import load_experiment;"
         "load_experiment('camogli');"
         "print(sorted({'torch', 'stable_baselines3', 'reservoirpy'} & set(sys.modules)))"
     )
