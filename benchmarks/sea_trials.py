@@ -11,7 +11,7 @@ from itertools import combinations, permutations
 from pathlib import Path
 
 import numpy as np
-from swamp_rl.experiments.report import table
+from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.sea_trials_model import (
     ALL60,
