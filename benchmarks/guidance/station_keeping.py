@@ -106,7 +106,7 @@ def tried_by_filter(sea: Sea, failed: Sequence[str], held: Holding) -> tuple[flo
     navigator = Navigator(BoatModel(model), x, WITH_MODEL, np.diag(START**2))
 
     def commands(time: float, at: Navigator, azimuths: Array) -> Array:
-        return keeper.act(at.seen(azimuths.copy()), DT)
+        return keeper.act(at.seen(time, azimuths.copy()), DT)
 
     run = navigate(broken, navigator, SENSORS, commands, SECONDS, np.random.default_rng(0), DT, pose=start)
     return strayed(run.truth, held, int(jets.works.sum()) == 1)
