@@ -79,9 +79,7 @@ def swamp_parts() -> dict[str, str]:
         "speeds": row_table(speeds),
         "turns": row_table(turns),
         "tank": table(tank, [[r.depth, str(r.points), *map(share, r.errors)] for r in tank_rows()]),
-        "bollard thrust": table(
-            ["largest difference, N", "root mean square, N"], [[*map(number, thrust_errors())]]
-        ),
+        "bollard thrust": table(["largest difference, N", "root mean square, N"], bollard),
         "forces": row_table(forces),
         "thrust deduction": table(["RPM %", "speed, m/s", "1 − t by eq. 7.3"], deduction),
         "yaw models": table([*yaw, "rate at 30°, deg/s"], [row.cells for row in yaw_rows()]),

@@ -47,7 +47,9 @@ class Controller(Protocol):
 def seen_of(time: float, state: Array, channels: Array) -> Seen:
     """A boat of `state` (S,) as its sensors report pose and velocity (6,), with the true azimuths."""
     thrusters = (len(state) - ACTUATORS) // 2
-    return Seen(time, *channels.tolist(), state[ACTUATORS : ACTUATORS + thrusters].copy())
+    north, east, heading, surge, sway, yaw_rate = channels.tolist()
+    azimuth = state[ACTUATORS : ACTUATORS + thrusters].copy()
+    return Seen(time, north, east, heading, surge, sway, yaw_rate, azimuth)
 
 
 def truth(state: Array) -> Seen:
@@ -65,7 +67,8 @@ def closed_loop(
     delays = params["command_delay"] / dt
     late = np.flatnonzero(delays > 0.0)
     past = np.zeros((len(state), 3 + int(delays.max()), 2 * len(boat.thrusters)))
-    states, asked = [state.copy()], []
+    states: list[Array] = [state.copy()]
+    asked: list[Array] = []
     while True:
         commands, over = decide(states)
         tick = len(asked)
