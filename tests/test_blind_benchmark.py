@@ -19,6 +19,8 @@ from swamp_rl.simulator import tank
 from swamp_rl.simulator.step import simulate
 from tests.hidden_effects import DT, RTK, Array, Case, draw_case, true_record, voyages
 
+pytestmark = pytest.mark.numerical
+
 BOAT = load_boat("swamp")
 
 

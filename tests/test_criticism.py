@@ -30,6 +30,8 @@ from swamp_rl.runs import Run
 from swamp_rl.sensors import observe
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 
+pytestmark = pytest.mark.numerical
+
 SIGMA = np.array([0.05, 0.05, 0.009, 0.03, 0.03, 0.005])
 DT = 0.1
 SECONDS = 40.0

@@ -17,6 +17,8 @@ from swamp_rl.criticism.pointing import leftovers
 from swamp_rl.criticism.shooting import Shooting
 from tests.test_criticism import SECONDS, commands, driven
 
+pytestmark = pytest.mark.numerical
+
 
 def fitted(every: int, rows: int) -> tuple[Shooting, Fit]:
     """Clean runs cut in windows, of which one sample in `every` of the first `rows` is there."""

@@ -1,6 +1,7 @@
 """Numbers that were fitted together: a diagnosis keeps how their errors go together."""
 
 import numpy as np
+import pytest
 
 from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.correlation import correlation
@@ -9,6 +10,8 @@ from swamp_rl.criticism.fit import fit
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.shooting import Shooting
 from tests.test_criticism import SECONDS, trials
+
+pytestmark = pytest.mark.numerical
 
 
 def test_it_is_that_of_the_information_in_the_order_of_the_causes_asked_for() -> None:

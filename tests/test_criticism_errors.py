@@ -15,6 +15,8 @@ from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.shooting import Shooting
 from tests.test_criticism import SECONDS, trials
 
+pytestmark = pytest.mark.numerical
+
 
 @pytest.fixture(scope="module")
 def fitted() -> tuple[Shooting, Fit]:

@@ -18,6 +18,8 @@ from swamp_rl.criticism.score import beside_nothing, prospects
 from swamp_rl.simulator import parameters
 from tests.test_criticism import SECONDS, searched, trials
 
+pytestmark = pytest.mark.numerical
+
 BOAT = load_boat("swamp")
 ATOMS = [*candidates(BOAT, SECONDS), *filter(None, [hull_nuisance()])]
 SMALL = [

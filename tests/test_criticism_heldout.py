@@ -11,6 +11,8 @@ from swamp_rl.criticism.score import prospects
 from swamp_rl.criticism.windows import Windows
 from tests.test_criticism import SECONDS, trials
 
+pytestmark = pytest.mark.numerical
+
 
 def windows(*counts: int) -> Windows:
     """Runs of so many windows, one after another."""

@@ -13,6 +13,8 @@ from swamp_rl.criticism.partial import found_despite
 from tests.test_criticism import SECONDS, trials
 from tests.test_criticism_wandering import wander
 
+pytestmark = pytest.mark.numerical
+
 
 def test_an_error_lasts_as_long_as_its_autocorrelation_says() -> None:
     rng = np.random.default_rng(0)

@@ -13,6 +13,8 @@ from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.criticism.unseen_commands import tapped
 from tests.test_criticism import commands, driven
 
+pytestmark = pytest.mark.numerical
+
 ROW = 150
 
 

@@ -22,6 +22,8 @@ from swamp_rl.criticism.pointing import (
 from swamp_rl.criticism.unsteady import random_forces
 from tests.hidden_effects import DT, Case, deviations, measure, voyages
 
+pytestmark = pytest.mark.numerical
+
 NOTHING = [(Hypothesis(), np.zeros(0))]
 SECTOR = {"what": "sector", "centre": 1.0, "force": 4.0}
 DEAD_ZONE = {"what": "dead_zone", "thruster": "ss", "below": 0.55}

@@ -12,6 +12,8 @@ from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.readings import least_of_parabola, read_between
 from tests.test_criticism import DT, SECONDS, driven
 
+pytestmark = pytest.mark.numerical
+
 EVERY = 5  # rows of the truth to one of the log
 
 

@@ -15,6 +15,8 @@ from swamp_rl.criticism.unsteady import random_forces
 from tests.test_criticism_pointing import DEAD_ZONE, MOORING, SECTOR, sailed
 from tests.test_criticism_wandering import wander
 
+pytestmark = pytest.mark.numerical
+
 PIECES, PIECE = 5, 1.0
 
 

@@ -14,6 +14,8 @@ from swamp_rl.criticism.slow import filter_of, slow_errors
 from swamp_rl.criticism.windows import Windows
 from tests.test_criticism import DT, SECONDS, trials
 
+pytestmark = pytest.mark.numerical
+
 Array = np.ndarray
 
 

@@ -13,6 +13,8 @@ from swamp_rl.criticism.data import read_trials
 from swamp_rl.effects import LIBRARY
 from tests.hidden_effects import EFFECTS, LEVELS, draw_case, write_case
 
+pytestmark = pytest.mark.numerical
+
 BOAT = load_boat("swamp")
 
 

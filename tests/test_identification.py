@@ -29,6 +29,8 @@ from swamp_rl.sensors.observe import CHANNELS
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.state import HEADING, YAW_RATE
 
+pytestmark = pytest.mark.numerical
+
 Array = NDArray[np.float64]
 
 BOAT = load_boat("swamp")

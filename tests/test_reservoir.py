@@ -15,6 +15,8 @@ from swamp_rl.pilots.reservoir import (
 from swamp_rl.runs import Run, RunMeta
 from tests.conftest import circling
 
+pytestmark = pytest.mark.numerical
+
 SMALL = ReservoirSettings(units=40)
 
 

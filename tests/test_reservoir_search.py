@@ -14,6 +14,8 @@ from swamp_rl.pilots.reservoir_search import (
 )
 from tests.test_reservoir import RUNS, SMALL, wandering
 
+pytestmark = pytest.mark.numerical
+
 FEW = SearchedReservoirSettings(
     units=(10, 40),
     spectral_radius=(0.5,),
