@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
+import swamp_rl.experiments.verbs_captive
 import swamp_rl.experiments.verbs_exchange  # noqa: F401  it adds its verbs to `runs`
 import typer
 from swamp_rl.experiments.stopping import stoppable

@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.identification.estimate import BLOCK
 from swamp_rl.identification.motion import Motion
-from swamp_rl.physics.resistance import surge_resistance, towing
-from swamp_rl.physics.thrusters import bollard_thrust
-from swamp_rl.simulator import parameters, tank
+from swamp_rl.manoeuvres.captive import bollard_of_all, resistance_at
 
 Array = NDArray[np.float64]
 
@@ -33,18 +31,6 @@ class Point(NamedTuple):
     factor: float
     low: float
     high: float
-
-
-def resistance_at(boat: Boat, speed: float) -> float:
-    """Resistance [N] of the towing tank at a speed [m/s] through the water."""
-    record, curves = parameters(boat)[0], tank(boat)
-    return float(-surge_resistance(abs(speed), 0.0, record, curves, towing(record, curves)))
-
-
-def bollard_of_all(boat: Boat, throttle: float) -> float:
-    """Thrust [N] at rest of all jets at one throttle [1], without deduction."""
-    record = parameters(boat)[0]
-    return float(sum(bollard_thrust(throttle, k, record) for k in range(len(boat.thrusters))))
 
 
 def stretches(motion: Motion) -> list[slice]:
