@@ -65,6 +65,8 @@ noise is {noise}; {SEEDS} seeds. Figures are
 mean ± standard deviation over the seeds, and the bias in percent of the truth. *Rollout* fits the same
 numbers to the motion itself: for eq. 1 `swamp_rl.identification.yaw_model.by_rollout`, else the fit of
 `swamp_rl.criticism`. On recorded runs: `swamp-rl identify yaw-model | elementary | thrust-deduction DATASET`.
+It refuses a number whose regressor depends on the others or is noise apart from them, or whose 95 % interval
+reaches beyond ± 50 % of its value, and says what to record.
 
 ## What Table III of paper 002 implies
 

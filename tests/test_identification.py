@@ -219,16 +219,20 @@ def folder_of(path: Path, boat: Boat, runs: list[Run]) -> Path:
 def test_the_verbs_run_on_a_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    made = [
-        ("zigzag", zigzag(BOAT, 0.1, 0.35)),
-        ("spot", on_the_spot(BOAT, 0.1)),
-        ("straights", straights(BOAT, 0.1, (0.5, 0.8), True)),
-    ]
     rng = np.random.default_rng(3)
-    runs = [record_run(BOAT, rows, 0.1, NOISY, rng, name) for name, rows in made]
-    folder = folder_of(tmp_path / "runs", BOAT, runs)
+
+    def recorded(name: str, *commands: Array) -> Path:
+        runs = [record_run(BOAT, rows, 0.1, NOISY, rng, f"run{i}") for i, rows in enumerate(commands)]
+        return folder_of(tmp_path / name, BOAT, runs)
+
+    elementary = recorded("elementary", on_the_spot(BOAT, 0.1), straights(BOAT, 0.1, (0.5, 0.8), True))
+    folders = {
+        "yaw-model": recorded("zigzags", *(zigzag(BOAT, 0.1, 0.35, level) for level in (0.6, 0.9))),
+        "elementary": elementary,
+        "thrust-deduction": elementary,
+    }
     said = {}
-    for verb in ("yaw-model", "elementary", "thrust-deduction"):
+    for verb, folder in folders.items():
         monkeypatch.setattr(sys, "argv", ["swamp-rl", "identify", verb, str(folder)])
         with pytest.raises(SystemExit) as stop:
             cli.main()

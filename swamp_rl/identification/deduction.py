@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.identification.estimate import BLOCK
+from swamp_rl.identification.estimate import BLOCK, Estimate
+from swamp_rl.identification.identifiability import doubt
 from swamp_rl.identification.motion import Motion
-from swamp_rl.manoeuvres.captive import bollard_of_all, resistance_at
+from swamp_rl.manoeuvres.captive import bollard_of_all, fastest, resistance_at
 
 Array = NDArray[np.float64]
 
@@ -84,6 +85,16 @@ def deduction_points(motion: Motion, boat: Boat) -> list[Point]:
         ahead = bool(motion.jets[part, 0].mean() > 0.0)
         found.append(Point(throttle, ahead, mean, seconds, middle, low, high))
     return found
+
+
+def point_doubt(point: Point, boat: Boat) -> str | None:
+    """Why a stretch does not determine its 1 - t; None where it does."""
+    most = fastest(boat)
+    if (point.speed > 0.0) != point.ahead:
+        return f"the boat goes {point.speed:+.3f} m/s against its jets"
+    if abs(point.speed) > most:
+        return f"the resistance is known up to {most:.4g} m/s"
+    return doubt(Estimate(point.factor, point.low, point.high, "1"))
 
 
 def paired(points: list[Point], boat: Boat) -> dict[float, float]:
