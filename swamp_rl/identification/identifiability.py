@@ -40,7 +40,7 @@ def doubts(
 def own_part(X: Array, j: int) -> tuple[Array, Array]:
     """What the other columns leave of column j (N,), and their weights (p - 1,)."""
     others = np.delete(X, j, axis=1)
-    weights = np.linalg.lstsq(others, X[:, j], rcond=None)[0]
+    weights = np.asarray(np.linalg.lstsq(others, X[:, j], rcond=None)[0], dtype=np.float64)
     return X[:, j] - others @ weights, weights
 
 
