@@ -20,6 +20,8 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.candidates import by_label, candidates
 from swamp_rl.simulator import parameters
 
+pytestmark = pytest.mark.numerical
+
 BOAT = load_boat("swamp-light")
 ATOMS = by_label(candidates(BOAT, 120.0))
 

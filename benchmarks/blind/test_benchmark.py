@@ -19,7 +19,7 @@ from swamp_rl.simulator import tank
 from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.step import simulate
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 BOAT = load_boat("swamp")
 

@@ -16,6 +16,8 @@ from swamp_rl.guidance.loop import Seen, drive
 from swamp_rl.guidance.servo import VelocityServo, inertia_of
 from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE
 
+pytestmark = pytest.mark.numerical
+
 Array = NDArray[np.float64]
 
 BOAT = load_boat("swamp")
