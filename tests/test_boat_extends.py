@@ -32,7 +32,7 @@ def test_an_extending_file_takes_its_own_name_not_the_others(tmp_path: Path) -> 
 
 
 def test_a_bare_number_counts_as_assumed_by_the_file_that_sets_it(tmp_path: Path) -> None:
-    boat = extended(tmp_path, "extends: swamp\nhull: {y_v: -0.6}\nthrusters: [{name: bs, x: 0.36}]\n")
+    boat = extended(tmp_path, "extends: swamp\nhull: {y_v: -0.6}\nthrusters: {bs: {x: 0.36}}\n")
     assert (boat.hull.y_v, boat.hull.n_v) == (-0.6, -0.226)
     for key, unit in {"hull.y_v": "1", "thrusters.bs.x": "m"}.items():
         given = boat.provenance[key]
@@ -45,8 +45,8 @@ def test_thrusters_are_changed_and_added_by_name(tmp_path: Path) -> None:
         tmp_path,
         "extends: swamp\n"
         "thrusters:\n"
-        "  - {name: fan, kind: fixed, x: 0.3, y: 0, azimuth_min: 1.5, azimuth_max: 1.5, astern_linear: 6}\n"
-        "  - {name: ss, thrust_quadratic: 6.1}\n",
+        "  fan: {kind: fixed, x: 0.3, y: 0, azimuth_min: 1.5, azimuth_max: 1.5, astern_linear: 6}\n"
+        "  ss: {thrust_quadratic: 6.1}\n",
     )
     assert boat.thruster_names == ("bs", "bp", "ss", "sp", "fan")
     assert [thruster.thrust_quadratic for thruster in boat.thrusters] == [12.2, 12.2, 6.1, 12.2, 12.2]
@@ -54,7 +54,7 @@ def test_thrusters_are_changed_and_added_by_name(tmp_path: Path) -> None:
 
 
 def test_the_common_block_reaches_every_thruster_that_does_not_say_otherwise(tmp_path: Path) -> None:
-    extended(tmp_path, "extends: swamp\nthrusters: [{name: sp, azimuth_time_constant: 0.5}]\n", "lower")
+    extended(tmp_path, "extends: swamp\nthrusters: {sp: {azimuth_time_constant: 0.5}}\n", "lower")
     boat = extended(tmp_path, "extends: lower.yaml\nthruster_model: {azimuth_time_constant: 0.3}\n")
     assert [thruster.azimuth_time_constant for thruster in boat.thrusters] == [0.3, 0.3, 0.3, 0.5]
     assert boat.provenance["thrusters.bs.azimuth_time_constant"].source == "set in mine.yaml"
