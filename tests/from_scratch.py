@@ -37,7 +37,8 @@ def boat(size: tuple[float, float, float], mass: float, thrusters: list[Section]
     length, breadth, draught = size
     inertia = mass * (0.25 * length) ** 2
     under, beside = breadth * draught, length * draught
-    hull = dict(x_vr=0.1, y_v=-0.4, y_r=0.05, n_v=-0.12, n_r=-0.08, c_d=1.0, c_ry=1.0, c_rn=1.0)
+    names = ("x_vr", "y_v", "y_r", "n_v", "n_r", "c_d", "c_ry", "c_rn")
+    hull = dict(zip(names, (0.1, -0.4, 0.05, -0.12, -0.08, 1.0, 1.0, 1.0), strict=True))
     return {
         "length": number(length, "m"),
         "breadth": number(breadth, "m"),

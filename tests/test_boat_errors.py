@@ -35,6 +35,7 @@ def refused(folder: Path, text: str) -> str:
         ("mass:", "mass: is missing; add it"),
         ("mass: 400", "mass: 400 kg is implausible: mass / (water_density length breadth draught) is 2.04"),
         ("name: 3", "name: input should be a valid string"),
+        ("draught: 0.03", "hull.c_d: the regression 'yoshimura' gives -0.595"),
         ("draught: -0.1", "draught: input should be greater than 0"),
         ("x_g: 0.7", "x_g: 0.7 m is implausible: distance from midship / length is 0.565"),
         ("added_mass_sway: 23.2", "added_mass_sway: input should be less than or equal to 0"),
@@ -64,6 +65,7 @@ def refused(folder: Path, text: str) -> str:
             "thruster_model: {azimuth_min: 1.0, azimuth_max: 0.5}",
             "thrusters.bs: azimuth_min must be below azimuth_max",
         ),
+        ("thruster_model: {azimuth_max: 3.0}", "thrusters.bs: has one of azimuth_min and azimuth_max"),
         ("thruster_model: {azimuth_rate: 0}", "thrusters.bs.azimuth_rate: input should be greater than 0"),
         (
             "thruster_model: {thrust_quadratic: 0}",

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.merge import leaves, merge
+from tests.from_scratch import TWIN, written
 
 TREES = st.recursive(
     st.integers() | st.lists(st.integers(), max_size=3),
@@ -51,6 +52,34 @@ def test_thrusters_are_changed_and_added_by_name(tmp_path: Path) -> None:
     assert boat.thruster_names == ("bs", "bp", "ss", "sp", "fan")
     assert [thruster.thrust_quadratic for thruster in boat.thrusters] == [12.2, 12.2, 6.1, 12.2, 12.2]
     assert [thruster.reverses for thruster in boat.thrusters] == [False] * 4 + [True]
+
+
+def test_thrusters_as_a_list_replace_those_of_the_boat_extended(tmp_path: Path) -> None:
+    text = "extends: swamp\nthrusters: [{name: bs, x: 0.3, y: 0.1}]\njoypad: {thrusters: [bs]}\n"
+    boat = extended(tmp_path, text)
+    assert [(item.name, item.x, item.y) for item in boat.thrusters] == [("bs", 0.3, 0.1)]
+    assert boat.provenance["thrusters.bs.x"].source == "set in mine.yaml"
+    assert boat.provenance["thrusters.bs.thrust_quadratic"].source == "thesis table 5.5, at 1185 RPM"
+
+
+def test_null_removes_a_key_a_thruster_and_what_the_common_block_has(tmp_path: Path) -> None:
+    text = (
+        "extends: swamp\nthruster_model: {azimuth_min: -3.0, azimuth_max: 3.0, nozzle_area: null}\n"
+        "thrusters: {bp: {azimuth_min: null, azimuth_max: null}, sp: null}\n"
+    )
+    boat = extended(tmp_path, text)
+    assert boat.thruster_names == ("bs", "bp", "ss")
+    assert [thruster.endless for thruster in boat.thrusters] == [False, True, False]
+    assert boat.thrusters[0].nozzle_area == 0.0
+    assert not {"thrusters.bs.nozzle_area", "thrusters.bp.azimuth_min"} & boat.provenance.keys()
+    back = extended(tmp_path, "extends: mine.yaml\nthruster_model: {nozzle_area: 0.001}\n", "again")
+    assert back.thrusters[0].nozzle_area == 0.001 and back.thruster_names == boat.thruster_names
+
+
+def test_thrusters_may_stand_by_name_in_a_file_that_extends_nothing(tmp_path: Path) -> None:
+    by_name = {item["name"]: {k: v for k, v in item.items() if k != "name"} for item in TWIN["thrusters"]}
+    listed = load_boat(written(tmp_path, "twin"))
+    assert load_boat(written(tmp_path, "twin", thrusters=by_name)) == listed
 
 
 def test_the_common_block_reaches_every_thruster_that_does_not_say_otherwise(tmp_path: Path) -> None:

@@ -28,7 +28,10 @@ def test_a_boat_from_scratch_is_recorded_simulated_tried_and_diagnosed(
 ) -> None:
     length = load_boat(written(tmp_path, name)).length
     (tmp_path / "course.yaml").write_text(f"extends: camogli\nscale: {max(length / SWAMP, 1.0)}\n")
-    own = ["--boat", f"{name}.yaml"]
+    worn = BOATS[name]["thrusters"][0]["name"]
+    effect = f"{{effect: thruster_gain, thruster: {worn}, gain: 0.7}}"
+    (tmp_path / "worn.yaml").write_text(f"extends: {name}.yaml\neffects: [{effect}]\n")
+    own = ["--boat", "worn.yaml"]
 
     asked = ["--course", "course.yaml", "--out", "runs", "--count", RUNS[name], "--failed", 0]
     assert call("record-scripted", *own, *asked)[0] == 0
@@ -44,8 +47,11 @@ def test_a_boat_from_scratch_is_recorded_simulated_tried_and_diagnosed(
     figures = json.loads(Path("trial/analysis/analysis.json").read_text())["runs"][0]["corrected"]
     assert 1.0 < figures["steady_diameter"]["value"] / length < 15.0
 
-    code, out, _ = call("diagnose", "runs", *own, "--out", "diagnosis")
-    assert (code, load_boat("diagnosis/extended_boat.yaml").effects) == (0, ())
+    assert call("diagnose", "runs", "--boat", f"{name}.yaml", "--out", "diagnosis")[0] == 0
+    found = [entry for entry in load_boat("diagnosis/extended_boat.yaml").effects if entry.thruster == worn]
+    assert [(entry.effect.name, entry.values["gain"]) for entry in found] == [
+        ("thruster_gain", pytest.approx(0.7, abs=0.01))
+    ]
 
 
 def test_twin_fixed_thrusters_push_ahead_and_turn_by_their_difference(tmp_path: Path) -> None:
