@@ -142,7 +142,10 @@ def drives(boat: Boat) -> Iterator[Limit]:
         place = f"{key}.rudder" if isinstance(thruster, PropellerRudder) else key
         off = abs(thruster.x) / boat.length
         yield Limit(f"{place}.x", thruster.x, off, "distance from midship / length", 0.0, 0.75)
-        yield from (_propeller if isinstance(thruster, PropellerRudder) else _jet)(boat, thruster, key)
+        if isinstance(thruster, PropellerRudder):
+            yield from _propeller(boat, thruster, key)
+        else:
+            yield from _jet(boat, thruster, key)
 
 
 def _jet(boat: Boat, thruster: Thruster, key: str) -> Iterator[Limit]:

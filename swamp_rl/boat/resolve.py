@@ -22,7 +22,7 @@ def resolved(raw: Mapping[str, Any], path: Path) -> dict[str, Any]:
     template = {} if raw.get(TEMPLATE) is None else raw[TEMPLATE]
     if not isinstance(template, Mapping):
         raise UserError(f"{path}: {TEMPLATE} must be a mapping of what all thrusters share")
-    thrusters = raw.get("thrusters")
+    thrusters: Any = raw.get("thrusters")
     if is_section(thrusters):
         thrusters = [item for item in listed(thrusters) if item is not None]
     if isinstance(thrusters, list):
