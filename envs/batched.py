@@ -9,7 +9,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 from swamp_rl.envs.fleet import Disturbances, Fleet
-from swamp_rl.envs.kernel import RUNNING, TIMEOUT
+from swamp_rl.envs.kernel import CUT, RUNNING
 from swamp_rl.envs.observation import observation_space
 from swamp_rl.envs.spaces import joypad_space, known_options, known_render_mode
 
@@ -119,7 +119,7 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
             rewards += paid
         if ended:
             outcome = self.fleet.boats["outcome"]
-            over, truncated = outcome != RUNNING, outcome == TIMEOUT
+            over, truncated = outcome != RUNNING, np.isin(outcome, CUT)
             info = self._end(over, observations)
         return observations, rewards, over & ~truncated, truncated, info
 

@@ -20,7 +20,7 @@ from swamp_rl.envs.kernel import (
 )
 from swamp_rl.envs.observation import senses
 
-from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat import Boat, Thruster, load_boat
 from swamp_rl.boat.load import refuse_untested_depth
 from swamp_rl.course import Course, buoy_table, gate_table, load_course
 from swamp_rl.effects import load_disturbances
@@ -189,13 +189,36 @@ def world_of(boat: Boat, course: Course, step: float) -> NDArray[np.void]:
         world[f"{edge}_edge"] = getattr(course.bounds, edge)
     low_azimuth, high_azimuth = boat.joypad.azimuth
     low_throttle, high_throttle = boat.joypad.throttle
-    driven = [boat.thruster_names.index(name) for name in boat.joypad.thrusters]
-    world["lever_middle"][0, driven] = 0.5 * (low_azimuth + high_azimuth)
-    world["lever_swing"][0, driven] = 0.5 * (high_azimuth - low_azimuth)
-    full = np.array([boat.thrusters[k].throttle_max for k in driven])  # 1, or the propeller's revolutions
-    world["lever_idle"][0, driven] = low_throttle * full
-    world["lever_gain"][0, driven] = (high_throttle - low_throttle) * full
+    for k, thruster in enumerate(boat.thrusters):
+        full = thruster.throttle_max  # 1, or the propeller's revolutions
+        world["lever_low"][0, k], world["lever_high"][0, k] = thruster.throttle_min, full
+        if thruster.name not in boat.joypad.thrusters:
+            continue
+        world["lever_idle"][0, k] = low_throttle * full
+        world["lever_gain"][0, k] = (high_throttle - low_throttle) * full
+        if thruster.kind == "fixed":
+            ahead, turn = fixed_lever(thruster)
+            world["lever_middle"][0, k] = thruster.azimuth_min
+            world["lever_idle"][0, k] *= ahead
+            world["lever_gain"][0, k] *= ahead
+            world["lever_turn"][0, k] = turn * high_throttle
+        else:
+            # Aft of midship a jet has to push the other way for the bow to go where the lever goes.
+            side = -1.0 if thruster.kind == "azimuth" and thruster.x < 0.0 else 1.0
+            world["lever_middle"][0, k] = side * 0.5 * (low_azimuth + high_azimuth)
+            world["lever_swing"][0, k] = side * 0.5 * (high_azimuth - low_azimuth)
     return world
+
+
+def fixed_lever(thruster: Thruster) -> tuple[float, float]:
+    """Signs (ahead, turn) with which a fixed thruster obeys the levers: differential thrust.
+
+    Its throttle is that of the throttle's lever times `ahead`, 0 for one that pushes across, plus the angle's
+    lever times `turn`, which turns the bow the way of the lever.
+    """
+    cos, sin = math.cos(thruster.azimuth_min), math.sin(thruster.azimuth_min)
+    moment = thruster.x * sin - thruster.y * cos
+    return float(np.sign(round(cos, 6))), float(np.sign(round(moment, 6)))
 
 
 def checked_step(step: float) -> float:

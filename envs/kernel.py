@@ -17,11 +17,14 @@ from swamp_rl.course.geometry import crosses_gate, outside, touches_buoy
 from swamp_rl.course.progress import distance_to_go
 from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_HALF_WIDTH, GATE_NORTH, GATE_SIN
 from swamp_rl.physics.compile import compiled
-from swamp_rl.simulator.state import EAST, NORTH, state_size
+from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE, state_size
 from swamp_rl.simulator.step import step_boat
 
-OUTCOMES = ("running", "success", "buoy", "out_of_bounds", "timeout", "levers")
-RUNNING, SUCCESS, BUOY, OUT_OF_BOUNDS, TIMEOUT, LEVERS = range(len(OUTCOMES))
+OUTCOMES = ("running", "success", "buoy", "out_of_bounds", "timeout", "levers", "diverged")
+RUNNING, SUCCESS, BUOY, OUT_OF_BOUNDS, TIMEOUT, LEVERS, DIVERGED = range(len(OUTCOMES))
+CUT = (TIMEOUT, DIVERGED)
+"""Outcomes that truncate an episode: no state of the task brought them about."""
+LARGEST = 1e6  # m, rad, m/s or rad/s: what no boat's motion reaches before it has diverged
 SENSED = len(OBSERVATION)
 CHUNK = (
     64  # boats that one task of the parallel loop takes, so that scratch memory is made once for all of them
@@ -49,16 +52,27 @@ def boat_record(thrusters: int, past: Sequence[tuple[Any, ...]] = ()) -> np.dtyp
     )
 
 
+LEVER_COLUMNS = ("middle", "swing", "idle", "gain", "turn", "low", "high")
+
+
 def world_record(thrusters: int) -> np.dtype[np.void]:
     """What is the same for all boats; K thrusters."""
     numbers = ("step", "reach", "south_edge", "north_edge", "west_edge", "east_edge")  # s, then m
     return np.dtype(
         [(name, np.float64) for name in numbers]
         + [("substeps", np.int64), ("last_tick", np.int64)]
-        # A thruster's azimuth [rad] is middle + swing times the lever, its throttle idle + gain times the
-        # other.
-        + [(f"lever_{name}", np.float64, (thrusters,)) for name in ("middle", "swing", "idle", "gain")]
+        # A thruster's azimuth [rad] is middle + swing times the angle's lever, its throttle idle + gain times
+        # the other + turn times the angle's, within low and high.
+        + [(f"lever_{name}", np.float64, (thrusters,)) for name in LEVER_COLUMNS]
     )
+
+
+@compiled
+def diverged(state: Any) -> bool:
+    """Whether the motion of `state` (S,) is not finite, or larger than any boat's."""
+    size = abs(state[NORTH]) + abs(state[EAST]) + abs(state[HEADING])
+    size += abs(state[SURGE]) + abs(state[SWAY]) + abs(state[YAW_RATE])
+    return not size < LARGEST
 
 
 @compiled
@@ -82,7 +96,8 @@ def sail(
 ) -> float:
     """Sail one boat for a step with the levers `asked` (2,), note its outcome and return the reward.
 
-    The course judges where the boat is, whatever its sensors say. jets (3, K, 2), room (2K,): scratch.
+    The course judges where the boat is, whatever its sensors say. A boat whose motion diverges stays where it
+    was before the step, and ends. jets (3, K, 2), room (2K,): scratch.
     """
     if not (math.isfinite(asked[0]) and math.isfinite(asked[1])):
         boat.outcome = LEVERS
@@ -94,13 +109,20 @@ def sail(
     thrusters = world.lever_swing.shape[0]
     for k in range(thrusters):
         boat.command[k] = world.lever_middle[k] + world.lever_swing[k] * angle
-        boat.command[thrusters + k] = world.lever_idle[k] + world.lever_gain[k] * throttle
+        level = world.lever_idle[k] + world.lever_gain[k] * throttle + world.lever_turn[k] * angle
+        boat.command[thrusters + k] = min(max(level, world.lever_low[k]), world.lever_high[k])
 
-    north0, east0 = boat.state[NORTH], boat.state[EAST]
+    north0, east0, heading0 = boat.state[NORTH], boat.state[EAST], boat.state[HEADING]
+    u0, v0, r0 = boat.state[SURGE], boat.state[SWAY], boat.state[YAW_RATE]
     to_go = distance_to_go(north0, east0, boat.passed, gates)
     arrived = arrived_command(boat, p, world.step, room)
     step_boat(boat.state, p, tank, arrived, boat.gust_seed, world.step, world.substeps, jets)
     boat.tick += 1
+    if diverged(boat.state):
+        boat.state[NORTH], boat.state[EAST], boat.state[HEADING] = north0, east0, heading0
+        boat.state[SURGE], boat.state[SWAY], boat.state[YAW_RATE] = u0, v0, r0
+        boat.outcome = DIVERGED
+        return 0.0
     keep_pose(boat, p)
     north, east = boat.state[NORTH], boat.state[EAST]
     gate = gates[boat.passed]

@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.envs.fleet import Disturbances, Fleet
-from swamp_rl.envs.kernel import TIMEOUT
+from swamp_rl.envs.kernel import CUT
 from swamp_rl.envs.observation import observation_space
 from swamp_rl.envs.spaces import joypad_space, known_options, known_render_mode
 
@@ -26,7 +26,8 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     Observation: the names in `envs.observation.OBSERVATION`, or those of them given as `observation`; SI
     units. Reward: see `envs.reward`. The run ends in success when the gates are passed in order, each from
     behind; as a failure when the boat touches a buoy or leaves the bounds; it is truncated at the course's
-    time limit. The last `info` holds `outcome` (success, buoy, out_of_bounds or timeout) and `time` [s].
+    time limit, and where the simulated motion diverges, with the last finite observation. The last `info`
+    holds `outcome` (success, buoy, out_of_bounds, timeout or diverged) and `time` [s].
     `reset(seed=s)` gives the same episode, bit for bit, as boat i of a batch reset with seed s - i.
 
     boat, course, disturbances: a name in `configs`, a path, or the thing itself (a list of effects for
@@ -70,7 +71,7 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         observations = np.empty(self._shape, np.float32)
         if not self.fleet.sail(self._asked, self._reward, observations):
             return observations[0], self._reward.item(), False, False, {}
-        truncated = self.fleet.boats["outcome"].item() == TIMEOUT
+        truncated = self.fleet.boats["outcome"].item() in CUT
         info = {"outcome": self.fleet.outcomes(ONLY)[0], "time": self.fleet.time.item()}
         return observations[0], self._reward.item(), not truncated, truncated, info
 

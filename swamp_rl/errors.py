@@ -2,4 +2,4 @@
 
 
 class UserError(Exception):
-    """What is wrong, where (file, row, column or key) and what to do, on one line."""
+    """What is wrong, where (file, row, column or key) and what to do, on one line for each fault."""

@@ -1,4 +1,4 @@
-"""What pydantic refuses, in one line: the file, the key and what is allowed there."""
+"""What pydantic refuses, a line for each fault: the file, the key and what is allowed there."""
 
 import difflib
 from collections.abc import Iterable, Mapping
@@ -28,13 +28,12 @@ def validated(path: Path | str, model: type[Model], data: Mapping[str, Any]) -> 
 
 
 def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | None = None) -> UserError:
-    """One line for the first fault of a ValidationError: file, dotted key, what is allowed.
+    """One line for each fault of a ValidationError: file, dotted key, what is allowed.
 
     With `model`, an unknown key is answered with the nearest known one.
     """
-    (key, message), *others = explanations(error, model)
-    more = f" (and {len(others)} more)" if others else ""
-    return UserError(f"{path}: {key + ': ' if key else ''}{message}{more}")
+    told = explanations(error, model)
+    return UserError("\n".join(f"{path}: {key + ': ' if key else ''}{message}" for key, message in told))
 
 
 def explanations(error: ValidationError, model: type[BaseModel] | None = None) -> list[tuple[str, str]]:

@@ -151,6 +151,17 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
     return found
 
 
+def extended_config(kind: str, path: Path, extended: Any) -> Path:
+    """The file that the one at `path` extends: a bare name of that kind, or a path from its own folder."""
+    if not isinstance(extended, str) or not extended:
+        raise UserError(f"{path}: extends must be the name or the path of a file, not {extended!r}")
+    try:
+        is_name = Path(extended).suffix == "" and len(Path(extended).parts) == 1
+        return find_config(kind, extended if is_name else path.parent / extended)
+    except UserError as error:
+        raise UserError(f"{path}: extends: {error}") from error
+
+
 def _configs() -> Path:
     inside_wheel = Path(__file__).parent / "configs"
     return inside_wheel if inside_wheel.is_dir() else Path(__file__).parents[1] / "configs"

@@ -174,5 +174,6 @@ def _carried_out(signals: list[int]) -> int:
 
 
 def _complain(line: str, code: int) -> int:
-    print("swamp-rl:", " ".join(line.split()), file=sys.stderr)
+    for fault in line.splitlines() or [""]:
+        print("swamp-rl:", " ".join(fault.split()), file=sys.stderr)
     return code

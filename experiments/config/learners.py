@@ -143,10 +143,14 @@ def _tries_told(plan: PilotPlan) -> str:
 
 
 def _scripted() -> Learner:
-    from swamp_rl.pilots.scripted import ScriptedPilot
+    from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 
     def train(training: Training) -> "Pilot":
-        return ScriptedPilot(training.settings.seed, step=training.scene.experiment.step)
+        return ScriptedPilot(
+            training.settings.seed,
+            Habits(boat_length=training.scene.boat.length),
+            training.scene.experiment.step,
+        )
 
     return Learner(ScriptedSettings, train, told=lambda plan: "")
 

@@ -12,7 +12,7 @@ from swamp_rl.envs.observation import senses as places_of
 from swamp_rl.experiments.config.schema import Experiment
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.course import Course, load_course
+from swamp_rl.course import Course, course_files, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml
 
@@ -71,7 +71,7 @@ def config_files(scene: Scene) -> dict[str, Path]:
     UserError where two of a kind have the same name.
     """
     named = [("boats", file) for file in _boat_files(scene.experiment.boat)]
-    named += [("courses", find_config("courses", scene.experiment.course))]
+    named += [("courses", file) for file in course_files(scene.experiment.course)]
     named += [("disturbances", find_config("disturbances", level)) for level in _levels(scene)]
     files: dict[str, Path] = {}
     for kind, file in named:

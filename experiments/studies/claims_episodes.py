@@ -15,7 +15,7 @@ from swamp_rl.experiments.training.train import train, with_takeover
 from swamp_rl.evaluation import Rollout, drive, episode_table
 from swamp_rl.files import write_beside
 from swamp_rl.pilots.pilot import Pilot
-from swamp_rl.pilots.scripted import ScriptedPilot
+from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import load_pilot, save_pilot
 from swamp_rl.runs import Dataset, Run
 
@@ -88,7 +88,9 @@ def trained(
 def _teacher(scene: Scene, plan: Claims, keep: Path, progress: Stages) -> Mapping[str, Flight]:
     """The scripted pilot's flights by level."""
     place, flights = keep / "teacher", {}
-    scripted = ScriptedPilot(scene.experiment.evaluation.seed, step=scene.experiment.step)
+    scripted = ScriptedPilot(
+        scene.experiment.evaluation.seed, Habits(boat_length=scene.boat.length), scene.experiment.step
+    )
     missing = [level for level in everywhere(plan) if not _file(place, ("teacher", level)).is_file()]
     if missing:
         with progress.stage("the data's pilot"):

@@ -27,7 +27,7 @@ from swamp_rl.effects import parse_effects
 from swamp_rl.evaluation import Table, paired_difference, write_episodes
 from swamp_rl.files import folder_beside, read_yaml, write_yaml
 from swamp_rl.pilots.record import NOTES, drive_episodes
-from swamp_rl.pilots.scripted import ScriptedPilot
+from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import save_pilot
 from swamp_rl.runs import DatasetMeta, Run, append_run, create_dataset
 
@@ -91,7 +91,9 @@ def fly(
     relative_vehicle(folder / "data", extended, folder.name)
     pilots = train_pilots(own, dataset, folder / "pilots", progress)
     if folder.name == SIMULATORS[0]:
-        pilots["scripted"] = ScriptedPilot(own.experiment.evaluation.seed, step=own.experiment.step)
+        pilots["scripted"] = ScriptedPilot(
+            own.experiment.evaluation.seed, Habits(boat_length=own.boat.length), own.experiment.step
+        )
         save_pilot(pilots["scripted"], folder / "pilots" / "scripted")
     return dict(try_pilots(truth, pilots, progress, folder / WORK / "tried").tables)
 
@@ -106,7 +108,7 @@ def relative_vehicle(data: Path, extended: Path, simulator: str) -> None:
 
 def write_logs(truth: Scene, logs: Logs, folder: Path) -> None:
     """Runs of the scripted pilot in the true boat as sensors see them, under the boat file's own name."""
-    pilot = ScriptedPilot(logs.seed, step=truth.experiment.step)
+    pilot = ScriptedPilot(logs.seed, Habits(boat_length=truth.boat.length), truth.experiment.step)
     boats = truth.boats_at(logs.disturbances)(logs.runs, pilot.senses)
     pilot.reset(logs.runs)
     seeds = FIRST_LOG + 1000 * logs.seed + np.arange(logs.runs)

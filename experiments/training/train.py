@@ -18,7 +18,7 @@ from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.description import FittedOn
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import record_scripted
-from swamp_rl.pilots.scripted import ScriptedPilot
+from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import load_pilot, save_pilot
 from swamp_rl.pilots.takeover import TakeoverPilot
 from swamp_rl.runs import Dataset, read_dataset
@@ -155,5 +155,7 @@ def with_takeover(scene: Scene, plan: PilotPlan, pilot: Pilot) -> Pilot:
     """The pilot with the scripted one driving before it, where the plan says so."""
     if plan.takeover == 0.0:
         return pilot
-    first = ScriptedPilot(scene.experiment.evaluation.seed, step=scene.experiment.step)
+    first = ScriptedPilot(
+        scene.experiment.evaluation.seed, Habits(boat_length=scene.boat.length), scene.experiment.step
+    )
     return TakeoverPilot(first, pilot, plan.takeover, scene.experiment.step)

@@ -9,13 +9,15 @@ from pydantic import ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from swamp_rl.boat.merge import Key, is_quantity, leaves, merge
+from swamp_rl.boat.plausible import implausible
 from swamp_rl.boat.quantity import Provenance, units
 from swamp_rl.boat.resistance import DRIFT, TABLE, DriftResistance
 from swamp_rl.boat.resolve import TEMPLATE, resolved
 from swamp_rl.boat.schema import JET, PROPELLER, Boat
 from swamp_rl.effects import Effect, parse_effects
 from swamp_rl.errors import UserError
-from swamp_rl.files import explain, find_config, read_yaml
+from swamp_rl.explain import explanations
+from swamp_rl.files import extended_config, find_config, read_yaml
 
 TAGS = (JET, PROPELLER, TABLE, DRIFT)
 
@@ -24,7 +26,9 @@ def load_boat(name_or_path: str | Path) -> Boat:
     """The boat of a file given by path or, in configs/boats, by bare name.
 
     A file that `extends` another holds only what differs; its `effects` follow the other's. Its numbers may
-    be bare, which counts as assumed. UserError names file, key and what is allowed.
+    be bare, which counts as assumed; a key that it sets to null is removed. `thrusters` as a list replaces
+    the other's; as a mapping by name it changes, adds, and where null removes those that it names.
+    UserError names every fault on its line: file, key and what is allowed.
     """
     chain = _chain(name_or_path)
     raw: dict[str, Any] = {}
@@ -34,6 +38,8 @@ def load_boat(name_or_path: str | Path) -> Boat:
         if "extends" not in data:
             _refuse_bare_numbers(path, own)
         raw = merge(raw, {"name": path.stem} | own)
+        left = {key for key, _ in leaves(raw)}
+        origins = {key: origin for key, origin in origins.items() if key in left}
         origins |= {key: (path, leaf) for key, leaf in leaves(own)}
     asked = chain[-1][0]
     boat = _validated(resolved(raw, asked), origins, asked)
@@ -67,20 +73,10 @@ def _chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:
         extended = chain[0][1].get("extends")
         if "extends" not in chain[0][1]:
             return chain
-        if not isinstance(extended, str) or not extended:
-            raise UserError(f"{path}: extends must be the name or the path of a boat file, not {extended!r}")
-        path = _extended(path, extended)
+        path = extended_config("boats", path, extended)
         if any(path.resolve() == seen.resolve() for seen, _ in chain):
             way = " -> ".join(str(file) for file, _ in reversed(chain))
             raise UserError(f"{way} -> {path}: extends goes round in a circle; remove one of them")
-
-
-def _extended(path: Path, extended: str) -> Path:
-    try:
-        is_name = Path(extended).suffix == "" and len(Path(extended).parts) == 1
-        return find_config("boats", extended if is_name else path.parent / extended)
-    except UserError as error:
-        raise UserError(f"{path}: extends: {error}") from error
 
 
 def _refuse_bare_numbers(path: Path, own: Mapping[str, Any]) -> None:
@@ -95,18 +91,43 @@ def _refuse_bare_numbers(path: Path, own: Mapping[str, Any]) -> None:
 
 def _validated(raw: dict[str, Any], origins: Mapping[Key, tuple[Path, Any]], asked: Path) -> Boat:
     try:
-        return Boat.model_validate(raw)
+        boat = Boat.model_validate(raw)
     except ValidationError as error:
-        named = _readable(error, raw)
-        key = tuple(str(part) for part in named.errors()[0]["loc"])
+        _refuse(explanations(_readable(error, raw), Boat), origins, asked)
+        raise AssertionError("a ValidationError without a fault") from error
+    _refuse(implausible(boat), origins, asked)
+    return boat
+
+
+def _refuse(faults: Iterable[tuple[str, str]], origins: Mapping[Key, tuple[Path, Any]], asked: Path) -> None:
+    """UserError with a line for each fault, by dotted key; one that thrusters share is told of the first."""
+    lines: dict[tuple[str, ...], list[str]] = {}
+    for dotted, message in faults:
+        key = tuple(dotted.split("."))
         origin = _origin(key, origins)
-        raise explain(origin[0] if origin else asked, named, Boat) from error
+        file = str(origin[0] if origin else asked)
+        thruster = key[1:2] if key[0] == "thrusters" else ()
+        alike = (file, message, key[0], *key[2:]) if thruster else (file, message, *key)
+        if alike in lines:
+            lines[alike].append(f"{thruster[0]}")
+        else:
+            lines[alike] = [f"{file}: {dotted + ': ' if dotted else ''}{message}"]
+    if lines:
+        raise UserError("\n".join(_with_others(*told) for told in lines.values()))
+
+
+def _with_others(line: str, *others: str) -> str:
+    return f"{line} (and {', '.join(others)} alike)" if others else line
 
 
 def _readable(error: ValidationError, raw: Mapping[str, Any]) -> ValidationError:
     """The same faults in YAML's words, with thrusters by name in place of their number."""
     details: list[InitErrorDetails] = []
-    for fault in error.errors():
+    faults = error.errors()
+    inside = {fault["loc"][:end] for fault in faults for end in range(len(fault["loc"]))}
+    for fault in faults:
+        if fault["type"] == "too_short" and fault["loc"] in inside:
+            continue  # its items are there, but none is good
         loc = tuple(part for part in fault["loc"] if part not in TAGS)
         if len(loc) > 1 and loc[0] == "thrusters" and isinstance(loc[1], int):
             thruster = raw["thrusters"][loc[1]]
@@ -133,7 +154,7 @@ def _provenance(boat: Boat, origins: Mapping[Key, tuple[Path, Any]]) -> dict[str
     found = {}
     for key, unit in units(boat):
         origin = _origin(key, origins)
-        if origin is None:
+        if origin is None or origin[1] is None:
             continue
         path, leaf = origin
         given = (

@@ -18,32 +18,43 @@ def is_section(given: Any) -> bool:
     return isinstance(given, Mapping) and not is_quantity(given)
 
 
-def is_named_list(given: Any) -> bool:
-    """Whether `given` is a list of sections with names, such as the thrusters."""
-    return (
-        isinstance(given, list)
-        and bool(given)
-        and all(is_section(item) and isinstance(item.get("name"), str) for item in given)
-    )
-
-
 def merge(under: Any, over: Any) -> Any:
-    """`over` laid on `under`: sections key by key, lists of named sections name by name, the rest replaced.
+    """`over` laid on `under`: sections key by key, the rest replaced.
 
-    A number is replaced whole: a new value under an old source would be a lie. Names that stand twice in
-    one list are kept, for the schema to refuse.
+    A section laid on a list of named sections, such as the thrusters, changes those that it names and adds
+    others; a list replaces it. A key whose content is null stands for one to be removed (`without_nulls`). A
+    number is replaced whole: a new value under an old source would be a lie.
     """
-    if is_section(under) and is_section(over):
-        shared = {key: merge(under[key], value) if key in under else value for key, value in over.items()}
-        return {**under, **shared}
-    if is_named_list(under) and is_named_list(over):
-        base = {item["name"]: item for item in under}
-        laid = [merge(base.get(item["name"], {}), item) for item in over]
-        first = {item["name"]: item for item in reversed(laid)}
-        again = [item for item in laid if first[item["name"]] is not item]
-        new = [item for name, item in first.items() if name not in base]
-        return [first.get(item["name"], item) for item in under] + new[::-1] + again
+    if is_section(over):
+        named = by_name(under)
+        if named is not None:
+            return [item for item in listed(merge(named, over)) if item is not None]
+        if is_section(under):
+            return {**under, **{key: merge(under.get(key), value) for key, value in over.items()}}
     return over
+
+
+def by_name(given: Any) -> dict[str, Any] | None:
+    """A list of sections that all have names, none twice, as a mapping by name; None for anything else."""
+    if not isinstance(given, list) or not all(is_section(item) for item in given):
+        return None
+    named = {item.get("name"): item for item in given}
+    whole = len(named) == len(given) > 0 and all(isinstance(name, str) for name in named)
+    return named if whole else None
+
+
+def listed(named: Mapping[str, Any]) -> list[Any]:
+    """A mapping by name as a list of sections that hold their names."""
+    return [{"name": name, **item} if is_section(item) else item for name, item in named.items()]
+
+
+def without_nulls(given: Any) -> Any:
+    """`given` without the keys whose content is null, at any depth of sections and lists of them."""
+    if is_section(given):
+        return {key: without_nulls(value) for key, value in given.items() if value is not None}
+    if isinstance(given, list):
+        return [without_nulls(item) for item in given]
+    return given
 
 
 def leaves(given: Any, at: Key = ()) -> Iterator[tuple[Key, Any]]:

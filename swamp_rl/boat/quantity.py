@@ -1,5 +1,6 @@
 """A number of a boat file: its value, unit, provenance and source."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
@@ -52,12 +53,16 @@ class Unit:
 
 
 def units(model: BaseModel) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Key path and unit of every quantity in a model; list items go by their `name`, else by their index."""
+    """Key path and unit of every quantity in a model; list items go by their `name`, else by their index.
+
+    A limit that is not there, infinite, is no quantity.
+    """
     for key, field in type(model).model_fields.items():
         value = getattr(model, key)
         unit = next((part.name for part in field.metadata if isinstance(part, Unit)), None)
         if unit is not None:
-            yield (key,), unit
+            if not (isinstance(value, float) and math.isinf(value)):
+                yield (key,), unit
         elif isinstance(value, BaseModel):
             yield from (((key, *path), unit) for path, unit in units(value))
         elif isinstance(value, tuple):

@@ -38,17 +38,18 @@ class Thruster(Part):
 
     Its azimuth [rad] is the direction of the force on the boat, positive to starboard. Bollard thrust [N] at
     throttle p is linear p + quadratic p |p|, with the astern pair for p < 0; a zero astern pair: it does not
-    reverse. A `fixed` one pushes along azimuth_min = azimuth_max. nozzle_area [m²] is the jet's, 0 where the
-    thruster has none: then it loses no momentum to the water's own way. advance_loss: c_a of
-    T = T_bollard (1 − c_a V_a/V_o), see `swamp_rl.physics.thrusters.loss_under_way`.
+    reverse. An `azimuth` one turns from azimuth_min to azimuth_max, without end where the file gives neither:
+    then its angle counts the turns. A `fixed` one pushes along azimuth_min = azimuth_max. nozzle_area [m²] is
+    the jet's, 0 where the thruster has none: then it loses no momentum to the water's own way. advance_loss:
+    c_a of T = T_bollard (1 − c_a V_a/V_o), see `swamp_rl.physics.thrusters.loss_under_way`.
     """
 
     name: Annotated[str, NAME]
     kind: Literal["azimuth", "fixed"]
     x: Annotated[float, Unit("m")]
     y: Annotated[float, Unit("m")]
-    azimuth_min: Annotated[float, ANGLE, Unit("rad")]
-    azimuth_max: Annotated[float, ANGLE, Unit("rad")]
+    azimuth_min: Annotated[float, ANGLE, Unit("rad")] = -math.inf
+    azimuth_max: Annotated[float, ANGLE, Unit("rad")] = math.inf
     azimuth_rate: Annotated[float, POSITIVE, Unit("rad/s")] = math.inf
     azimuth_time_constant: Annotated[float, NOT_NEGATIVE, Unit("s")] = 0.0
     azimuth_offset: Annotated[float, ANGLE, Unit("rad")] = 0.0
@@ -66,11 +67,20 @@ class Thruster(Part):
             raise ValueError("thrust_linear and thrust_quadratic are both 0: it would never push")
         if self.kind == "fixed" and self.azimuth_min != self.azimuth_max:
             raise ValueError("a fixed thruster pushes one way: azimuth_min and azimuth_max must be equal")
+        if math.isinf(self.azimuth_min) != math.isinf(self.azimuth_max):
+            raise ValueError(
+                "has one of azimuth_min and azimuth_max: give both, or neither where it turns without end"
+            )
         if self.kind == "azimuth" and not self.azimuth_min < self.azimuth_max:
             raise ValueError("azimuth_min must be below azimuth_max")
         if self.kind == "azimuth" and not {"azimuth_rate", "azimuth_time_constant"} <= self.model_fields_set:
             raise ValueError("an azimuth thruster needs azimuth_rate [rad/s] and azimuth_time_constant [s]")
         return self
+
+    @property
+    def endless(self) -> bool:
+        """Whether it turns without end, so that commands may count any number of turns."""
+        return self.kind == "azimuth" and math.isinf(self.azimuth_max)
 
     @property
     def reverses(self) -> bool:
@@ -154,12 +164,14 @@ class Current(Part):
 class Joypad(Part):
     """What a pilot's levers command: ends of the throttle [1] and azimuth [rad] of the named thrusters.
 
-    For a propeller with a rudder: shares of its highest revolutions, and rudder angles.
+    For a propeller with a rudder: shares of its highest revolutions, and rudder angles. The lever to
+    starboard turns the bow to starboard: thrusters aft of midship take the azimuth with the other sign, and
+    fixed ones steer by differential thrust. A joypad of fixed ones alone needs no azimuth.
     """
 
     thrusters: Annotated[tuple[str, ...], Field(strict=False, min_length=1)]
     throttle: Annotated[tuple[float, float], FROM_LIST, Unit("1")]
-    azimuth: Annotated[tuple[float, float], FROM_LIST, Unit("rad")]
+    azimuth: Annotated[tuple[float, float], FROM_LIST, Unit("rad")] = (0.0, 0.0)
 
     @model_validator(mode="after")
     def _ends_are_in_order(self) -> Self:
@@ -209,18 +221,6 @@ class Boat(Part):
         return self._provenance
 
     @model_validator(mode="after")
-    def _could_float(self) -> Self:
-        displaced = self.water_density * self.length * self.breadth * self.draught
-        if self.mass > displaced:
-            raise ValueError(
-                f"mass {self.mass:.6g} kg is more than the {displaced:.6g} kg of water in length x breadth x "
-                "draught; correct one of them"
-            )
-        if abs(self.x_g) > self.length / 2:
-            raise ValueError(f"x_g {self.x_g:.6g} m lies outside the hull, whose ends are at length / 2")
-        return self
-
-    @model_validator(mode="after")
     def _thrusters_fit(self) -> Self:
         names = self.thruster_names
         if len(set(names)) < len(names):
@@ -229,12 +229,10 @@ class Boat(Part):
             raise ValueError(
                 "thrusters.all: a thruster cannot be named 'all': effects use it for all of them"
             )
-        for thruster in self.thrusters:
-            if abs(thruster.x) > self.length or abs(thruster.y) > self.breadth:
-                raise ValueError(
-                    f"thruster {thruster.name} is farther from midship than the boat is long or broad"
-                )
         joypad = self.joypad.thrusters
         if not set(joypad) <= set(names) or len(set(joypad)) < len(joypad):
             raise ValueError(f"joypad.thrusters must be different names out of {', '.join(names)}")
+        turning = [item.name for item in self.thrusters if item.name in joypad and item.kind != "fixed"]
+        if turning and "azimuth" not in self.joypad.model_fields_set:
+            raise ValueError(f"joypad.azimuth: is missing; add it, for {', '.join(turning)} can turn")
         return self

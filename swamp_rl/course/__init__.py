@@ -1,6 +1,6 @@
 """Courses: gates to pass in order, the buoys that mark them, the start and the bounds."""
 
-from swamp_rl.course.schema import Bounds, Course, Gate, Point, Pose, Start, load_course
+from swamp_rl.course.schema import Bounds, Course, Gate, Point, Pose, Start, course_files, load_course
 from swamp_rl.course.tables import buoy_table, gate_table
 
 __all__ = [
@@ -11,6 +11,7 @@ __all__ = [
     "Pose",
     "Start",
     "buoy_table",
+    "course_files",
     "gate_table",
     "load_course",
 ]

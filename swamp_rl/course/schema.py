@@ -6,7 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from swamp_rl.files import find_config, read_yaml, validated
+from swamp_rl.errors import UserError
+from swamp_rl.files import extended_config, find_config, read_yaml, validated
 
 Metres = Annotated[float, Field(allow_inf_nan=False)]
 Radians = Annotated[float, Field(ge=-2.0 * math.pi, le=2.0 * math.pi)]
@@ -116,11 +117,45 @@ class Course(_Strict):
         return tuple(buoy for gate in self.gates for buoy in gate.buoys)
 
 
+LENGTHS = ("north", "east", "south", "west", "width", "buoy_radius")
+
+
 def load_course(name_or_path: str | Path) -> Course:
     """The course of a file in `configs/courses` by its bare name, or of any file by its path.
 
+    A file that `extends` another holds only what differs, and may lay the other out for a boat of another
+    size by `scale`: all its lengths times that, its time limit times the square root (Froude's law).
     UserError with file and key if it is missing, malformed or cannot be sailed.
     """
-    path = find_config("courses", name_or_path)
-    data: dict[str, Any] = read_yaml(path)
-    return validated(path, Course, data)
+    files = course_files(name_or_path)
+    whole: dict[str, Any] = read_yaml(files[-1])
+    for file in reversed(files[:-1]):
+        own = read_yaml(file)
+        scale = own.pop("scale", 1.0)
+        if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0.0 < scale < math.inf:
+            raise UserError(f"{file}: scale: must be a number above 0, not {scale!r}")
+        del own["extends"]
+        whole = {**_scaled(whole, scale), "name": file.stem, **own}
+    return validated(files[0], Course, whole)
+
+
+def course_files(name_or_path: str | Path) -> list[Path]:
+    """The course's file and those that it extends; UserError where they go round in a circle."""
+    files = [find_config("courses", name_or_path)]
+    while "extends" in (data := read_yaml(files[-1])):
+        files.append(extended_config("courses", files[-1], data["extends"]))
+        if files[-1].resolve() in [file.resolve() for file in files[:-1]]:
+            raise UserError(f"{files[-1]}: extends goes round in a circle; remove one of them")
+    return files
+
+
+def _scaled(given: Any, scale: float, key: str = "") -> Any:
+    """What a course file holds under `key`, with every length times `scale`."""
+    if isinstance(given, dict):
+        return {name: _scaled(value, scale, name) for name, value in given.items()}
+    if isinstance(given, list):
+        return [_scaled(item, scale) for item in given]
+    if isinstance(given, bool) or not isinstance(given, int | float):
+        return given
+    times = scale if key in LENGTHS else math.sqrt(scale) if key == "time_limit" else 1.0
+    return given * times

@@ -11,8 +11,15 @@ def azimuth_after(angle: float, command: float, time_constant: float, rate: floa
     """Azimuth [rad] after `time` [s] of a held command: first order, with a rate limit [rad/s].
 
     Exact: first a ramp at the limit, then an exponential approach that starts where the first-order rate
-    falls below the limit, so the result does not depend on the integration step.
+    falls below the limit, so the result does not depend on the integration step. An infinite rate and no
+    time constant: a thruster that is fixed.
+
+    Angles count whole turns, as SWAMP's motor does: its reference is an absolute number of steps from the
+    homing position, 483,328 to a turn and up to 32 bits (thesis 5.3.3 and 6.2). From 170 degrees it turns
+    back 340 degrees to -170, and on by 20 degrees to 190: the way round is the commander's choice.
     """
+    if time <= 0.0:
+        return angle
     error = command - angle
     distance = abs(error)
     ramp_time = max(distance / rate - time_constant, 0.0)

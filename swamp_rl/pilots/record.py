@@ -9,7 +9,7 @@ import numpy as np
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
-from swamp_rl.pilots.scripted import Habits, ScriptedPilot
+from swamp_rl.pilots.scripted import SWAMP_LENGTH, Habits, ScriptedPilot
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, dataset_beside
 
 AT_ONCE = 64
@@ -107,7 +107,7 @@ def record_scripted(
         course=course,
         notes=NOTES,
     )
-    pilot = ScriptedPilot(seed, habits, step)
+    pilot = ScriptedPilot(seed, habits or Habits(boat_length=vehicle.length), step)
     boats = make_boats(AT_ONCE, pilot.senses)
     try:
         with dataset_beside(out, meta) as part:
@@ -146,7 +146,8 @@ def _fill(
         pilot.reset_boats(np.ones(AT_ONCE, dtype=bool))
     raise UserError(
         f"the scripted pilot drove {good} good and {bad} failed runs, not {wanted[0]} and {wanted[1]}; "
-        "ask for other numbers or disturbances"
+        "ask for other numbers or disturbances, or for a course of the boat's size: a file with "
+        f"`extends: camogli` and `scale: {max(vehicle.length / SWAMP_LENGTH, 0.1):.1f}`"
     )
 
 
@@ -180,12 +181,15 @@ def drive_episodes(boats: Boats, pilot: Driver, vehicle: Boat, seeds: Array, ste
                 meta = RunMeta(
                     seed=int(seeds[i]), outcome=str(info["outcome"][i]), **_replayable(start[i], drawn[i])
                 )
-                runs[i] = Run(f"episode-{seeds[i]}", _columns(parts, vehicle.thruster_names, step), meta)
+                runs[i] = Run(f"episode-{seeds[i]}", _columns(parts, vehicle, step), meta)
     return [runs[i] for i in range(len(seeds))]
 
 
-def _columns(parts: list[Array], thrusters: tuple[str, ...], step: float) -> dict[str, Array]:
-    """The columns of the run format from pose, velocity, applied, levers and commands, each (T, ·)."""
+def _columns(parts: list[Array], vehicle: Boat, step: float) -> dict[str, Array]:
+    """The columns of the run format from pose, velocity, applied, levers and commands, each (T, ·).
+
+    A fixed thruster has no column of its azimuth.
+    """
     pose, velocity, applied, levers, commands = parts
     named = {
         "time": np.arange(len(pose)) * step,
@@ -198,9 +202,10 @@ def _columns(parts: list[Array], thrusters: tuple[str, ...], step: float) -> dic
         "joy_thrust": levers[:, 0],
         "joy_angle": levers[:, 1],
     }
-    channels = [f"{what}_{name}" for what in ("azimuth", "throttle") for name in thrusters]
-    named |= {channel: commands[:, j] for j, channel in enumerate(channels)}
-    return named | {f"applied_{channel}": applied[:, j] for j, channel in enumerate(channels)}
+    angles, levels = zip(*(thruster.command_columns for thruster in vehicle.thrusters), strict=True)
+    channels = [(j, channel) for j, channel in enumerate((*angles, *levels)) if channel is not None]
+    named |= {channel: commands[:, j] for j, channel in channels}
+    return named | {f"applied_{channel}": applied[:, j] for j, channel in channels}
 
 
 def _replayable(start: Array, drawn: dict[str, Any]) -> dict[str, Any]:

@@ -12,6 +12,8 @@ from swamp_rl.pilots.arrays import Array, wrap
 from swamp_rl.pilots.demonstrations import GATE, MOTION
 from swamp_rl.pilots.settings import NotNegative, Positive, Range, Settings, Share
 
+SWAMP_LENGTH = 1.24  # m
+
 
 class Habits(Settings):
     """How the scripted people drive; each range is drawn from uniformly, once a run.
@@ -48,6 +50,8 @@ class Habits(Settings):
     "Share of messy runs: slower reactions and many wrong guesses."
     messy_reaction: Range = (0.3, 0.5)
     messy_guess_interval: Positive = 5.0
+    boat_length: Positive = SWAMP_LENGTH
+    "Of the boat driven: distances and the times of its turning are those of SWAMP, scaled by Froude's law."
 
 
 SCHEDULE = 32
@@ -69,6 +73,10 @@ class ScriptedPilot:
         self.seed = seed
         self.habits = habits or Habits()
         self.step = step
+        length = self.habits.boat_length / SWAMP_LENGTH
+        speed = length**0.5
+        # Surge, sway, yaw rate, gate ahead, to starboard, its cosine and sine, over what they are on SWAMP.
+        self._unit = np.array([speed, speed, 1.0 / speed, length, length, 1.0, 1.0])
         self._history = 1 + round(max(self.habits.reaction[1], self.habits.messy_reaction[1]) / step)
         self.reset(0)
 
@@ -97,7 +105,7 @@ class ScriptedPilot:
         """Levers (n, 2), throttle and angle, from the observation (n, 7) in the order of `senses`."""
         traits = self._traits
         self._seen = np.roll(self._seen, 1, axis=1)
-        self._seen[:, 0] = _course_error(observation, traits)
+        self._seen[:, 0] = _course_error(observation / self._unit, traits)
         error = self._seen[np.arange(len(self._seen)), np.minimum(traits["delay"], self._ticks())]
         # Hysteresis: a thumb once on the lever stays until the bow is about right.
         threshold = np.where(self._lever == 0.0, traits["dead_band"], 0.4 * traits["dead_band"])

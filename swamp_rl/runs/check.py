@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.runs.columns import Span, UnknownThrusterError, missing_columns, span_of
+from swamp_rl.runs.columns import ENDLESS, ONE_TURN, Span, UnknownThrusterError, missing_columns, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
 from swamp_rl.runs.table import Table
 
@@ -63,6 +63,8 @@ def _near_miss(name: str, names: list[str]) -> str:
 
 def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]:
     values = table.columns[name]
+    if span == ENDLESS and _jumps(values):
+        span = ONE_TURN
     if len(values) and np.isnan(values).all() and not table.unread.get(name, np.zeros(1, bool)).any():
         return [Fault(file, None, name, NO_NUMBER)]
     infinite = ~np.isfinite(values) & ~table.unread.get(name, np.zeros(len(values), bool))
@@ -84,6 +86,14 @@ def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]
     return faults + faults_at(
         file, name, table.rows, outside, lambda i: f"{values[i]:.6g} is outside {span}; {hint}"
     )
+
+
+def _jumps(azimuth: NDArray[np.float64]) -> bool:
+    """Whether an azimuth [rad] begins, or goes from row to row, more than a turn away: it counts no turns.
+
+    Every direction lies within a turn of where it points, so such a column is not in radians.
+    """
+    return bool((np.abs(np.diff(azimuth[np.isfinite(azimuth)], prepend=0.0)) > 2.0 * math.pi + 1e-6).any())
 
 
 def _is_unwrapped(heading: NDArray[np.float64], time: NDArray[np.float64] | None) -> bool:

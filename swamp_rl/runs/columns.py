@@ -40,8 +40,10 @@ FIXED = {
 }
 
 
+ENDLESS = Span("rad")  # of an azimuth that counts its turns
+ONE_TURN = Span("rad", -_TURN, _TURN)
 WIDEST = {  # of any boat's command
-    "azimuth": Span("rad", -_TURN, _TURN),
+    "azimuth": ENDLESS,
     "throttle": Span("1", -1.0, 1.0),
     "rudder": Span("rad", -0.5 * math.pi, 0.5 * math.pi),
     "propeller": Span("rps"),
@@ -83,6 +85,8 @@ def _thruster_span(kind: str, name: str, applied: bool, boat: Boat) -> Span:
         return WIDEST[kind]
     if isinstance(thruster, PropellerRudder):
         return Span("rad", -thruster.rudder_max, thruster.rudder_max)
+    if thruster.endless:
+        return ENDLESS
     return Span("rad", thruster.azimuth_min, thruster.azimuth_max)
 
 

@@ -79,7 +79,7 @@ def _episode(number: int, run: Run, split: Split) -> Any:
 
     steps = len(run.time) - 1
     last = np.arange(steps) == steps - 1
-    cut = run.meta.outcome in (None, "timeout")
+    cut = run.meta.outcome in (None, "timeout", "diverged")
     told = run.meta.model_dump(exclude_none=True, exclude={"file", "rows"})
     return EpisodeBuffer(
         id=number,

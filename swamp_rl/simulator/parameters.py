@@ -11,7 +11,8 @@ from swamp_rl.boat.resistance import DriftResistance
 from swamp_rl.boat.schema import ThrustDeduction
 from swamp_rl.effects import apply_effects, neutral_fields
 from swamp_rl.physics.resistance import tank_table
-from swamp_rl.simulator.state import NORTH, SURGE, YAW_RATE, state_size
+from swamp_rl.simulator.divergence import refuse_divergence
+from swamp_rl.simulator.state import ACTUATORS, NORTH, SURGE, YAW_RATE, state_size
 
 JET_FIELDS = (
     "azimuth_min",
@@ -161,6 +162,7 @@ def _nominal(boat: Boat) -> NDArray[Any]:
     record = np.zeros(1, dtype)
     for field, value in (scalars | columns).items():
         record[field] = value
+    refuse_divergence(boat.name, record, tank(boat))
     apply_effects(record, boat.effects, boat.thruster_names)
     return record
 
@@ -169,6 +171,7 @@ def parameters(boat: Boat, n: int = 1) -> NDArray[Any]:
     """Parameter records of n equal boats, shape (n,), the boat file's own effects applied.
 
     Any field of any boat may be changed before a step: mass, current, wind, every effect's parameters.
+    UserError for a boat whose motion diverges in a few steps, see `swamp_rl.simulator.divergence`.
     """
     return np.repeat(_nominal(boat), n)
 
@@ -193,7 +196,7 @@ def tank(boat: Boat) -> NDArray[np.float64]:
 def initial_state(
     params: NDArray[Any], pose: NDArray[np.float64], velocity: NDArray[np.float64] | None = None
 ) -> NDArray[np.float64]:
-    """States (n, S) at time 0, thrusters stopped and straight ahead.
+    """States (n, S) at time 0, thrusters stopped and straight ahead, or as near to it as they turn.
 
     pose: (n, 3) north, east [m], heading [rad]; velocity: (n, 3) surge, sway [m/s over ground], yaw rate
     [rad/s], at rest over ground where not given.
@@ -203,4 +206,5 @@ def initial_state(
     state[:, NORTH : NORTH + 3] = pose
     if velocity is not None:
         state[:, SURGE : YAW_RATE + 1] = velocity
+    state[:, ACTUATORS : ACTUATORS + thrusters] = np.clip(0.0, params["azimuth_min"], params["azimuth_max"])
     return state

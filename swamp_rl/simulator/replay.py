@@ -68,7 +68,8 @@ def run_of(track: Array, measured: Array, time: Array, source: Run, boat: Boat) 
     columns |= {name: values for name, values in source.columns.items() if name.startswith(kept)}
     for k, thruster in enumerate(boat.thrusters):
         angle, level = thruster.command_columns
-        columns[f"applied_{angle or f'azimuth_{thruster.name}'}"] = track[:, ACTUATORS + k]
+        if angle is not None:
+            columns[f"applied_{angle}"] = track[:, ACTUATORS + k]
         columns[f"applied_{level}"] = track[:, ACTUATORS + len(boat.thrusters) + k]
     return Run(source.name, columns)
 

@@ -17,10 +17,9 @@ def refused(folder: Path, text: str) -> str:
     path.write_text(text)
     with pytest.raises(UserError) as error:
         load_boat(path)
-    message = str(error.value)
-    assert message.startswith(str(path))
-    assert "\n" not in message
-    return message.removeprefix(str(path))
+    lines = str(error.value).splitlines()
+    assert all(line.startswith(str(path)) for line in lines)
+    return "\n".join(line.removeprefix(str(path)) for line in lines)
 
 
 @pytest.mark.parametrize(
@@ -33,11 +32,12 @@ def refused(folder: Path, text: str) -> str:
         ("mass: '48'", "mass: input should be a valid number, not '48'"),
         ("mass: true", "mass: input should be a valid number"),
         ("mass: [48]", "mass: input should be a valid number"),
-        ("mass:", "mass: input should be a valid number"),
-        ("mass: 400", "mass 400 kg is more than"),
+        ("mass:", "mass: is missing; add it"),
+        ("mass: 400", "mass: 400 kg is implausible: mass / (water_density length breadth draught) is 2.04"),
         ("name: 3", "name: input should be a valid string"),
+        ("draught: 0.03", "hull.c_d: the regression 'yoshimura' gives -0.595"),
         ("draught: -0.1", "draught: input should be greater than 0"),
-        ("x_g: 0.7", "x_g 0.7 m lies outside the hull"),
+        ("x_g: 0.7", "x_g: 0.7 m is implausible: distance from midship / length is 0.565"),
         ("added_mass_sway: 23.2", "added_mass_sway: input should be less than or equal to 0"),
         ("hull: {c_d: yoshi}", "hull.c_d: input should be a valid number, not 'yoshi'"),
         ("hull: 3", "hull: input should be a mapping of keys"),
@@ -65,6 +65,7 @@ def refused(folder: Path, text: str) -> str:
             "thruster_model: {azimuth_min: 1.0, azimuth_max: 0.5}",
             "thrusters.bs: azimuth_min must be below azimuth_max",
         ),
+        ("thruster_model: {azimuth_max: 3.0}", "thrusters.bs: has one of azimuth_min and azimuth_max"),
         ("thruster_model: {azimuth_rate: 0}", "thrusters.bs.azimuth_rate: input should be greater than 0"),
         (
             "thruster_model: {thrust_quadratic: 0}",
@@ -75,12 +76,15 @@ def refused(folder: Path, text: str) -> str:
         ("thrusters: []", "thrusters: the list should have at least 1 item"),
         ("thrusters: [3]", "thrusters.0: input should be a mapping of keys"),
         ("thrusters: [{x: 0.1}]", "thrusters.0.name: is missing"),
-        ("thrusters: [{name: ss, azimuth_max: 90}]", "thrusters.ss.azimuth_max: input should be less than"),
-        ("thrusters: [{name: ss}, {name: ss}]", "thruster names must differ, but are bs, bp, ss, sp, ss"),
-        ("thrusters: [{name: ss, x: -350}]", "thruster ss is farther from midship"),
-        ("thrusters: [{name: tunnel, x: 0.3}]", "thrusters.tunnel.y: is missing"),
-        ("thrusters: [{name: all, x: 0.3, y: 0.0}]", "thrusters.all: a thruster cannot be named 'all'"),
-        ("thrusters: [{name: 'a b', x: 0.3, y: 0.0}]", "thrusters.a b.name: "),
+        ("thrusters: {ss: {azimuth_max: 90}}", "thrusters.ss.azimuth_max: input should be less than"),
+        (
+            "thrusters: [{name: ss, x: 0, y: 0}, {name: ss, x: 1, y: 0}]",
+            "thruster names must differ, but are ss, ss",
+        ),
+        ("thrusters: {ss: {x: -350}}", "thrusters.ss.x: -350 m is implausible"),
+        ("thrusters: {tunnel: {x: 0.3}}", "thrusters.tunnel.y: is missing"),
+        ("thrusters: {all: {x: 0.3, y: 0.0}}", "thrusters.all: a thruster cannot be named 'all'"),
+        ("thrusters: {a b: {x: 0.3, y: 0.0}}", "thrusters.a b.name: "),
         ("resistance: {table: []}", "resistance.table: the list should have at least 1 item"),
         (
             "resistance: {table: [{h_over_t: 2, speed: [1, 2], resistance: [1]}]}",

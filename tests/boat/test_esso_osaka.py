@@ -204,15 +204,15 @@ def test_a_run_without_revolutions_is_refused_by_the_missing_column() -> None:
     [
         ("effects: [{effect: shallow_water, depth_over_draught: 2}]", "coefficients for deep water"),
         (
-            "thrusters: [{name: main, propeller: {k_t: [0.3, -0.3]}}]",
+            "thrusters: {main: {propeller: {k_t: [0.3, -0.3]}}}",
             "main.propeller: k_t needs 3 coefficients",
         ),
         (
-            "thrusters: [{name: main, rudder: {area: 0}}]",
+            "thrusters: {main: {rudder: {area: 0}}}",
             "thrusters.main.rudder.area: input should be greater",
         ),
-        ("thrusters: [{name: main, kind: screw}]", "'azimuth', 'fixed' or 'propeller_rudder', not 'screw'"),
-        ("thrusters: [{name: main, propeler: {}}]", "did you mean 'propeller'?"),
+        ("thrusters: {main: {kind: screw}}", "'azimuth', 'fixed' or 'propeller_rudder', not 'screw'"),
+        ("thrusters: {main: {propeler: {}}}", "did you mean 'propeller'?"),
         ("resistance: {x_0_ahead: 0.02}", "resistance.x_0_ahead: input should be less than or equal to 0"),
     ],
 )

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.merge import leaves, merge
+from tests.support.from_scratch import TWIN, written
 
 TREES = st.recursive(
     st.integers() | st.lists(st.integers(), max_size=3),
@@ -32,7 +33,7 @@ def test_an_extending_file_takes_its_own_name_not_the_others(tmp_path: Path) -> 
 
 
 def test_a_bare_number_counts_as_assumed_by_the_file_that_sets_it(tmp_path: Path) -> None:
-    boat = extended(tmp_path, "extends: swamp\nhull: {y_v: -0.6}\nthrusters: [{name: bs, x: 0.36}]\n")
+    boat = extended(tmp_path, "extends: swamp\nhull: {y_v: -0.6}\nthrusters: {bs: {x: 0.36}}\n")
     assert (boat.hull.y_v, boat.hull.n_v) == (-0.6, -0.226)
     for key, unit in {"hull.y_v": "1", "thrusters.bs.x": "m"}.items():
         given = boat.provenance[key]
@@ -45,16 +46,44 @@ def test_thrusters_are_changed_and_added_by_name(tmp_path: Path) -> None:
         tmp_path,
         "extends: swamp\n"
         "thrusters:\n"
-        "  - {name: fan, kind: fixed, x: 0.3, y: 0, azimuth_min: 1.5, azimuth_max: 1.5, astern_linear: 6}\n"
-        "  - {name: ss, thrust_quadratic: 6.1}\n",
+        "  fan: {kind: fixed, x: 0.3, y: 0, azimuth_min: 1.5, azimuth_max: 1.5, astern_linear: 6}\n"
+        "  ss: {thrust_quadratic: 6.1}\n",
     )
     assert boat.thruster_names == ("bs", "bp", "ss", "sp", "fan")
     assert [thruster.thrust_quadratic for thruster in boat.thrusters] == [12.2, 12.2, 6.1, 12.2, 12.2]
     assert [thruster.reverses for thruster in boat.thrusters] == [False] * 4 + [True]
 
 
+def test_thrusters_as_a_list_replace_those_of_the_boat_extended(tmp_path: Path) -> None:
+    text = "extends: swamp\nthrusters: [{name: bs, x: 0.3, y: 0.1}]\njoypad: {thrusters: [bs]}\n"
+    boat = extended(tmp_path, text)
+    assert [(item.name, item.x, item.y) for item in boat.thrusters] == [("bs", 0.3, 0.1)]
+    assert boat.provenance["thrusters.bs.x"].source == "set in mine.yaml"
+    assert boat.provenance["thrusters.bs.thrust_quadratic"].source == "thesis table 5.5, at 1185 RPM"
+
+
+def test_null_removes_a_key_a_thruster_and_what_the_common_block_has(tmp_path: Path) -> None:
+    text = (
+        "extends: swamp\nthruster_model: {azimuth_min: -3.0, azimuth_max: 3.0, nozzle_area: null}\n"
+        "thrusters: {bp: {azimuth_min: null, azimuth_max: null}, sp: null}\n"
+    )
+    boat = extended(tmp_path, text)
+    assert boat.thruster_names == ("bs", "bp", "ss")
+    assert [thruster.endless for thruster in boat.thrusters] == [False, True, False]
+    assert boat.thrusters[0].nozzle_area == 0.0
+    assert not {"thrusters.bs.nozzle_area", "thrusters.bp.azimuth_min"} & boat.provenance.keys()
+    back = extended(tmp_path, "extends: mine.yaml\nthruster_model: {nozzle_area: 0.001}\n", "again")
+    assert back.thrusters[0].nozzle_area == 0.001 and back.thruster_names == boat.thruster_names
+
+
+def test_thrusters_may_stand_by_name_in_a_file_that_extends_nothing(tmp_path: Path) -> None:
+    by_name = {item["name"]: {k: v for k, v in item.items() if k != "name"} for item in TWIN["thrusters"]}
+    listed = load_boat(written(tmp_path, "twin"))
+    assert load_boat(written(tmp_path, "twin", thrusters=by_name)) == listed
+
+
 def test_the_common_block_reaches_every_thruster_that_does_not_say_otherwise(tmp_path: Path) -> None:
-    extended(tmp_path, "extends: swamp\nthrusters: [{name: sp, azimuth_time_constant: 0.5}]\n", "lower")
+    extended(tmp_path, "extends: swamp\nthrusters: {sp: {azimuth_time_constant: 0.5}}\n", "lower")
     boat = extended(tmp_path, "extends: lower.yaml\nthruster_model: {azimuth_time_constant: 0.3}\n")
     assert [thruster.azimuth_time_constant for thruster in boat.thrusters] == [0.3, 0.3, 0.3, 0.5]
     assert boat.provenance["thrusters.bs.azimuth_time_constant"].source == "set in mine.yaml"

@@ -171,6 +171,14 @@ def test_a_column_wholly_in_degrees_is_one_fault_with_its_extent(good: Path) -> 
     assert f"and so on to row {ROWS}" in fault.message
 
 
+def test_an_azimuth_may_count_its_turns_but_not_jump_by_more_than_one(good: Path) -> None:
+    columns = circling()
+    columns["azimuth_bs"] = np.linspace(0.0, 40.0, ROWS)
+    assert faults_of(good, columns) == []
+    columns["azimuth_bs"][-1] += 7.0
+    assert {fault.column for fault in faults_of(good, columns)} == {"azimuth_bs"}
+
+
 def test_throttle_in_percent_is_called_so(good: Path) -> None:
     columns = circling()
     columns["throttle_bs"] *= 100.0

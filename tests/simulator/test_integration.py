@@ -7,7 +7,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.physics.noise import normal_pair, uniform
 from swamp_rl.physics.thrusters import azimuth_after
 from swamp_rl.simulator import initial_state, parameters, simulate, step, step_parallel, tank
-from swamp_rl.simulator.state import GUST_SPEED, HEADING, NORTH, SURGE
+from swamp_rl.simulator.state import ACTUATORS, GUST_SPEED, HEADING, NORTH, SURGE
 from swamp_rl.simulator.step import substeps_of
 from tests.support.boats import commands, track
 
@@ -90,6 +90,21 @@ def test_the_azimuth_motor_never_turns_faster_than_its_rate_limit() -> None:
     # the same course whether taken in one piece or in two
     half = azimuth_after(-1.5, 1.5, 0.1, 4.0, 0.7)
     assert azimuth_after(half, 1.5, 0.1, 4.0, 0.2) == pytest.approx(azimuth_after(-1.5, 1.5, 0.1, 4.0, 0.9))
+
+
+def test_a_thruster_that_is_fixed_stays_a_number() -> None:
+    for time in (0.0, 0.05, 0.1):
+        assert azimuth_after(0.3, 0.3, 0.0, np.inf, time) == 0.3
+    assert azimuth_after(0.0, 1.0, 0.5, np.inf, 0.5) == pytest.approx(1.0 - np.exp(-1.0))
+
+
+def test_an_azimuth_without_end_counts_its_turns_and_one_with_stops_halts_at_them() -> None:
+    three_turns = commands(3 * 360.0, 0.0, (0.5, 0.5, 0.0, 0.0), 100)
+    reached = track(BOAT, three_turns)[:, ACTUATORS]
+    assert reached[-1] == pytest.approx(3 * 2 * np.pi, abs=1e-3)
+    assert np.all(np.diff(reached) >= 0.0)
+    stops = {"azimuth_min": -2 * np.pi, "azimuth_max": 2 * np.pi}
+    assert track(BOAT, three_turns, **stops)[-1, ACTUATORS] == pytest.approx(2 * np.pi, abs=1e-3)
 
 
 def test_a_slower_azimuth_turns_the_boat_later() -> None:

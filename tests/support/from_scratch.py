@@ -1,0 +1,121 @@
+"""Boats written from nothing: twin fixed thrusters of 15 kg, an azimuth ferry of 1.8 t, a toy of 0.3 m."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+Section = dict[str, Any]
+
+
+def number(value: Any, unit: str) -> Section:
+    """A number as a file that extends nothing has to give it."""
+    return {"value": value, "unit": unit, "provenance": "assumed", "source": "a test"}
+
+
+def thruster(name: str, kind: str, x: float, y: float, thrust: float, **more: Section) -> Section:
+    """A thruster at x, y [m] that pushes `thrust` [N] at most."""
+    return {
+        "name": name,
+        "kind": kind,
+        "x": number(x, "m"),
+        "y": number(y, "m"),
+        "pump_time_constant": number(0.1, "s"),
+        "thrust_linear": number(0.0, "N"),
+        "thrust_quadratic": number(thrust, "N"),
+        **more,
+    }
+
+
+def turning(rate: float, lag: float, **more: Section) -> Section:
+    """How an azimuth thruster turns: rate [rad/s] and time constant [s]."""
+    return {"azimuth_rate": number(rate, "rad/s"), "azimuth_time_constant": number(lag, "s"), **more}
+
+
+def boat(size: tuple[float, float, float], mass: float, thrusters: list[Section], joypad: Section) -> Section:
+    """A whole boat file; size: length, breadth, draught [m]. Coefficients are usual ones of slender hulls."""
+    length, breadth, draught = size
+    inertia = mass * (0.25 * length) ** 2
+    under, beside = breadth * draught, length * draught
+    names = ("x_vr", "y_v", "y_r", "n_v", "n_r", "c_d", "c_ry", "c_rn")
+    hull = dict(zip(names, (0.1, -0.4, 0.05, -0.12, -0.08, 1.0, 1.0, 1.0), strict=True))
+    return {
+        "length": number(length, "m"),
+        "breadth": number(breadth, "m"),
+        "draught": number(draught, "m"),
+        "mass": number(mass, "kg"),
+        "inertia_z": number(inertia, "kg m2"),
+        "x_g": number(0.0, "m"),
+        "added_mass_surge": number(-0.05 * mass, "kg"),
+        "added_mass_sway": number(-0.5 * mass, "kg"),
+        "added_inertia_yaw": number(-0.4 * inertia, "kg m2"),
+        "water_density": number(1000.0, "kg/m3"),
+        "hull": {name: number(value, "1") for name, value in hull.items()},
+        "resistance": {"x_0_ahead": number(-0.06, "1"), "x_0_astern": number(-0.08, "1")},
+        "thrusters": thrusters,
+        "thrust_deduction": {
+            "throttle_low": number(0.0, "1"),
+            "factor_low": number(0.9, "1"),
+            "throttle_high": number(1.0, "1"),
+            "factor_high": number(0.9, "1"),
+        },
+        "wind": {
+            "air_density": number(1.2, "kg/m3"),
+            "frontal_area": number(2.0 * under, "m2"),
+            "lateral_area": number(2.0 * beside, "m2"),
+            "lateral_centre": number(0.0, "m"),
+            **{name: number(value, "1") for name, value in (("c_x", 0.7), ("c_y", 0.9), ("c_n", 0.1))},
+        },
+        "current": {
+            "model": "relative",
+            "frontal_area": number(under, "m2"),
+            "lateral_area": number(beside, "m2"),
+            "lateral_centre": number(0.0, "m"),
+            **{name: number(value, "1") for name, value in (("c_x", 0.2), ("c_y", 0.6))},
+        },
+        "joypad": joypad,
+    }
+
+
+def joypad(thrusters: list[str], reach: float | None = None) -> Section:
+    """A joypad that drives these thrusters, the azimuth to `reach` [rad] on either side."""
+    throttle = {"thrusters": thrusters, "throttle": number([0.0, 1.0], "1")}
+    return throttle if reach is None else {**throttle, "azimuth": number([-reach, reach], "rad")}
+
+
+AHEAD = {"azimuth_min": number(0.0, "rad"), "azimuth_max": number(0.0, "rad")}
+STOPS = {"azimuth_min": number(-0.7, "rad"), "azimuth_max": number(0.7, "rad")}
+SIDES = (("port", -1.0), ("starboard", 1.0))
+
+TWIN = boat(
+    (1.0, 0.6, 0.1),
+    15.0,
+    [
+        thruster(name, "fixed", -0.4, 0.25 * y, 8.0, astern_quadratic=number(5.0, "N"), **AHEAD)
+        for name, y in SIDES
+    ],
+    joypad(["port", "starboard"]),
+)
+FERRY = boat(
+    (5.0, 2.4, 0.45),
+    1800.0,
+    [
+        thruster(name, "azimuth", x, 0.0, 400.0, **turning(1.0, 0.3))
+        for name, x in (("bow", 1.8), ("stern", -1.8))
+    ],
+    joypad(["bow"], 1.2),
+)
+TOY = boat(
+    (0.3, 0.12, 0.04),
+    0.6,
+    [thruster(name, "azimuth", -0.15, 0.03 * y, 0.2, **turning(6.0, 0.05, **STOPS)) for name, y in SIDES],
+    joypad(["port", "starboard"], 0.7),
+)
+BOATS = {"twin": TWIN, "ferry": FERRY, "toy": TOY}
+
+
+def written(folder: Path, name: str, **changes: Any) -> Path:
+    """The file of one of the boats, some of its sections replaced."""
+    path = folder / f"{name}.yaml"
+    path.write_text(yaml.safe_dump(BOATS[name] | changes, sort_keys=False))
+    return path
