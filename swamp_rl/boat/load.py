@@ -20,13 +20,16 @@ from swamp_rl.files import explain, find_config, read_yaml
 TAGS = (JET, PROPELLER, TABLE, DRIFT)
 
 
-def load_boat(name_or_path: str | Path) -> Boat:
+def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = None) -> Boat:
     """The boat of a file given by path or, in configs/boats, by bare name.
 
     A file that `extends` another holds only what differs; its `effects` follow the other's. Its numbers may
-    be bare, which counts as assumed. UserError names file, key and what is allowed.
+    be bare, which counts as assumed. replaced: keys in place of the file's, as a file that extends it would
+    have them. UserError names file, key and what is allowed.
     """
     chain = _chain(name_or_path)
+    if replaced:
+        chain.append((chain[-1][0], {"extends": str(name_or_path), **replaced}))
     raw: dict[str, Any] = {}
     origins: dict[Key, tuple[Path, Any]] = {}
     for path, data in chain:
