@@ -20,7 +20,7 @@ from swamp_rl.experiments.verbs_sweep import sweep
 from swamp_rl.experiments.verbs_trials import trial_app
 
 from swamp_rl import __version__
-from swamp_rl.errors import UserError
+from swamp_rl.errors import FaultsError, UserError
 
 BAD_INPUT, INTERRUPTED, TERMINATED, UNEXPECTED = 2, 130, 143, 70
 DEBUG = "SWAMP_RL_DEBUG"
@@ -151,6 +151,8 @@ def _carried_out(signals: list[int]) -> int:
         # Without any argument Typer has printed the help and has nothing to add.
         line = error.format_message()
         return _complain(f"{line} (swamp-rl --help tells more)", error.exit_code) if line else error.exit_code
+    except FaultsError as error:
+        return max(_complain(line, BAD_INPUT) for line in error.lines)
     except UserError as error:
         return _complain(str(error), BAD_INPUT)
     except BrokenPipeError:

@@ -31,7 +31,8 @@ def diagnose(
     from swamp_rl.criticism.figures.schema import is_figures_file
 
     if is_figures_file(dataset):
-        return _diagnose_figures(dataset, boat, out, holdout, fit)
+        _diagnose_figures(dataset, boat, out, holdout, fit)
+        return
     if fit:
         raise UserError(f"--fit: {dataset} holds runs, which have no groups; leave it out")
 
@@ -80,8 +81,8 @@ def _diagnose_figures(path: Path, boat: str, out: Path, holdout: Path | None, fi
         for rival in stage.rivals:
             apart = "told apart" if rival.told_apart else "not told apart"
             typer.echo(
-                f"    {apart} from {rival.effect} ({rival.evidence:.1f} less likely; chi2 of the figures that "
-                f"judge them {rival.of_the_first:.1f} against {rival.held_out_chi2:.1f})"
+                f"    {apart} from {rival.effect} ({rival.evidence:.1f} less likely; chi2 of the figures "
+                f"that judge them {rival.of_the_first:.1f} against {rival.held_out_chi2:.1f})"
             )
     for cause in found.causes:
         on = f" {cause.thruster}" if cause.thruster else ""

@@ -37,7 +37,7 @@ from swamp_rl.criticism.figures.select import (
 )
 from swamp_rl.criticism.refusals import refuse_sources_inside
 from swamp_rl.criticism.result import Cause, Estimate, Verdict
-from swamp_rl.errors import UserError
+from swamp_rl.errors import FaultsError
 from swamp_rl.files import folder_beside
 
 RESULT = "diagnosis.json"
@@ -82,7 +82,7 @@ def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None
     """Diagnose a boat file against the printed figures of a YAML file; writes diagnosis.json,
     extended_boat.yaml and report.html into `out`.
 
-    fit: groups by stage that numbers are fitted to, in place of the file's. UserError with a line for each
+    fit: groups by stage that numbers are fitted to, in place of the file's. FaultsError, one line for each
     fault of the file.
     """
     from swamp_rl.criticism.figures.report import page
@@ -93,7 +93,7 @@ def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None
     found = read_figures(path, model)
     faults = group_faults(found, fit or ())
     if faults:
-        raise UserError("\n".join(f"--fit: {fault.removeprefix('fit: ')}" for fault in faults))
+        raise FaultsError([f"--fit: {fault.removeprefix('fit: ')}" for fault in faults])
     with folder_beside(out, RESULT) as folder:
         study = Study(found, fleet_of(boat, found))
         diagnosis, last = examine(study, fit or found.fit)

@@ -32,8 +32,9 @@ from swamp_rl.simulator.state import EAST, HEADING, SURGE, SWAY, YAW_RATE
 Array = NDArray[np.float64]
 
 DT = 0.1  # s
-APPROACH, TURN = 120.0, 240.0  # times √(L/g): from rest to steady running, and from there to a steady turn
-STEADY = 0.2  # of a turn, at its end, that a steady figure is the mean of
+PART = 60.0  # times √(L/g): a test goes on in such parts until one changes the motion no more
+STEADY = 1e-7  # change of speed in a part, as a share
+MOST_PARTS = 20
 LARGEST = 1e3  # lengths: the diameter of a boat that does not turn
 TOUCH = 1e-4  # m/s and rad/s by which straight running is disturbed
 DISTURBED = 0.5  # s after which the disturbance is looked at again
@@ -43,7 +44,7 @@ ZIG_ZAGS = (10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0)  # deg: its table II
 
 @compiled
 def surge_thrust(command: Any, u: float, p: Any) -> float:
-    """Surge force [N] of thrusters that have reached `command` (2K,), at u [m/s] straight through the water."""
+    """Surge force [N] of thrusters that have reached `command` (2K,), at u [m/s] straight ahead."""
     count = len(command) // 2
     outputs = np.empty((1, count, 2))
     for k in range(count):
@@ -104,9 +105,10 @@ class Test:
         asked = self.at.steer(Order(angle, self.throttle))
         return asked * np.array(2 * self.running, float)
 
-    def steps(self, lasting: float) -> int:
-        """Steps of a part of the test that lasts so many times √(L/g)."""
-        return round(lasting * math.sqrt(self.boat.length / GRAVITY) / DT)
+    @property
+    def part(self) -> int:
+        """Steps of a part of the test."""
+        return round(PART * math.sqrt(self.boat.length / GRAVITY) / DT)
 
     def sailed(self, start: Array, angle: float, steps: int) -> Array:
         """(steps + 1, S) states from `start` (1, S) under a constant command."""
@@ -114,23 +116,35 @@ class Test:
         seeds = np.zeros(1, np.uint64)
         return np.asarray(simulate(self.record, self.at.curves, start, rows, seeds, DT, 1)[0])
 
+    def settled(self, start: Array, angle: float) -> Array:
+        """(T + 1, S) states from `start` (1, S) until the motion is steady, or MOST_PARTS are over."""
+        parts = [start]
+        for _ in range(MOST_PARTS):
+            parts.append(self.sailed(parts[-1][-1:], angle, self.part)[1:])
+            before, after = parts[-2][-1], parts[-1][-1]
+            changed = abs(after[SURGE] - before[SURGE]) + abs(after[SWAY] - before[SWAY])
+            changed += self.boat.length * abs(after[YAW_RATE] - before[YAW_RATE])
+            if changed <= STEADY * math.hypot(after[SURGE], after[SWAY]):
+                break
+        return np.concatenate(parts)
+
     @cached_property
     def straight(self) -> Array:
         """(1, S) the state of steady straight running."""
         start = initial_state(self.record, np.zeros((1, 3)))
-        return self.sailed(start, 0.0, self.steps(APPROACH))[-1:].copy()
+        return self.settled(start, 0.0)[-1:].copy()
 
     @cached_property
     def turn(self) -> Array:
         """(T + 1, S) states from the execute on, after a steady approach from the origin to the north."""
         start = self.straight.copy()
         start[:, : HEADING + 1] = 0.0
-        return self.sailed(start, self.angle, self.steps(TURN))
+        return self.settled(start, self.angle)
 
     @property
-    def settled(self) -> Array:
+    def circle(self) -> Array:
         """(T, S) states of the steady end of the turn."""
-        return self.turn[-self.steps(STEADY * TURN) :]
+        return self.turn[-self.part :]
 
     def towed_thrust(self, speed: float) -> float:
         """Surge force [N] of the running thrusters, straight ahead, at a speed [m/s] through the water."""
@@ -145,9 +159,9 @@ class Test:
     @cached_property
     def yaw_model(self) -> YawModel:
         """The yaw model of paper 002 (eqs 1 and 2) of circles and zig-zags sailed in closed loop."""
-        both = [side * angle for angle in CIRCLES for side in (1.0, -1.0)]
-        trials = [Trial("turning-circle", self.throttle, math.radians(angle)) for angle in both]
-        trials += [Trial("zig-zag", self.throttle, *([math.radians(angle)] * 2)) for angle in ZIG_ZAGS]
+        both = np.radians([side * angle for angle in CIRCLES for side in (1.0, -1.0)]).tolist()
+        trials = [Trial("turning-circle", self.throttle, angle) for angle in both]
+        trials += [Trial("zig-zag", self.throttle, angle, angle) for angle in np.radians(ZIG_ZAGS).tolist()]
         return by_pseudo_inverse(motions_of(self.closed_loop(trials), self.boat, 0.0), self.boat.inertia_z)[0]
 
     def closed_loop(self, trials: list[Trial]) -> list[Run]:
@@ -203,13 +217,13 @@ def yaw_growth_rate(test: Test) -> float:
 
 def steady_speed(test: Test) -> float:
     """Speed [m/s] on the steady circle."""
-    return float(np.hypot(test.settled[:, SURGE], test.settled[:, SWAY]).mean())
+    return float(np.hypot(test.circle[:, SURGE], test.circle[:, SWAY]).mean())
 
 
 def turning_rate(test: Test) -> float:
     """Yaw rate [deg/s] on the steady circle, positive to the side that was steered to."""
     side = math.copysign(1.0, test.angle)
-    return side * math.degrees(test.settled[:, YAW_RATE].mean())
+    return side * math.degrees(test.circle[:, YAW_RATE].mean())
 
 
 def steady_diameter(test: Test) -> float:

@@ -79,8 +79,7 @@ def misfits(figures: Sequence[Figure], values: Array) -> Array:
     """(n,) values less what is printed, in errors; 0 within a limit, FAR where a value is no number."""
     printed, errors = np.array([(figure.value, figure.error) for figure in figures]).T
     off = (values - printed) / errors
-    within = {"at_most": np.minimum, "at_least": np.maximum}
-    for i, figure in enumerate(figures):
-        if figure.limit is not None and off[i] == within[figure.limit](off[i], 0.0):
-            off[i] = 0.0
+    for limit, beyond in (("at_most", np.maximum), ("at_least", np.minimum)):
+        limited = np.array([figure.limit == limit for figure in figures])
+        off[limited] = beyond(off[limited], 0.0)
     return np.clip(np.nan_to_num(off, nan=FAR), -FAR, FAR)

@@ -70,8 +70,8 @@ def _stage(number: int, stage: StageFound, boat: Boat) -> str:
     said = (
         f"<h2>Stage {number}: {html.escape(', '.join(stage.groups))}</h2>"
         f"<p>Named: <b>{html.escape(named)}</b>. χ² of {stage.figures} figures: {stage.chi2_before:.1f} "
-        f"before, {stage.chi2_after:.1f} with it. The evidence is −2 log of the marginal likelihood (Laplace), "
-        "with the charge for choosing among the candidates; a difference of 6 is strong.</p>"
+        f"before, {stage.chi2_after:.1f} with it. The evidence is −2 log of the marginal likelihood (by "
+        "Laplace), with the charge for choosing among the candidates; a difference of 6 is strong.</p>"
     )
     rows = [(spoken(one.effect), f"{one.chi2:.1f}", minus(f"{one.evidence:.1f}")) for one in stage.candidates]
     said += table(("candidate", "χ² of the figures", "evidence above the first"), rows, numbers=(1, 2))

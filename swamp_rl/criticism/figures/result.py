@@ -2,6 +2,8 @@
 
 from typing import Literal
 
+from pydantic import Field
+
 from swamp_rl.criticism.result import Cause, Part, Verdict
 
 
@@ -96,7 +98,7 @@ class FiguresDiagnosis(Part):
 
     verdict: Verdict
     causes: list[Cause]
-    nuisance: list[Cause] = []
+    nuisance: list[Cause] = Field(default_factory=list)
     correlation: list[list[float]]
     indistinguishable: list[list[str]]
     stages: list[StageFound]

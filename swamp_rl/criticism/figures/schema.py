@@ -6,15 +6,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
-from swamp_rl.boat import Boat
+from swamp_rl.boat import Boat, PropellerRudder
 from swamp_rl.boat.part import FROM_LIST, Part
 from swamp_rl.criticism.figures.manoeuvres import FIGURES, KEYS, OPTIONAL
 from swamp_rl.effects import LIBRARY
-from swamp_rl.errors import UserError
+from swamp_rl.errors import FaultsError
 from swamp_rl.explain import explanations, nearest
 from swamp_rl.files import read_yaml
 
-Positive = Annotated[float, Field(gt=0.0)]
+Positive = Annotated[float, Field(gt=0.0, le=1e6)]
 Text = Annotated[str, Field(min_length=1)]
 Names = Annotated[tuple[str, ...], FROM_LIST]
 COMMON = {"group", "manoeuvre", "mass", "figure", "value", "error", "source", "reading", "limit"}
@@ -98,21 +98,23 @@ class Particular(Part):
 
 
 class FiguresFile(Part):
-    """A file of printed figures. fit: groups by stage, every stage keeping the figures of those before it;
+    """A file of printed figures.
+
+    fit: groups by stage, every stage keeping the figures of those before it;
     exchange: of a group that is fitted to, the one that takes its place for comparison.
     """
 
     name: Text
     description: str = ""
-    boat: Text | None = None
     loads: tuple[Load, ...] = ()
     particulars: tuple[Particular, ...] = ()
     fit: tuple[tuple[str, ...], ...]
-    exchange: dict[str, str] = {}
+    exchange: dict[str, str] = Field(default_factory=dict)
     figures: tuple[Figure, ...]
 
 
-PARTS = {"loads": Load, "particulars": Particular, "figures": Figure}
+Numbered = list[tuple[int, Any]]
+PARTS: dict[str, type[Part]] = {"loads": Load, "particulars": Particular, "figures": Figure}
 
 
 def is_figures_file(path: Path) -> bool:
@@ -121,94 +123,102 @@ def is_figures_file(path: Path) -> bool:
 
 
 def read_figures(path: Path, boat: Boat) -> FiguresFile:
-    """The figures file at `path`, for a boat; UserError with a line for each of its faults."""
+    """The figures file at `path`, for a boat; FaultsError, one for each of its faults."""
     data = read_yaml(path)
     faults: list[str] = []
     parts = {key: _parts(data, key, model, faults) for key, model in PARTS.items()}
-    if not faults:
-        rest = {key: value for key, value in data.items() if key not in PARTS}
-        found = _whole(rest, parts, faults)
-    if not faults:
-        faults += [*_figure_faults(found, boat), *_particular_faults(found), *_group_faults(found)]
-    if faults:
-        raise UserError("\n".join(f"{path}: {fault}" for fault in faults))
+    faults += [
+        *_figure_faults(parts["figures"], [load.mass for _, load in parts["loads"]], boat),
+        *_particular_faults(parts["particulars"]),
+        *_load_faults(parts["loads"]),
+    ]
+    rest = {key: value for key, value in data.items() if key not in PARTS}
+    sound = {key: tuple(entry for _, entry in entries) for key, entries in parts.items()}
+    found = _whole(rest, sound, faults)
+    if found is not None and not faults:
+        exchanged = [group for pair in found.exchange.items() for group in pair]
+        faults += group_faults(found, [*found.fit, exchanged])
+    if found is None or faults:
+        raise FaultsError([f"{path}: {fault}" for fault in faults])
     return found
 
 
-def _parts(data: Mapping[str, Any], key: str, model: type[Part], faults: list[str]) -> tuple[Any, ...]:
-    """The entries of a list of the file that are sound; its faults are added to `faults`."""
-    given = data.get(key, [])
-    if not isinstance(given, list) or (key == "figures" and not 0 < len(given) <= MOST):
-        faults.append(f"{key}: must be a list of 1 to {MOST} mappings")
-        return ()
+def _parts(data: Mapping[str, Any], key: str, model: type[Part], faults: list[str]) -> Numbered:
+    """The entries of a list of the file that are sound, counted from 1; its faults are added to `faults`."""
+    given = data.get(key) or []
+    if not isinstance(given, list) or len(given) > MOST or (key == "figures" and not given):
+        faults.append(
+            f"{key}: must be a list of {'1 to ' if key == 'figures' else 'at most '}{MOST} mappings"
+        )
+        return []
     found = []
     for number, entry in enumerate(given, 1):
+        if not isinstance(entry, Mapping):
+            faults.append(f"{key} {number}: must be a mapping of keys to values")
+            continue
+        title = f" ({entry['manoeuvre']})" if "manoeuvre" in entry else ""
         try:
-            found.append(model.model_validate(entry))
+            found.append((number, model.model_validate(entry)))
         except ValidationError as error:
-            title = f" ({entry['manoeuvre']})" if isinstance(entry, dict) and "manoeuvre" in entry else ""
             for name, fault in explanations(error, model):
                 faults.append(f"{key} {number}{title}: {name + ': ' if name else ''}{fault}")
-    return tuple(found)
+    return found
 
 
-def _whole(rest: Mapping[str, Any], parts: Mapping[str, Any], faults: list[str]) -> FiguresFile:
+def _whole(rest: Mapping[str, Any], sound: Mapping[str, Any], faults: list[str]) -> FiguresFile | None:
     fit = rest.get("fit")
-    stages = fit if isinstance(fit, list) else []
-    lists = isinstance(fit, list) and all(isinstance(stage, list) for stage in stages)
-    if not lists:
+    if not isinstance(fit, list) or not fit or not all(isinstance(stage, list) and stage for stage in fit):
         faults.append("fit: must be a list of stages, each a list of groups, such as [[bollard], [circle]]")
-    whole = {**rest, **parts, "fit": tuple(tuple(stage) for stage in stages) if lists else ()}
+        return None
     try:
-        return FiguresFile.model_validate(whole)
+        return FiguresFile.model_validate({**rest, **sound, "fit": tuple(tuple(stage) for stage in fit)})
     except ValidationError as error:
         faults += [f"{name}: {fault}" for name, fault in explanations(error, FiguresFile)]
-        return FiguresFile.model_construct()
+        return None
 
 
-def _figure_faults(found: FiguresFile, boat: Boat) -> list[str]:
-    masses = [load.mass for load in found.loads] + [boat.mass]
+def _figure_faults(figures: Numbered, loads: Sequence[float], boat: Boat) -> list[str]:
     faults, seen = [], dict[Any, int]()
-    for number, figure in enumerate(found.figures, 1):
-        where = f"figures {number} ({figure.manoeuvre}"
-        if figure.manoeuvre not in KEYS:
-            faults.append(f"{where}): unknown manoeuvre{nearest(figure.manoeuvre, KEYS)}")
-            continue
-        where += f" {figure.figure})"
-        known = FIGURES[figure.manoeuvre]
-        if figure.figure not in known:
-            faults.append(f"{where}: {figure.manoeuvre} has no such figure{nearest(figure.figure, known)}")
-        allowed = KEYS[figure.manoeuvre] | OPTIONAL[figure.manoeuvre]
-        faults += [
-            f"{where}: {key}: {figure.manoeuvre} has no such key; drop it"
-            for key in sorted(figure.model_fields_set - COMMON - allowed)
-        ]
-        faults += [
-            f"{where}: {key} is missing; add it"
-            for key in sorted(KEYS[figure.manoeuvre])
-            if getattr(figure, key) is None
-        ]
-        if figure.mass not in masses:
-            told = ", ".join(f"{mass:g}" for mass in sorted(set(masses)))
-            faults.append(
-                f"{where}: mass {figure.mass:g} kg is neither the boat's nor one of loads ({told} kg); "
-                "add a load with its draught"
-            )
-        faults += [
-            f"{where}: thrusters: {name!r} is no thruster of boat {boat.name}"
-            f"{nearest(name, boat.thruster_names)}"
-            for name in figure.thrusters
-            if name not in boat.thruster_names
-        ]
+    for number, figure in figures:
+        where = f"figures {number} ({figure.manoeuvre} {figure.figure})"
+        faults += [f"{where}: {fault}" for fault in _faults_of(figure, loads, boat)]
         first = seen.setdefault((*figure.test, figure.figure), number)
         if first != number:
             faults.append(f"{where}: the same figure of the same test as figures {first}; keep one of them")
     return faults
 
 
-def _particular_faults(found: FiguresFile) -> list[str]:
+def _faults_of(figure: Figure, loads: Sequence[float], boat: Boat) -> list[str]:
+    """What is wrong with one figure, for that boat."""
+    kind, faults = figure.manoeuvre, []
+    if kind not in KEYS:
+        return [f"unknown manoeuvre {kind!r}{nearest(kind, KEYS)}"]
+    if figure.figure not in FIGURES[kind]:
+        faults.append(f"{kind} has no such figure{nearest(figure.figure, FIGURES[kind])}")
+    alien = sorted(figure.model_fields_set - COMMON - KEYS[kind] - OPTIONAL[kind])
+    faults += [f"{key}: {kind} has no such key; drop it" for key in alien]
+    faults += [f"{key} is missing; add it" for key in sorted(KEYS[kind]) if getattr(figure, key) is None]
+    if figure.mass not in (*loads, boat.mass):
+        told = ", ".join(f"{mass:g}" for mass in sorted({*loads, boat.mass}))
+        faults.append(
+            f"mass {figure.mass:g} kg is neither that of boat {boat.name} nor of one of loads ({told} kg); "
+            "add a load with its draught"
+        )
+    faults += [
+        f"thrusters: {name!r} is no thruster of boat {boat.name}{nearest(name, boat.thruster_names)}"
+        for name in figure.thrusters
+        if name not in boat.thruster_names
+    ]
+    if figure.figure == "one_minus_t" and any(isinstance(one, PropellerRudder) for one in boat.thrusters):
+        faults.append(
+            f"one_minus_t is a share of the jets' bollard thrust, but boat {boat.name} has a propeller"
+        )
+    return faults
+
+
+def _particular_faults(particulars: Numbered) -> list[str]:
     faults, seen = [], set[tuple[str, str]]()
-    for number, one in enumerate(found.particulars, 1):
+    for number, one in particulars:
         where = f"particulars {number} ({one.effect} {one.parameter})"
         if one.effect not in LIBRARY:
             faults.append(f"{where}: unknown effect{nearest(one.effect, LIBRARY)}")
@@ -218,17 +228,16 @@ def _particular_faults(found: FiguresFile) -> list[str]:
         if (one.effect, one.parameter) in seen:
             faults.append(f"{where}: is given twice; keep one")
         seen.add((one.effect, one.parameter))
-    masses = [load.mass for load in found.loads]
-    return faults + [
-        f"loads {number}: mass {mass:g} kg is given twice; keep one"
-        for number, mass in enumerate(masses, 1)
-        if mass in masses[: number - 1]
+    return faults
+
+
+def _load_faults(loads: Numbered) -> list[str]:
+    masses = [load.mass for _, load in loads]
+    return [
+        f"loads {number}: mass {load.mass:g} kg is given twice; keep one"
+        for i, (number, load) in enumerate(loads)
+        if load.mass in masses[:i]
     ]
-
-
-def _group_faults(found: FiguresFile) -> list[str]:
-    exchanged = [group for pair in found.exchange.items() for group in pair]
-    return group_faults(found, [*found.fit, exchanged])
 
 
 def group_faults(found: FiguresFile, stages: Sequence[Sequence[str]]) -> list[str]:
