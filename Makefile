@@ -20,7 +20,7 @@ test: $(READY)
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
 smoke: $(READY)
-	$(BIN)/python -m pytest -n 2 tests/test_smoke.py
+	$(BIN)/python -m pytest -n 2 tests/experiments/studies/test_smoke.py
 
 setup: $(READY)
 

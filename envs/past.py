@@ -13,8 +13,8 @@ import numpy as np
 from swamp_rl.effects import Effect
 from swamp_rl.effects.library import LONGEST_DELAY
 from swamp_rl.physics.compile import by_field, compiled
-from swamp_rl.sensors.live import keep_position, reported_pose
 from swamp_rl.simulator.delay import delayed_command
+from swamp_rl.simulator.sensors.live import keep_position, reported_pose
 from swamp_rl.simulator.state import EAST, HEADING, NORTH
 
 COMMANDS, POSITIONS = "past_commands", "past_positions"

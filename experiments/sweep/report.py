@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from swamp_rl.experiments.report import rate, table
+from swamp_rl.experiments.reports.experiment import rate, table
 from swamp_rl.experiments.sweep.propose import trials_of
 from swamp_rl.experiments.sweep.schema import Sweep, override
 from swamp_rl.experiments.sweep.store import Trial

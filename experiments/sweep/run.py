@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
-from swamp_rl.experiments.schema import Experiment, load_experiment
+from swamp_rl.experiments.config.load import load_experiment
+from swamp_rl.experiments.config.schema import Experiment
 from swamp_rl.experiments.sweep.propose import Values, batches_of, propose, trials_of
 from swamp_rl.experiments.sweep.schema import Objective, Sweep, load_sweep, override
 from swamp_rl.experiments.sweep.store import Store, Trial, opened
@@ -121,7 +122,7 @@ def _ended(
 
 def checked(sweep: Sweep, fixed: list[str]) -> Experiment:
     """The experiment before any parameter is set; UserError where a value, a pilot or a level cannot be."""
-    from swamp_rl.experiments.scene import read_scene
+    from swamp_rl.experiments.config.scene import read_scene
 
     base = load_experiment(sweep.experiment, fixed)
     _check_objective(base, sweep.objective)

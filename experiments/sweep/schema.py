@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self
 
 import yaml
 from pydantic import Field, model_validator
-from swamp_rl.experiments.schema import Count, Name, Part, Seed
+from swamp_rl.experiments.config.schema import Count, Name, Part, Seed
 
 from swamp_rl.files import find_config, read_yaml, validated
 

@@ -5,7 +5,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from swamp_rl.experiments.schema import Experiment, Targets
+from swamp_rl.experiments.config.schema import Experiment, Targets
 from swamp_rl.experiments.sweep.schema import Objective
 
 
@@ -14,7 +14,7 @@ def job_of(experiment: Experiment, objective: Objective) -> str:
 
     Pilots that this one starts from are kept.
     """
-    from swamp_rl.experiments.learners import in_order
+    from swamp_rl.experiments.config.learners import in_order
 
     needed = in_order(experiment.pilots, [objective.pilot])
     pilots = {name: experiment.pilots[name] for name in needed}
@@ -27,9 +27,9 @@ def job_of(experiment: Experiment, objective: Objective) -> str:
 
 def carry_out(job: str) -> str:
     """Train and evaluate; JSON of the objective's value and the summary of the episodes."""
-    from swamp_rl.experiments.learn import get_data, train_pilots
-    from swamp_rl.experiments.scene import read_scene
-    from swamp_rl.experiments.trial import try_pilots
+    from swamp_rl.experiments.config.scene import read_scene
+    from swamp_rl.experiments.evaluation.episodes import try_pilots
+    from swamp_rl.experiments.training.train import get_data, train_pilots
 
     from swamp_rl.evaluation import summary
 
@@ -55,7 +55,7 @@ def _quiet() -> Any:
     from contextlib import contextmanager
 
     from rich.progress import Progress
-    from swamp_rl.experiments.progress import Stages
+    from swamp_rl.experiments.artifacts.stages import Stages
 
     @contextmanager
     def stages() -> Any:

@@ -116,7 +116,9 @@ def trials_of(every: list[Run], boat: Boat, folder: str) -> Trials:
     names = tuple(run.name for run in runs)
     short = tuple(run.name for run in every if run.duration < SHORTEST)
     trials = Trials(boat, dt, names, commands, measured, lengths, gaps, too_short=short)
-    refuse_unexciting(trials, folder)
+    refuse_unexciting(
+        [command for command, _, _ in placed], [track[:, :3] for _, track, _ in placed], dt, folder
+    )
     return trials
 
 

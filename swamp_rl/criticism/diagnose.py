@@ -4,7 +4,7 @@ add it.
 
 import math
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,12 +21,13 @@ from swamp_rl.criticism.cost import score
 from swamp_rl.criticism.data import CHANNELS, Trials, read_trials
 from swamp_rl.criticism.estimate import causes_of
 from swamp_rl.criticism.extend import write_extended
+from swamp_rl.criticism.finding import Finding
 from swamp_rl.criticism.fit import Fit
 from swamp_rl.criticism.gain import gains
 from swamp_rl.criticism.heldout import bootstrap_interval, heldout_loss, heldout_numbers
 from swamp_rl.criticism.imperfect import in_noise
 from swamp_rl.criticism.ladder import Ladder
-from swamp_rl.criticism.leftover import Forces, missing_forces
+from swamp_rl.criticism.leftover import missing_forces
 from swamp_rl.criticism.motion import missing_motion
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.pointing import leftovers
@@ -41,18 +42,6 @@ Array = NDArray[np.float64]
 RESULT = "diagnosis.json"
 NONE = np.zeros(0)
 LISTED = 20  # candidates in the report
-
-
-@dataclass(frozen=True)
-class Finding:
-    """A diagnosis with what it was reached from."""
-
-    diagnosis: Diagnosis
-    trials: Trials
-    weight: Array
-    ladder: Ladder
-    search: Search
-    forces: Forces
 
 
 def diagnose(

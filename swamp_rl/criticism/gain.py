@@ -10,7 +10,7 @@ from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import CHANNELS, Trials
 from swamp_rl.criticism.result import Gain, Paired
 from swamp_rl.criticism.shooting import SETTLING, Shooting, Windows, wrap
-from swamp_rl.sensors import true_pose
+from swamp_rl.simulator.sensors import true_pose
 
 Array = NDArray[np.float64]
 

@@ -97,7 +97,7 @@ def _standing(trials: Trials) -> list[str]:
 
 
 def _is_still(trials: Trials, run: int) -> bool:
-    travelled, turned = reach_of(trials, run)
+    travelled, turned = reach_of(trials.measured[run, : trials.lengths[run], :3], trials.dt)
     return travelled < STILL and turned < UNTURNED
 
 

@@ -2,7 +2,6 @@
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +10,6 @@ from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from swamp_rl.runs.dataset import boat_of, read_meta
-
-if TYPE_CHECKING:
-    from swamp_rl.criticism.data import Trials
 
 Array = NDArray[np.float64]
 
@@ -108,19 +104,17 @@ def refuse_sources_inside(out: Path, sources: list[Path]) -> None:
             raise UserError(f"{out}: holds {source}, which the diagnosis is made from; name another --out")
 
 
-def refuse_unexciting(trials: "Trials", folder: str) -> None:
+def refuse_unexciting(commands: list[Array], tracks: list[Array], dt: float, folder: str) -> None:
     """UserError naming the motion that is missing, if nothing was commanded, no position was told or the boat
-    never moved.
+    never moved. Of each run the commands (T, 2K) and the measured track (T, 3), samples dt [s] apart.
     """
-    thrusters = trials.commands.shape[2] // 2
-    inside = [trials.commands[run, :length] for run, length in enumerate(trials.lengths)]
-    commands = np.concatenate(inside)
-    if not (np.abs(commands[:, thrusters:]) > RUNNING).any():
+    thrusters = commands[0].shape[1] // 2
+    if not any((np.abs(command[:, thrusters:]) > RUNNING).any() for command in commands):
         raise UserError(
             f"{folder}: no thruster ever runs; nothing about the boat can be told from drifting alone: "
             "record runs under thrust, at two speeds and with turns to both sides"
         )
-    reaches = [reach_of(trials, run) for run in range(len(trials.lengths))]
+    reaches = [reach_of(track, dt) for track in tracks]
     travelled, turned = (max(reach[i] for reach in reaches) for i in (0, 1))
     if travelled < STILL and turned < UNTURNED:
         raise UserError(
@@ -129,12 +123,11 @@ def refuse_unexciting(trials: "Trials", folder: str) -> None:
         )
 
 
-def reach_of(trials: "Trials", run: int) -> tuple[float, float]:
-    """How far a boat comes in a run [m] and turns [rad], by means over a few seconds, in which noise all but
-    vanishes.
+def reach_of(track: Array, dt: float) -> tuple[float, float]:
+    """How far a boat comes along a track (T, 3) [m] and turns [rad], by means over a few seconds, in which
+    noise all but vanishes.
     """
-    rows = max(1, round(MEAN_OVER / trials.dt))
-    track = trials.measured[run, : trials.lengths[run], :3]
+    rows = max(1, round(MEAN_OVER / dt))
     parts = [track[first : first + rows] for first in range(0, len(track), rows)]
     told = [part[np.isfinite(part).all(axis=1)] for part in parts]
     means = [part.mean(axis=0) for part in told if 2 * len(part) >= max(map(len, told))]

@@ -14,8 +14,8 @@ from swamp_rl.criticism.guess import guessed_states
 from swamp_rl.criticism.kernel import roll, roll_actuators
 from swamp_rl.criticism.slow import filter_of
 from swamp_rl.criticism.windows import Windows
-from swamp_rl.sensors import observe
 from swamp_rl.simulator import initial_state, parameters, tank
+from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.state import ACTUATORS
 
 Array = NDArray[np.float64]

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.runs import Run
-from swamp_rl.sensors.observe import CHANNELS, add_noise, observe
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
+from swamp_rl.simulator.sensors.observe import CHANNELS, add_noise, observe
 from swamp_rl.simulator.state import ACTUATORS
 from swamp_rl.simulator.step import substeps_of
 

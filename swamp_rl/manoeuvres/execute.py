@@ -28,9 +28,9 @@ from swamp_rl.manoeuvres.stopping import stopping
 from swamp_rl.manoeuvres.straight import straight
 from swamp_rl.manoeuvres.turning_circle import turning_circle
 from swamp_rl.manoeuvres.zig_zag import zig_zag
-from swamp_rl.sensors import observe
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.delay import delayed_command
+from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.state import NORTH, YAW_RATE
 from swamp_rl.simulator.step import substeps_of
 

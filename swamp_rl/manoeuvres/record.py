@@ -13,8 +13,8 @@ from swamp_rl.manoeuvres.approach import Area
 from swamp_rl.manoeuvres.controller import APPROACH, Trial
 from swamp_rl.manoeuvres.execute import STEP, Executed, execute
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_runs, dataset_beside
-from swamp_rl.sensors import CHANNELS
 from swamp_rl.simulator.replay import run_of
+from swamp_rl.simulator.sensors import CHANNELS
 
 NOTES = "Trials executed by swamp_rl in closed loop on its own simulator; nothing of this was measured."
 

@@ -20,8 +20,8 @@ def times(rows: Array, matrix: Array) -> Array:
 
     BLAS sums the rows at the ragged end of a batch in another order, so there is none: the last rows are
     filled up with nought. In single precision its order depends on the place in a large batch as well, so it
-    gets few rows at a time. Measured with NumPy's OpenBLAS on x86_64 (`tests/test_episodes_apart.py`); where
-    another BLAS sums otherwise, levers agree to rounding.
+    gets few rows at a time. Measured with NumPy's OpenBLAS on x86_64
+    (`tests/evaluation/test_episodes_apart.py`); where another BLAS sums otherwise, levers agree to rounding.
     """
     n, (d, m) = len(rows), matrix.shape
     whole = np.ascontiguousarray(rows)

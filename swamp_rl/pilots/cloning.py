@@ -1,6 +1,6 @@
 """Behaviour cloning: a small network learns by regression what the logged pilots did where they were."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any
@@ -8,9 +8,10 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
+from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import NetworkPilot, layers_of
-from swamp_rl.pilots.regression import Log, RegressionSettings, task_of, train_by_epochs
+from swamp_rl.pilots.regression import RegressionSettings, task_of, train_by_epochs
 from swamp_rl.pilots.settings import Count
 from swamp_rl.runs import Run
 
@@ -30,7 +31,7 @@ class CloningSettings(RegressionSettings):
 def fit_cloning(
     runs: Sequence[Run],
     settings: CloningSettings | None = None,
-    tick: Callable[[float], None] = lambda done: None,
+    tick: Tick = lambda done: None,
     checkpoint: Path | None = None,
     log: Log = lambda epoch, values: None,
 ) -> NetworkPilot:

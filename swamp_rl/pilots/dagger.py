@@ -13,13 +13,14 @@ from pydantic import Field, field_validator
 
 from swamp_rl.boat import Boat
 from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.dagger_checkpoint import Rounds, load_rounds, save_rounds
 from swamp_rl.pilots.gru import GRUPilot, GRUSettings, fit_gru
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import MakeBoats, drive_episodes
-from swamp_rl.pilots.regression import Log, task_of
+from swamp_rl.pilots.regression import task_of
 from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_reservoir
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.settings import Count, Seed, Settings
@@ -84,7 +85,7 @@ def fit_dagger(
     look: Callable[[Run], Run],
     settings: DaggerSettings | None = None,
     step: float = 0.1,
-    tick: Callable[[float], None] = lambda done: None,
+    tick: Tick = lambda done: None,
     log: Log = lambda number, values: None,
     checkpoint: Path | None = None,
 ) -> Pilot:

@@ -1,6 +1,6 @@
 """Behaviour cloning with a memory: a gated recurrent unit (Cho and others 2014) learns whole runs."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
@@ -8,9 +8,10 @@ import numpy as np
 from pydantic import Field
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
+from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import REACH
-from swamp_rl.pilots.regression import Log, RegressionSettings, task_of, train_by_epochs
+from swamp_rl.pilots.regression import RegressionSettings, task_of, train_by_epochs
 from swamp_rl.pilots.settings import Count, Positive
 from swamp_rl.runs import Run
 
@@ -90,7 +91,7 @@ _NAMES = ("mean", "scale", "input", "recurrent", "input_bias", "recurrent_bias",
 def fit_gru(
     runs: Sequence[Run],
     settings: GRUSettings | None = None,
-    tick: Callable[[float], None] = lambda done: None,
+    tick: Tick = lambda done: None,
     checkpoint: Path | None = None,
     log: Log = lambda epoch, values: None,
 ) -> GRUPilot:

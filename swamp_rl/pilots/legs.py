@@ -16,13 +16,11 @@ import numpy as np
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.callbacks import Log
 
 FORMAT = "1"
 FIRST_EPISODE = 2**31
 "Seeds of episodes to learn from begin here; those of experiments, which evaluate, end below."
-
-Log = Callable[[int, Mapping[str, float]], None]
-"""Told, after each leg, the decisions made so far, and of its episodes `success` and mean `return`."""
 
 
 @dataclass

@@ -1,7 +1,7 @@
 """PPO (Schulman and others 2017) by stable-baselines3, on a batch of boats that is handed in."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import Field
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
 from swamp_rl.pilots.legs import (
     Legs,
-    Log,
     begin_leg,
     moments,
     put_moments,
@@ -77,7 +77,7 @@ class PPOSettings(Settings):
 def train_ppo(
     boats: Any,
     settings: PPOSettings | None = None,
-    tick: Callable[[float], None] = lambda done: None,
+    tick: Tick = lambda done: None,
     log: Log = lambda decisions, values: None,
     checkpoint: Path | None = None,
     start: Pilot | None = None,
@@ -138,9 +138,7 @@ def mean_layers(policy: Any) -> dict[str, Array]:
     return layers
 
 
-def _legs(
-    learner: Any, scaled: Any, settings: PPOSettings, tick: Callable[[float], None], warm: bool
-) -> Legs:
+def _legs(learner: Any, scaled: Any, settings: PPOSettings, tick: Tick, warm: bool) -> Legs:
     """What is done in each leg and kept of it: weights, the optimiser's moments and what scales."""
 
     def drive(leg: int) -> dict[str, float]:
@@ -160,7 +158,7 @@ def _legs(
     return Legs(learner, drive, tensors, restore)
 
 
-def _leg(learner: Any, settings: PPOSettings, leg: int, tick: Callable[[float], None]) -> dict[str, float]:
+def _leg(learner: Any, settings: PPOSettings, leg: int, tick: Tick) -> dict[str, float]:
     """Some updates; their boats and random numbers depend on the seed and the number of the leg alone."""
     from stable_baselines3.common.callbacks import ConvertCallback
 

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,12 +13,11 @@ from pydantic import Field
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings
 
 Losses = Callable[[Any], Iterable[Any]]
 """The losses of an epoch's batches, one at a time, from the torch Generator of the epoch's chance."""
-Log = Callable[[int, Mapping[str, float]], None]
-"""Hears points of a learning curve: epochs or rounds done, and values by name."""
 
 
 class RegressionSettings(Settings):
@@ -42,7 +41,7 @@ def train_by_epochs(
     losses: Losses,
     settings: RegressionSettings,
     task: str,
-    tick: Callable[[float], None],
+    tick: Tick,
     checkpoint: Path | None = None,
     log: Log = lambda epoch, values: None,
 ) -> None:

@@ -4,7 +4,7 @@ Rows of one run resemble each other so much that an error on some of them, learn
 no error on anything new.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Annotated
@@ -14,6 +14,7 @@ from pydantic import Field, field_validator
 
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.callbacks import Tick
 from swamp_rl.pilots.readout import Moments, ridge_readouts, squared_error
 from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_reservoir, states_of
 from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings, Share
@@ -59,7 +60,7 @@ class Scored:
 def fit_searched_reservoir(
     runs: Sequence[Run],
     settings: SearchedReservoirSettings | None = None,
-    tick: Callable[[float], None] = lambda done: None,
+    tick: Tick = lambda done: None,
 ) -> ReservoirPilot:
     """The reservoir of the settings whose error is least, learned from all runs; UserError as for scores."""
     return fit_reservoir(runs, scores(runs, settings, tick)[0].settings)
@@ -68,7 +69,7 @@ def fit_searched_reservoir(
 def scores(
     runs: Sequence[Run],
     settings: SearchedReservoirSettings | None = None,
-    tick: Callable[[float], None] = lambda done: None,
+    tick: Tick = lambda done: None,
 ) -> list[Scored]:
     """All that is tried, the least error first; `tick` hears the share done.
 

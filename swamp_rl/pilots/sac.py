@@ -1,6 +1,5 @@
 """SAC (Haarnoja and others 2018) by stable-baselines3: another way of learning by trying, as a check."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -8,9 +7,9 @@ import numpy as np
 from pydantic import Field
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.legs import (
     Legs,
-    Log,
     begin_leg,
     moments,
     put_moments,
@@ -56,7 +55,7 @@ class SACSettings(Settings):
 def train_sac(
     boats: Any,
     settings: SACSettings | None = None,
-    tick: Callable[[float], None] = lambda done: None,
+    tick: Tick = lambda done: None,
     log: Log = lambda decisions, values: None,
     checkpoint: Path | None = None,
 ) -> NetworkPilot:
@@ -76,7 +75,7 @@ def train_sac(
     return _pilot(learner, scaled, settings)
 
 
-def _legs(learner: Any, scaled: Any, settings: SACSettings, tick: Callable[[float], None]) -> Legs:
+def _legs(learner: Any, scaled: Any, settings: SACSettings, tick: Tick) -> Legs:
     """What is done in each leg, and kept of it: weights, moments, the entropy's weight, scaling, buffer."""
     policy, buffer = learner.policy, learner.replay_buffer
     optimisers = {
@@ -105,7 +104,7 @@ def _legs(learner: Any, scaled: Any, settings: SACSettings, tick: Callable[[floa
     return Legs(learner, lambda leg: _leg(learner, settings, leg, tick), tensors, restore)
 
 
-def _leg(learner: Any, settings: SACSettings, leg: int, tick: Callable[[float], None]) -> dict[str, float]:
+def _leg(learner: Any, settings: SACSettings, leg: int, tick: Tick) -> dict[str, float]:
     """Some decisions; their boats and random numbers depend on the seed and the number of the leg alone."""
     from stable_baselines3.common.callbacks import ConvertCallback
 

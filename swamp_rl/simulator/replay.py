@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
-from swamp_rl.sensors import CHANNELS, observe, true_pose
 from swamp_rl.simulator.parameters import initial_state, parameters, tank
+from swamp_rl.simulator.sensors import CHANNELS, observe, true_pose
 from swamp_rl.simulator.state import ACTUATORS
 from swamp_rl.simulator.step import simulate, substeps_of
 

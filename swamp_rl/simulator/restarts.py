@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
-from swamp_rl.sensors import observe, true_pose
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.parameters import parameters, tank
 from swamp_rl.simulator.replay import VELOCITIES, fixed_thrusters, run_of, sample_step, start_of
+from swamp_rl.simulator.sensors import observe, true_pose
 from swamp_rl.simulator.state import YAW_RATE
 from swamp_rl.simulator.step import step, substeps_of
 

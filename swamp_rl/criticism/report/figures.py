@@ -4,22 +4,20 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import CHANNELS, Trials
+from swamp_rl.criticism.finding import Finding
 from swamp_rl.criticism.gain import QUANTITIES, errors_at, restarted
 from swamp_rl.criticism.leftover import Forces, missing_forces
 from swamp_rl.criticism.report.words import Z95, force_name
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.criticism.shooting import SETTLING
 from swamp_rl.figure_style import sheet
-
-if TYPE_CHECKING:
-    from swamp_rl.criticism.diagnose import Finding
 
 Array = NDArray[np.float64]
 
@@ -63,7 +61,7 @@ class Misfit:
     forces: Forces
 
     @classmethod
-    def of(cls, finding: "Finding") -> "Misfit":
+    def of(cls, finding: Finding) -> "Misfit":
         """Of a finding."""
         winner = finding.search.winner
         return cls(

@@ -2,8 +2,8 @@
 
 import base64
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from swamp_rl.criticism.finding import Finding
 from swamp_rl.criticism.report.figures import (
     Misfit,
     draw,
@@ -14,11 +14,8 @@ from swamp_rl.criticism.report.figures import (
 )
 from swamp_rl.criticism.report.page import page
 
-if TYPE_CHECKING:
-    from swamp_rl.criticism.diagnose import Finding
 
-
-def write_report(folder: Path, finding: "Finding") -> None:
+def write_report(folder: Path, finding: Finding) -> None:
     """Write report.html, self-contained, and its figures as PNG into `folder`."""
     misfit = Misfit.of(finding)
     paths = {

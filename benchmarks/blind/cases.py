@@ -1,0 +1,99 @@
+"""The blind cases by number: how each is drawn, and its score from the files that it left."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from swamp_rl.experiments.synthetic.cases import (
+    EFFECTS,
+    LEVELS,
+    NOT_IN_GATE_RUNS,
+    POWER,
+    Case,
+    Rng,
+    draw_case,
+    write_case,
+)
+
+from benchmarks.blind.bound import Bound, bound_of
+from benchmarks.blind.score import Judged, judged
+from benchmarks.blind.variants import VARIANT, write_variant
+
+SEEDS = (*LEVELS, POWER, VARIANT)
+"""The levels; a case is drawn from its level's place here and its number."""
+# of a hundred cases: the library's effects in turn, and what else there is
+KINDS = ("single",) * 10 + ("pair",) * 4 + ("clean",) * 3 + ("outside",) * 2 + ("confounded",)
+NEVER_SMALL = ("channel_swap", "thruster_failure", "shallow_water")  # whose size is not a number near nothing
+
+
+def kind_of(number: int, level: str) -> str:
+    """Kinds in a fixed turn, so that any number of cases has its share of each."""
+    if level == POWER:
+        return "single"
+    kind = KINDS[(7 * number) % len(KINDS)]
+    return "single" if kind == "confounded" and level == "C" else kind
+
+
+def effect_of(number: int, level: str) -> tuple[str, ...]:
+    """The library's effects in turn for the single ones."""
+    without = {"C": NOT_IN_GATE_RUNS, POWER: NEVER_SMALL}.get(level, ())
+    names = [name for name in EFFECTS if name not in without]
+    return (names[(11 * number) % len(names)],)
+
+
+def drawn(number: int, level: str) -> tuple[Case, Rng, bool]:
+    """A case of levels A to D and P, the generator that goes on to draw its runs, and whether velocities are
+    measured.
+    """
+    rng = np.random.default_rng([SEEDS.index(level), number])
+    kind = kind_of(number, level)
+    case = draw_case(rng, level, kind, effect_of(number, level) if kind == "single" else ())
+    return case, rng, number % 4 != 3 and level != "B"
+
+
+def write_numbered(number: int, level: str, data: Path, truth: Path) -> None:
+    """Sail a case and write its runs into the folder `data`, what is wrong into the file `truth`."""
+    if level == VARIANT:
+        write_variant(np.random.default_rng([SEEDS.index(level), number]), data, truth)
+        return
+    case, rng, velocities = drawn(number, level)
+    write_case(case, rng, data, truth, velocities=velocities)
+
+
+def every_score(folder: Path) -> list[dict[str, Any]]:
+    """Of all cases that the folder holds an answer of."""
+    return [scored(folder, path.stem) for path in sorted((folder / "judged").glob("*.json"))]
+
+
+def scored(folder: Path, name: str) -> dict[str, Any]:
+    """A case that was diagnosed, judged from its truth and its answer, with its Cramér-Rao bound."""
+    told = json.loads((folder / "judged" / f"{name}.json").read_text())
+    truth = json.loads((folder / "truth" / f"{name}.json").read_text())
+    answer = folder / "answers" / name / "diagnosis.json"
+    found = None if told["error"] else json.loads(answer.read_text())
+    result = {key: told.get(key) for key in ("case", "error", "processor_s", "alone_s")} | judged(
+        truth, found
+    )
+    bound = kept_bound(folder, name, truth) if result["estimates"] or truth["level"] == POWER else None
+    least = dict(zip(map(tuple, bound.names), bound.deviation, strict=True)) if bound else {}
+    for number in result["estimates"]:
+        number["bound"] = least.get((number["effect"], number["parameter"]))
+    return result | {"evidence": bound.evidence if bound and truth["level"] == POWER else None}
+
+
+def kept_bound(folder: Path, name: str, truth: Judged) -> Bound | None:
+    """The bound, from its file if it is there; None of a case that no longer is what its number draws, or
+    whose noise is not white.
+    """
+    level, number = name[0], int(name[1:])
+    if level == VARIANT or truth["kind"] == "confounded":
+        return None
+    path = folder / "bounds" / f"{name}.json"
+    if not path.exists():
+        case, rng, velocities = drawn(number, level)
+        if json.loads(json.dumps(vars(case))) != truth:
+            return None
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(json.dumps(vars(bound_of(case, rng, velocities))))
+    return Bound(**json.loads(path.read_text()))

@@ -1,0 +1,188 @@
+"""Hide causes in simulated runs, have them diagnosed by a process that sees the files alone, keep the score.
+
+    python -m benchmarks.blind.diagnose --cases 200 --level A --workers 2 --out blind
+    python -m benchmarks.blind.diagnose --score-only blind --into docs/criticism.md
+
+Each case is drawn from its own seed and stored, so a run that was stopped goes on where it was, and what is
+done can be scored at any time. Writes blind_causes.json, blind_causes.md and two figures into the output
+folder, or into a document and beside it. Levels A to D are the four that have bars; P is A with faults down
+to nothing, for the power of detection; X is other boats, manoeuvres, rates and noise.
+"""
+
+import argparse
+import atexit
+import json
+import os
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from collections import Counter
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+from swamp_rl.experiments.synthetic.cases import LEVELS
+
+from benchmarks.blind.cases import SEEDS, every_score, scored, write_numbered
+from benchmarks.blind.tables import document, pictures
+from benchmarks.documents.readme import between_marks
+
+# Reads folders of data and of answers and a boat's name, three a line; sees nothing else, and says done or
+# what went wrong.
+DIAGNOSE = """
+import sys, time, traceback, numpy
+from pathlib import Path
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.data import read_trials
+from swamp_rl.criticism.diagnose import examine
+from swamp_rl.criticism.consistency import refuse_inconsistent
+for line in sys.stdin:
+    data, answer, boat = line.rstrip().split(chr(9))
+    begun = time.process_time()
+    try:
+        trials = read_trials(Path(data), load_boat(boat))
+        refuse_inconsistent(trials, data)
+        found = examine(trials, None, numpy.random.default_rng(0)).diagnosis
+        Path(answer).mkdir(parents=True, exist_ok=True)
+        (Path(answer) / "diagnosis.json").write_text(found.model_dump_json())
+        told = "done"
+    except Exception as fault:
+        place = traceback.extract_tb(fault.__traceback__)[-1]
+        told = f"{fault!r} in {place.name}".replace(chr(10), " ")
+    print(time.process_time() - begun, told, sep=chr(9), flush=True)
+"""
+
+
+class Diagnoser:
+    """A process that diagnoses one case after another; threads: that roll boats out."""
+
+    def __init__(self, threads: int = 1) -> None:
+        limited = os.environ | {"OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": str(threads)}
+        self.process = subprocess.Popen(
+            [sys.executable, "-W", "ignore", "-c", DIAGNOSE],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            env=limited,
+        )
+
+    def diagnose(self, data: Path, answer: Path, boat: str) -> tuple[float, str]:
+        """Processor's time [s] taken, and what went wrong, if anything."""
+        assert self.process.stdin is not None and self.process.stdout is not None
+        print(data.resolve(), answer.resolve(), boat, sep="\t", file=self.process.stdin, flush=True)
+        seconds, told = self.process.stdout.readline().rstrip("\n").split("\t")
+        return float(seconds), "" if told == "done" else told
+
+
+workers = threading.local()
+
+
+def worker() -> Diagnoser:
+    """The process of this thread."""
+    if not hasattr(workers, "own"):
+        workers.own = Diagnoser()
+        atexit.register(workers.own.process.terminate)
+    return cast(Diagnoser, workers.own)
+
+
+def run_case(number: int, level: str, out: Path) -> dict[str, Any]:
+    """Write one case, have it diagnosed by a process of its own, and judge the answer; kept in a file."""
+    name = f"{level}{number:04d}"
+    kept = out / "judged" / f"{name}.json"
+    if not kept.exists():
+        data, truth = out / "data" / name, out / "truth" / f"{name}.json"
+        if not truth.exists():
+            shutil.rmtree(data, ignore_errors=True)
+            write_numbered(number, level, data, truth)
+        boat = json.loads(truth.read_text()).get("boat", "swamp")
+        seconds, told = worker().diagnose(data, out / "answers" / name, boat)
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        kept.write_text(json.dumps({"case": name, "error": told, "processor_s": seconds}))
+    return scored(out, name)
+
+
+def time_again(out: Path, least: float) -> None:
+    """Diagnose again, alone and with two threads, what took at least so many seconds of a processor; the
+    time on the clock is kept, the answers stay.
+    """
+    slow = [path for path in sorted((out / "judged").glob("*.json")) if _processor(path) >= least]
+    both = Diagnoser(threads=2)
+    for path in slow[:1] + slow:  # the first one twice, since it compiles
+        boat = json.loads((out / "truth" / path.name).read_text()).get("boat", "swamp")
+        begun = time.perf_counter()
+        _, fault = both.diagnose(out / "data" / path.stem, out / "again" / path.stem, boat)
+        if fault:
+            raise SystemExit(f"{path.stem}: {fault}")
+        kept = json.loads(path.read_text()) | {"alone_s": time.perf_counter() - begun}
+        path.write_text(json.dumps(kept))
+        print(path.stem, f"{kept['processor_s']:.1f} s of a core, {kept['alone_s']:.1f} s alone", flush=True)
+    both.process.terminate()
+
+
+def _processor(path: Path) -> float:
+    return float(json.loads(path.read_text())["processor_s"] or 0.0)
+
+
+def asked_for() -> argparse.ArgumentParser:
+    """What the command takes."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--cases", type=int, default=200, help="for each level")
+    parser.add_argument("--first", type=int, default=0, help="number of the first one")
+    parser.add_argument("--minutes", type=float, default=np.inf, help="after which no case is begun")
+    parser.add_argument("--level", choices=(*SEEDS, "all"), default="all", help="all: A to D")
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--out", type=Path, default=Path("blind_causes"))
+    parser.add_argument(
+        "--score-only", type=Path, nargs="+", metavar="FOLDER", help="diagnose nothing, score what these hold"
+    )
+    parser.add_argument(
+        "--again", type=float, metavar="SECONDS", help="time slower ones of --out again, alone on two cores"
+    )
+    parser.add_argument("--into", type=Path, help="a document that the score is written into")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the cases of the levels asked for, and write the score of all that the folder holds."""
+    asked = asked_for().parse_args(arguments)
+    folders = asked.score_only or [asked.out]
+    if asked.again is not None:
+        time_again(asked.out, asked.again)
+    elif not asked.score_only:
+        levels = LEVELS if asked.level == "all" else (asked.level,)
+        numbers = range(asked.first, asked.first + asked.cases)
+        diagnose_all([(number, level) for number in numbers for level in levels], asked)
+    results = [r for folder in folders for r in every_score(folder)]
+    if not results:
+        raise SystemExit(f"{', '.join(map(str, folders))}: no judged case; run some without --score-only")
+    text, place = document(results), asked.into.parent if asked.into else folders[0]
+    (folders[0] / "blind_causes.json").write_text(json.dumps(results, indent=1))
+    (folders[0] / "blind_causes.md").write_text(text)
+    pictures(results, place)
+    if asked.into:
+        whole = asked.into.read_text(encoding="utf-8")
+        asked.into.write_text(between_marks(whole, "blind causes", text + "\n"), encoding="utf-8")
+    print(text)
+    print(Counter(result["verdict"] for result in results))
+
+
+def diagnose_all(work: Sequence[tuple[int, str]], asked: argparse.Namespace) -> None:
+    """Run cases side by side, as long as there is time."""
+    until = time.monotonic() + 60.0 * asked.minutes
+
+    def one(numbered: tuple[int, str]) -> dict[str, Any] | None:
+        """A case, if there is time."""
+        return run_case(*numbered, asked.out) if time.monotonic() < until else None
+
+    with ThreadPoolExecutor(asked.workers) as pool:
+        for result in filter(None, pool.map(one, work)):
+            said = (result["case"], result["kind"], result["truth"], result["verdict"], result["named"])
+            print(*said, "right" if result["right"] else "WRONG", flush=True)
+
+
+if __name__ == "__main__":
+    main()

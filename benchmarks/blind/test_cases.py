@@ -1,0 +1,70 @@
+"""The blind cases themselves: drawn from the seed alone, whole as files, and silent about the truth."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from swamp_rl.experiments.synthetic.cases import EFFECTS, LEVELS, draw_case, write_case
+
+from benchmarks.blind.score import judged
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.data import read_trials
+from swamp_rl.effects import LIBRARY
+
+BOAT = load_boat("swamp")
+
+
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("kind", ["single", "outside"])
+def test_a_case_reads_as_runs_and_its_files_do_not_tell_the_truth(
+    level: str, kind: str, tmp_path: Path
+) -> None:
+    rng = np.random.default_rng(3)
+    case = draw_case(rng, level, kind)
+    write_case(case, rng, tmp_path / "data", tmp_path / "truth.json", runs=2, seconds=30.0)
+    trials = read_trials(tmp_path / "data", BOAT)
+    assert trials.measured.shape == (2, 301, 6)
+    assert 0 < np.isnan(trials.measured[:, :, 0]).mean() < 0.1  # dropped samples
+    assert np.isfinite(trials.measured[:, :, 3]).any() == (level != "B")
+    assert (np.abs(trials.commands[:, :, 6:]).max() == 0.0) == (level == "C")  # stern off in gate runs
+    written = yaml.safe_load((tmp_path / "data" / "dataset.yaml").read_text())
+    assert all(set(run) == {"file", "rows"} for run in written["runs"])
+    assert (written["mass"], written["vehicle"]) == (BOAT.mass, "swamp")
+    assert {path.name for path in (tmp_path / "data").iterdir()} == {"dataset.yaml", "run_0.csv", "run_1.csv"}
+    assert json.loads((tmp_path / "truth.json").read_text())["effects"] == case.effects
+
+
+def test_the_seed_alone_decides_a_case(tmp_path: Path) -> None:
+    tables = []
+    for name in ("one", "two"):
+        rng = np.random.default_rng(11)
+        write_case(draw_case(rng, "A", "pair"), rng, tmp_path / name, tmp_path / f"{name}.json", 1, 20.0)
+        tables.append((tmp_path / name / "run_0.csv").read_bytes())
+    assert tables[0] == tables[1]
+
+
+def test_every_effect_that_the_library_can_be_guilty_of_is_hidden() -> None:
+    by_chance = {"gusts", "thruster_kick"}  # somebody else's doing, not the boat's
+    nuisance = {"hull_coefficients"}
+    assert set(EFFECTS) == set(LIBRARY) - by_chance - nuisance
+
+
+def answer(verdict: str, causes: list[str], sets: list[list[str]] | None = None) -> dict[str, object]:
+    named = [{"effect": name, "parameters": {}} for name in causes]
+    return {"verdict": verdict, "causes": named, "indistinguishable": sets or [], "elapsed_s": 1.0}
+
+
+def test_the_judge_wants_every_name_and_no_more() -> None:
+    truth = {"effects": [{"effect": "mass"}], "level": "A", "kind": "single", "size": 1.0, "outside": None}
+    truth["hull"] = {}
+    assert judged(truth, answer("cause", ["mass"]))["right"]
+    assert not judged(truth, answer("cause", ["mass", "wind"]))["right"]
+    assert not judged(truth, answer("unexplained", ["mass"]))["right"]
+    assert judged(truth, answer("indistinguishable", ["wind"], [["wind", "mass"]]))["right"]
+    assert not judged(truth, answer("indistinguishable", [], [["wind", "mass", "current", "waves"]]))["right"]
+    assert not judged(truth, None)["right"]
+    clean = truth | {"effects": [], "kind": "clean"}
+    assert judged(clean, answer("nothing_wrong", []))["right"]
+    assert not judged(clean, answer("cause", ["mass"]))["right"]

@@ -1,0 +1,125 @@
+"""What `swamp-rl diagnose` itself says of the pond's runs once their wind columns are hidden."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from swamp_rl.experiments.reports.experiment import table
+
+from benchmarks.esso_osaka.wind import anemometer, apart, hidden
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.data import trials_of
+from swamp_rl.criticism.diagnose import examine
+from swamp_rl.criticism.report.words import spoken
+from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
+from swamp_rl.runs import Run
+
+Z95 = 1.959964
+
+
+@dataclass(frozen=True)
+class Told:
+    """Runs of one day, what was diagnosed from them, and the wind in it: speed [m/s] and where from [rad]
+    with their standard errors; none where no wind was named.
+    """
+
+    runs: Sequence[Run]
+    diagnosis: Diagnosis
+    speed: Estimate | None
+    angle: Estimate | None
+
+
+def diagnosed(boat: Boat, runs: Sequence[Run]) -> Told:
+    """The diagnosis of runs taken together, without what the anemometer said."""
+    found = examine(
+        trials_of([hidden(run) for run in runs], boat, "pond"), None, np.random.default_rng(0)
+    ).diagnosis
+    winds = [cause for cause in named_causes(found) if cause.effect == "wind"]
+    if not winds:
+        return Told(runs, found, None, None)
+    return Told(runs, found, winds[0].parameters["speed"], winds[0].parameters["from"])
+
+
+def named_causes(found: Diagnosis) -> list[Cause]:
+    """The causes, and those of every explanation that these runs cannot tell from them."""
+    return [*found.causes, *(cause for one in found.contrasts for cause in one.rival)]
+
+
+def measured_wind(runs: Sequence[Run]) -> tuple[float, float]:
+    """Mean speed [m/s] over runs, and the direction of the mean wind [rad]."""
+    joined = {
+        name: np.concatenate([run.columns[name] for run in runs]) for name in ("wind_speed", "wind_from")
+    }
+    return anemometer(Run("all", joined))
+
+
+def days(runs: Sequence[Run]) -> dict[str, list[Run]]:
+    """Runs by the day in their names, which is between underscores."""
+    found: dict[str, list[Run]] = {}
+    for run in runs:
+        found.setdefault(run.name.split("_")[1], []).append(run)
+    return found
+
+
+def sets_of(found: Diagnosis) -> list[str]:
+    """The explanations that stay side by side, the best first."""
+    return (
+        found.indistinguishable[0] if found.indistinguishable else [" + ".join(_labels(found)) or "nothing"]
+    )
+
+
+def _labels(found: Diagnosis) -> list[str]:
+    return [cause.effect for cause in found.causes]
+
+
+def diagnosis_table(every: dict[str, Told]) -> str:
+    """Verdict, names and wind of each dataset, beside the anemometer."""
+    rows = []
+    for name, told in every.items():
+        speed, angle = measured_wind(told.runs)
+        cells = ["none", "none", "", ""]
+        if told.speed is not None and told.angle is not None:
+            off = apart(told.angle.value, angle)
+            cells = [
+                f"{told.speed.value:.2f} ± {Z95 * told.speed.standard_error:.2f}",
+                f"{math.degrees(told.angle.value):.0f} ± {math.degrees(Z95 * told.angle.standard_error):.0f}",
+                f"{off:+.0f}",
+                f"{told.speed.value / speed:.2f}",
+            ]
+        rows.append(
+            [
+                f"{name}, {len(told.runs)} run{'s' * (len(told.runs) > 1)}",
+                told.diagnosis.verdict,
+                "; ".join(spoken(one) for one in sets_of(told.diagnosis)),
+                f"{speed:.2f} from {math.degrees(angle):.0f}",
+                *cells,
+            ]
+        )
+    head = ["runs", "verdict", "causes, the best first", "anemometer, m/s, deg", "named wind, m/s"]
+    return table([*head, "from, deg", "off, deg", "speed over measured"], rows)
+
+
+def interval_words(every: dict[str, Told]) -> str:
+    """Whether the named winds' 95 % intervals hold what the anemometer says, and how constant that is."""
+    said = []
+    for name, told in every.items():
+        if told.speed is None or told.angle is None:
+            continue
+        speed, angle = measured_wind(told.runs)
+        winds = [measured_wind([run]) for run in told.runs]
+        turns = [apart(one, angle) for _, one in winds]
+        off = {
+            "speed": (told.speed.value - speed) / told.speed.standard_error,
+            "direction": math.radians(apart(told.angle.value, angle)) / told.angle.standard_error,
+        }
+        held = [f"that of the {what} {'holds' if abs(z) < Z95 else 'misses'} it" for what, z in off.items()]
+        sizes = [size for size, _ in winds]
+        away = ", ".join(f"{z:+.1f}" for z in off.values())
+        said.append(
+            f"Of the intervals of {name}, told beside the anemometer's mean, {' and '.join(held)} "
+            f"({away} standard errors). The mean wind of a run went from {min(sizes):.2f} to "
+            f"{max(sizes):.2f} m/s and from {min(turns):+.0f} to {max(turns):+.0f} degrees about that of the "
+            "day; the interval takes it for one wind."
+        )
+    return "\n".join(said)

@@ -1,0 +1,63 @@
+"""The wind on a real pond, told by the diagnosis of a model ship's motion and held against an anemometer."""
+
+from typing import cast
+
+import numpy as np
+import pytest
+
+from benchmarks.esso_osaka.diagnosis import Told, diagnosed, interval_words, measured_wind
+from benchmarks.esso_osaka.pond import BOAT, DATA, pond
+from benchmarks.esso_osaka.sway import errors, sway_scales, with_sway_drag
+from benchmarks.esso_osaka.wind import apart, named
+from swamp_rl.criticism.result import Diagnosis, Estimate
+from swamp_rl.runs import Run
+
+pytestmark = pytest.mark.slow
+
+on_the_pond = pytest.mark.skipif(not DATA.is_dir(), reason="the pond data are not beside this checkout")
+BEGINNING = 160.0  # s of each run; whole runs take four times as long to diagnose
+
+
+@on_the_pond
+def test_the_wind_is_among_what_is_named_and_blows_as_the_anemometer_says() -> None:
+    names = sorted(path.name for path in (DATA / "random").glob("*_06-Aug-2020_*.csv"))
+    runs = [beginning(pond(f"random/{name}")) for name in names]
+    assert len(runs) == 5
+    told = diagnosed(BOAT, runs)
+    assert told.speed is not None and told.angle is not None
+    speed, angle = measured_wind(runs)
+    # within the worst of nine runs that an independent program was given one by one
+    assert abs(apart(told.angle.value, angle)) < 30.0  # degrees
+    assert 0.63 < told.speed.value / speed < 1.38
+    # much of the ship's motion stays unexplained, and that is said
+    assert told.diagnosis.verdict == "unexplained"
+
+
+def test_whether_an_interval_holds_what_was_measured_is_said() -> None:
+    wind = {"wind_speed": np.array([1.4, 1.6]), "wind_from": np.array([0.1, -0.1])}
+    runs = [
+        Run(name, {key: values[i : i + 1] for key, values in wind.items()}) for i, name in enumerate("ab")
+    ]
+    speed, angle = (Estimate(value=v, standard_error=0.1, unit=u) for v, u in ((1.6, "m/s"), (0.5, "rad")))
+    said = interval_words({"one day": Told(runs, cast(Diagnosis, None), speed, angle)})
+    assert "speed holds it" in said and "direction misses it (+1.0, +5.1 standard errors)" in said
+    assert "from 1.40 to 1.60 m/s and from -5 to +6 degrees" in said
+    assert interval_words({"still": Told(runs, cast(Diagnosis, None), None, None)}) == ""
+
+
+@on_the_pond
+def test_circles_of_other_months_come_out_nearer_with_the_sway_drag_that_a_random_run_tells() -> None:
+    told = named(BOAT, pond("random/random_06-Aug-2020_16_24_25_5.csv"))
+    (scale,) = sway_scales([told])
+    assert 0.3 < scale < 0.8
+    circles = [pond(f"turning/{path.name}") for path in sorted((DATA / "turning").glob("*.csv"))]
+    assert len(circles) == 7
+    before, after = (errors(boat, circles) for boat in (BOAT, with_sway_drag(BOAT, scale)))
+    for figure in ("tactical diameter", "speed", "drift angle", "yaw rate"):
+        assert np.median(np.abs(after[figure])) < 0.75 * np.median(np.abs(before[figure])), figure
+
+
+def beginning(run: Run) -> Run:
+    """The run's first part, beginning with its first sample."""
+    kept = run.time < run.time[0] + BEGINNING
+    return Run(run.name, {name: np.asarray(values)[kept] for name, values in run.columns.items()}, run.meta)

@@ -1,0 +1,75 @@
+"""The validation judges by the printed numbers, and says what it could not regenerate."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from benchmarks.validation.sources import esso_part, row_table, summary
+from benchmarks.validation.swamp import (
+    FULL,
+    LIGHT,
+    THRUST_TABLE,
+    Row,
+    deduction_rows,
+    force_rows,
+    speed_rows,
+    tank_rows,
+    thrust_errors,
+)
+
+
+def test_a_limit_is_met_below_it_and_a_number_is_not() -> None:
+    limit = Row("a", "s", "under 2 m", 2.0, 1.5, 3.0, FULL, limit=True)
+    plain = Row("a", "s", "2 m", 2.0, 1.5, 3.0, FULL)
+    assert limit.mismatch == 0.0
+    assert plain.mismatch == pytest.approx(-0.25)
+    assert Row("a", "s", "under 2 m", 2.0, 1.5, 3.0, LIGHT, limit=True).mismatch == pytest.approx(0.5)
+
+
+def test_the_summary_names_what_is_off_by_more_than_a_tenth_the_worst_first() -> None:
+    rows = [
+        Row(name, "s", "1", 1.0, value, math.nan, FULL)
+        for name, value in (("a", 1.2), ("b", 0.95), ("c", 0.5))
+    ]
+    said = summary(rows)
+    assert said.startswith("1 of 3")
+    assert said.index("* c: -50 %") < said.index("* a: +20 %")
+    assert "* b" not in said
+    assert "**0.95**" in row_table(rows)
+
+
+def test_the_speeds_are_those_of_the_reference_program() -> None:
+    # docs/physics.md: an independent program on the same equations.
+    bow, cruise, deep, _ = speed_rows()
+    assert (bow.full, bow.light) == pytest.approx((1.16, 1.20), abs=0.005)
+    assert (cruise.full, cruise.light) == pytest.approx((0.96, 0.99), abs=0.005)
+    assert (deep.full, deep.light) == pytest.approx((1.44, 1.49), abs=0.005)
+
+
+def test_the_thrust_deduction_comes_back_from_the_speeds() -> None:
+    # At steady speed the resistance is the thrust, so eq. 7.3 must return the line that the boat file holds.
+    for percent, _, factor in deduction_rows():
+        share = min(max((percent / 100 - 0.3) / 0.7, 0.0), 1.0)
+        assert factor == pytest.approx(0.3 + 0.45 * share, abs=0.005)
+
+
+def test_the_tank_is_reproduced_and_a_depth_left_out_is_not() -> None:
+    rows = {row.depth: row for row in tank_rows()}
+    assert sum(row.points for row in rows.values()) == 28
+    assert all(row.errors[0] < 1e-9 for row in rows.values())
+    assert math.isnan(rows["h/T = 9"].errors[1])
+    assert 0.02 < rows["h/T = 2.5"].errors[2] <= rows["h/T = 2.5"].errors[1]
+
+
+def test_the_thrust_table_is_met_to_its_last_digit() -> None:
+    largest, mean = thrust_errors()
+    assert len(THRUST_TABLE) == 19
+    assert mean < largest <= 0.05 + 1e-9
+    assert force_rows()[3].full == pytest.approx(12.2)
+
+
+def test_without_the_measured_runs_one_line_says_so(tmp_path: Path) -> None:
+    said = esso_part(tmp_path / "nowhere")
+    assert "Not regenerated" in said
+    assert "|" not in said

@@ -1,0 +1,62 @@
+"""A job in its folder: under a lock, taken up where an earlier life left it, and whole when it is seen."""
+
+import json
+import shutil
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from swamp_rl.experiments.artifacts.provenance import RESULTS, TENSORBOARD, TRAINED, WORK, description
+from swamp_rl.experiments.artifacts.stages import Stages, stages
+from swamp_rl.experiments.config.scene import Scene
+
+from swamp_rl.unfinished import taken_up
+
+SECONDS = "seconds.json"
+TAKEN = ("data", "pilots/*", f"{TENSORBOARD}/*")
+"""Folders that an evaluation takes over from a training."""
+
+
+@contextmanager
+def job(
+    scene: Scene, folder: Path, replaces: tuple[str, ...], trained: Path | None
+) -> Iterator[tuple[Path, Stages]]:
+    """Yield the folder to build in, renamed to `folder` at the end, and the stages with their times so far.
+
+    trained: a folder whose data and pilots are taken over where they are not there yet. replaces: the marks
+    of folders that may be replaced.
+    """
+    with taken_up(folder, replaces, description(scene), say) as part, stages() as bars:
+        if trained is not None:
+            _take_over(trained, part)
+        yield part, bars.logged_in(part / WORK / SECONDS)
+        for work in list(part.rglob(WORK)):
+            shutil.rmtree(work)
+
+
+def same_job(folder: Path, scene: Scene) -> bool:
+    """Whether a folder was made with this configuration and these versions."""
+    files = description(scene).items()
+    return all((folder / name).is_file() and (folder / name).read_bytes() == held for name, held in files)
+
+
+def say(line: str) -> None:
+    """A note on the error stream."""
+    print("swamp-rl:", line, file=sys.stderr)
+
+
+def _take_over(trained: Path, part: Path) -> None:
+    """Copy what is TAKEN, each folder whole or not at all, and the times that it took."""
+    for folder in [folder for name in TAKEN for folder in sorted(trained.glob(name))]:
+        target = part / folder.relative_to(trained)
+        if not folder.name.startswith(".") and not target.exists():
+            target.parent.mkdir(exist_ok=True)
+            copied = shutil.copytree(folder, target.with_name(f".part-{target.name}"))
+            Path(copied).rename(target)
+    for mark in (RESULTS, TRAINED):
+        if (trained / mark).is_file() and not (part / WORK / SECONDS).exists():
+            took = json.loads((trained / mark).read_text(encoding="utf-8"))["measured"]["seconds"]
+            earlier = {name: value for name, value in took.items() if name.startswith(("record", "train"))}
+            (part / WORK).mkdir(exist_ok=True)
+            (part / WORK / SECONDS).write_text(json.dumps(earlier), encoding="utf-8")

@@ -1,0 +1,107 @@
+"""What a folder of results keeps of how it was made, and how an experiment is found again in one."""
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.experiments.artifacts.versions import versions
+from swamp_rl.experiments.config.digests import digest, hashes, pilot_hash
+from swamp_rl.experiments.config.scene import Scene, config_files
+from swamp_rl.experiments.config.schema import Experiment
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, yaml_text
+
+RESULTS, TRAINED = "results.json", "training.json"
+"""Marks of a whole result and of one whose pilots are trained but not evaluated."""
+CONFIG, EXPERIMENT = "config", "experiment.yaml"
+WORK = ".work"
+"""Folders of what is needed only until the result is whole."""
+TENSORBOARD = "tensorboard"
+"""The folder of event files in a folder of results, by pilot."""
+
+
+def description(scene: Scene) -> dict[str, bytes]:
+    """The files that say what a result is of, by path in its folder: configuration and versions."""
+    written = yaml_text(scene.experiment.model_dump(mode="json"))
+    files = {f"{CONFIG}/{EXPERIMENT}": written.encode()}
+    files |= {f"{CONFIG}/{name}": file.read_bytes() for name, file in config_files(scene).items()}
+    return files | {"versions.json": (json.dumps(versions(), indent=2) + "\n").encode()}
+
+
+def kept_config(given: str | Path) -> Path | None:
+    """The `config` folder of a result, given by it, by the result's own folder or by the file in it."""
+    path = Path(given)
+    for folder in (path / CONFIG, path, path.parent):
+        if (folder / EXPERIMENT).is_file() and (path.is_dir() or path.name == EXPERIMENT):
+            return folder
+    return None
+
+
+@contextmanager
+def same_configs(config: Path | None) -> Iterator[None]:
+    """Within the block boats, courses and disturbances are those copied into `config`, by their old names."""
+    if config is None:
+        yield
+        return
+    copies = {
+        (kind, file.stem): file for kind in CONFIG_KINDS for file in sorted((config / kind).glob("*.yaml"))
+    }
+    for name in _named_in(read_yaml(config / EXPERIMENT)):
+        for kind in CONFIG_KINDS:
+            if (config / kind / Path(name).name).is_file():
+                copies[kind, name] = config / kind / Path(name).name
+    with config_copies(copies):
+        yield
+
+
+def _named_in(data: Any) -> Iterator[str]:
+    """Every text in a configuration that may be the path of a file."""
+    if isinstance(data, str):
+        if data.endswith((".yaml", ".yml")):
+            yield data
+    elif isinstance(data, Mapping | list):
+        for part in data.values() if isinstance(data, Mapping) else data:
+            yield from _named_in(part)
+
+
+def with_data_hash(experiment: Experiment, where: str) -> Experiment:
+    """The experiment with the digest of the folder it learns from; UserError where it names another one."""
+    data = experiment.data
+    if data.folder is None:
+        return experiment
+    found = digest(hashes(Path(data.folder)))
+    if data.sha256 not in (None, found):
+        raise UserError(
+            f"{where}: data.sha256: the runs in {data.folder} are no longer those that it was made with; "
+            "bring them back, or drop the key to learn from what is there"
+        )
+    return experiment.model_copy(update={"data": data.model_copy(update={"sha256": found})})
+
+
+def with_pilot_hashes(experiment: Experiment, where: str) -> Experiment:
+    """The experiment with the hash of each pilot given by its folder; UserError where it names another."""
+    plans = dict(experiment.pilots)
+    for name, plan in plans.items():
+        if plan.kind != "stored":
+            continue
+        found = pilot_hash(plan.options["folder"])
+        if plan.options.get("sha256") not in (None, found):
+            raise UserError(
+                f"{where}: pilots.{name}.options.sha256: the pilot in {plan.options['folder']} is no longer "
+                "the one that it was made with; bring it back, or drop the key to take what is there"
+            )
+        plans[name] = plan.model_copy(update={"options": plan.options | {"sha256": found}})
+    return experiment.model_copy(update={"pilots": plans})
+
+
+def seeds(experiment: Experiment) -> dict[str, Any]:
+    """Every seed of an experiment: of its recorded runs, of its pilots by name, of its episodes."""
+    pilots = {
+        name: plan.options["seed"] for name, plan in experiment.pilots.items() if "seed" in plan.options
+    }
+    recorded = {} if experiment.data.folder else {"record": experiment.data.record.seed}
+    hidden = {} if experiment.hidden is None else {"logs": experiment.hidden.logs.seed}
+    return recorded | hidden | {"pilots": pilots, "first_episode": experiment.evaluation.seed}

@@ -1,0 +1,5 @@
+"""`python -m swamp_rl.experiments.cli`: the command line without its script."""
+
+from swamp_rl.experiments.cli.app import main
+
+main()

@@ -1,0 +1,179 @@
+"""The command line: one thin verb for each task, and one clear line when it cannot be done."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import swamp_rl.experiments.cli.runs_exchange  # noqa: F401  it adds its verbs to `runs`
+import typer
+from swamp_rl.experiments.cli.compare import compare
+from swamp_rl.experiments.cli.demo import demo
+from swamp_rl.experiments.cli.diagnose import diagnose, disturbances
+from swamp_rl.experiments.cli.experiment import evaluate, run, train
+from swamp_rl.experiments.cli.export import export
+from swamp_rl.experiments.cli.identify import identify_app
+from swamp_rl.experiments.cli.record import record
+from swamp_rl.experiments.cli.runs import runs_app
+from swamp_rl.experiments.cli.signals import stoppable
+from swamp_rl.experiments.cli.sweep import sweep
+from swamp_rl.experiments.cli.trial import trial_app
+
+from swamp_rl import __version__
+from swamp_rl.errors import FaultsError, UserError
+
+BAD_INPUT, INTERRUPTED, TERMINATED, UNEXPECTED = 2, 130, 143, 70
+DEBUG = "SWAMP_RL_DEBUG"
+
+app = typer.Typer(
+    name="swamp-rl",
+    help="A simulated azimuth-thruster boat, and pilots that learn to drive it from logged runs.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+app.add_typer(runs_app, name="runs")
+app.add_typer(identify_app, name="identify")
+app.add_typer(trial_app, name="trial")
+for verb in (run, train, evaluate):
+    app.command()(verb)
+app.command()(compare)
+app.command()(diagnose)
+app.command()(disturbances)
+app.command()(demo)
+app.command()(export)
+app.command()(record)
+app.command()(sweep)
+
+BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"swamp-rl {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _swamp_rl(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version and exit.", callback=_print_version, is_eager=True),
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def simulate(
+    commands: Annotated[
+        Path, typer.Option(help="The recorded run (.csv or .parquet) to take commands from.")
+    ],
+    out: Annotated[Path, typer.Option(help="The .csv or .parquet file to write.")],
+    boat: BoatOption = "swamp",
+    window: Annotated[
+        float | None, typer.Option(help="Start anew from the measured state every so many seconds.")
+    ] = None,
+) -> None:
+    """Replay a run's commands from its first state through the simulator."""
+    from swamp_rl.boat import load_boat
+    from swamp_rl.runs import read_run, write_run
+    from swamp_rl.simulator.replay import replay
+
+    if window is not None:
+        from swamp_rl.experiments.cli.diagnose import simulate_windows
+
+        simulate_windows(commands, out, boat, window)
+        return
+    simulated = replay(load_boat(boat), read_run(commands))
+    write_run(out, simulated)
+    typer.echo(f"{out}: {simulated.duration:.1f} s, {simulated.path_length:.1f} m")
+
+
+@app.command("record-scripted")
+def record_scripted_runs(
+    out: Annotated[Path, typer.Option(help="The new folder of runs.")],
+    course: Annotated[str, typer.Option(help="A name in configs/courses, or a course file.")] = "camogli",
+    boat: BoatOption = "swamp",
+    disturbances: Annotated[
+        str | None, typer.Option(help="A name in configs/disturbances, or a file of them; none by default.")
+    ] = None,
+    count: Annotated[int, typer.Option(min=1, help="How many successful runs.")] = 40,
+    failed: Annotated[int, typer.Option(min=0, help="How many failed ones at least, kept and marked.")] = 3,
+    seed: Annotated[int, typer.Option(min=0, help="Another seed, other runs.")] = 0,
+) -> None:
+    """Record runs of the scripted pilot, which drives the way people do."""
+    from swamp_rl.envs.batched import GatesVectorEnv
+
+    from swamp_rl.pilots.record import record_scripted
+    from swamp_rl.runs import read_dataset
+
+    if out.exists():
+        raise UserError(f"{out}: already exists; runs are recorded into a new folder, name another")
+
+    def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
+        return GatesVectorEnv(n, boat, course, disturbances, senses)
+
+    record_scripted(boats, out, boat=boat, course=course, count=count, failed=failed, seed=seed)
+    recorded = read_dataset(out)
+    typer.echo(f"{out}: {len(recorded.runs)} runs, {len(recorded.successful)} of them successful")
+
+
+@app.command()
+def bench(
+    out: Annotated[Path, typer.Option(help="The JSON file to write.")] = Path("bench.json"),
+) -> None:
+    """Measure speed, as ratios against Gymnasium's Pendulum-v1."""
+    from swamp_rl.experiments.studies.speed import run_bench
+
+    for name, value in run_bench(out).items():
+        typer.echo(f"{name:<42} {value:>16,.4g}")
+    typer.echo(f"written to {out}")
+
+
+def main() -> None:
+    """Run the command line; whatever goes wrong is one line on the error stream and a non-zero exit."""
+    with stoppable() as signals:
+        code = _carried_out(signals)
+    if code and signals:
+        code = 128 + signals[0]  # whatever became of the exception on its way
+    if code in (INTERRUPTED, TERMINATED):
+        ended = "interrupted" if code == INTERRUPTED else "terminated"
+        _complain(f"{ended}; only what was finished is kept", code)
+    sys.exit(code)
+
+
+def _carried_out(signals: list[int]) -> int:
+    """The exit code of what the command line asks for; signals: those that came meanwhile."""
+    try:
+        return app(standalone_mode=False) or 0
+    except typer.TyperException as error:
+        # Without any argument Typer has printed the help and has nothing to add.
+        line = error.format_message()
+        return _complain(f"{line} (swamp-rl --help tells more)", error.exit_code) if line else error.exit_code
+    except FaultsError as error:
+        return max(_complain(line, BAD_INPUT) for line in error.lines)
+    except UserError as error:
+        return _complain(str(error), BAD_INPUT)
+    except BrokenPipeError:
+        # Whoever was reading has had enough; Python's own flush at exit must not complain either.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except OSError as error:
+        from swamp_rl.files import os_error
+
+        return _complain(str(os_error(error, "the operating system")), BAD_INPUT)
+    except (KeyboardInterrupt, typer.Abort):
+        return INTERRUPTED
+    except Exception as error:
+        if signals:
+            return INTERRUPTED
+        if os.environ.get(DEBUG):
+            raise
+        what = f"unexpected {type(error).__name__}: {error}"
+        return _complain(f"{what}; {DEBUG}=1 shows where, please report it", UNEXPECTED)
+
+
+def _complain(line: str, code: int) -> int:
+    print("swamp-rl:", " ".join(line.split()), file=sys.stderr)
+    return code

@@ -1,0 +1,82 @@
+"""`swamp-rl compare`: results against each other, or all of a folder of results on one page."""
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from swamp_rl.errors import UserError
+
+FOLDER, PAGE = Path("comparison"), Path("leaderboard.html")
+
+
+def compare(
+    results: Annotated[
+        list[Path] | None,
+        typer.Argument(help="Folders of results; each may hold several, of training seeds for example."),
+    ] = None,
+    leaderboard: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Make one sortable page of all results in there.")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder of compare.md and compare.json (comparison), or page (leaderboard.html)."),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the bootstrap and the permutations.")] = 0,
+) -> None:
+    """Compare pilots on the same episodes, with intervals and corrected p-values, or rank them on a page."""
+    from swamp_rl.files import write_beside
+
+    if (leaderboard is None) == (not results):
+        raise UserError("compare: name folders of results, or one folder with --leaderboard, but not both")
+    if leaderboard is not None:
+        from swamp_rl.experiments.reports.leaderboard import gather, page
+
+        found = gather(leaderboard, seed)
+        with write_beside(out or PAGE) as part:
+            part.write_text(page(found), encoding="utf-8")
+        for line in found.left_out:
+            typer.echo(f"left out: {line}")
+        typer.echo(f"{out or PAGE}: {len(found.rows)} rows of {found.folders} results")
+        return
+    from swamp_rl.experiments.evaluation.comparison import compare as compared
+    from swamp_rl.experiments.reports.comparison import report
+
+    comparison = compared(results or [], seed)
+    folder = out or FOLDER
+    for name, text in (
+        ("compare.json", json.dumps(comparison, indent=2, allow_nan=False) + "\n"),
+        ("compare.md", report(comparison)),
+    ):
+        with write_beside(folder / name) as part:
+            part.write_text(text, encoding="utf-8")
+    print_comparison(comparison)
+    typer.echo(f"{folder}: compare.md, compare.json")
+
+
+def print_comparison(found: dict[str, Any]) -> None:
+    """Success and the paired differences of it, as tables for the terminal."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+    from swamp_rl.experiments.reports.comparison import difference, heads, p_value, rows
+
+    console = Console()
+    table = Table(title="success [%]", box=SIMPLE_HEAD)
+    for head in ("pilot", "seeds", "level", "success"):
+        table.add_column(head, justify="right" if head in ("seeds", "success") else "left")
+    for row in rows(found):
+        for level, rate in zip(heads(found)[2:], row[2:], strict=True):
+            table.add_row(*row[:2], level, rate)
+    console.print(table)
+    table = Table(title="success, paired differences [%]", box=SIMPLE_HEAD)
+    for head in ("difference", "level", "mean", "p, corrected"):
+        table.add_column(head, justify="right" if head in ("mean", "p, corrected") else "left")
+    for row in found["differences"]:
+        if row["quantity"] == "success":
+            pair = f"{row['a']} − {row['b']}"
+            table.add_row(pair, row["level"], difference(row), p_value(row["p_corrected"]))
+    console.print(table)
+    for note in found["notes"]:
+        console.print(note)

@@ -1,0 +1,84 @@
+"""`swamp-rl demo`: people and pilots side by side, to look at."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from swamp_rl.errors import UserError
+
+NOTHING_TO_DO = (
+    "no display to open a window on; add --web (a browser on this machine), --save FILE.rrd, "
+    "--video FILE.mp4 or --html FILE.html"
+)
+
+
+def demo(
+    sources: Annotated[list[Path], typer.Argument(help="Results folders, datasets, or files of runs.")],
+    runs: Annotated[
+        list[str] | None,
+        typer.Option(help="Runs to show by NAME or DRIVER/NAME, with * and ?; may be repeated."),
+    ] = None,
+    side_by_side: Annotated[
+        bool, typer.Option("--side-by-side/--overlay", help="A chart for each driver, or one for all.")
+    ] = False,
+    align: Annotated[
+        Literal["gate", "start"],
+        typer.Option(help="What all boats do at the same time: pass the first gate, or start."),
+    ] = "gate",
+    web: Annotated[bool, typer.Option("--web", help="Serve rerun's viewer to a browser here.")] = False,
+    port: Annotated[int | None, typer.Option(help="Of --web; any free one by default.")] = None,
+    save: Annotated[Path | None, typer.Option(help="Write a rerun recording, FILE.rrd.")] = None,
+    video: Annotated[Path | None, typer.Option(help="Write a film, FILE.mp4 or FILE.gif.")] = None,
+    speed: Annotated[float, typer.Option(help="Of the film: seconds shown in a second.")] = 4.0,
+    html: Annotated[Path | None, typer.Option(help="Write a page that needs nothing else.")] = None,
+) -> None:
+    """Show runs of people, scripts and pilots: in rerun, as a film, or as a page."""
+    from swamp_rl.experiments.artifacts.demo_runs import read_shown
+
+    from swamp_rl.demo.viewer import has_display
+
+    window = not (web or save or video or html)
+    if window and not has_display():
+        raise UserError(NOTHING_TO_DO)
+    _check_names(
+        {"--save": (save, (".rrd",)), "--video": (video, (".mp4", ".gif")), "--html": (html, (".html",))}
+    )
+    scene = read_shown(sources, runs or [], align)
+    drivers = ", ".join(f"{sum(s.group == group for s in scene.shown)} {group}" for group in scene.groups)
+    typer.echo(f"{len(scene.shown)} runs: {drivers}; {scene.aligned}")
+    layout: Literal["overlay", "side-by-side"] = "side-by-side" if side_by_side else "overlay"
+    if save:
+        from swamp_rl.demo.recording import write_recording
+
+        write_recording(save, scene, layout)
+        typer.echo(f"{save}: open it with rerun {save}")
+    if html:
+        from swamp_rl.demo.page import write_page
+
+        write_page(html, scene, layout)
+        typer.echo(f"{html}: open it in any browser")
+    if video:
+        from swamp_rl.demo.video import write_video
+
+        frames = write_video(video, scene, layout, speed)
+        typer.echo(f"{video}: {frames} frames")
+    if web or window:
+        import tempfile
+
+        from swamp_rl.demo.recording import write_recording
+        from swamp_rl.demo.viewer import open_viewer, serve
+
+        with tempfile.TemporaryDirectory() as folder:
+            recording = Path(folder) / "demo.rrd"
+            write_recording(recording, scene, layout)
+            if window:
+                open_viewer(recording)
+            else:
+                serve(recording, port, lambda where: typer.echo(f"{where}\nCtrl-C ends it"))
+
+
+def _check_names(asked: dict[str, tuple[Path | None, tuple[str, ...]]]) -> None:
+    for option, (path, suffixes) in asked.items():
+        if path is not None and path.suffix.lower() not in suffixes:
+            raise UserError(f"{option} {path}: end the name in {' or '.join(suffixes)}")

@@ -1,0 +1,63 @@
+"""`swamp-rl run`, `train` and `evaluate`: an experiment whole, its pilots alone, or what they are worth."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ExperimentName = Annotated[
+    str,
+    typer.Argument(help="A name in configs/experiments, a YAML file, or a folder of results to do again."),
+]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the file, dotted; may be repeated."),
+]
+Out = Annotated[Path | None, typer.Option(help="Folder of results, in place of results/NAME.")]
+
+
+def run(experiment: ExperimentName, set_: Set = None, out: Out = None) -> None:
+    """Train, evaluate and report all that an experiment's YAML asks for."""
+    from swamp_rl.experiments.studies.run import run_experiment
+
+    run_experiment(experiment, set_ or [], out)
+
+
+def train(
+    experiment: ExperimentName,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PILOT", help="Train this one and those it starts from; may be repeated."),
+    ] = None,
+    set_: Set = None,
+    out: Out = None,
+) -> None:
+    """Train an experiment's pilots, to be evaluated later by `evaluate` or `run`."""
+    from swamp_rl.experiments.studies.run import train_experiment
+
+    train_experiment(experiment, set_ or [], out, only)
+
+
+def evaluate(
+    folders: Annotated[
+        list[Path], typer.Argument(help="Folders of trained experiments, or of single pilots in them.")
+    ],
+    level: Annotated[
+        list[str] | None, typer.Option(help="A level of disturbance in place of the file's; may be repeated.")
+    ] = None,
+    episodes: Annotated[int | None, typer.Option(min=1, help="How many episodes at each level.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Of the first episode.")] = None,
+    experiment: Annotated[
+        str | None, typer.Option(help="Whose boat, course and levels; by default the first folder's.")
+    ] = None,
+    set_: Set = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of results; by default FOLDER itself, or beside it.")
+    ] = None,
+) -> None:
+    """Evaluate and report pilots that are trained already, all in the same episodes."""
+    from swamp_rl.experiments.studies.stored import evaluate_folders
+
+    asked = {"levels": level, "episodes": episodes, "seed": seed}
+    changes = {key: value for key, value in asked.items() if value not in (None, [])}
+    evaluate_folders(folders, changes, set_ or [], out, experiment)

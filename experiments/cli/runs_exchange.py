@@ -1,0 +1,117 @@
+"""`swamp-rl runs import` and `runs export`: datasets from and for the programmes of others."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+from swamp_rl.experiments.cli.runs import runs_app
+
+from swamp_rl.errors import UserError
+
+Rate = Annotated[float | None, typer.Option(min=1e-3, help="Rows a second, where there are no times to use.")]
+Resample = Annotated[float | None, typer.Option(min=1e-3, help="Rows a second to make of uneven ones.")]
+
+
+@runs_app.command("import")
+def import_(
+    sources: Annotated[list[Path], typer.Argument(help="Files, or folders of them.")],
+    from_: Annotated[
+        Literal["csv", "parquet", "mcap", "telemetry", "free-running"],
+        typer.Option("--from", help="What they are."),
+    ],
+    out: Annotated[Path, typer.Option(help="The new dataset.")],
+    boat: Annotated[str | None, typer.Option(help="Whose runs they are; by default swamp.")] = None,
+    source: Annotated[
+        Literal["measured", "simulated", "human", "scripted", "learned"] | None,
+        typer.Option(help="Who or what made them; by default measured."),
+    ] = None,
+    course: Annotated[str | None, typer.Option(help="A name in configs/courses, or a file.")] = None,
+    notes: Annotated[str | None, typer.Option(help="Kept in dataset.yaml.")] = None,
+    column: Annotated[
+        list[str] | None, typer.Option(metavar="OUR=THEIRS", help="What a column is called there.")
+    ] = None,
+    degrees: Annotated[
+        list[str] | None, typer.Option(metavar="OUR", help="A column in degrees there.")
+    ] = None,
+    unit: Annotated[
+        list[str] | None,
+        typer.Option(metavar="OUR=UNIT", help="A column in deg, deg/s, kn, km/h, km, cm, ms, rpm, percent …"),
+    ] = None,
+    drop: Annotated[list[str] | None, typer.Option(metavar="THEIRS", help="A column to leave out.")] = None,
+    rate: Rate = None,
+    resample: Resample = None,
+    origin: Annotated[
+        str | None,
+        typer.Option(metavar="LATITUDE,LONGITUDE", help="Of north and east; by default the first place."),
+    ] = None,
+    topic: Annotated[str | None, typer.Option(help="Of an MCAP file with several.")] = None,
+    sender: Annotated[int | None, typer.Option(help="Of telemetry of several hulls.")] = None,
+    repair: Annotated[
+        bool, typer.Option("--repair", help="End a free-running test before its first hole.")
+    ] = False,
+) -> None:
+    """Make a dataset of measured runs: CSV, Parquet, MCAP, the boat's telemetry, free-running tests."""
+    from swamp_rl.runs.import_dataset import About, import_runs
+    from swamp_rl.runs.import_foreign import Wishes
+
+    wishes = Wishes(
+        _pairs("--column", column),
+        _units(degrees, unit),
+        tuple(drop or ()),
+        rate,
+        resample,
+        _place(origin),
+    )
+    about = About(boat, source, course, notes, topic, sender, repair)
+    made = import_runs(sources, from_, out, about, wishes)
+    rows = sum(run.rows or 0 for run in made.runs)
+    typer.echo(f"{out}: {len(made.runs)} runs, {rows} rows at {made.sample_rate:g} Hz, {made.source}")
+
+
+@runs_app.command()
+def export(
+    dataset: Annotated[Path, typer.Argument(help="A folder of runs with its dataset.yaml.")],
+    to: Annotated[Literal["minari", "lerobot", "mcap", "csv", "parquet"], typer.Option(help="The format.")],
+    out: Annotated[Path, typer.Option(help="The new folder.")],
+) -> None:
+    """Write a dataset for Minari, LeRobot (its layout 3.0), MCAP viewers, or as CSV or Parquet tables."""
+    from swamp_rl.runs.export_dataset import export_runs
+
+    count = export_runs(dataset, to, out)
+    typer.echo(f"{out}: {count} runs")
+
+
+def _pairs(option: str, given: list[str] | None) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for word in given or ():
+        ours, equals, theirs = word.partition("=")
+        if not (ours and equals and theirs) or ours in found:
+            raise UserError(f"{option} {word}: give each of our names once, as in {option} heading=psi")
+        found[ours] = theirs
+    return found
+
+
+def _units(degrees: list[str] | None, unit: list[str] | None) -> dict[str, str]:
+    from swamp_rl.runs.import_foreign import UNITS
+
+    found = _pairs("--unit", unit)
+    for name in degrees or ():
+        if name in found:
+            raise UserError(f"--degrees {name}: has a --unit already; give one of the two")
+        found[name] = "deg"
+    for name, asked in found.items():
+        if asked not in UNITS:
+            raise UserError(f"--unit {name}={asked}: known units are {', '.join(UNITS)}")
+    return found
+
+
+def _place(origin: str | None) -> tuple[float, float] | None:
+    if origin is None:
+        return None
+    try:
+        latitude, longitude = (float(part) for part in origin.split(","))
+    except ValueError:
+        latitude, longitude = float("nan"), float("nan")
+    if not (abs(latitude) <= 90.0 and abs(longitude) <= 180.0):
+        raise UserError(f"--origin {origin}: give latitude and longitude in degrees, as in 44.3489,9.1536")
+    return latitude, longitude

@@ -1,0 +1,193 @@
+"""`swamp-rl trial`: sea trials of a simulated boat, and the figures of simulated and measured ones."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+trial_app = typer.Typer(help="Automatic ITTC manoeuvres and their analysis.", no_args_is_help=True)
+
+Out = Annotated[Path, typer.Option(help="The folder for the runs; their figures go to its folder analysis.")]
+BoatName = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
+Throttle = Annotated[list[float], typer.Option(help="Share of full throttle, up to 1; may be repeated.")]
+Angle = Annotated[
+    list[float], typer.Option(help="Steering angle (deg), + first to starboard; may be repeated.")
+]
+Pattern = Annotated[
+    str, typer.Option(help="What azimuth thrusters do: opposed (bow +, stern -), bow alone, or parallel.")
+]
+StartSpeed = Annotated[float | None, typer.Option(help="Speed (m/s) that the approach is to reach.")]
+Direction = Annotated[float, typer.Option(help="Course (deg) on which the trials begin.")]
+Seed = Annotated[int, typer.Option(min=0, help="Of the wind's gusts.")]
+
+
+def _carry_out(out: Path, boat: str, direction: float, seed: int, entry: dict[str, Any]) -> None:
+    """Check an entry as one of a plan file, execute it and analyse it."""
+    from swamp_rl.files import validated
+    from swamp_rl.manoeuvres.plan import Plan
+
+    given = {name: value for name, value in entry.items() if value is not None}
+    data = {
+        "name": "asked",
+        "boat": boat,
+        "seed": seed,
+        "area": {"direction_deg": direction},
+        "trials": [given],
+    }
+    _execute(validated("the options of swamp-rl trial", Plan, data), out)
+
+
+def _execute(plan: Any, out: Path) -> None:
+    from swamp_rl.experiments.reports.trials import analyse_trials
+
+    from swamp_rl.manoeuvres.record import record_trials
+
+    record_trials(out, plan.boat, plan.singly, plan.place, plan.seed)
+    _say(*analyse_trials(out))
+
+
+def _say(lines: list[str], out: Path) -> None:
+    for line in lines:
+        typer.echo(line)
+    typer.echo(f"{out}: report.md, analysis.json and figures")
+
+
+@trial_app.command("turning-circle")
+def turning_circle(
+    out: Out,
+    angle: Angle,
+    throttle: Throttle,
+    boat: BoatName = "swamp",
+    turns: Annotated[int, typer.Option(help="Full turns; the second half counts as steady.")] = 6,
+    duration: Annotated[float, typer.Option(help="Of the pull-out (s).")] = 30.0,
+    pattern: Pattern = "opposed",
+    start_speed: StartSpeed = None,
+    direction: Direction = 0.0,
+    seed: Seed = 0,
+) -> None:
+    """Full turns at an angle, then a pull-out."""
+    entry = {"manoeuvre": "turning-circle", "angle_deg": angle, "throttle": throttle, "turns": turns}
+    more = {"duration_s": duration, "pattern": pattern, "start_speed": start_speed}
+    _carry_out(out, boat, direction, seed, entry | more)
+
+
+@trial_app.command("zig-zag")
+def zig_zag(
+    out: Out,
+    angle: Angle,
+    throttle: Throttle,
+    heading: Annotated[
+        list[float] | None,
+        typer.Option(help="Where to reverse (deg), one for each angle; the angle itself by default."),
+    ] = None,
+    boat: BoatName = "swamp",
+    executes: Annotated[
+        int, typer.Option(help="How often the steering is laid, the first time included.")
+    ] = 6,
+    pattern: Pattern = "opposed",
+    start_speed: StartSpeed = None,
+    direction: Direction = 0.0,
+    seed: Seed = 0,
+) -> None:
+    """Steering laid over whenever the heading has gone far enough; --heading 1 makes it the modified one."""
+    entry = {"manoeuvre": "zig-zag", "angle_deg": angle, "heading_deg": heading or None, "throttle": throttle}
+    more = {"executes": executes, "pattern": pattern, "start_speed": start_speed}
+    _carry_out(out, boat, direction, seed, entry | more)
+
+
+def _steered(kind: str, help: str) -> None:
+    def verb(
+        out: Out,
+        angle: Angle,
+        throttle: Throttle,
+        boat: BoatName = "swamp",
+        pattern: Pattern = "opposed",
+        start_speed: StartSpeed = None,
+        direction: Direction = 0.0,
+        seed: Seed = 0,
+    ) -> None:
+        entry = {"manoeuvre": kind, "angle_deg": angle, "throttle": throttle, "pattern": pattern}
+        _carry_out(out, boat, direction, seed, entry | {"start_speed": start_speed})
+
+    trial_app.command(kind, help=help)(verb)
+
+
+_steered("spiral", "Direct spiral: steady yaw rates from one side to the other and back.")
+_steered(
+    "reverse-spiral", "Reverse spiral: the angles that hold yaw rates from one side to the other and back."
+)
+
+
+@trial_app.command("pull-out")
+def pull_out(
+    out: Out,
+    angle: Angle,
+    throttle: Throttle,
+    boat: BoatName = "swamp",
+    duration: Annotated[float, typer.Option(help="Of each pull-out (s).")] = 30.0,
+    pattern: Pattern = "opposed",
+    start_speed: StartSpeed = None,
+    direction: Direction = 0.0,
+    seed: Seed = 0,
+) -> None:
+    """Steady turns to either side, each followed by the steering amidships."""
+    entry = {"manoeuvre": "pull-out", "angle_deg": angle, "throttle": throttle, "duration_s": duration}
+    _carry_out(out, boat, direction, seed, entry | {"pattern": pattern, "start_speed": start_speed})
+
+
+@trial_app.command()
+def stopping(
+    out: Out,
+    throttle: Throttle,
+    boat: BoatName = "swamp",
+    astern_throttle: Annotated[float, typer.Option(help="Share of full throttle astern.")] = 1.0,
+    start_speed: StartSpeed = None,
+    direction: Direction = 0.0,
+    seed: Seed = 0,
+) -> None:
+    """Astern from steady running until the boat has no way on."""
+    entry = {"manoeuvre": "stopping", "throttle": throttle, "astern_throttle": astern_throttle}
+    _carry_out(out, boat, direction, seed, entry | {"start_speed": start_speed})
+
+
+@trial_app.command()
+def straight(
+    out: Out,
+    throttle: Throttle,
+    astern: Annotated[bool, typer.Option("--astern", help="Run astern instead.")] = False,
+    boat: BoatName = "swamp",
+    duration: Annotated[float, typer.Option(help="Of the measured part (s).")] = 30.0,
+    pattern: Pattern = "opposed",
+    start_speed: StartSpeed = None,
+    direction: Direction = 0.0,
+    seed: Seed = 0,
+) -> None:
+    """Speed at each throttle, the heading held."""
+    entry = {"manoeuvre": "straight", "throttle": throttle, "astern": astern, "duration_s": duration}
+    _carry_out(out, boat, direction, seed, entry | {"pattern": pattern, "start_speed": start_speed})
+
+
+@trial_app.command()
+def plan(
+    file: Annotated[str, typer.Argument(help="A name in configs/trials, or a plan file.")],
+    out: Out,
+    boat: Annotated[str | None, typer.Option("--boat", help="Another boat than the plan's.")] = None,
+) -> None:
+    """Every trial of a plan file."""
+    from swamp_rl.manoeuvres.plan import load_plan
+
+    asked = load_plan(file)
+    _execute(asked if boat is None else asked.model_copy(update={"boat": boat}), out)
+
+
+@trial_app.command()
+def analyse(
+    dataset: Annotated[Path, typer.Argument(help="A folder of runs with its dataset.yaml.")],
+    out: Annotated[
+        Path | None, typer.Option(help="The folder to write, DATASET/analysis by default.")
+    ] = None,
+) -> None:
+    """Figures of recorded trials, measured or simulated."""
+    from swamp_rl.experiments.reports.trials import analyse_trials
+
+    _say(*analyse_trials(dataset, out))

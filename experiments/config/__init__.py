@@ -1,0 +1,1 @@
+"""Experiment files: their schema, their reading and what they name."""

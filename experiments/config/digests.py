@@ -1,0 +1,48 @@
+"""SHA-256 of datasets and stored pilots, by which they are recognised."""
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import read_yaml, write_beside
+from swamp_rl.pilots.store import DESCRIPTION, load_pilot
+from swamp_rl.runs.dataset import META
+
+HASHES = "data.sha256"
+
+
+def hashes(folder: Path) -> dict[str, str]:
+    """SHA-256 of each file of a dataset, by name; UserError where it is no dataset."""
+    if not (folder / META).is_file():
+        raise UserError(f"{folder / META}: no such file; name a folder of runs with its {META}")
+    listed = [META, *(str(entry["file"]) for entry in read_yaml(folder / META).get("runs") or ())]
+    missing = [name for name in listed if not (folder / name).is_file()]
+    if missing:
+        raise UserError(f"{folder / missing[0]}: no such file, but {META} lists it; put it there or drop it")
+    return {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in sorted(listed)}
+
+
+def digest(of: Mapping[str, str]) -> str:
+    """One SHA-256 for many files: that of the lines that `sha256sum` would print of them."""
+    return hashlib.sha256(_lines(of, Path()).encode()).hexdigest()
+
+
+def write_hashes(data: Path, folder: Path) -> str:
+    """Write `data.sha256` into `folder`, to be checked there by `sha256sum -c`; the digest of all of it."""
+    found = hashes(data)
+    shown = Path(data.name) if data.parent == folder else data
+    with write_beside(folder / HASHES) as part:
+        part.write_text(_lines(found, shown), encoding="utf-8")
+    return digest(found)
+
+
+def _lines(of: Mapping[str, str], folder: Path) -> str:
+    return "".join(f"{value}  {folder / name}\n" for name, value in of.items())
+
+
+def pilot_hash(folder: Path | str) -> str:
+    """SHA-256 of a stored pilot's `pilot.json`, which holds that of its weights; UserError as for
+    `load_pilot`."""
+    load_pilot(folder)
+    return hashlib.sha256((Path(folder) / DESCRIPTION).read_bytes()).hexdigest()

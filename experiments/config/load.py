@@ -1,0 +1,128 @@
+"""Experiment files read strictly, with `extends:` and with overrides from the command line."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+from swamp_rl.experiments.config.learners import LEARNERS, in_order, learner
+from swamp_rl.experiments.config.schema import Experiment, PilotPlan
+from swamp_rl.experiments.config.smoke import shrunk
+
+from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
+from swamp_rl.files import find_config, read_yaml, validated
+from swamp_rl.pilots.settings import settings_from
+
+
+def load_experiment(name_or_path: str | Path, overrides: Iterable[str] = ()) -> Experiment:
+    """The experiment of a file, given by path, by its bare name in configs/experiments or by its results.
+
+    An `extends:` in the file names another whose keys it overrides; `overrides` are `key=value` with a dotted
+    key and a YAML value, and come last. UserError names the file and the key of the first fault.
+    """
+    path = _file_of(name_or_path)
+    return _read(path, _extended(path, ()), overrides)
+
+
+def overridden(
+    where: str | Path, experiment: Experiment, changes: Mapping[str, Any], overrides: Iterable[str] = ()
+) -> Experiment:
+    """The experiment with `changes` by key over it, then `overrides`; UserError names `where` and the key."""
+    return _read(where, merged(experiment.model_dump(mode="json"), changes), overrides)
+
+
+def _read(where: str | Path, data: dict[str, Any], overrides: Iterable[str]) -> Experiment:
+    for override in overrides:
+        data = merged(data, _parsed(override))
+    return _with_all_options(where, validated(where, Experiment, data))
+
+
+def _file_of(name_or_path: str | Path) -> Path:
+    """The file meant; a folder of results means the one in its `config`, where there is one."""
+    given = Path(name_or_path)
+    for file in (given / "config" / "experiment.yaml", given / "experiment.yaml"):
+        if file.is_file():
+            return file
+    try:
+        return find_config("experiments", name_or_path)
+    except UserError as error:
+        if given.is_dir():
+            raise UserError(
+                f"{given}: no config/experiment.yaml in this folder; name one of results, or an experiment"
+            ) from error
+        raise
+
+
+def _with_all_options(path: str | Path, experiment: Experiment) -> Experiment:
+    """The experiment with every option of its pilots written out; UserError for an unknown or wrong one."""
+    pilots = {}
+    for name, plan in experiment.pilots.items():
+        _check_keys_of_kind(f"{path}: pilots.{name}", plan)
+        settings = settings_from(f"{path}: pilots.{name}.options", learner(plan.kind).settings, plan.options)
+        pilots[name] = plan.model_copy(update={"options": settings.model_dump(mode="json")})
+    try:
+        in_order(pilots)
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error
+    whole = experiment.model_copy(update={"pilots": pilots})
+    return shrunk(whole) if experiment.smoke else whole
+
+
+def _check_keys_of_kind(where: str, plan: PilotPlan) -> None:
+    """UserError where the kind is unknown, or where a key has no meaning for it."""
+    if plan.kind not in LEARNERS:
+        raise UserError(f"{where}.kind: {plan.kind!r} is no kind of pilot{nearest(plan.kind, LEARNERS)}")
+    learns = learner(plan.kind)
+    if plan.runs is not None and not learns.from_runs:
+        raise UserError(f"{where}.runs: {plan.kind} does not learn from runs; drop the key")
+    if plan.outcomes != ("success",) and not learns.from_runs:
+        raise UserError(f"{where}.outcomes: {plan.kind} does not learn from runs; drop the key")
+    if plan.disturbances is not None and not learns.by_trying:
+        raise UserError(f"{where}.disturbances: {plan.kind} does not train among them; drop the key")
+    if plan.takeover > 0.0 and plan.kind == "scripted":
+        raise UserError(f"{where}.takeover: it would take over from itself; drop the key")
+
+
+def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """`below` with the keys of `above` over it, mapping into mapping; other values replace those below."""
+    result = dict(below)
+    for key, value in above.items():
+        under = result.get(key)
+        if isinstance(under, Mapping) and isinstance(value, Mapping):
+            value = merged(under, value)
+        result[key] = value
+    return result
+
+
+def _extended(path: Path, seen: tuple[Path, ...]) -> dict[str, Any]:
+    if path.resolve() in seen:
+        raise UserError(f"{path}: extends itself by way of {seen[-1].name}; end the circle")
+    data = read_yaml(path)
+    base = data.pop("extends", None)
+    if base is None:
+        return data
+    if not isinstance(base, str):
+        raise UserError(f"{path}: extends must name another experiment, not {base!r}")
+    beside = path.parent / base
+    found = (
+        beside
+        if beside.suffix in (".yaml", ".yml") and beside.is_file()
+        else find_config("experiments", base)
+    )
+    return merged(_extended(found, (*seen, path.resolve())), data)
+
+
+def _parsed(override: str) -> dict[str, Any]:
+    key, equals, text = override.partition("=")
+    if not equals or not all(key.split(".")):
+        raise UserError(
+            f"--set {override}: must be key=value, with a dotted key such as evaluation.episodes=100"
+        )
+    try:
+        value = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise UserError(f"--set {override}: the value is malformed YAML; put it in quotes") from error
+    for part in reversed(key.split(".")):
+        value = {part: value}
+    return value

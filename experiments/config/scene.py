@@ -1,0 +1,98 @@
+"""Everything an experiment names, read and found to be sound."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.observation import senses as places_of
+from swamp_rl.experiments.config.schema import Experiment
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.course import Course, load_course
+from swamp_rl.errors import UserError
+from swamp_rl.files import find_config, read_yaml
+
+
+@dataclass(frozen=True)
+class Scene:
+    """An experiment with its boat and course."""
+
+    experiment: Experiment
+    boat: Boat
+    course: Course
+
+    @property
+    def levels(self) -> dict[str, str]:
+        """Levels of disturbance by the name they are reported under."""
+        return {Path(level).stem: level for level in self.experiment.evaluation.levels}
+
+    @property
+    def seeds(self) -> NDArray[np.int64]:
+        """(n,) seeds of the evaluated episodes."""
+        plan = self.experiment.evaluation
+        return plan.seed + np.arange(plan.episodes)
+
+    def boats_at(
+        self, level: str | None, at_once: bool = False
+    ) -> Callable[[int, tuple[str, ...]], GatesVectorEnv]:
+        """What builds batches of boats on this course at a level of disturbance.
+
+        A boat that has ended starts anew in the next step, or `at_once`, in the same.
+        """
+        mode = AutoresetMode.SAME_STEP if at_once else AutoresetMode.NEXT_STEP
+
+        def make(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
+            step = self.experiment.step
+            return GatesVectorEnv(n, self.boat, self.course, level, senses, step, autoreset_mode=mode)
+
+        return make
+
+
+def read_scene(experiment: Experiment) -> Scene:
+    """The files that an experiment names; UserError for the first that is wrong."""
+    scene = Scene(experiment, load_boat(experiment.boat), load_course(experiment.course))
+    for level in (None, *_levels(scene)):
+        scene.boats_at(level)(1, ("north",)).close()
+    for name, plan in experiment.pilots.items():
+        try:
+            places_of(plan.options.get("senses"))
+        except UserError as error:
+            raise UserError(f"pilots.{name}.options.senses: {error}") from error
+    return scene
+
+
+def config_files(scene: Scene) -> dict[str, Path]:
+    """The boat, course and level files that an experiment names, by the path that a copy of each is kept at.
+
+    UserError where two of a kind have the same name.
+    """
+    named = [("boats", file) for file in _boat_files(scene.experiment.boat)]
+    named += [("courses", find_config("courses", scene.experiment.course))]
+    named += [("disturbances", find_config("disturbances", level)) for level in _levels(scene)]
+    files: dict[str, Path] = {}
+    for kind, file in named:
+        if not files.setdefault(f"{kind}/{file.name}", file).samefile(file):
+            raise UserError(f"{file}: another of the {kind} has the same name; rename one of the two")
+    return files
+
+
+def _levels(scene: Scene) -> list[str]:
+    trained_in = [plan.disturbances for plan in scene.experiment.pilots.values()]
+    asked = [*scene.levels.values(), scene.experiment.data.record.disturbances, *trained_in]
+    return list(dict.fromkeys(level for level in asked if level is not None))
+
+
+def _boat_files(name: str) -> Iterator[Path]:
+    """The boat's file and those that it extends."""
+    file = find_config("boats", name)
+    while True:
+        yield file
+        base = read_yaml(file).get("extends")
+        if base is None:
+            return
+        beside = file.parent / base
+        file = beside if beside.is_file() else find_config("boats", base)

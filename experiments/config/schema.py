@@ -1,0 +1,163 @@
+"""What an experiment file holds: its keys, their kinds and bounds."""
+
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from swamp_rl.experiments.config.claims import Claims
+
+from swamp_rl.explain import nearest
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+Seed = Annotated[int, Field(ge=0, lt=2**31)]
+Count = Annotated[int, Field(ge=1)]
+Rate = Annotated[float, Field(ge=0.0, le=1.0)]
+Noise = Annotated[float, Field(ge=0.0)]
+
+
+class Part(BaseModel):
+    """A strict, frozen section of an experiment file."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
+
+
+class Record(Part):
+    """Runs of the scripted pilot to be recorded: `good` ones, and all that fail meanwhile, at least `failed`.
+
+    disturbances: the level they are driven at, None for none.
+    """
+
+    good: Count = 40
+    failed: Annotated[int, Field(ge=0)] = 3
+    disturbances: str | None = None
+    seed: Seed = 0
+
+
+class Data(Part):
+    """What the pilots learn from: the dataset in `folder`, or one recorded now into the results.
+
+    sha256: what the folder's files must add up to, written out in the configuration kept with results.
+    """
+
+    folder: str | None = None
+    sha256: str | None = None
+    record: Record = Record()
+
+
+class Logs(Part):
+    """Runs of the scripted pilot in a true boat, as its sensors see them.
+
+    disturbances: the level they are driven at, None for none. Noise: standard deviations [SI, rad].
+    """
+
+    runs: Count = 8
+    disturbances: str | None = None
+    seed: Seed = 0
+    position_noise: Noise = 0.05
+    heading_noise: Noise = 0.009
+    velocity_noise: Noise = 0.03
+    yaw_rate_noise: Noise = 0.005
+
+
+class Hidden(Part):
+    """A true boat that differs from its file by effects which must be found from logs."""
+
+    effects: Annotated[list[dict[str, Any]], Field(min_length=1)]
+    logs: Logs = Logs()
+
+
+class PilotPlan(Part):
+    """A pilot to be trained and evaluated.
+
+    runs: how many of the runs with one of `outcomes` it learns from (None is all). takeover: for so long [s]
+    the scripted pilot drives before it. disturbances: the level it trains in. options: of its training, by
+    the names that its kind gives them; once loaded, every one of them.
+    """
+
+    kind: str
+    runs: Count | None = None
+    outcomes: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] = ("success",)
+    takeover: Annotated[float, Field(ge=0.0)] = 0.0
+    disturbances: str | None = None
+    options: dict[str, Any] = {}
+
+
+class Evaluation(Part):
+    """The same `episodes` for every pilot at every level; `shown` of them are drawn in the report."""
+
+    levels: Annotated[tuple[str, ...], Field(strict=False, min_length=1)]
+    episodes: Count
+    seed: Seed
+    shown: Count = 30
+
+    @model_validator(mode="after")
+    def _levels_differ(self) -> Self:
+        names = [Path(level).stem for level in self.levels]
+        if len(set(names)) < len(names):
+            raise ValueError("levels: two have the same name; name each once")
+        return self
+
+
+class Targets(Part):
+    """To be reached: success rates by pilot and level, and the pilots to be smoother than the data."""
+
+    success: dict[str, dict[str, Rate]] = {}
+    smoother_than_data: Annotated[tuple[str, ...], Field(strict=False)] = ()
+
+
+class Tracking(Part):
+    """Where trainings are logged beside the results, which hold TensorBoard's event files anyhow.
+
+    mlflow: a folder, `sqlite:///FILE` or the address of a server.
+    """
+
+    mlflow: str | None = None
+
+
+class Experiment(Part):
+    """One experiment, whole. boat, course and levels are names in `configs/` or paths; step in s.
+
+    With `hidden` it closes the loop from logs to pilots, see `experiments.studies.closed_loop`; with `claims`
+    it tests hypotheses, see `experiments.studies.claims`; with `smoke` it is made too small to say anything,
+    see `experiments.config.smoke`.
+    """
+
+    extends: Annotated[str | None, Field(exclude=True)] = None
+    "Another experiment, by name or by a path from this file, whose keys this one overrides."
+    name: Name
+    description: str = ""
+    boat: str
+    course: str
+    step: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1
+    data: Data = Data()
+    pilots: Annotated[dict[Name, PilotPlan], Field(min_length=1)]
+    evaluation: Evaluation
+    targets: Targets = Targets()
+    hidden: Hidden | None = None
+    claims: Claims | None = None
+    tracking: Tracking = Tracking()
+    smoke: bool = False
+
+    @model_validator(mode="after")
+    def _records_the_runs_that_are_asked_for(self) -> Self:
+        recorded = None if self.data.folder is not None else self.data.record.good
+        for name, plan in self.pilots.items():
+            if recorded is not None and (plan.runs or 0) > recorded and plan.outcomes == ("success",):
+                raise ValueError(
+                    f"pilots.{name}.runs: {plan.runs} runs are asked for, data.record.good is {recorded}; "
+                    "record more, or learn from fewer"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _targets_name_what_is_there(self) -> Self:
+        levels = [Path(level).stem for level in self.evaluation.levels]
+        for name in (*self.targets.success, *self.targets.smoother_than_data):
+            if name not in self.pilots:
+                raise ValueError(f"targets: no pilot {name!r}{nearest(name, self.pilots)}")
+        for name in (level for by in self.targets.success.values() for level in by):
+            if name not in levels:
+                raise ValueError(f"targets: no level {name!r}{nearest(name, levels)}")
+        return self

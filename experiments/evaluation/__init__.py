@@ -1,0 +1,1 @@
+"""Pilots evaluated in the same episodes and compared."""

@@ -1,0 +1,46 @@
+"""The pilots' own runs, kept beside the results so that they can be shown, exported and learned from."""
+
+from pathlib import Path
+
+from swamp_rl.experiments.config.scene import Scene
+from swamp_rl.experiments.evaluation.episodes import Tried
+
+from swamp_rl.runs import DatasetMeta, Run, RunMeta, create_dataset
+from swamp_rl.runs.writer import append_runs
+
+NOTES = "Driven in evaluation by the pilot of that name; each run tells its level and its disturbances."
+
+
+def write_driven(scene: Scene, tried: Tried, folder: Path) -> None:
+    """The runs of `tried.shown` as one dataset for each pilot, `folder`/PILOT."""
+    drawn = {level: _drawn(scene, level) for level in scene.levels}
+    for pilot, plan in scene.experiment.pilots.items():
+        meta = DatasetMeta(
+            vehicle=scene.experiment.boat,
+            mass=scene.boat.mass,
+            draught=scene.boat.draught,
+            water_density=scene.boat.water_density,
+            sample_rate=1.0 / scene.experiment.step,
+            source="scripted" if plan.kind == "scripted" else "learned",
+            course=scene.experiment.course,
+            notes=NOTES,
+        )
+        create_dataset(folder / pilot, meta)
+        runs = []
+        for level in scene.levels:
+            for run, disturbed in zip(tried.shown[pilot, level], drawn[level], strict=False):
+                told = run.meta.model_dump() | disturbed | {"pilot": pilot, "level": level}
+                runs.append(Run(run.name, run.columns, RunMeta.model_validate(told)))
+        append_runs(folder / pilot, runs)
+
+
+def _drawn(scene: Scene, level: str) -> list[dict[str, object]]:
+    """What disturbed the episodes that are shown, the same for every pilot."""
+    seeds = scene.seeds[: scene.experiment.evaluation.shown]
+    boats = scene.boats_at(scene.levels[level])(len(seeds), ("north",))
+    try:
+        boats.reset(options={"episodes": seeds})
+        found = [boats.fleet.drawn(i) for i in range(len(seeds))]
+    finally:
+        boats.close()
+    return [{"disturbances": one["effects"], "gust_seed": one["gust_seed"]} for one in found]

@@ -1,0 +1,121 @@
+"""The claims and what became of them, as Markdown and as a table on the screen."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.experiments.reports.comparison import p_value
+from swamp_rl.experiments.reports.experiment import table
+
+Results = Mapping[str, Any]
+
+
+def report(results: Results) -> str:
+    """The whole text."""
+    parts = [opening(results), summary(results), method(results)]
+    parts += [claim(results, one) for one in results["claims"]]
+    parts.append(f"It took {results['measured']['total_seconds']:.0f} s.")
+    return "\n\n".join(parts) + "\n"
+
+
+def opening(results: Results) -> str:
+    """What was asked, and of which data."""
+    data = results["data"]
+    text = f"# {results['name']}: the claims of thesis 7.3.3, tested\n\n{results['description']}\n\n"
+    if data["source"] == "scripted":
+        return text + (
+            f"**The data are `scripted`: {data['successful']} successful runs of a programme that imitates "
+            f"how people drove, disturbed as in `{data['recorded_at']}`. No person drove.** The verdicts are "
+            "about learning from that programme, until runs of people are given as `data.folder`."
+        )
+    return text + f"The data are {data['successful']} successful runs, `{data['source']}`."
+
+
+def summary(results: Results) -> str:
+    """One line for each claim."""
+    rows = [[one["title"], f"**{one['verdict']}**"] for one in results["claims"]]
+    return table(["claim", "verdict"], rows)
+
+
+def method(results: Results) -> str:
+    """How it was tested."""
+    plan, data = results["plan"], results["data"]
+    drawn = "no two of which share a run" if data["disjoint"] else "which share runs, for there are too few"
+    first = ""
+    if results["takeover"]:
+        first = (
+            f" The scripted pilot drives for the first {results['takeover']:g} s, as someone did at Camogli."
+        )
+    return (
+        f"## How\n\nThe pilot `{plan['pilot']}` ({results['kind']}) was trained {plan['draws']} times, each "
+        f"time from another random choice of {plan['few']} runs ({drawn}) and another training seed, and "
+        f"tried in the same {results['episodes']} seeded episodes.{first} The hypotheses and the smallest "
+        "effects that count stand in the experiment's file. The effect is the mean over trainings and "
+        "episodes; its 95 % interval is from a bootstrap over both. p is one-sided, from flipping the signs "
+        "of the trainings' mean distances from the bound, corrected by Holm over all hypotheses. "
+        "*Supported*: the interval lies wholly beyond the bound and p is below 0.05. *Not supported*: it "
+        "lies wholly short of it. Else *undecided*. A claim is supported where all hypotheses that decide it "
+        "are, and not supported where one of them is not. The last column is the data's own pilot in the "
+        "same episodes."
+    )
+
+
+def claim(results: Results, found: Results) -> str:
+    """A claim with its hypotheses."""
+    rows = []
+    for one in found["hypotheses"]:
+        text = one["text"] if one["decides"] else f"*{one['text']}* (does not decide)"
+        reference = "–" if one["reference"] is None else shown(one["shown"], one["reference"])
+        rows.append([text, effect(one), p_value(one["p_corrected"]), f"**{one['verdict']}**", reference])
+    text = f"## {found['title']}: {found['verdict']}\n\n"
+    return (
+        text
+        + table(["hypothesis", "effect", "p, corrected", "verdict", "data's pilot"], rows)
+        + NOTES.get(found["claim"], "")
+    )
+
+
+NOTES = {
+    "copy": "\n\nDistances are between places at equal shares of the way, averaged over the way; of "
+    "successful tracks, as geometric means. A copy of a run would be 0 times as far, another run of the "
+    "data's own kind once.",
+    "elsewhere": "\n\nOnly starts outside the convex hull of all tracks that the pilot learned from count.",
+    "disturbed": "\n\nWhere the data were recorded among the same disturbances, this does not show that the "
+    "pilot stands new ones.",
+    "smoother": "\n\nMeans of logarithms over episodes in which both arrived, told as shares saved. The "
+    "power is what the jets leave in the water; see `swamp_rl/evaluation/metrics.py`.",
+}
+
+
+def effect(row: Results) -> str:
+    """The effect with its interval, in words of its kind."""
+    if row["value"] is None:
+        return "nothing to count"
+    value, low, high = (shown(row["shown"], row[end]) for end in ("value", "low", "high"))
+    return f"{value} ({low} to {high})"
+
+
+def shown(kind: str, value: float) -> str:
+    """A number as its kind is written."""
+    if kind == "saving":
+        return f"{-100.0 * math.expm1(-value):.1f} %"
+    if kind == "ratio":
+        return f"{math.exp(value):.2f}"
+    return f"{100.0 * value:+.1f}" if kind == "points" else f"{100.0 * value:.1f} %"
+
+
+def print_claims(results: Results, folder: Path) -> None:
+    """The verdicts, and where the report lies."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+
+    shape = Table(title=f"{results['name']}: {results['data']['source']} runs", box=SIMPLE_HEAD)
+    for head in ("claim", "verdict"):
+        shape.add_column(head)
+    for one in results["claims"]:
+        shape.add_row(one["title"], one["verdict"])
+    console = Console()
+    console.print(shape)
+    console.print(f"{results['measured']['total_seconds']:.0f} s: see {folder}/report.md")

@@ -1,0 +1,96 @@
+"""`report.md` of a closed loop: was the cause found, and do pilots that trained with it drive better?"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.experiments.reports.experiment import rate, table
+from swamp_rl.experiments.reports.figures import success_rates
+
+Results = Mapping[str, Any]
+
+
+def write_report(folder: Path, results: Results) -> None:
+    """Write report.md and its figure into `folder`."""
+    (folder / "figures").mkdir(exist_ok=True)
+    rates = {name: pilot["levels"] for name, pilot in results["pilots"].items()}
+    success_rates(folder / "figures" / "success.png", rates, {}, "Success in the true boat")
+    (folder / "report.md").write_text(report(results), encoding="utf-8")
+
+
+def report(results: Results) -> str:
+    """The whole text."""
+    parts = [
+        f"# {results['name']}: from logs to a better pilot\n\n{results['description']}\n\n"
+        f"The true boat is `{results['boat']}` with {effects(results)}, which nothing but the sailing knows.",
+        found(results),
+        "## In the true boat\n\n"
+        f"Every pilot in the same {results['evaluation']['episodes']} seeded episodes at each level of "
+        "disturbance. Success in percent, with Wilson's 95 % interval. The scripted pilot learned nothing; "
+        "it is there for comparison.\n\n" + success(results),
+        "Extended less nominal, paired over the episodes, with a bootstrap 95 % interval:\n\n"
+        + differences(results),
+        f"{verdict(results)}\n\nIt took {results['measured']['total_seconds']:.0f} s.",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def effects(results: Results) -> str:
+    """The hidden effects, with their numbers."""
+    said = []
+    for entry in results["hidden"]["effects"]:
+        rest = ", ".join(f"{key} {value}" for key, value in entry.items() if key != "effect")
+        said.append(f"`{entry['effect']}` ({rest})")
+    return " and ".join(said)
+
+
+def found(results: Results) -> str:
+    """What the diagnosis said about the logs."""
+    logs, diagnosis = results["hidden"]["logs"], results["diagnosis"]
+    rows = []
+    for cause in diagnosis["causes"]:
+        on = cause["thruster"] if isinstance(cause["thruster"], str) else " ".join(cause["thruster"] or ())
+        for name, p in cause["parameters"].items():
+            value = f"{p['value']:.4g} ± {p['standard_error']:.2g} {p['unit']}"
+            rows.append([f"{cause['effect']} {on}".strip(), name, value])
+    verdict = diagnosis["verdict"].replace("_", " ")
+    text = (
+        f"## What the logs told\n\n{logs['runs']} runs of the scripted pilot through the gates, logged with "
+        f"sensor noise ({logs['position_noise']} m, {logs['heading_noise']} rad, "
+        f"{logs['velocity_noise']} m/s, {logs['yaw_rate_noise']} rad/s). Verdict: **{verdict}**."
+    )
+    return text + ("\n\n" + table(["cause", "parameter", "value and standard error"], rows) if rows else "")
+
+
+def success(results: Results) -> str:
+    """Success rates side by side."""
+    levels = results["evaluation"]["levels"]
+    names = list(dict.fromkeys(name.rsplit(", ", 1)[0] for name in results["pilots"]))
+    rows = []
+    for name in names:
+        for level in levels:
+            own = [results["pilots"].get(f"{name}, {s}") for s in ("nominal", "extended")]
+            cells = [rate(one["levels"][level]) if one else "" for one in own]
+            if not any(cells):
+                cells = [rate(results["pilots"][name]["levels"][level]), ""]
+            rows.append([f"{name}, {level}", *cells])
+    return table(["pilot, level", "trained in the nominal simulator", "trained in the extended one"], rows)
+
+
+def differences(results: Results) -> str:
+    """Paired differences in percent."""
+    rows = []
+    for one in results["differences"]:
+        value, low, high = (100.0 * one["extended_less_nominal"][end] for end in ("value", "low", "high"))
+        rows.append([f"{one['pilot']}, {one['level']}", f"{value:+.1f} ({low:+.1f} to {high:+.1f})"])
+    return table(["pilot, level", "success [%]"], rows)
+
+
+def verdict(results: Results) -> str:
+    """In words: where the extended simulator made the better pilot."""
+    spans = [one["extended_less_nominal"] for one in results["differences"]]
+    better, worse = (sum(s["low"] > 0 for s in spans), sum(s["high"] < 0 for s in spans))
+    return (
+        f"The pilot from the extended simulator is better in {better} of {len(spans)} comparisons and worse "
+        f"in {worse}; in the others the interval holds zero."
+    )

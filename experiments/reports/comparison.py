@@ -1,0 +1,110 @@
+"""`compare.md` and the table on the screen: a comparison told in words and tables."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from swamp_rl.experiments.reports.experiment import COST_NAMES, table
+
+Found = Mapping[str, Any]
+
+
+def report(found: Found) -> str:
+    """The comparison as Markdown."""
+    notes = "".join(f"\n\n**{note}**" for note in found["notes"])
+    levels = ", ".join(f"{n} at `{level}`" for level, n in found["levels"].items())
+    parts = [
+        f"# Pilots compared\n\nBoat `{found['boat']}` on the course `{found['course']}`, in the same "
+        f"episodes: {levels}.{notes}",
+        success(found),
+        differences(found, ("success",), "How often they arrive, pilot against pilot"),
+        differences(found, tuple(COST_NAMES), "What it costs, pilot against pilot"),
+        improvement(found),
+        "Results: " + ", ".join(f"`{folder}`" for folder in found["folders"]) + f". Seed {found['seed']}.",
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def rows(found: Found) -> list[list[str]]:
+    """Name, number of training seeds, success at each level and over all, in percent with intervals."""
+    return [
+        [
+            pilot["name"],
+            str(pilot["seeds"]),
+            *(percent(pilot["levels"][level]["success"]) for level in found["levels"]),
+            percent(pilot["interquartile_mean"]),
+        ]
+        for pilot in found["pilots"]
+    ]
+
+
+def heads(found: Found) -> list[str]:
+    """Of the columns of `rows`."""
+    return ["pilot", "seeds", *found["levels"], "all levels"]
+
+
+def success(found: Found) -> str:
+    """The table of success rates."""
+    return (
+        "## How often they arrive\n\n"
+        "Percent. With one training seed: Wilson's 95 % interval over the episodes, of this one trained "
+        "pilot. With several: the interquartile mean over them and its 95 % bootstrap interval, of the way "
+        "of training. Fewer than about five seeds make that interval too narrow.\n\n"
+        + table(heads(found), rows(found))
+    )
+
+
+def differences(found: Found, quantities: Sequence[str], title: str) -> str:
+    """Paired differences in some quantities with their corrected p-values."""
+    lines = []
+    for row in found["differences"]:
+        if row["quantity"] in quantities:
+            name = "success [%]" if row["quantity"] == "success" else COST_NAMES[row["quantity"]][0]
+            span, p = difference(row), p_value(row["p_corrected"])
+            lines.append([f"{row['a']} − {row['b']}, {row['level']}", name, span, str(row["n"]), p])
+    if not lines:
+        return ""
+    return (
+        f"## {title}\n\nPaired over the episodes, costs over those in which both arrived, with 95 % "
+        "bootstrap intervals; p from flipping the signs of the differences, corrected by Holm over all "
+        f"{found['comparisons']} comparisons of this report. They hold for these trained pilots.\n\n"
+        + table(["difference", "of", "mean", "episodes", "p, corrected"], lines)
+    )
+
+
+def improvement(found: Found) -> str:
+    """Chance that another training of one beats another training of the other."""
+    if not any(pilot["seeds"] > 1 for pilot in found["pilots"]) or not found["improvement"]:
+        return ""
+    lines = [[f"{row['a']} over {row['b']}", percent(row), str(row["n"])] for row in found["improvement"]]
+    return (
+        "## Would another training beat the other?\n\n"
+        "Probability of improvement in success over the training seeds, averaged over the levels, in "
+        "percent; 50 is no difference. Agarwal and others (2021).\n\n"
+        + table(["pilot over pilot", "probability", "seeds, at least"], lines)
+    )
+
+
+def percent(interval: Mapping[str, Any]) -> str:
+    """A rate with its interval where there is one."""
+    value, low, high = (interval[end] for end in ("value", "low", "high"))
+    if low is None:
+        return f"{100 * value:.1f}"
+    return f"{100 * value:.1f} ({100 * low:.1f}–{100 * high:.1f})"
+
+
+def difference(row: Mapping[str, Any]) -> str:
+    """A paired difference with its interval, in the unit of its quantity; a dash where there is no pair."""
+    if row["value"] is None:
+        return "–"
+    scale, form = 100.0, "{:+.1f}"
+    if row["quantity"] != "success":
+        scale, form = 1.0, COST_NAMES[row["quantity"]][1].replace(":", ":+")
+    value, low, high = (form.format(scale * row[end]) for end in ("value", "low", "high"))
+    return f"{value} ({low} to {high})"
+
+
+def p_value(p: float | None) -> str:
+    """With two significant digits, and no more zeros than mean anything."""
+    if p is None:
+        return "–"
+    return "< 0.0001" if p < 1e-4 else f"{p:.2g}" if p < 0.1 else f"{p:.2f}"

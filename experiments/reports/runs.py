@@ -1,0 +1,84 @@
+"""A dataset as a table for the terminal and as a chart of its tracks."""
+
+from pathlib import Path
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from rich.table import Table
+from swamp_rl.experiments.reports.figures import DRIVEN, FAILED, draw_course
+
+from swamp_rl.course import load_course
+from swamp_rl.errors import UserError
+from swamp_rl.figure_style import STYLE
+from swamp_rl.files import write_beside
+from swamp_rl.runs import Dataset, Run
+
+UNTOLD = "#777777"
+
+
+def run_table(dataset: Dataset) -> Table:
+    """One row for each run, and their sums."""
+    meta = dataset.meta
+    table = Table(
+        title=f"{dataset.folder}: {meta.vehicle}, {meta.mass:g} kg, {meta.sample_rate:g} Hz, {meta.source}",
+        caption=f"{len(dataset.successful)} of {len(dataset.runs)} runs are marked successful",
+    )
+    table.add_column("run")
+    table.add_column("duration [s]", justify="right")
+    table.add_column("distance [m]", justify="right")
+    table.add_column("outcome")
+    table.add_column("seed", justify="right")
+    for run in dataset.runs:
+        seed = "" if run.meta.seed is None else str(run.meta.seed)
+        length = f"{run.path_length:.1f}"
+        table.add_row(run.name, f"{run.duration:.1f}", length, run.meta.outcome or "", seed)
+    return table
+
+
+def draw_tracks(dataset: Dataset, path: Path) -> None:
+    """PNG of every track, north up, coloured by outcome, with the course where the dataset names one."""
+    with rc_context(STYLE), write_beside(path) as part:
+        figure = Figure(figsize=(5.2, 6.0), layout="constrained")
+        axes = figure.subplots()
+        for colour, dash, label, runs in _by_outcome(dataset):
+            for run in runs:
+                north, east = run.columns["north"], run.columns["east"]
+                axes.plot(east, north, dash, color=colour, lw=0.9, alpha=0.6, label=label)
+                label = "_"  # one entry in the legend is enough
+        _draw_surroundings(axes, dataset)
+        axes.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
+        axes.set_title(f"{dataset.folder.resolve().name}: {len(dataset.runs)} runs, {dataset.meta.source}")
+        figure.legend(loc="outside lower center", ncols=4)
+        figure.savefig(part)
+
+
+def _by_outcome(dataset: Dataset) -> list[tuple[str, str, str, list[Run]]]:
+    untold = [run for run in dataset.runs if run.meta.outcome is None]
+    failed = [run for run in dataset.runs if run.meta.outcome not in (None, "success")]
+    groups = [
+        (UNTOLD, "-", "outcome not recorded", untold),
+        (FAILED, "--", "failed", failed),
+        (DRIVEN, "-", "successful", dataset.successful),
+    ]
+    return [(colour, dash, f"{label} ({len(runs)})", runs) for colour, dash, label, runs in groups if runs]
+
+
+def _draw_surroundings(axes: Axes, dataset: Dataset) -> None:
+    """The course, in a view that still holds tracks that left it; without one, where the runs began."""
+    try:
+        course = load_course(dataset.meta.course) if dataset.meta.course else None
+    except UserError:
+        course = None
+    if course is None:
+        starts = [(run.columns["east"][0], run.columns["north"][0]) for run in dataset.runs]
+        axes.plot(*zip(*starts, strict=True), "k+", ms=6)
+        return
+    reached = axes.get_xlim(), axes.get_ylim()
+    draw_course(axes, course)
+    axes.set_xlim(*_hull(reached[0], axes.get_xlim()))
+    axes.set_ylim(*_hull(reached[1], axes.get_ylim()))
+
+
+def _hull(one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
+    return min(one[0], other[0]), max(one[1], other[1])

@@ -1,0 +1,228 @@
+"""Analysed trials as tables for people and as JSON for programmes."""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.experiments.reports.experiment import table
+from swamp_rl.experiments.reports.trial_figures import draw_trials
+
+from swamp_rl.boat import Boat
+from swamp_rl.files import folder_beside
+from swamp_rl.manoeuvres.analysis.analyse import analyse_dataset
+from swamp_rl.manoeuvres.analysis.figure import Figure, Result
+from swamp_rl.manoeuvres.analysis.pairs import Pair, pairs
+from swamp_rl.runs import Dataset
+
+JSON, REPORT = "analysis.json", "report.md"
+COLUMNS = {  # of the tables, by manoeuvre: figure, heading, in lengths or not
+    "turning-circle": (
+        [
+            "advance",
+            "transfer",
+            "tactical_diameter",
+            "steady_diameter",
+            "speed_loss",
+            "drift_angle",
+            "turning_rate",
+        ]
+    ),
+    "zig-zag": [
+        "first_overshoot",
+        "second_overshoot",
+        "overshoot",
+        "initial_turning",
+        "overshoot_time",
+        "period",
+    ],
+    "spiral": [
+        "residual_rate_there",
+        "residual_rate_back",
+        "loop_height",
+        "loop_width",
+        "neutral_angle",
+        "bias_rate",
+    ],
+    "reverse-spiral": ["neutral_angle", "slope", "loop_width"],
+    "pull-out": ["residual_rate_starboard", "residual_rate_port", "bias_rate"],
+    "stopping": ["track_reach", "head_reach", "lateral_deviation", "stopping_time", "heading_change"],
+    "straight": ["speed", "throttle", "heading_sd", "steering_mean"],
+}
+
+
+def analyse_trials(folder: Path, out: Path | None = None) -> tuple[list[str], Path]:
+    """Analyse a dataset of trials into `out`, by default DATASET/analysis; lines to print, and `out`.
+
+    UserError where no run of it holds a manoeuvre, or `out` holds something else.
+    """
+    dataset, boat, results, refused = analyse_dataset(folder)
+    out = out or folder / "analysis"
+    both = pairs(results, boat.length)
+    with folder_beside(out, replaces=JSON) as part:
+        pictures = draw_trials(part, results, boat.length)
+        (part / JSON).write_text(as_json(dataset, boat, results, both, refused), encoding="utf-8")
+        text = report(dataset, boat, results, both, refused, pictures)
+        (part / REPORT).write_text(text, encoding="utf-8")
+    return lines(results, boat, both, refused), out
+
+
+def as_json(
+    dataset: Dataset, boat: Boat, results: Sequence[Result], both: Sequence[Pair], refused: Sequence[str]
+) -> str:
+    """Every figure, verdict and note."""
+    content = {
+        "boat": boat.name,
+        "length": boat.length,
+        "source": dataset.meta.source,
+        "runs": [_plain(result) for result in results],
+        "pairs": [asdict(pair) | {"wider": pair.wider} for pair in both],
+        "not_analysed": list(refused),
+    }
+    return json.dumps(content, indent=1, allow_nan=False)
+
+
+def _plain(result: Result) -> dict[str, Any]:
+    return {
+        "run": result.run,
+        "manoeuvre": result.kind,
+        "setting": {name: _finite(value) for name, value in result.setting.items()},
+        "figures": {name: figure.as_json() for name, figure in result.figures.items()},
+        "corrected": {name: figure.as_json() for name, figure in result.corrected.items()},
+        "verdicts": result.verdicts,
+        "imo": [criterion.as_json() for criterion in result.criteria],
+        "notes": result.notes,
+    }
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def report(
+    dataset: Dataset,
+    boat: Boat,
+    results: Sequence[Result],
+    both: Sequence[Pair],
+    refused: Sequence[str],
+    pictures: Sequence[str],
+) -> str:
+    """The Markdown report."""
+    parts = [
+        f"# Trials of {boat.name}\n\n{len(results)} runs, {dataset.meta.source}; L = {boat.length:g} m. "
+        "Angles in deg, positive to starboard; rates in deg/s, times in s, speeds in m/s. In brackets the "
+        "95 % bootstrap interval of the value before them, ± the standard deviation over turns or executes."
+    ]
+    for kind in COLUMNS:
+        some = [result for result in results if result.kind == kind]
+        if some:
+            parts.append(f"## {kind}\n\n" + "\n\n".join(tables(some, boat.length)))
+    if both:
+        parts.append("## Port and starboard\n\n" + "\n".join(f"* {line}" for line in pair_lines(both)))
+    judged = imo_table(results)
+    if judged:
+        parts.append(f"## IMO MSC.137(76)\n\n{judged}")
+    told = [f"* {r.run}: {note}" for r in results for note in r.notes] + [f"* {line}" for line in refused]
+    if told:
+        parts.append("## What went not as asked for\n\n" + "\n".join(told))
+    parts += [f"![{name}]({name})" for name in pictures]
+    return "\n\n".join(parts) + "\n"
+
+
+def tables(results: Sequence[Result], length: float) -> list[str]:
+    """One table of the figures; for circles a second one with the drift removed."""
+    kind = results[0].kind
+    names = [name for name in COLUMNS[kind] if any(name in result.figures for result in results)]
+    head = ["run", *(f"{name.replace('_', ' ')}, {_unit(results, name)}" for name in names)]
+
+    def rows(which: str) -> list[list[str]]:
+        return [
+            [result.run, *(cell(getattr(result, which).get(name), length) for name in names)]
+            for result in results
+            if getattr(result, which)
+        ]
+
+    found = [table(head, rows("figures"))]
+    if kind == "turning-circle":
+        found[0] = "As they were, over ground:\n\n" + found[0]
+        corrected = rows("corrected")
+        if corrected:
+            head, rest = [*head, "drift, m/s"], [result for result in results if result.corrected]
+            drifts = [cell(result.figures["drift_speed"], length) for result in rest]
+            full = [[*row, drift] for row, drift in zip(corrected, drifts, strict=True)]
+            found.append("With the drift of the centre removed:\n\n" + table(head, full))
+    verdicts = [
+        f"* {r.run}: {name.replace('_', ' ')} {text}" for r in results for name, text in r.verdicts.items()
+    ]
+    return found + (["\n".join(verdicts)] if verdicts else [])
+
+
+def _unit(results: Sequence[Result], name: str) -> str:
+    unit = next(result.figures[name].unit for result in results if name in result.figures)
+    return "L" if unit == "m" else "%" if unit == "1" else unit
+
+
+def cell(figure: Figure | None, length: float) -> str:
+    """A figure for a table: its value [its interval] ± its standard deviation, lengths in place of metres."""
+    if figure is None or not math.isfinite(figure.value):
+        return "–"
+    scale = 1.0 / length if figure.unit == "m" else 100.0 if figure.unit == "1" else 1.0
+    text = f"{figure.value * scale:.2f}"
+    if math.isfinite(figure.low):
+        text += f" [{figure.low * scale:.2f}, {figure.high * scale:.2f}]"
+    return text + (f" ± {figure.sd * scale:.2f}" if math.isfinite(figure.sd) else "")
+
+
+def imo_table(results: Sequence[Result]) -> str:
+    """Every limit that a run could be held against."""
+    rows = [
+        [result.run, c.name, f"{c.value:.2f} {c.unit}", f"{c.limit:.2f}", _passed(c.passed), c.remark]
+        for result in results
+        for c in result.criteria
+    ]
+    return table(["run", "limit", "value", "at most", "", "remark"], rows) if rows else ""
+
+
+def _passed(passed: bool | None) -> str:
+    return {True: "pass", False: "fail", None: "not told"}[passed]
+
+
+def pair_lines(both: Sequence[Pair]) -> list[str]:
+    """What pairs of circles tell, one line each."""
+    return [
+        f"{pair.angle:g} deg at {100 * pair.throttle:.3g} %: "
+        + "; ".join(f"{name.replace('_', ' ')} {text}" for name, text in pair.verdicts.items())
+        for pair in both
+    ]
+
+
+def lines(results: Sequence[Result], boat: Boat, both: Sequence[Pair], refused: Sequence[str]) -> list[str]:
+    """What the command line prints: a line for each run, with what is judged and what went amiss."""
+    found = []
+    for result in results:
+        names = [name for name in COLUMNS[result.kind][:4] if name in result.best]
+        figures = ", ".join(
+            f"{name.replace('_', ' ')} {_short(result.best[name], boat.length)}" for name in names
+        )
+        found.append(f"{result.run}: {figures or 'no figures'}")
+        found += [f"  {name.replace('_', ' ')}: {text}" for name, text in result.verdicts.items()]
+        failed = [c.name for c in result.criteria if c.passed is False]
+        kept = sum(c.passed is True for c in result.criteria)
+        if kept or failed:
+            found.append(
+                f"  IMO: {kept} of {len(result.criteria)} kept"
+                + (f", not {', '.join(failed)}" if failed else "")
+            )
+        found += [f"  note: {note}" for note in result.notes]
+    found += [f"port and starboard: {line}" for line in pair_lines(both)]
+    return found + [f"not analysed: {line}" for line in refused]
+
+
+def _short(figure: Figure, length: float) -> str:
+    if not math.isfinite(figure.value):
+        return "–"
+    if figure.unit == "m":
+        return f"{figure.value:.2f} m ({figure.value / length:.2f} L)"
+    return f"{100 * figure.value:.1f} %" if figure.unit == "1" else f"{figure.value:.2f} {figure.unit}"

@@ -1,0 +1,1 @@
+"""Whole experiments, from their file to a folder of results."""

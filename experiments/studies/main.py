@@ -1,0 +1,53 @@
+"""The stages of the main job, each of which a later life of the job finds done or does anew."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.experiments.artifacts.provenance import WORK, seeds
+from swamp_rl.experiments.artifacts.results import gather
+from swamp_rl.experiments.artifacts.stages import Stages, measured
+from swamp_rl.experiments.config.digests import pilot_hash, write_hashes
+from swamp_rl.experiments.config.scene import Scene
+from swamp_rl.experiments.evaluation.episodes import Tried, try_pilots
+from swamp_rl.experiments.evaluation.pilot_runs import write_driven
+from swamp_rl.experiments.reports.experiment import report
+from swamp_rl.experiments.reports.experiment_figures import choose_race, draw_figures, write_race
+from swamp_rl.experiments.training.tracking import track_success
+from swamp_rl.experiments.training.train import get_data, train_pilots
+
+from swamp_rl.evaluation import write_episodes
+from swamp_rl.runs import Dataset
+
+
+def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
+    """Every stage in turn, each writing what it makes into `folder`; what goes into results.json."""
+    dataset = get_data(scene, folder, progress)
+    pilots = train_pilots(scene, dataset, folder / "pilots", progress)
+    tried = try_pilots(scene, pilots, progress, folder / WORK / "tried")
+    with progress.stage("compare"):
+        write_episodes(folder / "episodes.parquet", tried.tables)
+        track_success(scene.experiment, tried.tables)
+        results = gather(scene, dataset, tried.tables) | {"seeds": seeds(scene.experiment)}
+        results["data"]["sha256"] = write_hashes(dataset.folder, folder)
+        for name in pilots:
+            results["pilots"][name]["sha256"] = pilot_hash(folder / "pilots" / name)
+    _show(scene, folder, dataset, tried, results, progress)
+    results["measured"] = measured(progress)
+    (folder / "report.md").write_text(report(results), encoding="utf-8")
+    return results
+
+
+def _show(
+    scene: Scene, folder: Path, dataset: Dataset, tried: Tried, results: dict[str, Any], progress: Stages
+) -> None:
+    """Figures, recordings and the runs of the pilots, as far as an earlier life wrote any, anew."""
+    for name in ("figures", "driven"):
+        shutil.rmtree(folder / name, ignore_errors=True)
+    race = choose_race(scene, dataset, tried)
+    results["race"] = {"level": race.level, "runs": {who: run.name for who, run in race.runs.items()}}
+    with progress.stage("draw figures"):
+        draw_figures(scene, dataset, tried, race, results, folder / "figures")
+    with progress.stage("write recordings"):
+        write_race(scene, race, folder / "demo.rrd")
+        write_driven(scene, tried, folder / "driven")

@@ -1,0 +1,127 @@
+"""From an experiment's YAML to a folder of results; or only to its pilots, to be evaluated later."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.experiments.artifacts.job import job, same_job, say
+from swamp_rl.experiments.artifacts.provenance import (
+    RESULTS,
+    TRAINED,
+    kept_config,
+    same_configs,
+    with_data_hash,
+    with_pilot_hashes,
+)
+from swamp_rl.experiments.artifacts.stages import Stages, measured
+from swamp_rl.experiments.config.load import load_experiment
+from swamp_rl.experiments.config.scene import Scene, read_scene
+from swamp_rl.experiments.config.schema import Experiment
+from swamp_rl.experiments.reports.terminal import print_results, read_json, write_json
+from swamp_rl.experiments.studies.main import do_experiment
+from swamp_rl.experiments.training.train import get_data, train_pilots
+
+from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
+
+Work = Callable[[Scene, Path, Stages], dict[str, Any]]
+
+
+def run_experiment(
+    name_or_path: str | Path, overrides: Iterable[str] = (), out: Path | str | None = None
+) -> Path:
+    """Do all that an experiment's YAML asks for and return the folder of results, by default results/NAME.
+
+    The folder is built beside and renamed when whole; only then an earlier result in its place is replaced,
+    and anything else there is refused. What an unfinished life of the same job has left, and what
+    `train_experiment` has trained, is gone on from. Given a folder of results, it does the same again, from
+    the configuration that is kept there. UserError for whatever is wrong in the file, before any work.
+    """
+    with same_configs(kept_config(name_or_path)):
+        experiment = load_experiment(name_or_path, overrides)
+        folder = _folder(experiment, out)
+        return evaluated(experiment, name_or_path, folder, None)
+
+
+def evaluated(experiment: Experiment, given: str | Path, folder: Path, trained: Path | None) -> Path:
+    """The folder of results of an experiment `given` so; runs and pilots in `trained` are taken over.
+
+    Without it, those in `folder` are, where that holds pilots of the same job and no evaluation.
+    """
+    scene, work = _sound(experiment, given)
+    with job(scene, folder, (RESULTS, TRAINED), trained or _earlier(folder, scene)) as (part, progress):
+        if not (part / RESULTS).is_file():
+            write_json(part / RESULTS, work(scene, part, progress))
+        (part / TRAINED).unlink(missing_ok=True)
+        results = read_json(part / RESULTS)
+    print_results(results, folder)
+    return folder
+
+
+def train_experiment(
+    name_or_path: str | Path,
+    overrides: Iterable[str] = (),
+    out: Path | str | None = None,
+    only: list[str] | None = None,
+) -> Path:
+    """Record and train what an experiment asks for, all its pilots or `only` some, and evaluate none.
+
+    The folder, by default results/NAME, is one that `run_experiment` goes on from, and so does a later call
+    for other pilots of the same experiment. UserError where it holds a whole result.
+    """
+    with same_configs(kept_config(name_or_path)):
+        scene, work = _sound(load_experiment(name_or_path, overrides), name_or_path)
+        plans = scene.experiment.pilots
+        if work is not do_experiment:
+            raise UserError(f"{name_or_path}: its pilots are trained on the way; use swamp-rl run")
+        for name in only or ():
+            if name not in plans:
+                raise UserError(f"{name_or_path}: no pilot {name!r}{nearest(name, plans)}")
+        folder = _folder(scene.experiment, out)
+        there = _train(scene, folder, only)
+    print(f"{folder}: {len(there)} of {len(plans)} pilots trained ({', '.join(there)})")
+    return folder
+
+
+def _train(scene: Scene, folder: Path, only: list[str] | None) -> list[str]:
+    """The names of the pilots that lie in `folder` afterwards."""
+    if (folder / RESULTS).is_file():
+        raise UserError(
+            f"{folder}: holds a whole result, which is not replaced by pilots alone; name another with --out"
+        )
+    with job(scene, folder, (TRAINED,), _earlier(folder, scene)) as (part, progress):
+        dataset = get_data(scene, part, progress)
+        train_pilots(scene, dataset, part / "pilots", progress, only)
+        there = [name for name in scene.experiment.pilots if (part / "pilots" / name).exists()]
+        write_json(part / TRAINED, {"pilots": there, "measured": measured(progress)})
+    return there
+
+
+def _folder(experiment: Experiment, out: Path | str | None) -> Path:
+    return Path(out) if out is not None else Path("results") / experiment.name
+
+
+def _sound(experiment: Experiment, given: str | Path) -> tuple[Scene, Work]:
+    """The scene of an experiment, and what is to be done in it; UserError for whatever is wrong."""
+    from swamp_rl.experiments.studies.claims import check_claims, examine_claims
+    from swamp_rl.experiments.studies.closed_loop import close_loop, true_scene
+
+    hashed = with_pilot_hashes(with_data_hash(experiment, str(given)), str(given))
+    scene = read_scene(hashed)
+    if experiment.claims is not None:
+        check_claims(scene)
+        return scene, examine_claims
+    if experiment.hidden is None:
+        return scene, do_experiment
+    true_scene(scene)  # whose effects are refused now, not after an hour
+    return scene, close_loop
+
+
+def _earlier(folder: Path, scene: Scene) -> Path | None:
+    """The folder itself, where it holds pilots of the same job that are not evaluated yet."""
+    if (folder / RESULTS).is_file() or not (folder / TRAINED).is_file():
+        return None
+    if same_job(folder, scene):
+        return folder
+    say(f"{folder}: was trained with another configuration or version; begun anew")
+    return None

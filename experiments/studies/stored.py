@@ -1,0 +1,132 @@
+"""Evaluate pilots that are trained already: those of an experiment's folder, or any that are stored."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.experiments.artifacts.provenance import CONFIG, EXPERIMENT, TRAINED, kept_config, same_configs
+from swamp_rl.experiments.config.load import load_experiment, overridden
+from swamp_rl.experiments.config.schema import Experiment, Targets
+from swamp_rl.experiments.studies.run import evaluated
+
+from swamp_rl.errors import UserError
+from swamp_rl.pilots.store import DESCRIPTION, load_pilot
+
+CHANGEABLE = ("evaluation", "targets")
+"""What may differ from the experiment that the pilots were trained in."""
+
+
+def evaluate_folders(
+    folders: Sequence[Path],
+    changes: Mapping[str, Any],
+    overrides: Iterable[str] = (),
+    out: Path | None = None,
+    experiment: str | None = None,
+) -> Path:
+    """Try pilots in the same episodes and write a folder of results.
+
+    folders: one that was made by training or running an experiment, whose pilots are evaluated; or several of
+    these and of stored pilots, all evaluated together. changes: keys of `evaluation`. experiment: the one
+    whose boat, course, data and evaluation are taken; by default the first folder's. UserError where a folder
+    holds no pilot, where none keeps an experiment and none is given, or where `overrides` ask for what would
+    need training.
+    """
+    for folder in folders:
+        if not folder.is_dir():
+            raise UserError(f"{folder}: no such folder; name one of results, or of a stored pilot")
+    asked = {"evaluation": dict(changes)}
+    home = _home(folders[0])
+    if len(folders) == 1 and experiment is None and home is not None and not _is_pilot(folders[0]):
+        return _of_results(home, asked, overrides, out)
+    return _of_pilots(folders, experiment, asked, overrides, out or Path("results") / "evaluation")
+
+
+def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], out: Path | None) -> Path:
+    """The pilots in the folder; its own place gets the results where nothing else is asked of them."""
+    with same_configs(home / CONFIG):
+        kept = load_experiment(home)
+        experiment = overridden(home, kept, asked, overrides)
+        fixed = set(Experiment.model_fields) - set(CHANGEABLE)
+        if any(getattr(experiment, key) != getattr(kept, key) for key in fixed):
+            raise UserError(f"{home}: only {' and '.join(CHANGEABLE)} can be set, nothing is trained anew")
+        there = [name for name in kept.pilots if _is_pilot(home / "pilots" / name)]
+        if not there:
+            raise UserError(f"{home}: holds no trained pilot; train them with swamp-rl train")
+        for name in there:
+            load_pilot(home / "pilots" / name)  # a damaged one is told now, and not from a copy
+        same = experiment == kept and ((home / TRAINED).is_file() or len(there) == len(kept.pilots))
+        place = out or (home if same else home.with_name(f"{home.name}-evaluation"))
+        return evaluated(restricted(experiment, there), home, place, home)
+
+
+def _of_pilots(
+    folders: Sequence[Path], name: str | None, asked: Mapping[str, Any], overrides: Iterable[str], out: Path
+) -> Path:
+    """All pilots of all folders, as kind `stored`, in the scene of one experiment."""
+    plans = {
+        pilot: {"kind": "stored", "options": {"folder": str(folder)}}
+        for pilot, folder in _pilots_in(folders).items()
+    }
+    homes = [home for folder in folders if (home := _home(folder)) is not None]
+    if name is None and not homes:
+        raise UserError(
+            f"{folders[0]}: keeps no {CONFIG}/{EXPERIMENT} that says which boat, course and levels; name an "
+            "experiment with --experiment"
+        )
+    home = homes[0] if name is None else None
+    with same_configs(None if home is None else home / CONFIG):
+        base = load_experiment(homes[0] if name is None else name)
+        told: dict[str, Any] = {"name": "evaluation", "description": "", "hidden": None, "claims": None}
+        told["targets"] = Targets()
+        if home is not None and (home / "data").is_dir():
+            told["data"] = base.data.model_copy(update={"folder": str(home / "data"), "sha256": None})
+        bare = base.model_copy(update=told | {"pilots": {}})
+        experiment = overridden("evaluate", bare, {**asked, "pilots": plans}, overrides)
+        return evaluated(experiment, "evaluate", out, None)
+
+
+def _pilots_in(folders: Sequence[Path]) -> dict[str, Path]:
+    """Folders of pilots by the name they are reported under: their own, with the result's where two agree."""
+    found: list[Path] = []
+    for folder in folders:
+        inside = [file.parent for file in sorted(folder.glob(f"pilots/*/{DESCRIPTION}"))]
+        if not _is_pilot(folder) and not inside:
+            raise UserError(
+                f"{folder}: holds no trained pilot; name a folder of results or of a stored pilot"
+            )
+        found += [folder] if _is_pilot(folder) else inside
+    names = [folder.resolve().name for folder in found]
+    named: dict[str, Path] = {}
+    for name, folder in zip(names, found, strict=True):
+        home = _home(folder) or folder.resolve().parent
+        called = name if names.count(name) == 1 else f"{home.name}-{name}"
+        if called in named:
+            raise UserError(f"{folder}: another pilot is called {called} as well; rename one folder")
+        named[called] = folder
+    return named
+
+
+def _is_pilot(folder: Path) -> bool:
+    return (folder / DESCRIPTION).is_file()
+
+
+def _home(folder: Path) -> Path | None:
+    """The folder of results that this is, or that holds this pilot's folder or configuration."""
+    config = kept_config(folder)
+    if config is not None:
+        return config.resolve().parent
+    home = folder.resolve().parent.parent
+    return home if (home / CONFIG / EXPERIMENT).is_file() else None
+
+
+def restricted(experiment: Experiment, names: Sequence[str]) -> Experiment:
+    """The experiment with some of its pilots only, and the targets that name these."""
+    targets = experiment.targets
+    success = {name: levels for name, levels in targets.success.items() if name in names}
+    smooth = tuple(name for name in targets.smoother_than_data if name in names)
+    return experiment.model_copy(
+        update={
+            "pilots": {name: experiment.pilots[name] for name in names},
+            "targets": Targets(success=success, smoother_than_data=smooth),
+        }
+    )

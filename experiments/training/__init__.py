@@ -1,0 +1,1 @@
+"""Data recorded and pilots trained, as an experiment file asks."""

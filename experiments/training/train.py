@@ -1,0 +1,159 @@
+"""From logged runs and from trying: the dataset of an experiment, and its pilots trained and saved."""
+
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+
+from swamp_rl.experiments.artifacts.provenance import TENSORBOARD
+from swamp_rl.experiments.artifacts.stages import Stages
+from swamp_rl.experiments.config.learners import Training, in_order, learner
+from swamp_rl.experiments.config.scene import Scene
+from swamp_rl.experiments.config.schema import PilotPlan
+from swamp_rl.experiments.training.curves import CURVE, write_curve
+from swamp_rl.experiments.training.tracking import tracked
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import folder_beside
+from swamp_rl.pilots.callbacks import Log, Tick
+from swamp_rl.pilots.description import FittedOn
+from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.pilots.record import record_scripted
+from swamp_rl.pilots.scripted import ScriptedPilot
+from swamp_rl.pilots.store import load_pilot, save_pilot
+from swamp_rl.pilots.takeover import TakeoverPilot
+from swamp_rl.runs import Dataset, read_dataset
+
+
+def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:
+    """The dataset that the experiment names, or one recorded into `folder`/data, unless it is there already.
+
+    UserError where it is unfit.
+    """
+    plan = scene.experiment.data
+    if plan.folder is None and not (folder / "data").exists():
+        with progress.stage("record runs", plan.record.good) as tick:
+            record(scene, folder / "data", tick)
+    dataset = read_dataset(folder / "data" if plan.folder is None else plan.folder)
+    rate = 1.0 / scene.experiment.step
+    if abs(dataset.meta.sample_rate / rate - 1.0) > 1e-6:
+        raise UserError(
+            f"{dataset.folder}: its runs have {dataset.meta.sample_rate:g} rows a second, the experiment "
+            f"makes {rate:g}; set step to {1.0 / dataset.meta.sample_rate:g}"
+        )
+    return dataset
+
+
+def record(scene: Scene, folder: Path, tick: Tick) -> None:
+    """The scripted pilot's runs, as a new dataset."""
+    plan = scene.experiment.data.record
+    record_scripted(
+        scene.boats_at(plan.disturbances),
+        folder,
+        boat=scene.experiment.boat,
+        course=scene.experiment.course,
+        count=plan.good,
+        failed=plan.failed,
+        seed=plan.seed,
+        step=scene.experiment.step,
+        tick=tick,
+    )
+
+
+def train_pilots(
+    scene: Scene, dataset: Dataset, folder: Path, progress: Stages, only: list[str] | None = None
+) -> dict[str, Pilot]:
+    """Every pilot of the experiment (or `only` some) by name, each saved into `folder`/NAME with its curve.
+
+    Those that are there already are taken as they are, and a training that was cut short goes on where its
+    learner can. What comes back is read from `folder`, so that a first life and a later one have the same.
+    """
+    plans = scene.experiment.pilots
+    order = in_order(plans, only)
+    pilots: dict[str, Pilot] = {}
+    for name in order:
+        if not (folder / name).exists():
+            others = {other: _alone(pilot) for other, pilot in pilots.items()}
+            _train_into(folder, name, scene, dataset, others, progress)
+        _checkpoint(folder, name).unlink(missing_ok=True)
+        pilots[name] = load_pilot(folder / name)
+    return {name: pilots[name] for name in plans if name in order}
+
+
+def _train_into(
+    folder: Path,
+    name: str,
+    scene: Scene,
+    dataset: Dataset,
+    trained: Mapping[str, Pilot],
+    progress: Stages,
+) -> None:
+    plan = scene.experiment.pilots[name]
+    checkpoint = _checkpoint(folder, name)
+    curve: list[dict[str, float]] = []
+    events = folder.parent / TENSORBOARD / name
+    with progress.stage(f"train {name}", 1.0) as tick, tracked(events, scene.experiment, name) as log:
+        hear = partial(_add_point, curve, log)
+        training = _training(scene, dataset, plan, tick, checkpoint, trained, hear)
+        pilot = learner(plan.kind).train(training)
+    with folder_beside(folder / name) as part:
+        save_pilot(with_takeover(scene, plan, pilot), part, _fitted_on(training))
+        if curve:
+            write_curve(part / CURVE, curve)
+
+
+def _checkpoint(folder: Path, name: str) -> Path:
+    return folder / f".checkpoint-{name}"
+
+
+def _alone(pilot: Pilot) -> Pilot:
+    """The learned pilot, without the one that drives before it."""
+    return pilot.then if isinstance(pilot, TakeoverPilot) else pilot
+
+
+def train(
+    scene: Scene,
+    dataset: Dataset,
+    plan: PilotPlan,
+    tick: Tick,
+    checkpoint: Path | None = None,
+    trained: Mapping[str, Pilot] | None = None,
+    log: Log = lambda step, values: None,
+) -> Pilot:
+    """One pilot, by itself; `tick` hears the share done, where the kind tells.
+
+    trained: the pilots that it starts from, by name. checkpoint, log: see `Training`.
+    """
+    return learner(plan.kind).train(_training(scene, dataset, plan, tick, checkpoint, trained or {}, log))
+
+
+def _training(
+    scene: Scene,
+    dataset: Dataset,
+    plan: PilotPlan,
+    tick: Tick,
+    checkpoint: Path | None,
+    trained: Mapping[str, Pilot],
+    log: Log,
+) -> Training:
+    settings = learner(plan.kind).settings.model_validate(plan.options)
+    return Training(scene, plan, settings, dataset, tick, checkpoint, log, trained)
+
+
+def _fitted_on(training: Training) -> FittedOn | None:
+    learns = learner(training.plan.kind)
+    if learns.fitted_on is not None:
+        return learns.fitted_on(training)
+    return training.fitted_on() if learns.from_runs else None
+
+
+def _add_point(curve: list[dict[str, float]], log: Log, step: int, values: Mapping[str, float]) -> None:
+    curve.append({"step": step, **values})
+    log(step, values)
+
+
+def with_takeover(scene: Scene, plan: PilotPlan, pilot: Pilot) -> Pilot:
+    """The pilot with the scripted one driving before it, where the plan says so."""
+    if plan.takeover == 0.0:
+        return pilot
+    first = ScriptedPilot(scene.experiment.evaluation.seed, step=scene.experiment.step)
+    return TakeoverPilot(first, pilot, plan.takeover, scene.experiment.step)

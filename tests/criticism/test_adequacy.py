@@ -1,0 +1,73 @@
+"""Whether only noise is left, where there are few samples or a rollout ran away."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from swamp_rl.criticism.adequacy import adequacy
+from swamp_rl.criticism.candidates import Hypothesis, candidates
+from swamp_rl.criticism.conclude import Search, without_unconfirmed
+from swamp_rl.criticism.fit import Fit, fit
+from swamp_rl.criticism.heldout import Confirmation
+from swamp_rl.criticism.ladder import ladder_of
+from swamp_rl.criticism.leftover import missing_forces
+from swamp_rl.criticism.noise import noise_levels, weights
+from swamp_rl.criticism.pointing import leftovers
+from swamp_rl.criticism.shooting import Shooting
+from tests.support.criticism import SECONDS, commands, driven
+
+pytestmark = pytest.mark.slow
+
+
+def fitted(every: int, rows: int) -> tuple[Shooting, Fit]:
+    """Clean runs cut in windows, of which one sample in `every` of the first `rows` is there."""
+    sailed = driven([], np.stack([commands(0), commands(2)]), 0.0, seed=3)
+    there = (np.arange(sailed.measured.shape[1]) % every == 0) & (np.arange(sailed.measured.shape[1]) < rows)
+    measured = np.where(there[None, :, None], sailed.measured, np.nan)
+    sparse = replace(sailed, measured=measured)
+    problem = Shooting(sparse, weights(sparse, noise_levels(sailed)), 20.0)
+    return problem, fit(problem, Hypothesis(), np.zeros(0), problem.guess())
+
+
+@pytest.mark.parametrize(("every", "rows"), [(1, 400), (4, 400), (7, 400), (7, 60)])
+def test_sparse_samples_are_judged_as_dense_ones_are(every: int, rows: int) -> None:
+    problem, at = fitted(every, rows)
+    assert adequacy(problem, at).adequate
+    pushed = replace(at, residual=at.residual + 1.5 * (problem.windows.weight.reshape(at.residual.shape) > 0))
+    assert not adequacy(problem, pushed).adequate
+
+
+def test_what_ran_away_is_not_adequate_and_the_channel_is_named() -> None:
+    problem, at = fitted(1, 400)
+    residual = at.residual.reshape(*problem.windows.weight.shape).copy()
+    residual[0, 80:, 2] = np.nan
+    judged = adequacy(problem, replace(at, residual=residual.reshape(at.residual.shape)))
+    assert (judged.adequate, judged.channel) == (False, "heading")
+
+
+def test_of_what_is_left_unexplained_only_confirmed_causes_are_part() -> None:
+    sailed = driven([{"effect": "mass", "mass": 75.0}], np.stack([commands(0), commands(2)]), 0.0, seed=3)
+    atoms = [a for a in candidates(sailed.boat, SECONDS) if a.effect.name in ("mass", "sway_drag")]
+    ladder = ladder_of(sailed, weights(sailed, noise_levels(sailed)))
+    both = Hypothesis().with_atom(atoms[0]).with_atom(atoms[1])
+    best = ladder.fit(1, both, np.concatenate([atom.starts[0] for atom in both.atoms]))
+    told = {"mass": Confirmation(90.0, 40.0, 0.99), "sway_drag": Confirmation(-1.0, -3.0, 0.99)}
+    found = Search(best, False, 1, [], [best], [], [], told)
+    less = without_unconfirmed(ladder, found, atoms)
+    assert less.winner.hypothesis.label == "mass"
+    assert list(less.confirmed) == ["mass"] and less.confirmed["mass"].holds
+
+
+@pytest.mark.parametrize(("every", "told"), [(10, True), (1000, False)])
+def test_missing_forces_are_told_from_a_slow_receiver_and_from_none_without_fault(
+    every: int, told: bool
+) -> None:
+    sailed = driven([], np.stack([commands(0), commands(2)]), 0.0, seed=3)
+    measured = sailed.measured.copy()
+    measured[:, np.arange(measured.shape[1]) % every > 0, :2] = np.nan
+    sparse = replace(sailed, measured=measured)
+    weight = weights(sparse, noise_levels(sailed))
+    forces = missing_forces(sparse, weight, Hypothesis(), np.zeros(0))
+    assert (len(forces.run) > 10) == told
+    assert leftovers(sparse, weight, [(Hypothesis(), np.zeros(0))]) == []

@@ -1,0 +1,65 @@
+"""Commands that stood while rows were lost."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from swamp_rl.criticism.candidates import Hypothesis
+from swamp_rl.criticism.fit import fit
+from swamp_rl.criticism.guess import guessed_states, levels_and_slopes
+from swamp_rl.criticism.noise import noise_levels, weights
+from swamp_rl.criticism.shooting import Shooting
+from swamp_rl.criticism.unseen_commands import tapped
+from tests.support.criticism import commands, driven
+
+pytestmark = pytest.mark.slow
+
+ROW = 150
+
+
+def test_a_tap_between_two_equal_rows_is_found_where_it_was() -> None:
+    given = np.stack([commands(0), commands(2)])
+    given[1, ROW, :4] += 1.2
+    sailed = driven([], given, 0.0, seed=11)
+    read, measured = given.copy(), sailed.measured.copy()
+    read[1, ROW], measured[1, [ROW, 260]] = given[1, ROW - 1], np.nan
+    found = replace(sailed, commands=read, measured=measured)
+    problem = Shooting(found, weights(found, noise_levels(found)), np.inf)
+    at = fit(problem, Hypothesis(), np.zeros(0), problem.guess(), fresh=True)
+    again = tapped(problem, at)
+    assert again is not None
+    changed = np.flatnonzero((again.commands != read).any(axis=(0, 2)))
+    assert list(changed) == [ROW]
+    better = Shooting(again, problem.weight, np.inf)
+    assert fit(better, Hypothesis(), np.zeros(0), at.states).chi2 < at.chi2 - 100.0
+    assert tapped(better, fit(better, Hypothesis(), np.zeros(0), at.states, fresh=True)) is None
+
+
+def test_a_guess_is_exact_on_a_parabola_and_a_line_through_two_samples() -> None:
+    place = np.linspace(-1.0, 1.0, 9)
+    values = (2.0 - 3.0 * place + 0.5 * place**2)[None, :, None]
+    level, slope = levels_and_slopes(place, values, np.ones(values.shape, bool))
+    assert (level[0, 0], slope[0, 0]) == pytest.approx((2.0, -3.0))
+    two = np.isin(np.arange(9), [2, 6])[None, :, None]
+    level, slope = levels_and_slopes(place, values, two)
+    a, b = values[0, [2, 6], 0]
+    assert (level[0, 0], slope[0, 0]) == pytest.approx(((a + b) / 2, b - a))
+    level, slope = levels_and_slopes(place, values, np.zeros(values.shape, bool))
+    assert (level[0, 0], slope[0, 0]) == (0.0, 0.0)
+
+
+def test_a_guess_amid_lost_rows_lies_on_the_line_across_them() -> None:
+    sailed = driven([], np.stack([commands(0), commands(2)]), 0.02, seed=3)
+    measured = sailed.measured.copy()
+    lost = slice(ROW, ROW + 40)
+    measured[0, lost] = np.nan
+    sparse = replace(sailed, measured=measured)
+    problem = Shooting(sparse, weights(sparse, noise_levels(sparse)), np.inf)
+    for first in (ROW + 1, ROW + 20, ROW + 38):
+        window = replace(problem.windows, run=np.array([0]), first=np.array([first]), steps=np.array([50]))
+        guess = guessed_states(sparse, problem.weight, window)[0]
+        across = [measured[0, ROW - 1], measured[0, ROW + 40]]
+        place = (first - ROW + 1) / 41.0
+        assert guess[:3] == pytest.approx(across[0][:3] + place * (across[1][:3] - across[0][:3]), abs=0.1)
+        assert np.abs(guess[3:5]).max() < 2.0

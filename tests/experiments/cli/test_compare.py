@@ -1,0 +1,43 @@
+"""`swamp-rl compare` on the command line: what it writes, what it says, what it refuses."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from swamp_rl.experiments.cli.app import app
+from typer.testing import CliRunner
+
+from swamp_rl.errors import UserError
+from tests.support.result_folders import folder_of
+
+
+def test_two_folders_become_a_table_and_two_files(tmp_path: Path) -> None:
+    one = folder_of(tmp_path / "one", {"reservoir": np.arange(50) < 45})
+    two = folder_of(tmp_path / "two", {"ppo": np.arange(50) < 20})
+    out = tmp_path / "out"
+    run = CliRunner().invoke(app, ["compare", str(one), str(two), "--out", str(out)])
+    assert run.exit_code == 0, run.output
+    assert "90.0 (78.6–95.7)" in run.output  # Wilson, 45 of 50
+    found = json.loads((out / "compare.json").read_text())
+    assert [pilot["name"] for pilot in found["pilots"]] == ["reservoir", "ppo"]
+    text = (out / "compare.md").read_text()
+    assert "| reservoir − ppo, calm | success [%] | +50.0" in text
+    assert "Would another training" not in text  # there is one of each
+
+
+def test_a_folder_of_results_becomes_a_page(tmp_path: Path) -> None:
+    folder_of(tmp_path / "results" / "one", {"reservoir": np.ones(9)})
+    page = tmp_path / "page.html"
+    asked = ["compare", "--leaderboard", str(tmp_path / "results"), "--out", str(page)]
+    run = CliRunner().invoke(app, asked)
+    assert run.exit_code == 0, run.output
+    assert "1 rows of 1 results" in run.output
+    assert page.read_text().startswith("<!doctype html>")
+
+
+@pytest.mark.parametrize("asked", [[], ["somewhere", "--leaderboard", "elsewhere"]])
+def test_results_or_a_leaderboard_is_asked_for_but_not_both(asked: list[str]) -> None:
+    run = CliRunner().invoke(app, ["compare", *asked])
+    assert isinstance(run.exception, UserError)
+    assert "not both" in str(run.exception)

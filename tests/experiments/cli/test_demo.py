@@ -1,0 +1,111 @@
+"""`swamp-rl demo`: which runs it shows, what it says, and where its server listens."""
+
+import json
+import signal
+from pathlib import Path
+
+import psutil
+import pytest
+from swamp_rl.experiments.artifacts.demo_runs import read_shown
+
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
+from tests.support.demo import dataset, started
+from tests.support.runs import circling, described
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture
+def results(tmp_path: Path) -> Path:
+    """A results folder: two runs of people, two of a pilot, a race of one of each."""
+    folder = tmp_path / "camogli"
+    dataset(folder / "data", "human", ["run-1", "run-2"])
+    dataset(folder / "driven" / "reservoir", "learned", ["reservoir-0", "reservoir-1"])
+    told = {"race": {"runs": {"human": "run-2", "reservoir": "reservoir-1"}}, "data": {"source": "human"}}
+    (folder / "results.json").write_text(json.dumps(told))
+    return folder
+
+
+def labels(sources: list[Path], *patterns: str) -> list[str]:
+    return [f"{item.group}/{item.name}" for item in read_shown(sources, list(patterns), "gate").shown]
+
+
+def test_a_dataset_is_shown_whole_under_the_name_of_its_source(tmp_path: Path) -> None:
+    folder = dataset(tmp_path / "a", "scripted", ["x", "y"])
+    assert labels([folder]) == ["scripted/x", "scripted/y"]
+    assert labels([folder / "y.parquet"]) == ["scripted/y"]
+
+
+def test_results_show_their_race_and_any_other_run_that_is_asked_for(results: Path) -> None:
+    assert labels([results]) == ["human/run-2", "reservoir/reservoir-1"]
+    assert len(labels([results], "*")) == 4
+    assert labels([results], "human/*", "*-0") == ["human/run-1", "human/run-2", "reservoir/reservoir-0"]
+
+
+def test_two_datasets_of_one_source_stay_apart(tmp_path: Path) -> None:
+    folders = [dataset(tmp_path / name, "human", ["x"]) for name in ("a", "b")]
+    assert labels(folders) == ["human/x", "human 2/x"]
+
+
+def test_a_run_is_shown_under_who_had_the_helm_and_the_persons_nickname(tmp_path: Path) -> None:
+    create_dataset(tmp_path / "a", described(source="human"))
+    for name, helm in (("x", "person"), ("y", "pilot"), ("z", "both")):
+        told = RunMeta.model_validate({"helm": helm, "pilot": "reservoir", "nickname": "Ada"})
+        append_run(tmp_path / "a", Run(name, circling(), told))
+    assert labels([tmp_path / "a"]) == ["human/x", "reservoir/y", "human and reservoir/z"]
+    scene = read_shown([tmp_path / "a"], ["x"], "gate")
+    assert scene.called(scene.shown[0]) == "human Ada"
+
+
+def test_what_cannot_be_shown_is_said(results: Path, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"no run fits --runs zebra.*human/run-1"):
+        labels([results], "zebra")
+    with pytest.raises(UserError, match="no such file or folder"):
+        labels([tmp_path / "nowhere"])
+    elsewhere = dataset(tmp_path / "pond", "human", ["x"], course=None)
+    with pytest.raises(UserError, match="different courses"):
+        labels([results, elsewhere])
+    (results / "results.json").write_text("{}")
+    with pytest.raises(UserError, match=r"results\.json: cannot be read"):
+        labels([results])
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        ([], "no display to open a window on; add --web"),
+        (["--save", "demo.txt"], "end the name in .rrd"),
+        (["--video", "demo.avi"], "end the name in .mp4 or .gif"),
+        (["--html", "demo"], "end the name in .html"),
+        (["--web", "--port", "99999"], "--port 99999"),
+    ],
+)
+def test_what_is_asked_wrongly_is_one_line(results: Path, words: list[str], part: str) -> None:
+    process = started("demo", results, *words)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert part in said and len(said.splitlines()) == 1
+
+
+def test_the_web_viewer_listens_on_this_machine_only_and_ends_when_told(results: Path) -> None:
+    process = started("demo", results, "--web")
+    assert process.stdout is not None
+    try:
+        assert "1 human, 1 reservoir" in process.stdout.readline()
+        address = process.stdout.readline()
+        children = psutil.Process(process.pid).children(recursive=True)
+        listening = [
+            found.laddr
+            for child in children
+            for found in child.net_connections(kind="inet")
+            if found.status == psutil.CONN_LISTEN
+        ]
+        assert {place.ip for place in listening} == {"127.0.0.1"}
+        assert len(listening) == 2
+        assert any(address.startswith(f"http://127.0.0.1:{place.port}/?url=") for place in listening)
+    finally:
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=30)
+    gone, left = psutil.wait_procs(children, timeout=10)
+    assert left == [] and len(gone) == len(children)

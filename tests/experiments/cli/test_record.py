@@ -1,0 +1,83 @@
+"""`swamp-rl record` as it is started and stopped: by hand, and by a crash in the middle of a run."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import threading
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from websockets.sync.client import connect
+
+from swamp_rl.runs import read_dataset
+from tests.support.driving import aim
+
+pytestmark = pytest.mark.slow
+
+RECORD = "import sys; from swamp_rl.experiments.cli import main; sys.argv[0] = 'swamp-rl'; main()"
+
+
+@contextmanager
+def started(folder: Path) -> Iterator[tuple["subprocess.Popen[str]", list[str], str]]:
+    """A recorder in a process of its own, the lines it said so far, and its address."""
+    words = ["record", "--out", str(folder), "--course", "camogli", "--port", "0", "--scripted"]
+    process = subprocess.Popen(
+        [sys.executable, "-c", RECORD, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    assert process.stdout is not None
+    # A first start compiles, which takes a while.
+    guard = threading.Timer(150.0, process.kill)
+    guard.start()
+    said = []
+    try:
+        for line in process.stdout:
+            said.append(line)
+            if "drive at" in line:
+                break
+        guard.cancel()
+        yield process, said, re.findall(r"http\S+", said[-1])[0]
+    finally:
+        guard.cancel()
+        process.kill()
+        process.wait()
+
+
+def stopped(process: "subprocess.Popen[str]", how: signal.Signals) -> tuple[int, str]:
+    process.send_signal(how)
+    out, _ = process.communicate(timeout=30)
+    return process.returncode, out
+
+
+def drive_for_rows(host: str, wanted: int, then: Callable[[], object]) -> None:
+    """Drive past the first gate for so many rows, then do something while still connected."""
+    rows = 0
+    with connect(f"ws://{host}/socket", origin=f"http://{host}") as socket:
+        while rows < wanted:
+            seen = json.loads(socket.recv(timeout=10))
+            if seen["type"] != "frame":
+                continue
+            assert seen["phase"] != "ended", seen["outcome"]
+            rows = round(10 * seen["run_time"])
+            angle = aim(*seen["pose"], seen["velocity"][2], seen["passed"])
+            socket.send(json.dumps({"type": "command", "throttle": 1.0, "angle": angle}))
+        then()
+
+
+def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_interrupt(tmp_path: Path) -> None:
+    folder = tmp_path / "runs"
+    with started(folder) as (process, _, address):
+        host = address.split("/")[2]
+        assert b"<canvas" in urllib.request.urlopen(address, timeout=10).read()
+        drive_for_rows(host, 8, lambda: stopped(process, signal.SIGKILL))
+    with started(folder) as (process, said, _):
+        assert "run-0001: never finished, taken into the dataset" in said[0]
+        assert stopped(process, signal.SIGINT) == (0, f"{folder}: 0 runs\n")
+    dataset = read_dataset(folder)
+    assert dataset.meta.source == "scripted"
+    (run,) = dataset.runs
+    assert run.meta.outcome == "interrupted" and len(run.time) >= 8

@@ -1,0 +1,106 @@
+"""`runs import` and `runs export` from the command line: what they print, and one line for what is wrong."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from swamp_rl.experiments.cli import app as cli
+
+from swamp_rl.runs import read_dataset
+from tests.support.runs import circling
+
+Called = tuple[int, str, str]
+
+
+@pytest.fixture
+def call(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> Callable[..., Called]:
+    monkeypatch.chdir(tmp_path)
+
+    def called(*words: object) -> Called:
+        monkeypatch.setattr(sys, "argv", ["swamp-rl", "runs", *map(str, words)])
+        with pytest.raises(SystemExit) as stop:
+            cli.main()
+        said = capsys.readouterr()
+        return int(stop.value.code or 0), said.out, said.err
+
+    return called
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """The boat that circles, as others might have logged it."""
+    columns = circling()
+    lines = ["secs,x,y,psi,knots"]
+    for row in zip(columns["time"], columns["north"], columns["east"], columns["heading"], strict=True):
+        lines.append(",".join(repr(float(value)) for value in row) + ",1.0")
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+RENAMED = ["--column", "time=secs", "--column", "north=x", "--column", "east=y", "--column", "heading=psi"]
+
+
+def test_a_log_becomes_a_dataset_and_goes_out_again(call: Callable[..., Called], log: Path) -> None:
+    units = ["--column", "surge=knots", "--unit", "surge=kn"]
+    code, said, _ = call(
+        "import", log, "--from", "csv", "--out", "day", "--source", "human", *RENAMED, *units
+    )
+    assert (code, said) == (0, "day: 1 runs, 31 rows at 10 Hz, human\n")
+    run = read_dataset("day").runs[0]
+    assert run.columns["north"].tobytes() == circling()["north"].tobytes()
+    assert run.columns["surge"][0] == pytest.approx(0.514444, abs=1e-6)
+    assert call("check", "day")[0] == 0
+    assert call("export", "day", "--to", "mcap", "--out", "bags") == (0, "bags: 1 runs\n", "")
+    assert [path.name for path in Path("bags").iterdir()] == ["log.mcap"]
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (["--column", "north"], "--column north: give each of our names once"),
+        (["--column", "north=x", "--column", "north=y"], "give each of our names once"),
+        (["--unit", "surge=furlongs"], "--unit surge=furlongs: known units are deg"),
+        (["--unit", "heading=deg", "--degrees", "heading"], "--degrees heading: has a --unit already"),
+        (["--origin", "north pole"], "--origin north pole: give latitude and longitude"),
+        (["--origin", "91,0"], "--origin 91,0"),
+        (["--resample", "-1"], "--resample"),
+        (["--boat", "titanic"], "titanic"),
+        ([*RENAMED, "--degrees", "sway"], "has no column sway to be given in deg"),
+        (RENAMED[:2], "column north: is missing"),
+    ],
+)
+def test_what_is_asked_wrongly_is_one_line_and_imports_nothing(
+    call: Callable[..., Called], log: Path, words: list[str], part: str
+) -> None:
+    code, _, said = call("import", log, "--from", "csv", "--out", "day", *words)
+    assert code == cli.BAD_INPUT
+    assert part in said and len(said.splitlines()) == 1, said
+    assert [path.name for path in log.parent.iterdir()] == ["log.csv"]
+
+
+@pytest.mark.parametrize(
+    ("words", "package", "extra"),
+    [
+        (["export", "runs", "--to", "minari", "--out", "out"], "minari", "exchange"),
+        (["export", "runs", "--to", "mcap", "--out", "out"], "mcap.writer", "exchange"),
+        (["import", "gps.csv", "--from", "csv", "--out", "out"], "pyproj", "gps"),
+    ],
+)
+def test_a_package_that_is_not_installed_is_named_with_its_extra(
+    call: Callable[..., Called],
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    words: list[str],
+    package: str,
+    extra: str,
+) -> None:
+    Path("gps.csv").write_text("time,latitude,longitude,heading\n0.0,44.0,9.0,0\n0.1,44.0,9.0,0\n")
+    monkeypatch.setitem(sys.modules, package, None)
+    code, _, said = call(*words)
+    assert code == cli.BAD_INPUT
+    assert f"pip install 'swamp-rl[{extra}]'" in said and len(said.splitlines()) == 1
+    assert not Path("out").exists()

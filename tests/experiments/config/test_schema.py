@@ -1,0 +1,117 @@
+"""Experiment files: extended, overridden, and refused in one clear line."""
+
+from pathlib import Path
+
+import pytest
+from swamp_rl.experiments.config.load import load_experiment, merged
+
+from swamp_rl.errors import UserError
+
+SMALL = """
+name: small
+boat: swamp
+course: camogli
+pilots:
+  scripted: {kind: scripted}
+  net: {kind: cloning, options: {epochs: 3}}
+evaluation: {levels: [calm], episodes: 5, seed: 1}
+"""
+
+
+def write(folder: Path, text: str, name: str = "small.yaml") -> Path:
+    (folder / name).write_text(text)
+    return folder / name
+
+
+def complaint(path: Path, *overrides: str) -> str:
+    with pytest.raises(UserError) as told:
+        load_experiment(path, overrides)
+    assert "\n" not in str(told.value)
+    return str(told.value)
+
+
+@pytest.mark.parametrize("name", ["camogli", "smoke"])
+def test_the_experiments_that_are_shipped_are_sound(name: str) -> None:
+    assert load_experiment(name).name == name
+
+
+def test_the_main_job_asks_for_what_was_set_as_its_target() -> None:
+    experiment = load_experiment("camogli")
+    assert experiment.evaluation.episodes == 1000
+    assert experiment.evaluation.levels == ("calm", "standard", "severe")
+    assert experiment.pilots["reservoir"].runs == 20
+    assert experiment.targets.success == {
+        "reservoir": {"calm": 0.99, "standard": 0.90},
+        "cloning": {"calm": 0.99, "standard": 0.90},
+        "ppo": {"calm": 0.99, "standard": 0.97},
+    }
+
+
+def test_options_not_given_are_written_out_with_their_defaults(tmp_path: Path) -> None:
+    options = load_experiment(write(tmp_path, SMALL)).pilots["net"].options
+    assert options["epochs"] == 3
+    assert {"senses", "hidden", "learning_rate", "seed"} <= options.keys()
+
+
+def test_overrides_reach_any_depth_and_keep_what_they_do_not_name(tmp_path: Path) -> None:
+    path = write(tmp_path, SMALL)
+    experiment = load_experiment(path, ["evaluation.episodes=9", "pilots.net.options.hidden=[8, 8]"])
+    assert (experiment.evaluation.episodes, experiment.evaluation.seed) == (9, 1)
+    assert experiment.pilots["net"].options["hidden"] == [8, 8]
+    assert experiment.pilots["net"].options["epochs"] == 3
+
+
+def test_an_extending_file_overrides_key_by_key(tmp_path: Path) -> None:
+    write(tmp_path, SMALL)
+    path = write(tmp_path, "extends: small.yaml\nname: smaller\nevaluation: {episodes: 2}", "smaller.yaml")
+    experiment = load_experiment(path)
+    assert (experiment.name, experiment.boat) == ("smaller", "swamp")
+    assert (experiment.evaluation.episodes, experiment.evaluation.levels) == (2, ("calm",))
+
+
+def test_files_that_extend_each_other_in_a_circle_are_refused(tmp_path: Path) -> None:
+    write(tmp_path, "extends: b.yaml", "a.yaml")
+    assert "circle" in complaint(write(tmp_path, "extends: a.yaml", "b.yaml"))
+
+
+def test_merging_replaces_lists_and_joins_mappings() -> None:
+    assert merged({"a": {"x": 1, "y": 2}, "l": [1, 2]}, {"a": {"y": 3}, "l": [4]}) == {
+        "a": {"x": 1, "y": 3},
+        "l": [4],
+    }
+
+
+@pytest.mark.parametrize(
+    ("override", "told"),
+    [
+        ("evaluation.episdes=3", "episodes"),
+        ("evaluation.episodes=0", "evaluation.episodes"),
+        ("evaluation.episodes=many", "evaluation.episodes"),
+        ("pilots.net.tkeover=1", "takeover"),
+        ("pilots.net.kind=clonning", "'cloning'"),
+        ("pilots.net.options.epocs=1", "epochs"),
+        ("pilots.net.options.epochs=-1", "pilots.net.options"),
+        ("pilots.net.disturbances=calm", "drop the key"),
+        ("pilots.scripted.runs=3", "drop the key"),
+        ("targets.success.nett={calm: 0.5}", "no pilot 'nett'"),
+        ("targets.success.net={clam: 0.5}", "no level 'clam'"),
+        ("evaluation.levels=[calm, calm]", "same name"),
+        ("step=.nan", "step"),
+        ("name=../elsewhere", "name"),
+    ],
+)
+def test_a_wrong_value_or_key_is_named_with_what_is_allowed(tmp_path: Path, override: str, told: str) -> None:
+    message = complaint(write(tmp_path, SMALL), override)
+    assert "small.yaml" in message
+    assert told in message
+
+
+@pytest.mark.parametrize("override", ["episodes", "=3", "a..b=3", "a=[1"])
+def test_a_malformed_override_is_quoted(tmp_path: Path, override: str) -> None:
+    assert f"--set {override}" in complaint(write(tmp_path, SMALL), override)
+
+
+def test_a_missing_key_a_missing_file_and_malformed_yaml_are_told_apart(tmp_path: Path) -> None:
+    assert "evaluation" in complaint(write(tmp_path, SMALL.replace("evaluation", "x-evaluation")))
+    assert "no such file" in complaint(tmp_path / "absent.yaml")
+    assert "line 2" in complaint(write(tmp_path, "name: a\nboat: }", "broken.yaml"))

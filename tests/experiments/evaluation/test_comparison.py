@@ -1,0 +1,126 @@
+"""`swamp-rl compare`: the same episodes, training seeds known as such, and nothing unlike compared."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from scipy.stats import binomtest
+from swamp_rl.experiments.artifacts.result_folders import entrants, find_results, read_result
+from swamp_rl.experiments.evaluation.comparison import compare
+from swamp_rl.experiments.reports.comparison import report
+
+from swamp_rl.errors import UserError
+from tests.support.result_folders import folder_of
+
+
+def test_pilots_of_two_folders_are_paired_by_episode(tmp_path: Path) -> None:
+    a, b = np.arange(60) < 50, np.arange(60) % 2 == 0
+    one = folder_of(tmp_path / "one", {"reservoir": a})
+    two = folder_of(tmp_path / "two", {"ppo": b})
+    found = compare([one, two])
+    row = next(r for r in found["differences"] if r["quantity"] == "success")
+    assert (row["a"], row["b"], row["n"]) == ("reservoir", "ppo", 60)
+    assert row["value"] == pytest.approx(50 / 60 - 0.5)
+    only_a, only_b = int((a & ~b).sum()), int((b & ~a).sum())
+    assert row["p"] == pytest.approx(binomtest(only_a, only_a + only_b).pvalue)
+    assert row["p_corrected"] >= row["p"]
+    assert found["comparisons"] == 4
+
+
+def test_folders_of_training_seeds_are_one_pilot_with_that_many_seeds(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    for seed in range(5):
+        folder_of(
+            tmp_path / f"seed-{seed}", {"reservoir": rng.random(40) < 0.9, "ppo": rng.random(40) < 0.6}, seed
+        )
+    found = compare([tmp_path])
+    assert [(p["name"], p["seeds"]) for p in found["pilots"]] == [("reservoir", 5), ("ppo", 5)]
+    by_seed = found["pilots"][0]["levels"]["calm"]["by_seed"]
+    middle = np.sort(by_seed)[1:4]
+    assert found["pilots"][0]["levels"]["calm"]["success"]["value"] == pytest.approx(middle.mean())
+    assert found["improvement"][0]["value"] == 1.0
+
+
+def test_a_pilot_of_other_options_is_another_pilot_and_named_by_its_folder(tmp_path: Path) -> None:
+    a = folder_of(tmp_path / "stiff", {"reservoir": np.ones(20)}, ridge=30.0)
+    b = folder_of(tmp_path / "loose", {"reservoir": np.zeros(20)}, ridge=0.3)
+    names = [one.label for one in entrants([read_result(a), read_result(b)])]
+    assert names == ["reservoir (stiff)", "reservoir (loose)"]
+
+
+def test_a_pilot_that_started_from_another_is_another_pilot_where_that_was(tmp_path: Path) -> None:
+    results = []
+    for name, ridge in (("stiff", 30.0), ("loose", 0.3)):
+        folder = folder_of(tmp_path / name, {"ppo": np.ones(20), "reservoir": np.ones(20)})
+        file = folder / "config" / "experiment.yaml"
+        experiment = yaml.safe_load(file.read_text())
+        experiment["pilots"]["ppo"]["options"] = {"warm_start": "reservoir"}
+        experiment["pilots"]["reservoir"]["options"]["ridge"] = ridge
+        file.write_text(yaml.safe_dump(experiment))
+        results.append(read_result(folder))
+    assert sum(one.pilot == "ppo" for one in entrants(results)) == 2
+
+
+def test_a_copied_folder_counts_once(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        folder_of(tmp_path / name, {"reservoir": np.arange(20) < 15, "ppo": np.ones(20)})
+    assert [pilot["seeds"] for pilot in compare([tmp_path])["pilots"]] == [1, 1]
+
+
+def test_the_same_seeds_with_other_doings_are_told(tmp_path: Path) -> None:
+    folder_of(tmp_path / "a", {"reservoir": np.ones(20)})
+    folder_of(tmp_path / "b", {"reservoir": np.zeros(20)})
+    with pytest.raises(UserError, match="did otherwise than in"):
+        compare([tmp_path])
+
+
+def test_other_courses_are_refused_in_one_line(tmp_path: Path) -> None:
+    folder_of(tmp_path / "a", {"reservoir": np.ones(20)})
+    folder_of(tmp_path / "b", {"ppo": np.ones(20)}, course="elsewhere")
+    with pytest.raises(UserError, match="another course than in"):
+        compare([tmp_path])
+
+
+def test_only_common_episodes_count_and_it_is_said(tmp_path: Path) -> None:
+    a = folder_of(tmp_path / "a", {"reservoir": np.ones(30)})
+    b = folder_of(tmp_path / "b", {"ppo": np.arange(30) < 10}, first=120)
+    found = compare([a, b])
+    assert found["levels"] == {"calm": 10}
+    assert found["notes"][0] == "calm: only the 10 episodes that all have driven, of 30."
+    assert found["notes"][0] in report(found)
+    assert found["pilots"][1]["levels"]["calm"]["success"]["value"] == 1.0
+
+
+def test_no_common_episode_is_refused(tmp_path: Path) -> None:
+    a = folder_of(tmp_path / "a", {"reservoir": np.ones(5)})
+    b = folder_of(tmp_path / "b", {"ppo": np.ones(5)}, first=900)
+    with pytest.raises(UserError, match="no episode that all have driven"):
+        compare([a, b])
+
+
+def test_never_arriving_leaves_costs_open_and_json_strict(tmp_path: Path) -> None:
+    folder_of(tmp_path / "a", {"reservoir": np.zeros(20), "ppo": np.ones(20)})
+    found = compare([tmp_path])
+    json.dumps(found, allow_nan=False)
+    time = next(row for row in found["differences"] if row["quantity"] == "time")
+    assert (time["value"], time["p"], time["p_corrected"]) == (None, None, None)
+    assert found["comparisons"] == 1
+    assert "–" in report(found)
+
+
+def test_the_same_seed_draws_the_same_comparison(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    folder_of(tmp_path / "a", {"reservoir": rng.random(50) < 0.5, "ppo": rng.random(50) < 0.7})
+    assert compare([tmp_path], seed=3) == compare([tmp_path], seed=3)
+    assert compare([tmp_path], seed=3) != compare([tmp_path], seed=4)
+
+
+def test_a_folder_without_episodes_and_a_broken_one_are_told(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"no episodes.parquet"):
+        find_results([tmp_path])
+    broken = folder_of(tmp_path / "a", {"ppo": np.ones(5)})
+    (broken / "episodes.parquet").write_bytes(b"PAR1 but no more")
+    with pytest.raises(UserError, match="no readable Parquet"):
+        compare([broken])

@@ -1,0 +1,188 @@
+"""Training, evaluating and doing again: the same numbers by whatever way, bit for bit."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as pq
+import pytest
+from swamp_rl.experiments.config.load import load_experiment
+from swamp_rl.experiments.studies.run import run_experiment, train_experiment
+from swamp_rl.experiments.studies.stored import evaluate_folders
+
+from swamp_rl.errors import UserError
+from swamp_rl.pilots.store import describe_pilot
+from tests.support.tiny_experiment import content, write_tiny
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the experiment, its result, and its pilots trained by `train`."""
+    place = tmp_path_factory.mktemp("tiny")
+    run_experiment(write_tiny(place), out=place / "run")
+    train_experiment(place / "tiny.yaml", out=place / "trained")
+    return place
+
+
+def test_training_leaves_pilots_and_no_results(place: Path) -> None:
+    assert json.loads((place / "trained" / "training.json").read_text())["pilots"] == [
+        "scripted",
+        "reservoir",
+        "net",
+        "ppo",
+    ]
+    assert not (place / "trained" / "results.json").exists()
+    for name in ("scripted", "reservoir", "net", "ppo"):
+        stored = place / "trained" / "pilots" / name / "weights.safetensors"
+        assert stored.read_bytes() == (place / "run" / "pilots" / name / stored.name).read_bytes()
+
+
+def test_training_then_evaluating_gives_what_running_gives(place: Path) -> None:
+    out = evaluate_folders([place / "trained"], {}, out=place / "evaluated")
+    assert content(out) == content(place / "run")
+    seconds = json.loads((out / "results.json").read_text())["measured"]["seconds"]
+    assert "train ppo" in seconds and "try ppo, calm" in seconds
+
+
+@pytest.mark.parametrize("given", ["run", "run/config", "run/config/experiment.yaml"])
+def test_a_result_done_again_from_what_it_keeps_is_the_same_bit_for_bit(place: Path, given: str) -> None:
+    config = load_experiment(place / given)
+    assert config == load_experiment(place / "tiny.yaml")
+    if given == "run":
+        assert content(run_experiment(place / given, out=place / "again")) == content(place / "run")
+
+
+def test_the_configuration_kept_is_used_where_files_have_changed_since(tmp_path: Path) -> None:
+    boat = tmp_path / "mine.yaml"
+    boat.write_text("extends: swamp\nname: mine\n")
+    first = run_experiment(write_tiny(tmp_path, "scripted"), [f"boat={boat}"], tmp_path / "first")
+    boat.unlink()
+    assert content(run_experiment(first, out=tmp_path / "second")) == content(first)
+
+
+def test_hashes_can_be_checked_by_anyone_and_seeds_and_machine_are_told(place: Path) -> None:
+    subprocess.run(["sha256sum", "--check", "--quiet", "data.sha256"], cwd=place / "run", check=True)
+    assert len((place / "run" / "data.sha256").read_text().splitlines()) == 1 + 3
+    results: dict[str, Any] = json.loads((place / "run" / "results.json").read_text())
+    assert results["seeds"] == {
+        "record": 0,
+        "pilots": {"scripted": 0, "reservoir": 0, "net": 0, "ppo": 0},
+        "first_episode": 1,
+    }
+    assert results["measured"]["hardware"]["processors"] >= 1
+    assert len(results["data"]["sha256"]) == 64
+
+
+def test_a_pilot_is_stored_with_the_runs_it_was_fitted_on(place: Path) -> None:
+    digest = json.loads((place / "run" / "results.json").read_text())["data"]["sha256"]
+    fitted = {name: describe_pilot(place / "run" / "pilots" / name).fitted_on for name in ("net", "ppo")}
+    assert fitted["ppo"] is None and fitted["net"] is not None
+    assert (fitted["net"].dataset, fitted["net"].source) == (digest, "scripted")
+    assert fitted["net"].runs == ("run-001", "run-002", "run-003")
+
+
+def test_the_report_has_a_table_of_where_the_time_went(place: Path) -> None:
+    report = (place / "run" / "report.md").read_text()
+    seconds = json.loads((place / "run" / "results.json").read_text())["measured"]["seconds"]
+    assert {"record runs", "train ppo", "try ppo, calm", "draw figures"} <= seconds.keys()
+    assert all(f"| {stage} |" in report for stage in seconds)
+
+
+def test_other_episodes_are_evaluated_beside_and_with_the_same_pilots(place: Path) -> None:
+    changes = {"levels": ["standard"], "episodes": 2, "seed": 9}
+    out = evaluate_folders([place / "run"], changes)
+    assert out == place / "run-evaluation"
+    table = pq.read_table(out / "episodes.parquet").to_pydict()
+    assert (set(table["level"]), set(table["seed"])) == ({"standard"}, {9, 10})
+    assert "results.json" in {path.name for path in (place / "run").iterdir()}
+    weights = Path("pilots") / "ppo" / "weights.safetensors"
+    assert (out / weights).read_bytes() == (place / "run" / weights).read_bytes()
+
+
+def test_stored_pilots_of_several_folders_drive_the_same_episodes(place: Path) -> None:
+    folders = [place / "run" / "pilots" / "net", place / "trained" / "pilots" / "net"]
+    out = evaluate_folders([*folders, place / "run" / "pilots" / "ppo"], {"episodes": 2}, out=place / "both")
+    results = json.loads((out / "results.json").read_text())
+    assert list(results["pilots"]) == ["run-net", "trained-net", "ppo"]
+    first, second = (results["pilots"][name]["levels"] for name in ("run-net", "trained-net"))
+    assert first == second
+
+
+def test_results_hold_the_hash_of_every_pilot_and_a_stored_one_that_has_changed_since_is_refused(
+    place: Path, tmp_path: Path
+) -> None:
+    def hashed(folder: Path) -> str:
+        return subprocess.run(
+            ["sha256sum", folder / "pilot.json"], check=True, capture_output=True, text=True
+        ).stdout.split()[0]
+
+    net = tmp_path / "net"
+    shutil.copytree(place / "run" / "pilots" / "net", net)
+    out = evaluate_folders([net], {"episodes": 2}, out=tmp_path / "out", experiment=str(place / "tiny.yaml"))
+    results = json.loads((out / "results.json").read_text())
+    assert results["pilots"]["net"]["sha256"] == hashed(out / "pilots" / "net")
+    assert load_experiment(out).pilots["net"].options == {"folder": str(net), "sha256": hashed(net)}
+    whole = json.loads((place / "run" / "results.json").read_text())
+    assert {n: p["sha256"] for n, p in whole["pilots"].items()} == {
+        name: hashed(place / "run" / "pilots" / name) for name in ("scripted", "reservoir", "net", "ppo")
+    }
+    shutil.rmtree(net)
+    shutil.copytree(place / "run" / "pilots" / "ppo", net)
+    with pytest.raises(UserError, match=r"pilots\.net\.options\.sha256: the pilot in .* is no longer"):
+        run_experiment(out, out=tmp_path / "again")
+
+
+def test_pilots_trained_one_after_the_other_come_together(place: Path) -> None:
+    for name in ("net", "scripted"):
+        train_experiment(place / "tiny.yaml", out=place / "slowly", only=[name])
+    assert sorted(path.name for path in (place / "slowly" / "pilots").iterdir()) == ["net", "scripted"]
+    out = evaluate_folders([place / "slowly"], {})
+    whole, some = (json.loads((folder / "results.json").read_text()) for folder in (place / "run", out))
+    assert some["pilots"] == {name: whole["pilots"][name] for name in ("scripted", "net")}
+
+
+def test_what_would_need_training_or_is_not_there_is_refused_in_one_line(place: Path, tmp_path: Path) -> None:
+    def complaint(*words: Any, **more: Any) -> str:
+        with pytest.raises(UserError) as told:
+            evaluate_folders(*words, **more)
+        assert "\n" not in str(told.value)
+        return str(told.value)
+
+    assert "nothing is trained anew" in complaint([place / "run"], {}, ["pilots.net.options.epochs=9"])
+    assert "did you mean 'episodes'" in complaint([place / "run"], {}, ["evaluation.episods=9"])
+    assert "no such folder" in complaint([place / "nowhere"], {})
+    damaged = tmp_path / "damaged"
+    shutil.copytree(place / "run", damaged)
+    (damaged / "pilots" / "net" / "weights.safetensors").write_bytes(b"cut")
+    for folder in (damaged, damaged / "pilots" / "net"):
+        assert f"{damaged}/pilots/net/weights.safetensors: is damaged" in complaint(
+            [folder], {"episodes": 1}, out=tmp_path / "out"
+        )
+    shutil.rmtree(damaged / "config")
+    for folder in (damaged, damaged / "pilots" / "ppo"):
+        told = complaint([folder], {}, out=tmp_path / "out")
+        assert told.startswith(str(folder)) and "name an experiment with --experiment" in told
+    assert [path.name for path in tmp_path.iterdir()] == ["damaged"]
+    with pytest.raises(UserError, match=r"no config/experiment\.yaml in this folder"):
+        run_experiment(place / "run" / "figures")
+    assert "holds no trained pilot" in complaint([place / "run" / "data", place / "run"], {})
+    with pytest.raises(UserError, match="did you mean 'ppo'"):
+        train_experiment(place / "tiny.yaml", out=place / "none", only=["pop"])
+    with pytest.raises(UserError, match="whole result"):
+        train_experiment(place / "tiny.yaml", out=place / "run")
+
+
+def test_a_dataset_that_has_changed_since_is_refused(place: Path, tmp_path: Path) -> None:
+    data = tmp_path / "data"
+    data.mkdir()
+    for file in (place / "run" / "data").iterdir():
+        (data / file.name).write_bytes(file.read_bytes())
+    first = run_experiment(write_tiny(tmp_path, "scripted"), [f"data.folder={data}"], tmp_path / "first")
+    assert content(run_experiment(first, out=tmp_path / "second")) == content(first)
+    (data / "dataset.yaml").write_text((data / "dataset.yaml").read_text() + "\n")
+    with pytest.raises(UserError, match="no longer those that it was made with"):
+        run_experiment(first, out=tmp_path / "third")

@@ -1,0 +1,184 @@
+"""A sweep tries every trial once, whatever fails meanwhile and however many work at it."""
+
+import json
+import os
+import random
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import psutil
+import pytest
+import yaml
+from swamp_rl.experiments.config.load import load_experiment
+from swamp_rl.experiments.sweep.local import LocalCrew
+from swamp_rl.experiments.sweep.propose import batches_of, propose
+from swamp_rl.experiments.sweep.report import best_of, write_report
+from swamp_rl.experiments.sweep.run import checked
+from swamp_rl.experiments.sweep.schema import load_sweep, override
+from swamp_rl.experiments.sweep.store import Trial, opened
+
+from swamp_rl.errors import UserError
+from tests.support import sweeps as sweep_trials
+from tests.support.sweep_crews import HereCrew, said, swept
+from tests.support.sweeps import DRAWN, sweep_of
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    "changes", [{}, DRAWN, {**DRAWN, "sampler": "random"}], ids=["grid", "tpe", "random"]
+)
+def test_order_workers_and_interruptions_make_no_difference(changes: dict[str, Any], tmp_path: Path) -> None:
+    sweep = sweep_of(**changes)
+    alone = swept(tmp_path / "alone", sweep, HereCrew(sweep_trials.formula, 1, 0))
+    assert sorted(alone) == list(range(sweep.trials or 9))
+    for places, seed, stop in ((3, 1, 10**6), (8, 2, 10**6), (2, 3, 1), (3, 4, 4)):
+        crew = HereCrew(sweep_trials.formula, places, seed)
+        other = swept(tmp_path / f"{places}-{seed}", sweep, crew, stop_after=stop)
+        assert said(sweep, other) == said(sweep, alone)
+
+
+def test_a_grid_is_every_combination_once() -> None:
+    (numbers,) = batches_of(sweep_of())
+    tried = [tuple(values.values()) for values in propose(sweep_of(), numbers, {}).values()]
+    assert sorted(tried) == [(a, b) for a in (0, 1, 2) for b in (0.0, 0.5, 1.0)]
+
+
+def test_a_search_stays_in_its_ranges_and_finds_more_than_chance(tmp_path: Path) -> None:
+    sweep = sweep_of(**{**DRAWN, "trials": 60})
+    trials = swept(tmp_path / "tpe", sweep, HereCrew(sweep_trials.formula, 3, 0))
+    for trial in trials.values():
+        values = trial.values
+        assert -1.0 <= values["a"] <= 2.0 and 0.01 <= values["b"] <= 10.0 and values["d"] in range(1, 10)
+        assert values["c"] in ([1, 2], [3, 4], "none")
+    value = [trials[number].value or 0.0 for number in sorted(trials)]
+    assert np.mean(value[30:]) > np.mean(value[:10])  # the first ten of Optuna's sampler are by chance
+    assert len({trial.values["a"] for trial in trials.values()}) == 60
+
+
+def test_less_is_better_where_the_objective_says_so(tmp_path: Path) -> None:
+    cost = sweep_of(objective={"pilot": "reservoir", "level": "calm", "measure": "energy"})
+    trials = swept(tmp_path / "cost", cost, HereCrew(sweep_trials.formula, 3, 0))
+    best = best_of(cost, list(trials.values()))
+    assert best is not None and best.value == min(trial.value or 0.0 for trial in trials.values())
+
+
+def test_what_fails_is_tried_again_and_then_recorded_as_failed(tmp_path: Path) -> None:
+    trials = swept(tmp_path / "s", sweep_of(retries=2), HereCrew(sweep_trials.always_fails, 2, 0))
+    assert [trial.attempts for trial in trials.values()] == [1, 1, 1, 3, 3, 3, 1, 1, 1]
+    assert {trial.error for trial in trials.values()} == {None, "ValueError: never works"}
+    write_report(tmp_path, sweep_of(), [], trials)
+    assert "| failed | ValueError: never works |" in (tmp_path / "sweep.md").read_text()
+    assert json.loads((tmp_path / "sweep.json").read_text())["failed"] == 3
+
+
+@pytest.mark.parametrize("dies", [False, True], ids=["an exception", "a dead process"])
+def test_processes_take_up_what_failed_or_was_lost(dies: bool, tmp_path: Path) -> None:
+    (tmp_path / "notes").mkdir()
+
+    def job(values: dict[str, Any]) -> str:
+        return json.dumps({**values, "notes": str(tmp_path / "notes"), "dies": dies})
+
+    sweep = sweep_of(parameters={"a": {"grid": [0, 1]}, "b": {"grid": [0.0]}}, retries=1)
+    with LocalCrew(sweep_trials.first_time_fails, 2) as crew:
+        trials = swept(tmp_path / "s", sweep, crew, job)
+    assert [(trial.attempts, trial.error) for trial in trials.values()] == [(2, None)] * 2
+    here = swept(tmp_path / "here", sweep, HereCrew(sweep_trials.formula, 1, 0))
+    assert said(sweep, trials) == said(sweep, here)
+
+
+def test_killed_at_any_moment_the_same_command_goes_on_and_loses_nothing(tmp_path: Path) -> None:
+    asked = [sys.executable, "-m", "tests.support.sweeps", str(tmp_path)]
+    kept: dict[int, Trial] = {}
+    for lines in (1, 3):
+        with subprocess.Popen(asked, stdout=subprocess.PIPE, text=True) as running:
+            assert running.stdout is not None
+            heard = [int(running.stdout.readline()) for _ in range(lines)]
+            time.sleep(random.uniform(0.0, 0.3))
+            workers = psutil.Process(running.pid).children(recursive=True)
+            running.kill()
+        assert psutil.wait_procs(workers, timeout=20)[1] == [], "workers outlive their sweep"
+        if (tmp_path / "trials.sqlite").exists():
+            with opened(tmp_path, sweep_of().model_dump(mode="json")) as store:
+                now = store.trials()
+            assert set(heard) <= now.keys() and kept.items() <= now.items()
+            kept = now
+    subprocess.run(asked, check=True, stdout=subprocess.DEVNULL)
+    with opened(tmp_path, sweep_of().model_dump(mode="json")) as store:
+        ended = store.trials()
+    assert kept.items() <= ended.items(), "a trial that had ended was done again"
+    unbroken = swept(tmp_path / "unbroken", sweep_of(), HereCrew(sweep_trials.formula, 1, 0))
+    assert said(sweep_of(), ended) == said(sweep_of(), unbroken)
+
+
+def test_another_sweep_or_a_second_process_is_kept_out_of_a_folder(tmp_path: Path) -> None:
+    with opened(tmp_path, {"seed": 0}) as store:
+        store.add(Trial(0, {"a": 1}, 0.5, None, None, 1, 0.1))
+        with pytest.raises(UserError, match="another sweep at work"), opened(tmp_path, {"seed": 0}):
+            pass
+    with pytest.raises(UserError, match="trials of another sweep"), opened(tmp_path, {"seed": 1}):
+        pass
+    with opened(tmp_path, {"seed": 0}) as store:
+        assert store.trials()[0].values == {"a": 1}
+    (tmp_path / "trials.sqlite").write_bytes(b"something else" * 100)
+    with pytest.raises(UserError, match="not a database"), opened(tmp_path, {"seed": 0}):
+        pass
+
+
+def test_a_folder_that_holds_something_else_is_let_be(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(UserError, match="is no earlier sweep"), opened(tmp_path, {}):
+        pass
+    assert os.listdir(tmp_path) == ["notes.txt"]
+
+
+def test_a_parameter_of_the_sweep_cannot_be_set_as_well(tmp_path: Path) -> None:
+    file = tmp_path / "sweep.yaml"
+    swept = {"parameters": {"evaluation.episodes": {"grid": [1, 2]}}}
+    file.write_text(json.dumps(sweep_trials.FORMULA | swept))
+    with pytest.raises(UserError, match="is one of the sweep's parameters, and set as well"):
+        checked(load_sweep(file), ["evaluation.episodes=3"])
+
+
+@pytest.mark.parametrize("name", ["reservoir_grid", "reservoir_search"])
+def test_the_sweeps_that_come_along_are_sound_and_leave_the_main_jobs_episodes_unseen(name: str) -> None:
+    sweep = load_sweep(name)
+    seen = checked(sweep, [override(key, value) for key, value in sweep.set.items()]).evaluation
+    kept = load_experiment(sweep.experiment).evaluation
+    assert seen.seed + seen.episodes <= kept.seed
+
+
+@pytest.mark.parametrize(
+    "value", [1e-05, 0.1 + 0.2, 3, True, None, "calm", [64, 64], 1e300, "1e-3", [0.1, "x"]]
+)
+def test_values_reach_the_experiment_with_every_bit(value: Any) -> None:
+    key, _, text = override("a.b", value).partition("=")
+    assert (key, yaml.safe_load(text)) == ("a.b", value)
+
+
+WRONG: dict[str, dict[str, Any]] = {
+    "exactly one of": {"parameters": {"a": {"grid": [1], "choice": [2]}}},
+    "say with trials": {"parameters": {"a": {"choice": [1, 2]}}},
+    "make it a choice": {"trials": 3},
+    "must be more than 2.0": {"parameters": {"a": {"uniform": [2.0, 1.0]}}, "trials": 3},
+    "did you mean 'uniform'": {"parameters": {"a": {"unifrom": [2.0, 1.0]}}, "trials": 3},
+    "must be more than 0": {"parameters": {"a": {"log_uniform": [0.0, 1.0]}}, "trials": 3},
+    "name one of scripted": {"objective": {"pilot": "nobody", "level": "calm"}},
+    "name one of calm": {"objective": {"pilot": "ppo", "level": "storm"}},
+    "did you mean 'episodes'": {"parameters": {"evaluation.episode": {"grid": [1]}}},
+    "pilots.reservoir.options": {"parameters": {"pilots.reservoir.options.size": {"grid": [1]}}},
+}
+
+
+@pytest.mark.parametrize("message", WRONG)
+def test_a_wrong_sweep_is_refused_in_one_line_before_any_work(message: str, tmp_path: Path) -> None:
+    file = tmp_path / "sweep.yaml"
+    file.write_text(json.dumps(sweep_trials.FORMULA | WRONG[message]))
+    with pytest.raises(UserError, match=message) as told:
+        checked(load_sweep(file), [])
+    assert "\n" not in str(told.value)
+    assert os.listdir(tmp_path) == ["sweep.yaml"]

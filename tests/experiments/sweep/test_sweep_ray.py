@@ -1,0 +1,79 @@
+"""The same sweep on a Ray cluster of two nodes on this machine, one of which is killed half-way."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from swamp_rl.experiments.sweep.cluster import RayCrew
+from swamp_rl.experiments.sweep.run import run_sweep
+
+from swamp_rl.errors import UserError
+from tests.support import sweeps as sweep_trials
+from tests.support.sweep_crews import HereCrew, said, swept
+from tests.support.sweeps import DRAWN, FORMULA, sweep_of
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.xdist_group("ray"),
+]  # a cluster takes long to start: one for the whole module
+
+LONGEST = 240  # s: a cluster that hangs is a failure and no endless wait
+LOOPBACK_ONLY = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0", "RAY_USAGE_STATS_ENABLED": "0"}
+
+
+@pytest.fixture(scope="module")
+def on_ray(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of what `tests.support.sweep_on_ray` found."""
+    folder = tmp_path_factory.mktemp("ray")
+    fixed = {"evaluation.episodes": 6, "pilots.reservoir.takeover": 0.0}
+    parameters = {"pilots.reservoir.options.units": {"grid": [20, 60]}}
+    (folder / "sweep.yaml").write_text(json.dumps(FORMULA | {"set": fixed, "parameters": parameters}))
+    asked = [sys.executable, "-m", "tests.support.sweep_on_ray", str(folder)]
+    with subprocess.Popen(
+        asked, env=os.environ | LOOPBACK_ONLY, stderr=subprocess.PIPE, text=True
+    ) as running:
+        try:
+            _, error = running.communicate(timeout=LONGEST)
+        finally:
+            if running.poll() is None:
+                family = [psutil.Process(running.pid), *psutil.Process(running.pid).children(recursive=True)]
+                for process in family:
+                    process.kill()
+    assert running.returncode == 0, error
+    return folder
+
+
+def found(file: Path) -> dict[str, Any]:
+    return json.loads(file.read_text())
+
+
+def test_a_killed_nodes_trial_is_done_elsewhere_and_nothing_is_lost(on_ray: Path, tmp_path: Path) -> None:
+    trials = swept(tmp_path, sweep_of(), HereCrew(sweep_trials.formula, 1, 0))
+    killed = found(on_ray / "killed.json")
+    assert sorted(one["attempts"] for one in killed["measured"].values()) == [1] * 8 + [2]
+    assert {**killed, "measured": None} == said(sweep_of(), trials)
+
+
+def test_a_search_finds_the_same_on_a_cluster(on_ray: Path, tmp_path: Path) -> None:
+    trials = swept(tmp_path, sweep_of(**DRAWN), HereCrew(sweep_trials.formula, 1, 0))
+    assert {**found(on_ray / "search.json"), "measured": None} == said(sweep_of(**DRAWN), trials)
+
+
+def test_a_file_gives_the_same_results_on_a_cluster_and_in_processes(on_ray: Path, tmp_path: Path) -> None:
+    run_sweep(on_ray / "sweep.yaml", out=tmp_path / "processes", workers=1)
+    here, there = (found(folder / "sweep.json") for folder in (tmp_path / "processes", on_ray / "file"))
+    assert [trial["summary"]["episodes"] for trial in here["trials"]] == [6, 6]
+    assert {**there, "measured": None} == {**here, "measured": None}
+    assert (on_ray / "file" / "sweep.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("address", ["127.0.0.1:1", "ray://127.0.0.1:1", "127.0.0.1:99999"])
+def test_where_no_cluster_answers_it_is_said_in_one_line(address: str) -> None:
+    with pytest.raises(UserError, match=f"--ray {address}: no cluster answers") as told:
+        RayCrew(sweep_trials.formula, address)
+    assert "\n" not in str(told.value)

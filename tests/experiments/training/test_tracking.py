@@ -1,0 +1,95 @@
+"""A training's points reach TensorBoard's event files and, where it is asked for, MLflow."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from swamp_rl.experiments.config.load import load_experiment
+from swamp_rl.experiments.config.schema import Experiment
+from swamp_rl.experiments.training.tracking import track_success, tracked
+
+from swamp_rl.errors import UserError
+
+POINTS = [(100, {"success": 0.25, "return": -3.0}), (200, {"success": 0.5, "return": 1.5})]
+
+
+def experiment(mlflow: str | None = None) -> Experiment:
+    return load_experiment("smoke", [] if mlflow is None else [f"tracking.mlflow={mlflow}"])
+
+
+def log_points(folder: Path, asked: Experiment) -> None:
+    with tracked(folder, asked, "ppo") as log:
+        for step, values in POINTS:
+            log(step, values)
+
+
+def events(folder: Path) -> dict[str, list[tuple[int, float]]]:
+    from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+
+    read = EventAccumulator(str(folder))
+    read.Reload()
+    return {
+        name: [(point.step, point.value) for point in read.Scalars(name)] for name in read.Tags()["scalars"]
+    }
+
+
+def test_event_files_hold_every_point_once_also_after_a_second_life(tmp_path: Path) -> None:
+    expected = {name: [(step, values[name]) for step, values in POINTS] for name in ("success", "return")}
+    for _ in range(2):
+        log_points(tmp_path / "ppo", experiment())
+        assert events(tmp_path / "ppo") == expected
+        assert len(list((tmp_path / "ppo").iterdir())) == 1
+
+
+def test_a_training_that_logs_nothing_leaves_no_file(tmp_path: Path) -> None:
+    with tracked(tmp_path / "reservoir", experiment(), "reservoir"):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def runs(uri: str) -> list[Any]:
+    from mlflow import MlflowClient
+
+    client = MlflowClient(tracking_uri=uri)
+    found = client.get_experiment_by_name("smoke")
+    return [(client, run) for run in client.search_runs([found.experiment_id])]
+
+
+@pytest.mark.parametrize("store", ["{}/runs", "sqlite:///{}/runs.db"])
+def test_mlflow_gets_points_settings_and_how_it_ended(store: str, tmp_path: Path) -> None:
+    uri = store.format(tmp_path)
+    log_points(tmp_path / "events", experiment(uri))
+    with pytest.raises(ValueError, match="halfway"), tracked(tmp_path / "e", experiment(uri), "cloning"):
+        raise ValueError("halfway")
+    found = {run.info.run_name: (client, run) for client, run in runs(uri)}
+    client, run = found["ppo"]
+    points = client.get_metric_history(run.info.run_id, "success")
+    assert [(point.step, point.value) for point in points] == [(100, 0.25), (200, 0.5)]
+    assert run.data.params["decisions"] == "4096" and run.data.params["disturbances"] == "standard"
+    assert run.info.status == "FINISHED"
+    assert found["cloning"][1].info.status == "FAILED"
+
+
+def test_mlflow_gets_how_often_each_pilot_succeeded_at_each_level(tmp_path: Path) -> None:
+    asked = experiment(f"{tmp_path}/runs")
+    won = {"calm": [True, True, False, True], "standard": [False, True, False, False]}
+    track_success(
+        asked, {(name, level): {"success": np.array(won[level])} for name in asked.pilots for level in won}
+    )
+    found = {run.info.run_name: run for _, run in runs(f"{tmp_path}/runs")}
+    assert set(found) == {f"{name} evaluated" for name in asked.pilots}
+    for run in found.values():
+        assert run.data.metrics == {"success/calm": 0.75, "success/standard": 0.25}
+    assert found["ppo evaluated"].data.params["decisions"] == "4096"
+
+
+@pytest.mark.parametrize("uri", ["http://127.0.0.1:9", "gopher://nowhere"])
+def test_a_store_that_cannot_be_had_is_told_in_one_line_before_the_training(uri: str, tmp_path: Path) -> None:
+    begun = []
+    with (
+        pytest.raises(UserError, match=f"tracking.mlflow: {uri}") as told,
+        tracked(tmp_path / "events", experiment(uri), "ppo"),
+    ):
+        begun.append(True)
+    assert not begun and "\n" not in str(told.value)

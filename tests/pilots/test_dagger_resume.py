@@ -1,0 +1,93 @@
+"""A DAgger that was broken off goes on from its last round and ends as an unbroken one does, bit for bit."""
+
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.errors import UserError
+from swamp_rl.pilots import Pilot
+from swamp_rl.pilots.dagger import DaggerSettings
+from swamp_rl.pilots.dagger_checkpoint import load_rounds
+from swamp_rl.pilots.store import load_pilot
+from tests.support.killed_dagger import trained
+
+pytestmark = pytest.mark.slow
+
+LEARNERS = {
+    "reservoir": {"kind": "reservoir", "units": 40},
+    "gru": {"kind": "gru", "epochs": 2, "units": 6},
+}
+
+
+class KilledError(Exception):
+    """Stands for the end of the process."""
+
+
+def settings_of(kind: str) -> DaggerSettings:
+    """Few rounds of a small learner."""
+    return DaggerSettings.model_validate(
+        {"learner": LEARNERS[kind], "rounds": 2, "runs": 1, "trials": 6, "seed": 4}
+    )
+
+
+def broken_off(checkpoint: Path, settings: DaggerSettings, after: int) -> None:
+    """Rounds until number `after` has been told."""
+
+    def hear(number: int, values: Mapping[str, float]) -> None:
+        if number == after:
+            raise KilledError
+
+    with pytest.raises(KilledError):
+        trained(checkpoint, settings, hear)
+
+
+def same(one: Pilot, other: Pilot) -> None:
+    """The same weights, bit for bit."""
+    for name, value in one.weights().items():
+        np.testing.assert_array_equal(other.weights()[name], value, strict=True)
+
+
+@pytest.mark.parametrize("kind", LEARNERS)
+def test_broken_off_after_any_round_it_ends_with_the_same_bits_and_tells_every_round(
+    kind: str, tmp_path: Path
+) -> None:
+    settings, checkpoint = settings_of(kind), tmp_path / "checkpoint"
+    told: list[list[tuple[int, dict[str, float]]]] = [[], []]
+    for after in (0, 1, 2):
+        broken_off(checkpoint, settings, after)
+    resumed = trained(checkpoint, settings, lambda *point: told[0].append((point[0], dict(point[1]))))
+    unbroken = trained(None, settings, lambda *point: told[1].append((point[0], dict(point[1]))))
+    same(unbroken, resumed)
+    assert told[0] == told[1]
+    assert [path.name for path in tmp_path.iterdir()] == ["checkpoint"]
+
+
+def test_killed_at_random_instants_it_ends_with_the_same_bits(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "tests.support.killed_dagger", str(tmp_path), "1"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert int(done.stdout) >= 3
+    same(trained(None), load_pilot(tmp_path / "pilot"))
+
+
+def test_a_checkpoint_of_other_settings_is_not_gone_on_from(tmp_path: Path) -> None:
+    checkpoint = tmp_path / "checkpoint"
+    settings = settings_of("reservoir")
+    broken_off(checkpoint, settings, 1)
+    other = settings.model_copy(update={"seed": 5})
+    anew = trained(None, other)
+    same(anew, trained(checkpoint, other))
+    assert (anew.weights()["W"] != trained(None, settings).weights()["W"]).any()
+
+
+@pytest.mark.parametrize("kept", [0, 200, -1])
+def test_a_damaged_checkpoint_is_told_in_one_line(kept: int, tmp_path: Path) -> None:
+    checkpoint = tmp_path / "checkpoint"
+    broken_off(checkpoint, settings_of("reservoir"), 0)
+    checkpoint.write_bytes(checkpoint.read_bytes()[:kept])
+    with pytest.raises(UserError, match="checkpoint: is no checkpoint of DAgger's rounds") as told:
+        load_rounds(checkpoint, "any")
+    assert "\n" not in str(told.value)

@@ -1,0 +1,309 @@
+"""Every fault put into a good dataset is named by file, row and column, and nothing else is."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from swamp_rl.errors import UserError
+from swamp_rl.runs import (
+    Fault,
+    Run,
+    append_run,
+    check_dataset,
+    create_dataset,
+    inspect_dataset,
+    read_dataset,
+    write_run,
+)
+from swamp_rl.runs.table import write_table
+from tests.support.runs import circling, described
+
+Columns = dict[str, NDArray[np.float64]]
+ROWS = len(circling()["time"])
+OUT_OF_RANGE = {
+    "heading": (-math.pi, "wrap it"),
+    "azimuth_ss": (45.0, "degrees"),
+    "throttle_bp": (-0.1, "outside [0, 1]"),
+    "joy_angle": (-1.01, "outside [-1, 1]"),
+    "yaw_rate": (30.0, "degrees"),
+}
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with one good run, whose table a test may replace."""
+    folder = tmp_path_factory.mktemp("data") / "runs"
+    create_dataset(folder, described())
+    append_run(folder, Run("run", circling()), "parquet")
+    return folder
+
+
+def faults_of(folder: Path, columns: Columns) -> list[Fault]:
+    write_table(folder / "run.parquet", columns)
+    return check_dataset(folder)
+
+
+def test_a_good_dataset_has_no_fault(folder: Path) -> None:
+    assert check_dataset(folder) == []
+
+
+@given(
+    st.integers(0, ROWS - 1), st.sampled_from(sorted(circling())), st.sampled_from([np.nan, np.inf, -np.inf])
+)
+def test_a_value_that_is_not_finite_is_found_where_it_stands(
+    good: Path, row: int, column: str, value: float
+) -> None:
+    columns = circling()
+    columns[column][row] = value
+    (fault,) = faults_of(good, columns)
+    assert (fault.file, fault.row, fault.column) == ("run.parquet", row + 1, column)
+    assert "no finite number" in fault.message
+
+
+@given(st.integers(0, ROWS - 1), st.sampled_from(sorted(OUT_OF_RANGE)))
+def test_a_value_out_of_range_is_found_where_it_stands(good: Path, row: int, column: str) -> None:
+    columns = circling()
+    columns[column][row], hint = OUT_OF_RANGE[column]
+    (fault,) = faults_of(good, columns)
+    assert (fault.row, fault.column) == (row + 1, column)
+    assert hint in fault.message
+
+
+@given(st.lists(st.tuples(st.integers(0, ROWS - 1), st.sampled_from(sorted(circling()))), min_size=1))
+def test_all_of_several_faults_are_found(good: Path, places: list[tuple[int, str]]) -> None:
+    columns = circling()
+    for row, column in places:
+        columns[column][row] = np.nan
+    found = faults_of(good, columns)
+    starts = {
+        (row + 1, column) for row, column in places if row == 0 or not math.isnan(columns[column][row - 1])
+    }
+    assert {(fault.row, fault.column) for fault in found} == starts
+
+
+@given(st.integers(1, ROWS - 1))
+def test_a_row_that_does_not_come_later_is_found(good: Path, row: int) -> None:
+    columns = circling()
+    columns["time"][row] = columns["time"][row - 1]
+    fault = faults_of(good, columns)[0]
+    assert (fault.row, fault.column) == (row + 1, "time")
+    assert "order of time" in fault.message
+
+
+@given(st.integers(1, ROWS - 2))
+def test_a_row_left_out_is_found_at_the_row_after_it(good: Path, row: int) -> None:
+    columns = {name: np.delete(values, row) for name, values in circling().items()}
+    fault = faults_of(good, columns)[0]
+    assert (fault.row, fault.column) == (row + 1, "time")
+    assert "0.2 s after the row before" in fault.message
+
+
+@given(st.floats(2.0, 50.0).filter(lambda rate: abs(rate - 10.0) > 0.2))
+def test_another_sample_rate_than_the_one_declared_is_named(good: Path, rate: float) -> None:
+    columns = circling()
+    columns["time"] = np.arange(ROWS) / rate
+    del columns["yaw_rate"]
+    fault = faults_of(good, columns)[0]
+    assert fault.column == "time"
+    assert f"{rate:.6g} Hz, not the 10 Hz of dataset.yaml" in fault.message
+
+
+def test_times_rounded_to_milliseconds_are_still_a_fixed_rate(tmp_path: Path) -> None:
+    columns = circling()
+    columns["time"] = np.round(np.arange(ROWS) / 30.0, 3)
+    del columns["yaw_rate"]
+    create_dataset(tmp_path / "set", described(sample_rate=30.0))
+    append_run(tmp_path / "set", Run("run", columns))
+    assert check_dataset(tmp_path / "set") == []
+
+
+@given(st.sampled_from(["time", "north", "east", "heading", "azimuth_bs", "throttle_sp"]))
+def test_a_missing_column_is_named(good: Path, column: str) -> None:
+    columns = circling()
+    del columns[column]
+    (fault,) = faults_of(good, columns)
+    assert (fault.file, fault.column) == ("run.parquet", column)
+    assert "is missing" in fault.message
+
+
+def test_a_track_without_any_command_is_a_run_too(good: Path) -> None:
+    columns = {name: values for name, values in circling().items() if "_b" not in name and "_s" not in name}
+    assert faults_of(good, columns) == []
+
+
+@pytest.mark.parametrize("column", ["heading", "yaw_rate"])
+def test_small_angles_in_degrees_are_betrayed_by_the_other_column(good: Path, column: str) -> None:
+    columns = circling()
+    time = columns["time"]
+    columns["heading"], columns["yaw_rate"] = 0.02 * np.sin(time), 0.02 * np.cos(time)
+    assert faults_of(good, columns) == []
+    columns[column] = np.degrees(columns[column])
+    (fault,) = faults_of(good, columns)
+    assert fault.column == column
+    assert "degrees" in fault.message
+
+
+@pytest.mark.parametrize(
+    ("first", "factor", "told"), [(4.5, 1.0, "wrap it"), (0.05, 180.0 / math.pi, "degrees")]
+)
+def test_a_heading_beyond_a_turn_is_told_from_one_in_degrees(
+    good: Path, first: float, factor: float, told: str
+) -> None:
+    columns = circling()
+    columns["heading"] = factor * (first + 0.8 * columns["time"])
+    columns["yaw_rate"][:] = 0.8
+    (fault,) = faults_of(good, columns)
+    assert fault.column == "heading"
+    assert told in fault.message
+
+
+def test_a_column_wholly_in_degrees_is_one_fault_with_its_extent(good: Path) -> None:
+    columns = circling()
+    columns["azimuth_bs"] = np.full(ROWS, 45.0)
+    (fault,) = faults_of(good, columns)
+    assert (fault.row, fault.column) == (1, "azimuth_bs")
+    assert f"and so on to row {ROWS}" in fault.message
+
+
+def test_throttle_in_percent_is_called_so(good: Path) -> None:
+    columns = circling()
+    columns["throttle_bs"] *= 100.0
+    (fault,) = faults_of(good, columns)
+    assert "percent" in fault.message
+
+
+def test_a_thruster_the_boat_does_not_have_is_named(good: Path) -> None:
+    (fault,) = faults_of(good, circling() | {"throttle_tunnel": np.zeros(ROWS)})
+    assert fault.column == "throttle_tunnel"
+    assert "bs, bp, ss, sp" in fault.message
+
+
+def test_a_run_of_fewer_than_two_rows_is_no_run(good: Path) -> None:
+    for rows, held in ((0, "no rows"), (1, "1 row")):
+        faults = faults_of(good, {name: values[:rows] for name, values in circling().items()})
+        assert held in faults[0].message
+
+
+def test_a_run_that_lost_its_last_rows_is_found_by_their_number(good: Path) -> None:
+    (fault,) = faults_of(good, {name: values[:-3] for name, values in circling().items()})
+    assert f"holds {ROWS - 3} rows, dataset.yaml says {ROWS}" in fault.message
+
+
+@given(st.floats(0.0, 0.999))
+def test_a_parquet_file_cut_short_anywhere_is_one_fault(good: Path, part: float) -> None:
+    write_table(good / "run.parquet", circling())
+    whole = (good / "run.parquet").read_bytes()
+    (good / "run.parquet").write_bytes(whole[: int(part * len(whole))])
+    (fault,) = check_dataset(good)
+    assert fault.file == "run.parquet"
+    assert "cut short" in fault.message
+
+
+@settings(derandomize=True)
+@given(st.floats(0.0, 0.9999), st.integers(1, 255))
+def test_a_changed_byte_of_a_parquet_file_never_passes_for_another_number(
+    good: Path, part: float, change: int
+) -> None:
+    write_table(good / "run.parquet", circling())
+    damaged = bytearray((good / "run.parquet").read_bytes())
+    damaged[int(part * len(damaged))] ^= change
+    (good / "run.parquet").write_bytes(damaged)
+    found = inspect_dataset(good)
+    if not found.faults:
+        for name, values in circling().items():
+            assert found.runs[0].columns.get(name, values).tobytes() == values.tobytes()
+
+
+@given(st.data())
+def test_a_csv_file_cut_short_anywhere_is_found(
+    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    folder = tmp_path_factory.mktemp("cut")
+    create_dataset(folder, described())
+    path = append_run(folder, Run("run", circling(0.5)), "csv")
+    whole = path.read_bytes()
+    path.write_bytes(whole[: data.draw(st.integers(0, len(whole) - 1))])
+    assert {fault.file for fault in check_dataset(folder)} == {"run.csv"}
+
+
+def edited(replace: Callable[[list[str]], None]) -> str:
+    lines = ["time,north,east,heading", *(f"{0.1 * row:.1f},{row},0.5,0.1" for row in range(6))]
+    replace(lines)
+    return "\n".join(lines) + "\n"
+
+
+CSV_FAULTS: dict[str, tuple[int, str, int | None, str | None, str]] = {
+    "text": (3, "0.2,abc,0.5,0.1", 3, "north", "'abc' is not a number"),
+    "an empty cell": (3, "0.2,,0.5,0.1", 3, "north", "is missing"),
+    "a decimal comma": (3, '0.2,"1,5",0.5,0.1', 3, "north", "use a point"),
+    "an underscore": (3, "0.2,1_0,0.5,0.1", 3, "north", "not a number"),
+    "too few cells": (3, "0.2,2,0.5", 3, None, "has 3 values for 4 columns"),
+    "too many cells": (3, "0.2,2,0.5,0.1,9", 3, None, "has 5 values for 4 columns"),
+    "an empty line": (3, "", 3, "time", "is missing"),
+    "a misspelt header": (0, "time,North,east,heading", None, "north", "'North' is to be spelt 'north'"),
+    "a header twice": (0, "time,north,north,heading", None, "north", "named twice"),
+}
+
+
+@pytest.mark.parametrize("what", CSV_FAULTS)
+def test_a_csv_fault_is_named_by_row_and_line(tmp_path: Path, what: str) -> None:
+    line, text, row, column, message = CSV_FAULTS[what]
+    create_dataset(tmp_path, described())
+    path = append_run(tmp_path, Run("run", circling(0.5)), "csv")
+
+    def put(lines: list[str]) -> None:
+        lines[line] = text
+
+    path.write_text(edited(put))
+    fault = check_dataset(tmp_path)[0]
+    assert (fault.row, fault.column) == (row, column)
+    assert message in fault.message
+    assert row is None or f"row {row} (line {row + 1})" in str(fault)
+
+
+def test_rows_after_a_broken_one_keep_their_numbers(tmp_path: Path) -> None:
+    create_dataset(tmp_path, described())
+    path = append_run(tmp_path, Run("run", circling(0.5)), "csv")
+
+    def put(lines: list[str]) -> None:
+        lines[2], lines[5] = "0.1,1", "0.4,nan,0.5,0.1"
+
+    path.write_text(edited(put))
+    assert [(fault.row, fault.column) for fault in check_dataset(tmp_path)] == [(2, None), (5, "north")]
+
+
+def test_a_table_separated_by_semicolons_says_so(tmp_path: Path) -> None:
+    create_dataset(tmp_path, described())
+    path = append_run(tmp_path, Run("run", circling(0.5)), "csv")
+    path.write_text(edited(lambda lines: None).replace(",", ";"))
+    assert "separated by commas" in check_dataset(tmp_path)[0].message
+
+
+def test_a_file_that_is_not_utf_8_is_one_fault(tmp_path: Path) -> None:
+    create_dataset(tmp_path, described())
+    path = append_run(tmp_path, Run("run", circling(0.5)), "csv")
+    path.write_bytes("time,north,east,heading,temp\xe9rature\n".encode("latin-1"))
+    (fault,) = check_dataset(tmp_path)
+    assert fault.file == "run.csv"
+
+
+def test_reading_stops_at_the_first_fault_and_counts_the_rest(good: Path) -> None:
+    columns = circling()
+    columns["north"][4] = columns["east"][9] = np.nan
+    faults_of(good, columns)
+    with pytest.raises(UserError, match=r"run\.parquet: row 5, column north: .*\(and 1 more"):
+        read_dataset(good)
+
+
+def test_a_run_with_a_fault_is_never_written(tmp_path: Path) -> None:
+    columns = circling()
+    columns["north"][4] = np.nan
+    with pytest.raises(UserError, match=r"row 5 \(line 6\), column north"):
+        write_run(tmp_path / "run.csv", Run("run", columns))
+    assert list(tmp_path.iterdir()) == []

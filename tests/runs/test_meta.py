@@ -1,0 +1,73 @@
+"""`dataset.yaml` is strict: what is wrong with it is named by key, with what is allowed."""
+
+from pathlib import Path
+
+import pytest
+
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run, append_run, check_dataset, create_dataset, read_dataset, read_run
+from tests.support.runs import circling, described
+
+WRONG = {
+    "mass: 58.0": {
+        "mass: -1.0": "mass: input should be greater than 0, not -1.0",
+        "mass: .nan": "mass: input should be",
+        "mass: heavy": "mass: input should be a valid number, not 'heavy'",
+        "mas: 58.0": "mas: unknown key; did you mean 'mass'?",
+        "": "mass: is missing",
+        "mass: 58.0\nmass: 48.0": "'mass' is given twice",
+        "mass: [58.0": "malformed YAML",
+    },
+    "source: simulated": {"source: dreamt": "source: input should be 'measured', 'simulated'"},
+    "vehicle: swamp": {"vehicle: swap": "did you mean 'swamp'?"},
+    "file: one.csv": {
+        "file: ../one.csv": "must be the name of a .csv or .parquet file",
+        "file: two.csv": "listed twice",
+        "name: one": "runs.0.file is missing",
+        "file: gone.csv": "is listed in dataset.yaml but is not here",
+    },
+    "seed: 1\n": {"seed: -1\n": "runs.0.seed: input should be greater than or equal to 0"},
+}
+
+
+@pytest.mark.parametrize(("good", "wrong"), [(good, wrong) for good in WRONG for wrong in WRONG[good]])
+def test_a_mistake_in_the_description_is_named(folder: Path, good: str, wrong: str) -> None:
+    path = folder / "dataset.yaml"
+    text = path.read_text()
+    assert good in text
+    path.write_text(text.replace(good, wrong, 1))
+    faults = check_dataset(folder)
+    assert any(WRONG[good][wrong] in str(fault) for fault in faults), [str(fault) for fault in faults]
+    with pytest.raises(UserError):
+        read_dataset(folder)
+
+
+def test_a_folder_without_a_description_or_without_runs_is_a_fault(tmp_path: Path) -> None:
+    assert "is missing" in check_dataset(tmp_path)[0].message
+    create_dataset(tmp_path, described())
+    assert "lists no runs" in check_dataset(tmp_path)[0].message
+
+
+def test_a_folder_that_does_not_exist_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="no such folder"):
+        check_dataset(tmp_path / "nowhere")
+
+
+def test_a_table_that_is_not_listed_is_a_fault(folder: Path) -> None:
+    (folder / "stray.csv").write_text((folder / "one.csv").read_text())
+    (fault,) = check_dataset(folder)
+    assert (fault.file, "not listed" in fault.message) == ("stray.csv", True)
+
+
+def test_the_vehicle_may_be_a_boat_file_beside_the_runs(tmp_path: Path) -> None:
+    (tmp_path / "own.yaml").write_text("extends: swamp\nname: own\nmass: 48.0\ndraught: 0.115\n")
+    create_dataset(tmp_path, described(vehicle="own.yaml", mass=48.0, draught=0.115))
+    append_run(tmp_path, Run("one", circling()))
+    assert check_dataset(tmp_path) == []
+
+
+def test_a_lone_table_is_a_run_that_nothing_is_said_of(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "copy.csv").write_bytes((folder / "one.csv").read_bytes())
+    assert read_run(tmp_path / "copy.csv").meta.seed is None
+    with pytest.raises(UserError, match="no such file"):
+        read_run(tmp_path / "nothing.csv")

@@ -1,0 +1,79 @@
+"""Replaying a run's commands gives back a run that the simulator made, and says what it cannot replay."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.boat import load_boat
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run
+from swamp_rl.simulator.replay import first_velocity, replay, run_of, substeps_of
+from swamp_rl.simulator.state import HEADING
+from tests.support.boats import Array, commands, track
+
+BOAT = load_boat("swamp")
+
+
+def turning_commands() -> Array:
+    return np.concatenate([commands(40, -20, (0.9, 0.8, 0.3, 0), 100), commands(-70, 0, (1, 1, 0, 0), 200)])
+
+
+def recorded() -> Run:
+    command = turning_commands()
+    start = {"pose": (1.0, 2.0, 3.0), "velocity": (0.5, -0.1, 0.2)}
+    states = track(BOAT, command[:-1], **start, substeps=substeps_of(0.1))
+    names = [f"{kind}_{name}" for kind in ("azimuth", "throttle") for name in BOAT.thruster_names]
+    columns = dict(zip(names, command.T, strict=True))
+    return run_of(states, states[:, :6], 0.1 * np.arange(len(states)), Run("turn", columns), BOAT)
+
+
+def test_a_simulated_run_is_replayed_to_the_rounding_of_its_wrapped_heading() -> None:
+    run = recorded()
+    again = replay(BOAT, run)
+    for name in ("north", "east", "surge", "sway", "yaw_rate", "applied_azimuth_bs"):
+        assert np.allclose(again.columns[name], run.columns[name], rtol=0, atol=1e-9), name
+
+
+def test_headings_are_written_between_minus_pi_and_pi() -> None:
+    heading = recorded().columns["heading"]
+    assert np.all(heading > -np.pi) and np.all(heading <= np.pi)
+    turn = np.zeros((3, 17))
+    turn[:, HEADING] = [np.pi, -np.pi, 3 * np.pi + 0.1]
+    written = run_of(turn, turn[:, :6], np.arange(3.0), Run("turn", {}), BOAT).columns["heading"]
+    assert np.allclose(written, [np.pi, np.pi, -np.pi + 0.1])
+
+
+def test_a_start_velocity_that_was_not_measured_is_read_off_the_track() -> None:
+    run = recorded()
+    bare = {name: values for name, values in run.columns.items() if name not in ("surge", "sway", "yaw_rate")}
+    estimated = first_velocity(Run("turn", bare))
+    assert estimated == pytest.approx([0.5, -0.1, 0.2], abs=0.02)
+
+
+def test_a_run_without_the_boats_commands_is_refused_by_name() -> None:
+    run = recorded()
+    columns = {name: values for name, values in run.columns.items() if name != "throttle_ss"}
+    with pytest.raises(UserError, match="throttle_ss"):
+        replay(BOAT, Run("turn", columns))
+
+
+def test_a_run_of_one_row_is_refused() -> None:
+    run = recorded()
+    with pytest.raises(UserError, match="two or more"):
+        replay(BOAT, Run("turn", {name: values[:1] for name, values in run.columns.items()}))
+
+
+def test_a_replay_with_sensor_effects_starts_where_the_measurements_do(tmp_path: Path) -> None:
+    effects = [
+        {"effect": "heading_bias", "bias": 0.1},
+        {"effect": "position_delay", "delay": 0.5},
+        {"effect": "position_lever_arm", "x": 0.4, "y": 0.1},
+    ]
+    (tmp_path / "off.yaml").write_text(json.dumps({"extends": "swamp", "effects": effects}))
+    run = recorded()
+    again = replay(load_boat(tmp_path / "off.yaml"), run)
+    for name in ("north", "east", "heading", "surge"):
+        assert again.columns[name][0] == pytest.approx(run.columns[name][0], abs=1e-9), name
+    assert abs(again.columns["north"][50] - run.columns["north"][50]) > 0.05

@@ -1,0 +1,52 @@
+"""A recorder that serves from a thread, as the browser's and the safety tests need one."""
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.teleop.berth import Berth
+from swamp_rl.teleop.guard import Guard
+from swamp_rl.teleop.hub import Hub
+from swamp_rl.teleop.server import address_of, bound, server_of
+from swamp_rl.teleop.session import DEAD_MAN, Session
+from tests.support.driving import berth
+
+
+@contextmanager
+def serving(
+    folder: Path,
+    *,
+    factor: float = 1.0,
+    host: str = "127.0.0.1",
+    token: str | None = None,
+    level: str = "calm",
+    pilots: dict[str, Pilot] | None = None,
+    boats: dict[str, Berth] | None = None,
+    seed: int = 1,
+) -> Iterator[tuple[str, Hub]]:
+    """The address and the hub; factor: how much faster than real time the boat's clock runs; boats: beside
+    the SWAMP."""
+    berths = {"swamp": berth(folder, level), **(boats or {})}
+    session = Session(berths, np.random.default_rng(seed), pilots, dead_man=DEAD_MAN * factor)
+    session.warm()
+    hub = Hub(session, "scripted", factor)
+    listening = bound(host, 0)
+    server = server_of(hub, Guard(host, token))
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})
+    thread.start()
+    try:
+        while not server.started:
+            time.sleep(0.01)
+        yield address_of(listening, token), hub
+    finally:
+        server.should_exit = True
+        thread.join(timeout=10)
+        session.close()
+
+
+GREAT_HASTE = 15.0  # for pilots, who need no browser

@@ -1,0 +1,38 @@
+"""Folders of results with chosen outcomes."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from swamp_rl.evaluation import write_episodes
+
+PILOTS = {"reservoir": {"kind": "reservoir", "options": {"seed": 0}}, "ppo": {"kind": "ppo", "options": {}}}
+
+
+def folder_of(
+    path: Path,
+    success: dict[str, Any],
+    seed: int = 0,
+    first: int = 100,
+    course: str = "camogli",
+    ridge: float = 3.0,
+) -> Path:
+    """A folder of results in which each pilot of `success` succeeded so (n,) at `calm`."""
+    pilots = {name: {**PILOTS[name], "options": {"seed": seed, "ridge": ridge}} for name in success}
+    experiment = {"name": "small", "boat": "swamp", "course": course, "step": 0.1, "pilots": pilots}
+    for what in ("boats", "courses"):
+        (path / "config" / what).mkdir(parents=True)
+    (path / "config" / "experiment.yaml").write_text(yaml.safe_dump(experiment))
+    (path / "config" / "courses" / f"{course}.yaml").write_text(f"name: {course}\n")
+    (path / "config" / "boats" / "swamp.yaml").write_text("name: swamp\n")
+    tables = {}
+    for name, won in success.items():
+        won, n = np.asarray(won, bool), len(won)
+        noise = np.random.default_rng([seed, len(name)]).random(n)
+        costs = dict.fromkeys(("time", "path_length", "command_change", "energy"), 10.0 + noise)
+        outcome = np.where(won, "success", "buoy")
+        tables[name, "calm"] = {"seed": first + np.arange(n), "success": won, "outcome": outcome, **costs}
+    write_episodes(path / "episodes.parquet", tables)
+    return path

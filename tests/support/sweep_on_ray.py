@@ -1,0 +1,75 @@
+"""Sweeps on a Ray cluster of two nodes on this machine, in a process that a test can end when it hangs.
+
+    python -m tests.support.sweep_on_ray FOLDER
+
+writes into FOLDER the sweeps' results: `killed.json` (its second node is killed half-way), `search.json` and
+the folder `file` of a sweep that is read from FOLDER/sweep.yaml.
+"""
+
+import json
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from ray.cluster_utils import Cluster
+from swamp_rl.experiments.sweep.cluster import RayCrew
+from swamp_rl.experiments.sweep.report import results
+from swamp_rl.experiments.sweep.run import carry_on, run_sweep
+from swamp_rl.experiments.sweep.schema import Sweep
+from swamp_rl.experiments.sweep.store import opened
+
+from tests.support.sweeps import DRAWN, formula, stuck_on_the_doomed_node, sweep_of
+
+NODE = {
+    "num_cpus": 1,
+    "object_store_memory": 80_000_000,
+    "include_dashboard": False,
+    "node_ip_address": "127.0.0.1",
+}
+
+
+def carried_out(folder: Path, name: str, sweep: Sweep, crew: Any, job: Any = json.dumps) -> None:
+    """Write the results of a sweep as NAME.json."""
+    with opened(folder / name, {}) as store:
+        carry_on(sweep, store, crew, job, lambda trial, total: None)
+        found = results(sweep, [], store.trials())
+    (folder / f"{name}.json").write_text(json.dumps(found))
+
+
+def killed(folder: Path, cluster: Any) -> None:
+    """The second node dies as soon as a trial is at work on it."""
+    node = cluster.add_node(**NODE)
+    note = folder / "at work on the second node"
+
+    def kill_once_it_works() -> None:
+        while not note.exists():
+            time.sleep(0.05)
+        cluster.remove_node(node, allow_graceful=False)
+
+    def job(values: dict[str, Any]) -> str:
+        return json.dumps({**values, "doomed": node.node_id, "note": str(note)})
+
+    with RayCrew(stuck_on_the_doomed_node, cluster.address) as crew:
+        if crew.places != 2:
+            raise RuntimeError(f"the cluster has {crew.places} places and not two")
+        threading.Thread(target=kill_once_it_works, daemon=True).start()
+        carried_out(folder, "killed", sweep_of(retries=1), crew, job)
+
+
+def main() -> None:
+    """All three, on one cluster."""
+    folder = Path(sys.argv[1])
+    cluster = Cluster(initialize_head=True, head_node_args=NODE)
+    try:
+        killed(folder, cluster)
+        with RayCrew(formula, cluster.address) as crew:
+            carried_out(folder, "search", sweep_of(**DRAWN), crew)
+        run_sweep(folder / "sweep.yaml", out=folder / "file", ray=cluster.address)
+    finally:
+        cluster.shutdown()
+
+
+if __name__ == "__main__":
+    main()

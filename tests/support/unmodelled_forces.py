@@ -1,0 +1,30 @@
+"""Runs under forces that no effect of the library makes."""
+
+from typing import Any
+
+import numpy as np
+from swamp_rl.experiments.synthetic.cases import DT, Case, deviations, measure, voyages
+
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.data import Trials
+
+SECTOR = {"what": "sector", "centre": 1.0, "force": 4.0}
+
+
+DEAD_ZONE = {"what": "dead_zone", "thruster": "ss", "below": 0.55}
+
+
+MOORING = {"what": "mooring", "length": 4.0, "stiffness": 2.0}
+
+
+def sailed(outside: dict[str, Any] | None, level: str) -> Trials:
+    """Five runs of 80 s of every kind with the noise of a level."""
+    rng = np.random.default_rng(1)
+    found = voyages(Case(level, "outside", [], outside=outside), rng)
+    noise = deviations(level)
+    seen = np.stack([measure(one, noise, rng)[0] for one in found])
+    seen[..., 2] = np.unwrap(seen[..., 2])
+    seen[..., ~np.isfinite(noise)] = np.nan
+    commands = np.stack([one.commands for one in found])
+    lengths = np.full(len(found), seen.shape[1])
+    return Trials(load_boat("swamp"), DT, tuple("abcde"), commands, seen, lengths)

@@ -1,0 +1,95 @@
+"""A recorded run sails again to the bit: whatever the boat, what disturbs it, and who had the helm."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from swamp_rl.envs.single import GatesEnv
+
+from swamp_rl.boat import load_boat
+from swamp_rl.pilots.scripted import ScriptedPilot
+from swamp_rl.runs import DatasetMeta, check_dataset
+from swamp_rl.teleop.berth import Berth
+from swamp_rl.teleop.recordings import Recordings
+from swamp_rl.teleop.rows import largest_difference
+from swamp_rl.teleop.session import ENDED, RUN, Session
+from tests.support.driving import accept, command, meta
+
+KICK = {
+    "effect": "thruster_kick",
+    "thruster": "sp",
+    "time": 9.0,
+    "duration": 2.0,
+    "throttle": 0.6,
+    "azimuth": 1,
+}
+DELAY = {"effect": "command_delay", "delay": 0.23}
+SENSORS = [
+    {"effect": "heading_bias", "bias": 0.1},
+    {"effect": "position_delay", "delay": 0.37},
+    {"effect": "position_lever_arm", "x": 0.4, "y": -0.1},
+]
+GUSTS = [{"effect": "wind", "speed": 4.0, "from": 1.0}, {"effect": "gusts", "speed_std": 0.8}]
+WORN = [
+    {"effect": "current", "north": 0.1, "east": -0.15},
+    {"effect": "thruster_gain", "thruster": "bs", "gain": 0.7},
+    {"effect": "azimuth_offset", "thruster": "bp", "offset": 0.1},
+    {"effect": "channel_swap", "thruster": ["ss", "sp"]},
+]
+
+
+def described(boat: str) -> DatasetMeta:
+    found = load_boat(boat)
+    particulars = {key: getattr(found, key) for key in ("mass", "draught", "water_density")}
+    return meta(vehicle=boat, **particulars)
+
+
+def driven(folder: Path, boat: str, effects: list[dict[str, Any]], kicks: bool) -> Session:
+    """A session whose run has ended: commands at odd instants, the helm given away and taken back."""
+
+    def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:
+        return GatesEnv(boat, disturbances=effects, observation=senses)
+
+    berth = Berth(make_env, ("set",), lambda: Recordings(folder, described(boat), lambda line: None))
+    game = Session({boat: berth}, np.random.default_rng(3), {"ai": ScriptedPilot(2)})
+    now, helms = 0.0, 0
+    while game.phase != ENDED:
+        kicked = {"stern_throttle": 0.7, "stern_azimuth": -1.3} if kicks and 20 < game.rows < 30 else {}
+        game.command(command(game, **kicked), now)
+        if game.phase == RUN and game.rows > 15 * (helms + 1):
+            game.change_helm(now)
+            helms += 1
+        now += 0.037
+    return game
+
+
+@pytest.mark.parametrize(
+    ("boat", "effects", "kicks"),
+    [
+        ("swamp", [DELAY], False),
+        ("swamp", [*SENSORS, *GUSTS, KICK], True),
+        ("swamp-light", [*WORN, *SENSORS, DELAY | {"delay": 0.5}, *GUSTS], True),
+        ("esso_osaka", [DELAY, *GUSTS, SENSORS[0]], False),
+    ],
+)
+def test_any_boat_with_any_effects_sails_its_run_again_to_the_bit(
+    tmp_path: Path, boat: str, effects: list[dict[str, Any]], kicks: bool
+) -> None:
+    game = driven(tmp_path / "runs", boat, effects, kicks)
+    run = game.recordings.read(accept(game))
+    assert check_dataset(tmp_path / "runs") == []
+    assert len(run.time) > 40
+    assert set(run.columns["driver"]) == {0.0, 1.0}
+    assert not kicks or run.columns["throttle_sp"].max() == 0.7
+    assert largest_difference(run, load_boat(boat)) == 0.0
+
+
+def test_without_the_commands_before_the_run_a_delay_would_show(tmp_path: Path) -> None:
+    game = driven(tmp_path / "runs", "swamp", [DELAY], False)
+    run = game.recordings.read(accept(game))
+    told = run.meta.model_dump()
+    # 0.23 s is two steps and a part of the third.
+    assert all(len(values) >= 3 for values in told["earlier_commands"].values())
+    forgotten = run.meta.model_copy(update={"earlier_commands": {}})
+    assert largest_difference(type(run)(run.name, run.columns, forgotten), "swamp") > 1e-6
