@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
@@ -18,6 +19,7 @@ from swamp_rl.criticism.figures.result import FiguresDiagnosis
 from swamp_rl.criticism.figures.schema import Figure, read_figures
 from swamp_rl.criticism.figures.select import occam
 from swamp_rl.criticism.posterior import write_posterior
+from swamp_rl.criticism.schema import schema_text
 from swamp_rl.files import find_config, read_yaml, write_yaml
 from swamp_rl.physics.resistance import SPEED
 from swamp_rl.simulator import tank
@@ -208,6 +210,7 @@ def shipped(tmp_path_factory: pytest.TempPathFactory) -> tuple[FiguresDiagnosis,
     return FiguresDiagnosis.model_validate_json((out / "diagnosis.json").read_text()), out
 
 
+@pytest.mark.slow
 def test_the_thesis_s_own_figures_name_the_thrust_law_and_the_demihulls(
     shipped: tuple[FiguresDiagnosis, Path],
 ) -> None:
@@ -222,6 +225,7 @@ def test_the_thesis_s_own_figures_name_the_thrust_law_and_the_demihulls(
     assert len(load_boat(out / "extended_boat.yaml").effects) == 3
 
 
+@pytest.mark.slow
 def test_the_circle_that_had_no_part_is_met_by_the_extended_boat(
     shipped: tuple[FiguresDiagnosis, Path],
 ) -> None:
@@ -236,6 +240,7 @@ def test_the_circle_that_had_no_part_is_met_by_the_extended_boat(
     assert {row.use for row in found.figures} == {"fitted", "judged", "alternative"}
 
 
+@pytest.mark.slow
 def test_with_the_circles_exchanged_the_report_says_what_that_one_can_show(
     shipped: tuple[FiguresDiagnosis, Path],
 ) -> None:
@@ -245,11 +250,20 @@ def test_with_the_circles_exchanged_the_report_says_what_that_one_can_show(
     assert turned.chi2_after > 20.0
 
 
+@pytest.mark.slow
 def test_what_the_figures_showed_can_be_trained_among(
     shipped: tuple[FiguresDiagnosis, Path], tmp_path: Path
 ) -> None:
     level = write_posterior(shipped[1] / "diagnosis.json", tmp_path / "level.yaml")
     assert {one["effect"] for one in level["effects"]} == {cause.effect for cause in shipped[0].causes}
+
+
+@pytest.mark.slow
+def test_the_answer_fits_its_published_schema(shipped: tuple[FiguresDiagnosis, Path]) -> None:
+    published = Path(__file__).parents[2] / "docs" / "figures_diagnosis.schema.json"
+    assert published.read_text(encoding="utf-8") == schema_text(FiguresDiagnosis)
+    answer = json.loads((shipped[1] / "diagnosis.json").read_text())
+    jsonschema.validate(answer, json.loads(published.read_text(encoding="utf-8")))
 
 
 GOOD = entry("bollard", "pull", 17.6, 0.9, throttle=0.6)
