@@ -49,7 +49,7 @@ def _figures(found: FiguresDiagnosis) -> str:
         (
             one.group,
             f"{one.name}, {one.mass:g} kg",
-            f"{signs[one.limit]}{minus(rounded(one.printed))} ± {rounded(one.error)} {one.unit}",
+            f"{signs[one.limit]}{minus(rounded(one.printed))} ± {one.error:.2g} {one.unit}",
             f"{minus(rounded(one.boat_file))} ({minus(f'{one.boat_file_off:+.1f}')})",
             f"{minus(rounded(one.extended))} ({minus(f'{one.extended_off:+.1f}')})",
             one.use,

@@ -21,7 +21,8 @@ APART = 6.0  # of −2 log marginal likelihood: strong evidence (Kass and Rafter
 LEVEL = 0.95  # of chi2, below which a model is adequate
 MOVED = 0.01  # errors by which a candidate must move some figure to be seen in it
 STARTS = 2
-PAIRED = 4  # of the best single effects, each tried beside every other one
+KEPT = 4  # sets that a further effect is tried beside
+MOST_ADDED = 3  # effects in a stage
 EVALUATIONS = 30
 NOWHERE = np.zeros(0)
 
@@ -164,7 +165,7 @@ def occam(information: Array, deviation: Array, width: Array) -> float:
 
 
 def stage_of(problem: Problem, groups: tuple[str, ...], base: Fitted, atoms: Sequence[Atom]) -> Stage:
-    """The search on top of `base`: no further effect, one, and two where no one is adequate."""
+    """The search on top of `base`: no further effect, one, and more where no one is adequate."""
     named = {atom.label for atom in base.hypothesis.atoms}
     free = [atom for atom in atoms if atom.label not in named]
     seen, unseen = seen_of(problem, base, free)
@@ -204,29 +205,32 @@ def seen_of(problem: Problem, base: Fitted, atoms: Sequence[Atom]) -> tuple[list
 
 
 def searched(problem: Problem, before: Fitted, atoms: Sequence[Atom]) -> list[Fitted]:
-    """`before` and what adds one of the atoms to it, or two where no one is adequate; the most likely
-    first.
+    """`before` and what adds one of the atoms to it, the most likely first; further atoms beside the KEPT
+    most likely sets, up to MOST_ADDED, until one is adequate.
     """
-    single = {atom.label: added(problem, before, (atom,), len(atoms), STARTS) for atom in atoms}
-    fits = [before, *single.values()]
-    if not any(one.chi2 <= enough(problem, one) for one in fits):
-        order = sorted(atoms, key=lambda atom: single[atom.label].evidence)
-        pairs = [(order[i], other) for i in range(PAIRED) for other in order[i + 1 :]]
-        fits += [added(problem, before, two, len(atoms), 1) for two in pairs]
+    fits, sets = [before], [before]
+    for size in range(1, MOST_ADDED + 1):
+        larger: dict[Hypothesis, Fitted] = {}
+        for one in sets:
+            for atom in atoms:
+                hypothesis = one.hypothesis.with_atom(atom)
+                if atom not in one.hypothesis.atoms and hypothesis not in larger:
+                    larger[hypothesis] = added(problem, one, atom, size, len(atoms))
+        fits += larger.values()
+        if any(one.chi2 <= enough(problem, one) for one in fits):
+            break
+        sets = sorted(larger.values(), key=lambda one: one.evidence)[:KEPT]
     return sorted(fits, key=lambda one: one.evidence)
 
 
-def added(problem: Problem, before: Fitted, atoms: tuple[Atom, ...], count: int, starts: int) -> Fitted:
-    """`before` with atoms beside it, all numbers fitted anew; chosen among `count` atoms (extended BIC)."""
-    hypothesis = before.hypothesis
-    for atom in atoms:
-        hypothesis = hypothesis.with_atom(atom)
-    own = [
-        {atom.label: begun(atom)[i % len(begun(atom))] for atom in atoms}
-        for i in range(min(starts, max(len(begun(atom)) for atom in atoms)))
-    ]
-    charge = 2.0 * math.log(math.comb(count, len(atoms)))
-    return problem.fit(hypothesis, [placed(hypothesis, before, each) for each in own], charge)
+def added(problem: Problem, before: Fitted, atom: Atom, size: int, count: int) -> Fitted:
+    """`before` with an atom beside it, all numbers fitted anew; charged as `size` chosen among `count` atoms
+    (extended BIC).
+    """
+    hypothesis = before.hypothesis.with_atom(atom)
+    starts = begun(atom)[: STARTS if size == 1 else 1]
+    charge = 2.0 * math.log(math.comb(count, size))
+    return problem.fit(hypothesis, [placed(hypothesis, before, {atom.label: own}) for own in starts], charge)
 
 
 def begun(atom: Atom) -> list[Array]:
@@ -251,9 +255,9 @@ def enough(problem: Problem, one: Fitted) -> float:
 def rivals_of(fits: Sequence[Fitted]) -> list[Fitted]:
     """Those beside the first, less what only adds to it, that are not APART from it."""
     first = fits[0]
-    mine = set(first.hypothesis.label.split(" + "))
+    mine = set(first.hypothesis.atoms)
     return [
         one
         for one in fits[1:]
-        if one.evidence - first.evidence < APART and not mine < set(one.hypothesis.label.split(" + "))
+        if one.evidence - first.evidence < APART and not mine < set(one.hypothesis.atoms)
     ]
