@@ -28,8 +28,8 @@ import numpy as np
 from swamp_rl.experiments.synthetic.cases import LEVELS
 
 from benchmarks.blind.cases import SEEDS, every_score, scored, write_numbered
-from benchmarks.blind.tables import document, pictures
-from benchmarks.documents.readme import between_marks
+from benchmarks.blind.tables import parts, pictures
+from benchmarks.markers import write_parts
 
 # Reads folders of data and of answers and a boat's name, three a line; sees nothing else, and says done or
 # what went wrong.
@@ -142,7 +142,7 @@ def asked_for() -> argparse.ArgumentParser:
     parser.add_argument(
         "--again", type=float, metavar="SECONDS", help="time slower ones of --out again, alone on two cores"
     )
-    parser.add_argument("--into", type=Path, help="a document that the score is written into")
+    parser.add_argument("--into", type=Path, help="a document that the tables are written into")
     return parser
 
 
@@ -159,13 +159,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     results = [r for folder in folders for r in every_score(folder)]
     if not results:
         raise SystemExit(f"{', '.join(map(str, folders))}: no judged case; run some without --score-only")
-    text, place = document(results), asked.into.parent if asked.into else folders[0]
+    tables = parts(results)
+    text = "\n\n".join(f"## {name}\n\n{body}" for name, body in tables.items()) + "\n"
     (folders[0] / "blind_causes.json").write_text(json.dumps(results, indent=1))
     (folders[0] / "blind_causes.md").write_text(text)
-    pictures(results, place)
+    pictures(results, asked.into.parent if asked.into else folders[0])
     if asked.into:
-        whole = asked.into.read_text(encoding="utf-8")
-        asked.into.write_text(between_marks(whole, "blind causes", text + "\n"), encoding="utf-8")
+        write_parts(asked.into, tables)
     print(text)
     print(Counter(result["verdict"] for result in results))
 

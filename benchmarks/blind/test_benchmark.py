@@ -1,4 +1,4 @@
-"""The blind benchmark: its bound on what can be known, its score, and the words written from it."""
+"""The blind benchmark: its bound on what can be known, its score, and the tables written from it."""
 
 import json
 from pathlib import Path
@@ -12,14 +12,14 @@ from benchmarks.blind.bound import bound_of
 from benchmarks.blind.cases import SEEDS, drawn, every_score, write_numbered
 from benchmarks.blind.diagnose import main
 from benchmarks.blind.score import share, summary
-from benchmarks.blind.tables import document, judgement
+from benchmarks.blind.tables import judgement, parts
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data import read_trials
 from swamp_rl.simulator import tank
 from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.step import simulate
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 BOAT = load_boat("swamp")
 
@@ -123,15 +123,13 @@ def test_a_table_is_written_from_the_files_of_however_many_cases_are_done(
 ) -> None:
     answers(tmp_path, "unexplained", push(0.001))
     note = tmp_path / "note.md"
-    note.write_text("before\n<!-- blind causes -->\nold\n<!-- end blind causes -->\nafter\n")
+    names = ("scores", "wrong answers", "by effect", "power")
+    marks = "".join(f"<!-- blind {name} -->\nold\n<!-- end blind {name} -->\n" for name in names)
+    note.write_text(f"before\n{marks}after\n")
     main(["--score-only", str(tmp_path), "--into", str(note)])
     text = note.read_text()
     assert "old" not in text and text.startswith("before") and text.endswith("after\n")
-    assert "Cases diagnosed: A 1." in text
-    assert (
-        "took 70 s of one core; the slow ones done again, alone on two cores, took 40 s at most, within"
-        in text
-    )
+    assert "|  | A |\n| :-- | --: |\n| cases | 1 |" in text
     assert "| A | single | external_force | unexplained | external_force | 1 |" in text
     assert (tmp_path / "blind_confusion.png").stat().st_size > 1000
     assert (tmp_path / "blind_power.png").stat().st_size > 1000
@@ -147,8 +145,8 @@ def test_a_bar_is_reached_short_or_missed_by_what_chance_allows() -> None:
     assert judgement("clean_accused", "D", share([True])) == ""
 
 
-def test_small_faults_and_wrong_sets_are_told_in_the_document(tmp_path: Path) -> None:
+def test_small_faults_and_wrong_sets_stand_in_the_tables(tmp_path: Path) -> None:
     score = answers(tmp_path, "indistinguishable", [], indistinguishable=[["wind", "current"]])
-    text = document([score, score | {"level": "P", "evidence": 5.0, "size": 0.01}])
-    assert "a set without it" in text
-    assert "| 4 to 6 | 0.000" in text
+    tables = parts([score, score | {"level": "P", "evidence": 5.0, "size": 0.01}])
+    assert "a set without it" in tables["blind wrong answers"]
+    assert "| 4 to 6 | 0.000" in tables["blind power"]

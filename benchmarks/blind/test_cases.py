@@ -13,6 +13,8 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data import read_trials
 from swamp_rl.effects import LIBRARY
 
+pytestmark = pytest.mark.numerical
+
 BOAT = load_boat("swamp")
 
 

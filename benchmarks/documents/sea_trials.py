@@ -2,7 +2,7 @@
 
 python -m benchmarks.documents.sea_trials
 
-Does what `swamp-rl diagnose configs/trials/thesis_figures.yaml` does, and writes docs/sea_trials.md from it.
+Does what `swamp-rl diagnose configs/trials/thesis_figures.yaml` does, and writes the tables of docs/sea_trials.md.
 """
 
 from collections.abc import Sequence
@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from swamp_rl.experiments.reports.experiment import table
 
+from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.figures.diagnose import diagnose_figures
@@ -19,9 +20,8 @@ from swamp_rl.criticism.figures.predict import fleet_of, misfits, predicted
 from swamp_rl.criticism.figures.result import FiguresDiagnosis, StageFound
 from swamp_rl.criticism.figures.schema import FiguresFile, read_figures
 from swamp_rl.criticism.result import Cause
-from swamp_rl.files import find_config, write_beside
+from swamp_rl.files import find_config
 
-ROOT = Path(__file__).resolve().parents[2]
 GIVEN, MEASURED = "swamp-thesis", "swamp"
 FIGURES = find_config("trials", "thesis_figures")
 SHOWN = 8  # candidates of a stage
@@ -106,44 +106,18 @@ def gain_text(found: FiguresDiagnosis) -> str:
     return "\n\n".join(said)
 
 
-def document(found: FiguresDiagnosis, file: FiguresFile) -> str:
-    """The text of docs/sea_trials.md."""
-    stages = "\n\n".join(stage_text(number, stage) for number, stage in enumerate(found.stages, 1))
-    return f"""# SWAMP's printed figures against the thesis's own model
-
-    swamp-rl diagnose configs/trials/thesis_figures.yaml --boat {GIVEN} --out FOLDER
-
-Written by `python -m benchmarks.documents.sea_trials` from what that command finds. `{GIVEN}` is the
-model of the thesis's chapter 8. The figures file holds what the thesis and Ferretti et al. (002) print, each
-with its reading and an error that is ours. `{MEASURED}` is the boat as measured, with nothing fitted to them.
-
-Verdict: **{found.verdict.replace("_", " ")}**. {numbers(found.causes)}.
-
-{stages}
-
-## The gain
-
-{gain_text(found)}
-
-Chi2 is in units of the figures' errors. What stays off: table III's coefficients, whose regressors go
-together, are met by neither boat. The zig-zag's overshoot is printed of the thesis's own simulation, so its
-model meets it by construction, as it does 1 − t in straight running, which its curve was taken from. The
-towed resistances of the text contradict table 4.7, which is the boat file's.
-
-## The figures
-
-In brackets: difference from what is printed, in errors. `alternative`: another reading of the same words.
-
-{figures_table(found, file)}
-"""
-
-
 def main() -> None:
-    """Write docs/sea_trials.md."""
+    """Write the measured parts of docs/sea_trials.md."""
     with TemporaryDirectory() as folder:
         found = diagnose_figures(FIGURES, GIVEN, Path(folder) / "out")
-    with write_beside(ROOT / "docs" / "sea_trials.md") as part:
-        part.write_text(document(found, read_figures(FIGURES, load_boat(GIVEN))), encoding="utf-8")
+    stages = (stage_text(number, stage) for number, stage in enumerate(found.stages, 1))
+    parts = {
+        "verdict": f"Verdict: **{found.verdict.replace('_', ' ')}**. {numbers(found.causes)}.",
+        "stages": "\n\n".join(stages),
+        "gain": gain_text(found),
+        "figures": figures_table(found, read_figures(FIGURES, load_boat(GIVEN))),
+    }
+    write_parts(DOCS / "sea_trials.md", parts)
 
 
 if __name__ == "__main__":

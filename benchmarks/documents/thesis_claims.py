@@ -1,4 +1,4 @@
-"""Write docs/thesis_claims.md from a folder of results.
+"""The tables of docs/thesis_claims.md from a folder of results.
 
 swamp-rl run thesis_claims
 python -m benchmarks.documents.thesis_claims results/thesis_claims
@@ -8,31 +8,18 @@ import json
 import sys
 from pathlib import Path
 
-from swamp_rl.experiments.reports.claims import report
+from swamp_rl.experiments.reports.claims import hypotheses, summary
 
-from benchmarks.documents.closed_loop import ROOT
-from swamp_rl.files import write_beside
-
-FIRST = (
-    "Written by `swamp-rl run thesis_claims` and `python -m benchmarks.documents.thesis_claims "
-    "results/thesis_claims`; hypotheses and bounds stand in "
-    "[`thesis_claims.yaml`](../configs/experiments/thesis_claims.yaml)."
-)
-
-
-def document(text: str) -> str:
-    """A report with a line on how it came about under its title."""
-    title, _, rest = text.partition("\n\n")
-    return f"{title}\n\n{FIRST}\n\n{rest}"
+from benchmarks.markers import DOCS, write_parts
 
 
 def main() -> None:
-    """Write the document from the folder named on the command line."""
+    """Write the tables from the folder named on the command line."""
     if len(sys.argv) != 2:
         raise SystemExit(__doc__)
     results = json.loads((Path(sys.argv[1]) / "results.json").read_text(encoding="utf-8"))
-    with write_beside(ROOT / "docs" / "thesis_claims.md") as part:
-        part.write_text(document(report(results)), encoding="utf-8")
+    parts = {"verdicts": summary(results)} | {one["claim"]: hypotheses(one) for one in results["claims"]}
+    write_parts(DOCS / "thesis_claims.md", parts)
 
 
 if __name__ == "__main__":

@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.esso_osaka.words import Steady
 from swamp_rl.boat import Boat
 from swamp_rl.runs import Run
 from swamp_rl.runs.turning import Turn, turn_of
 from swamp_rl.simulator.windows import replay_from
 
 Array = NDArray[np.float64]
+Steady = tuple[float, float, float]  # speed [m/s], drift angle [deg], yaw rate [deg/s]
 
 RUDDER_OVER = np.radians(15.0)  # what counts as the turn, apart from steering before and after
 

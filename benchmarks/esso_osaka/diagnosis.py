@@ -98,28 +98,3 @@ def diagnosis_table(every: dict[str, Told]) -> str:
         )
     head = ["runs", "verdict", "causes, the best first", "anemometer, m/s, deg", "named wind, m/s"]
     return table([*head, "from, deg", "off, deg", "speed over measured"], rows)
-
-
-def interval_words(every: dict[str, Told]) -> str:
-    """Whether the named winds' 95 % intervals hold what the anemometer says, and how constant that is."""
-    said = []
-    for name, told in every.items():
-        if told.speed is None or told.angle is None:
-            continue
-        speed, angle = measured_wind(told.runs)
-        winds = [measured_wind([run]) for run in told.runs]
-        turns = [apart(one, angle) for _, one in winds]
-        off = {
-            "speed": (told.speed.value - speed) / told.speed.standard_error,
-            "direction": math.radians(apart(told.angle.value, angle)) / told.angle.standard_error,
-        }
-        held = [f"that of the {what} {'holds' if abs(z) < Z95 else 'misses'} it" for what, z in off.items()]
-        sizes = [size for size, _ in winds]
-        away = ", ".join(f"{z:+.1f}" for z in off.values())
-        said.append(
-            f"Of the intervals of {name}, told beside the anemometer's mean, {' and '.join(held)} "
-            f"({away} standard errors). The mean wind of a run went from {min(sizes):.2f} to "
-            f"{max(sizes):.2f} m/s and from {min(turns):+.0f} to {max(turns):+.0f} degrees about that of the "
-            "day; the interval takes it for one wind."
-        )
-    return "\n".join(said)

@@ -1,4 +1,4 @@
-"""Hold the Esso Osaka boat file against the measured pond tests and write docs/esso_osaka.md.
+"""Hold the Esso Osaka boat file against the measured pond tests: the tables of docs/esso_osaka.md.
 
     python -m benchmarks.esso_osaka.pond_tests ../shared/data/esso_osaka
 
@@ -13,20 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.esso_osaka.circles import circle, circle_table, steady_figures, steady_table
-from benchmarks.esso_osaka.diagnosis import days, diagnosed, diagnosis_table, interval_words
-from benchmarks.esso_osaka.sway import circles_table, sway_table, sway_words, told_scales
+from benchmarks.esso_osaka.circles import circle_table, steady_table
+from benchmarks.esso_osaka.diagnosis import days, diagnosed, diagnosis_table
+from benchmarks.esso_osaka.sway import circles_table, sway_table, told_scales
 from benchmarks.esso_osaka.wind import Named, drift_table, error_table, named, ranking_table, wind_table
-from benchmarks.esso_osaka.words import calm_run_words, cause_words, circle_words, refused, steady_words
+from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.files import write_beside
+from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from swamp_rl.runs.free_running import import_free_running
 from swamp_rl.simulator.windows import replay_windows
 
 Array = NDArray[np.float64]
 
-ROOT = Path(__file__).resolve().parents[2]
 HORIZON = 30.0  # s
 
 
@@ -78,115 +77,35 @@ def variant_table(boat: Boat, runs: Sequence[Run]) -> str:
     return table(["hull", "no wind, m", "measured wind, m"], rows)
 
 
-def document(boat: Boat, random: Sequence[Run], turning: Sequence[Run], zigzags: str) -> str:
-    """The text of docs/esso_osaka.md; zigzags: those refused."""
+def refused_table(folder: Path, boat: Boat) -> str:
+    """The runs of a folder that the importer refuses, and why."""
+    rows = []
+    for path in sorted(folder.glob("*.csv")):
+        try:
+            import_free_running(path, boat)
+        except UserError as error:
+            rows.append([f"`{path.name}`", str(error).removeprefix(str(path)).lstrip(": ")])
+    return table(["run", "refused for"], rows)
+
+
+def parts(boat: Boat, random: Sequence[Run], turning: Sequence[Run]) -> dict[str, str]:
+    """The tables of docs/esso_osaka.md by their marks, but that of the runs refused."""
     every: list[Named] = [named(boat, run) for run in random]
     calm, measured = (rms(window_errors(boat, random, HORIZON, wind)) for wind in (False, True))
-    known = {"calm": calm, "measured": measured}
-    raw_calm, raw_windy = (
-        rms(window_errors(as_published(boat), random, HORIZON, wind)) for wind in (False, True)
-    )
     told = {day: diagnosed(boat, runs) for day, runs in days(random).items()}
-    return f"""# The Esso Osaka model ship against its pond tests
-
-Written by `python -m benchmarks.esso_osaka.pond_tests ../shared/data/esso_osaka`. The boat is
-`configs/boats/esso_osaka.yaml`: a 3 m model, one propeller, one rudder, with the coefficients published for
-it; nothing in it was fitted here. The measured runs (Wakita et al. 2022, 10.1007/s00773-021-00867-1; Miyauchi
-et al. 2022, 10.1007/s00773-022-00889-3; CC BY-NC-SA) are not part of this project.
-
-## Half a minute ahead
-
-Windows of {HORIZON:.0f} s over the random runs, each started from the measured pose and velocity; root mean
-square of the position error at the end. The measured wind goes in sample by sample, through the DNV form of
-SWAMP's wind model with the published areas. The commands are what the run holds, after a servo of 20 deg/s
-(ours).
-
-{window_table(boat, random)}
-
-The independent program ran the same coefficients, with Fujiwara's wind coefficients. One convention lies
-between the two. The published equations of motion carry the added mass in the Coriolis terms,
-(m + m_y) v r and (m + m_x) u r; SWAMP's do not, their hull coefficients hold it. So the boat file has
-X'_vr + m'_y and Y'_r - m'_x where the published table has X'_vr and Y'_r. Taken as they stand, the table's
-numbers leave {raw_calm:.2f} m without wind, where the independent program has 0.75 m:
-
-{variant_table(boat, random)}
-
-## The wind, named from the motion alone
-
-The wind columns are hidden; the rest of each run is cut in minutes, each with an initial state of its own,
-and effects are fitted by rollouts as `swamp-rl diagnose` fits them (docs/criticism.md). The wind differs from
-run to run, so each run has its own. Residuals are weighted by what the wind's own fit leaves, since here the
-model errs by more than the sensors do. One constant wind, beside what the anemometer measured in its gusts:
-
-{wind_table(every)}
-
-{calm_run_words(every)}
-
-What the motion calls for, held-out misfit minute by minute (1 is what the wind alone leaves in the fit):
-
-{ranking_table(every)}
-
-{cause_words(every)}
-
-{drift_table(every)}
-
-How far that carries, in windows of {HORIZON:.0f} s from measured states, every minute predicted with numbers
-from the other half of the minutes:
-
-{error_table(boat, every, known)}
-
-## What `swamp-rl diagnose` says
-
-The runs of each day together, their wind columns hidden, through the command's own method from beginning to
-end: one constant wind for all of a day's runs, among all other candidates. Intervals cover 95 %.
-
-{diagnosis_table(told)}
-
-{interval_words(told)}
-
-## Circles
-
-Advance / tactical diameter of the longest turn of each run, raw: the wind's drift is in all but the last
-column.
-
-{circle_table(boat, turning)}
-
-The same turns after their first minute, over whole turns: speed, drift angle, yaw rate.
-
-{steady_table(boat, with_hull(boat, c_ry=1.0), turning)}
-
-## What the sway drag explains
-
-{sway_words(told, every)}
-
-{sway_table(every)}
-
-That was told from runs with a rudder at random. The circles above had no part in it; they were sailed in
-other months. Predicted from their first state, in their measured wind, by how much is each off, in the median
-of {len(turning)} turns and in the worst? Speed, drift angle and yaw rate are those after the first minute.
-
-{circles_table(boat, told_scales(told, every), turning)}
-
-What the candidates call sway drag is the hull's whole cross-flow drag. What else resists sideways could hide
-behind it, so the runs tell how much resists, not why. One wind for all of a day's runs, which the diagnosis
-has, leaves what the wind changes by between them to the hull.
-
-## What differs
-
-* {circle_words([circle(boat, run) for run in turning])}
-* {steady_words(steady_figures(boat, with_hull(boat, c_ry=1.0), turning))} C_rY multiplies the yaw rate in the
-  sideways drag, whose net force then pushes the hull into the turn and keeps the drift small. One value tried
-  once is a hint at a cause, not a fit. Less sway drag, which the random runs call for, is told above. The
-  boat file keeps what was published.
-* Without the measured wind the windows' error is {calm / measured:.1f} times as large. The DNV coefficients
-  are not this ship's own, yet with the hull taken as the independent program took it they leave
-  {raw_windy:.2f} m, where that program got 0.47 m from Fujiwara's.
-* The rudder's servo is assumed. The runs record steps of 35 degrees from one sample to the next, so they
-  hold the commanded angle.
-* While the ship goes astern the rudder meets the water at u_R = u, so a propeller turning ahead loses its
-  rudder at the moment the ship stops; the authors' program keeps the race there.
-* Zig-zags that the importer refuses: {zigzags}.
-"""
+    return {
+        "windows": window_table(boat, random),
+        "hulls": variant_table(boat, random),
+        "winds": wind_table(every),
+        "candidates": ranking_table(every),
+        "currents": drift_table(every),
+        "predictions": error_table(boat, every, {"calm": calm, "measured": measured}),
+        "diagnosis": diagnosis_table(told),
+        "circles": circle_table(boat, turning),
+        "steady turns": steady_table(boat, with_hull(boat, c_ry=1.0), turning),
+        "sway drag": sway_table(every),
+        "circles with sway drag": circles_table(boat, told_scales(told, every), turning),
+    }
 
 
 def main() -> None:
@@ -198,9 +117,8 @@ def main() -> None:
         [import_free_running(path, boat) for path in sorted((data / kind).glob("*.csv"))]
         for kind in ("random", "turning")
     )
-    text = document(boat, random, turning, refused(data / "zigzag", boat))
-    with write_beside(ROOT / "docs" / "esso_osaka.md") as part:
-        part.write_text(text, encoding="utf-8")
+    found = parts(boat, random, turning) | {"refused": refused_table(data / "zigzag", boat)}
+    write_parts(DOCS / "esso_osaka.md", found)
 
 
 if __name__ == "__main__":

@@ -8,9 +8,8 @@ from scipy import stats
 from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.esso_osaka.circles import after_a_minute, measured_turn, predicted_turn
-from benchmarks.esso_osaka.diagnosis import Told, named_causes
-from benchmarks.esso_osaka.wind import Named, with_effects
-from benchmarks.esso_osaka.words import misfit
+from benchmarks.esso_osaka.diagnosis import Told
+from benchmarks.esso_osaka.wind import Named, misfit, with_effects
 from swamp_rl.boat import Boat
 from swamp_rl.effects import parse_effects
 from swamp_rl.runs import Run
@@ -65,17 +64,6 @@ def sway_table(every: Sequence[Named]) -> str:
     shown = f"**{mean:.2f} ({low:.2f} to {high:.2f})**"
     rows.append(["**mean (95 % interval)**", shown, f"{before:.2f}", f"{after:.2f}"])
     return table(["run", "sway drag, times the file's", "held-out misfit, wind", "with it"], rows)
-
-
-def sway_words(told: Mapping[str, Told], every: Sequence[Named]) -> str:
-    """On which days the diagnosis names the sway drag, and how the runs agree."""
-    named = [one for one in told.values() if "sway_drag" in {c.effect for c in named_causes(one.diagnosis)}]
-    scales = sway_scales(every)
-    return (
-        f"The diagnosis names the sway drag on {len(named)} of {len(told)} days, each with one wind for the "
-        f"whole day. With a wind of its own for each run, every run wants it at {scales.min():.2f} to "
-        f"{scales.max():.2f} of what the boat file has:"
-    )
 
 
 def figures(turn: Array) -> tuple[float, ...]:

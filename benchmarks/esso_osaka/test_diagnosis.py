@@ -1,15 +1,12 @@
 """The wind on a real pond, told by the diagnosis of a model ship's motion and held against an anemometer."""
 
-from typing import cast
-
 import numpy as np
 import pytest
 
-from benchmarks.esso_osaka.diagnosis import Told, diagnosed, interval_words, measured_wind
+from benchmarks.esso_osaka.diagnosis import diagnosed, measured_wind
 from benchmarks.esso_osaka.pond import BOAT, DATA, pond
 from benchmarks.esso_osaka.sway import errors, sway_scales, with_sway_drag
 from benchmarks.esso_osaka.wind import apart, named
-from swamp_rl.criticism.result import Diagnosis, Estimate
 from swamp_rl.runs import Run
 
 pytestmark = pytest.mark.slow
@@ -31,18 +28,6 @@ def test_the_wind_is_among_what_is_named_and_blows_as_the_anemometer_says() -> N
     assert 0.63 < told.speed.value / speed < 1.38
     # much of the ship's motion stays unexplained, and that is said
     assert told.diagnosis.verdict == "unexplained"
-
-
-def test_whether_an_interval_holds_what_was_measured_is_said() -> None:
-    wind = {"wind_speed": np.array([1.4, 1.6]), "wind_from": np.array([0.1, -0.1])}
-    runs = [
-        Run(name, {key: values[i : i + 1] for key, values in wind.items()}) for i, name in enumerate("ab")
-    ]
-    speed, angle = (Estimate(value=v, standard_error=0.1, unit=u) for v, u in ((1.6, "m/s"), (0.5, "rad")))
-    said = interval_words({"one day": Told(runs, cast(Diagnosis, None), speed, angle)})
-    assert "speed holds it" in said and "direction misses it (+1.0, +5.1 standard errors)" in said
-    assert "from 1.40 to 1.60 m/s and from -5 to +6 degrees" in said
-    assert interval_words({"still": Told(runs, cast(Diagnosis, None), None, None)}) == ""
 
 
 @on_the_pond

@@ -7,11 +7,9 @@ import pytest
 
 from benchmarks.esso_osaka.sway import circles_table, errors, mean_interval, sway_scales, with_sway_drag
 from benchmarks.esso_osaka.wind import anemometer, apart, drift_table, hidden, named, wind_of, wind_table
-from benchmarks.esso_osaka.words import circle_words, steady_words
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import parse_effects
 from swamp_rl.runs import Run
-from swamp_rl.runs.turning import Turn
 from swamp_rl.simulator.replay import replay
 
 pytestmark = pytest.mark.slow
@@ -61,15 +59,6 @@ def test_gusts_are_averaged_as_vectors_for_the_direction_and_as_speeds_for_the_s
     columns = {"wind_speed": np.array([1.0, 1.0]), "wind_from": np.array([0.0, math.pi / 2])}
     assert anemometer(Run("two", columns)) == pytest.approx((1.0, math.pi / 4))
     assert apart(math.radians(-179.0), math.radians(179.0)) == pytest.approx(2.0)
-
-
-def test_circles_and_steady_turns_are_told_by_how_far_they_are_off() -> None:
-    seen, wide = Turn(10.0, 10.0), Turn(11.0, 14.0)
-    told = circle_words([(seen, wide, wide), (seen, wide, wide)])
-    assert "turns wider" in told and "+40 to +40 % (median +40 %)" in told and "+10 to +10 %" in told
-    told = steady_words([((0.2, 20.0, 2.0), (0.3, 10.0, 1.0), (0.25, 15.0, 1.5))])
-    assert "50 to 50 % of the measured" in told and "off by +50 to +50 %" in told
-    assert "50 to 50 % of the gap in the drift angle close" in told
 
 
 def test_the_sway_drag_is_told_beside_the_wind() -> None:

@@ -204,3 +204,8 @@ def error_table(boat: Boat, every: Sequence[Named], rms: dict[str, float]) -> st
         rows.append([told, f"{np.sqrt(np.mean(errors**2)):.2f}", theirs])
     rows.append(["the measured wind, sample by sample", f"{rms['measured']:.2f}", "0.47"])
     return table(["added to the boat file", "error at 30 s, m", "an independent program, m"], rows)
+
+
+def misfit(one: Named, names: tuple[str, ...]) -> float:
+    """Of held-out minutes, a sample, with what was added."""
+    return float(heldout_loss(one.problem, one.fits[names]).sum()) / one.problem.samples

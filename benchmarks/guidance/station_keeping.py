@@ -1,4 +1,4 @@
-"""Hold station with every combination of failed thrusters and write docs/station_keeping.md.
+"""Hold station with every combination of failed thrusters: the tables of docs/station_keeping.md.
 
     python -m benchmarks.guidance.station_keeping
 
@@ -10,16 +10,16 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.experiments.reports.experiment import table
 
+from benchmarks.markers import DOCS, write_parts
 from swamp_rl.allocation import Jets, jets_of
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import parse_effects
-from swamp_rl.guidance.holding import RESERVE, Holding, best_holding, holding_at
+from swamp_rl.guidance.holding import Holding, best_holding, holding_at
 from swamp_rl.guidance.loop import Controller, drive
 from swamp_rl.guidance.one_jet import OneJetKeeper
 from swamp_rl.guidance.servo import VelocityServo, inertia_of
@@ -33,7 +33,6 @@ from swamp_rl.simulator.state import EAST, HEADING, NORTH
 Array = NDArray[np.float64]
 Score = list[tuple[bool, bool]]
 
-ROOT = Path(__file__).resolve().parents[2]
 RADIUS, TURNED = 0.5, math.radians(10)  # m and rad within which the station counts as held
 ROUGH = 1.5  # m, the same in gusts and seen through the filter
 SECONDS, JUDGED, DT = 90.0, 30.0, 0.2
@@ -106,7 +105,7 @@ def tried_by_filter(sea: Sea, failed: Sequence[str], held: Holding) -> tuple[flo
     navigator = Navigator(BoatModel(model), x, WITH_MODEL, np.diag(START**2))
 
     def commands(time: float, at: Navigator, azimuths: Array) -> Array:
-        return keeper.act(at.seen(azimuths.copy()), DT)
+        return keeper.act(at.seen(time, azimuths.copy()), DT)
 
     run = navigate(broken, navigator, SENSORS, commands, SECONDS, np.random.default_rng(0), DT, pose=start)
     return strayed(run.truth, held, int(jets.works.sum()) == 1)
@@ -157,80 +156,30 @@ def margin_in_gusts(gusty: Boat, jets: Jets, chosen: Holding) -> Holding:
     return holding_at(gusty, jets, chosen.heading)
 
 
-def section(sea: Sea) -> tuple[str, Score, Score]:
-    """The text for one sea."""
-    fixed, best, known, rough = rows_of(sea)
-    heading = ["failed", "margin", "said beforehand", f"farthest in the last {JUDGED:.0f} s"]
-    chosen = ["failed", "heading, deg", "margin", "said", "farthest"]
-    chosen += ["margin in gusts", "said", "farthest in gusts, by the filter"]
-    boat = sea.boat()
-    reasons = [
-        f"* {', '.join(failed)}: {holding_at(boat, jets_of(boat).without(failed), 0.0).reason}."
-        for failed in (("bs",), ("bs", "bp"), ("bs", "bp", "ss"))
-    ]
-    speed = math.hypot(sea.north, sea.east)
-    said = "\n".join(reasons)
-    text = f"""## {sea.name.capitalize()}: from the west, current {speed:.2f} m/s and wind {sea.wind:.0f} m/s
-
-Bow held to the north, so across the current:
-
-{table(heading, fixed)}
-
-The bow where the margin is largest:
-
-{table(chosen, best)}
-
-What is said beforehand of three of these states, bow to the north:
-
-{said}
-"""
-    return text, known, rough
-
-
-def verdict(score: Score) -> str:
-    """How often the promise was right."""
+def promises_row(name: str, score: Score) -> list[str]:
+    """How often what was said beforehand was right."""
     right = sum(promised == held for promised, held in score)
     broken = sum(promised and not held for promised, held in score)
-    cautious = len(score) - right - broken
-    return f"right in {right} of {len(score)}, broken in {broken} and too cautious in {cautious}"
-
-
-def document() -> str:
-    """The text of docs/station_keeping.md."""
-    found = [section(sea) for sea in SEAS]
-    seas = "\n".join(text for text, _, _ in found)
-    known, rough = (verdict([one for part in found for one in part[column]]) for column in (1, 2))
-    sensors = (
-        f"{SENSORS.position} m every {SENSORS.gps_interval} s, {SENSORS.heading} rad and "
-        f"{SENSORS.yaw_rate} rad/s every {SENSORS.ahrs_interval} s"
-    )
-    return f"""# Station keeping with failed thrusters
-
-Written by `python -m benchmarks.guidance.station_keeping`.
-SWAMP at full load starts {math.hypot(*OFF[:2]):.1f} m and
-{math.degrees(OFF[2]):.0f} deg from its station. The station counts as held if in the last {JUDGED:.0f} of
-{SECONDS:.0f} s the boat stays within {RADIUS} m and {math.degrees(TURNED):.0f} deg of it. Two jets or more
-are steered by a position loop around a velocity loop (thesis 6.4) and thrust allocation, which where not
-all can be had looks after the heading first; the last jet alone by optimal control about the heading at which
-current, wind and its own moment cancel, so its heading is not its to choose.
-
-*Margin*: how many times the steady force and moment can be had from the jets that work; {RESERVE:g} is asked
-for. It is a cone program over the attainable region, solved before anything moves. With known state and
-steady wind the promise was {known}.
-
-The last columns are in gusts of a quarter of the wind's speed, the margin that of a gust of two standard
-deviations, the boat seen through a GPS and an AHRS by the extended Kalman filter, which knows neither
-current nor wind ({sensors}), one draw of
-gusts each.
-Held there means within {ROUGH} m and {math.degrees(2 * TURNED * ROUGH):.0f} deg; the promise was {rough}.
-
-{seas}
-"""
+    return [name, str(len(score)), str(right), str(broken), str(len(score) - right - broken)]
 
 
 def main() -> None:
-    """Write the document."""
-    (ROOT / "docs" / "station_keeping.md").write_text(document(), encoding="utf-8")
+    """Write the tables."""
+    heading = ["failed", "margin", "said beforehand", f"farthest in the last {JUDGED:.0f} s"]
+    chosen = ["failed", "heading, deg", "margin", "said", "farthest"]
+    chosen += ["margin in gusts", "said", "farthest in gusts, by the filter"]
+    parts: dict[str, str] = {}
+    known: Score = []
+    rough: Score = []
+    for sea in SEAS:
+        fixed, best, in_calm, in_gusts = rows_of(sea)
+        parts[f"{sea.name}, bow north"] = table(heading, fixed)
+        parts[f"{sea.name}, best bow"] = table(chosen, best)
+        known += in_calm
+        rough += in_gusts
+    rows = [promises_row("known state, steady wind", known), promises_row("gusts, by the filter", rough)]
+    heads = ["", "cases", "right", "said to hold, lost", "said to be lost, held"]
+    write_parts(DOCS / "station_keeping.md", parts | {"promises": table(heads, rows)})
 
 
 if __name__ == "__main__":

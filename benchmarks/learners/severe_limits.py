@@ -2,7 +2,7 @@
 
     python -m benchmarks.learners.severe_limits [--pilot FOLDER]
 
-Drives the episodes from 2000000 on and replaces its section of docs/learners.md.
+Drives the episodes from 2000000 on and replaces its table in docs/learners.md.
 """
 
 import argparse
@@ -12,14 +12,14 @@ from pathlib import Path
 import numpy as np
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import Scene, read_scene
+from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.learners.reinforcement import place
+from benchmarks.markers import DOCS, write_parts
 from swamp_rl.evaluation import drive
 from swamp_rl.evaluation.rollout import Pilot
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import load_pilot
 
-BEGIN, END = "<!-- limits at severe: begin -->", "<!-- limits at severe: end -->"
 LEVEL = "severe"
 NEVER = 1e6  # s
 STEADY = Habits(guess_interval=NEVER, hesitation_interval=NEVER, messy=0.0, gentle=0.0)
@@ -35,33 +35,22 @@ def winds(scene: Scene) -> np.ndarray:
     return boats.fleet.params["wind_speed"].copy()
 
 
-def section(scene: Scene, pilots: dict[str, Pilot]) -> str:
+def limits_table(scene: Scene, pilots: dict[str, Pilot]) -> str:
     """A row for each pilot, and the last for the episodes that any of them won."""
     wind = winds(scene)
-    heads = [f"{low:g} to {high:g} m/s" for low, high in WINDS]
-    lines = [
-        BEGIN,
-        "## What bounds success at `severe`",
-        "",
-        f"Written by `python -m benchmarks.learners.severe_limits`: {len(wind)} episodes from "
-        f"{scene.seeds[0]} on; how they were lost, and success by the mean wind.",
-        "",
-        f"| pilot | success | {' | '.join(OUTCOMES)} | {' | '.join(heads)} |",
-        "| --- " * (2 + len(OUTCOMES) + len(WINDS)) + "|",
-    ]
-    won = np.zeros(len(wind), dtype=bool)
+    heads = ["pilot", "success", *OUTCOMES, *(f"{low:g} to {high:g} m/s" for low, high in WINDS)]
+    rows, won = [], np.zeros(len(wind), dtype=bool)
     for name, pilot in pilots.items():
         outcome = drive(pilot, scene.boats_at(LEVEL), scene.seeds).outcome
         won |= outcome == "success"
         lost = Counter(outcome.tolist())
-        lines.append(_row(name, outcome == "success", [str(lost[what]) for what in OUTCOMES], wind))
-    lines += [_row("any of these", won, ["" for _ in OUTCOMES], wind), END]
-    return "\n".join(lines)
+        rows.append(_row(name, outcome == "success", [str(lost[what]) for what in OUTCOMES], wind))
+    return table(heads, [*rows, _row("any of these", won, ["" for _ in OUTCOMES], wind)])
 
 
-def _row(name: str, won: np.ndarray, lost: list[str], wind: np.ndarray) -> str:
+def _row(name: str, won: np.ndarray, lost: list[str], wind: np.ndarray) -> list[str]:
     by_wind = [f"{won[(wind >= low) & (wind <= high)].mean():.2f}" for low, high in WINDS]
-    return f"| {' | '.join([name, f'{won.mean():.3f}', *lost, *by_wind])} |"
+    return [name, f"{won.mean():.3f}", *lost, *by_wind]
 
 
 def main() -> None:
@@ -77,7 +66,7 @@ def main() -> None:
     }
     if args.pilot is not None:
         pilots["learned"] = load_pilot(args.pilot)
-    place(section(scene, pilots))
+    write_parts(DOCS / "learners.md", {"limits at severe": limits_table(scene, pilots)})
 
 
 if __name__ == "__main__":

@@ -22,12 +22,10 @@ from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.training.curves import quantity_of
 
 from benchmarks.learners.reservoir_choice import correlation
-from swamp_rl.files import write_beside
+from benchmarks.markers import DOCS, write_parts
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "learners.md"
 RESAMPLES = 10_000
 SHARES = (0.0, 0.25, 0.5, 1.0)
-NO_CURVES = "None of the pilots above has a curve that was kept."
 
 
 def cards(spreads: dict[str, dict[str, Any]]) -> str:
@@ -68,7 +66,7 @@ def curves(spreads: dict[str, dict[str, Any]]) -> str:
         "at half",
         "at the end",
     ]
-    return table(heads, rows) if rows else NO_CURVES
+    return table(heads, rows)
 
 
 def _told_at(curve: list[dict[str, float]], quantity: str, share: float) -> float:
@@ -88,20 +86,12 @@ def spread(success: list[float]) -> str:
     return f"{values.mean():.3f} ({low:.3f}–{high:.3f}), {values.min():.3f} to {values.max():.3f}"
 
 
-def choice_told(choice: dict[str, Any]) -> str:
-    """What the errors left out were worth, and the time of a fit."""
-    lines = [f"- dataset {name}: {value:.3f}" for name, value in correlation(choice["grid"]).items()]
-    grid = len(choice["grid"])
-    said = f"{grid} settings and datasets, success at `standard`:"
-    time = f"A fit of 500 units on 40 runs took {choice['fit_500_units_40_runs_s']:.2f} s, on one thread."
-    return "\n".join([said, "", *lines, "", time])
-
-
-def put(page: str, mark: str, text: str) -> str:
-    """The page with `text` between the marks of that name; ValueError where one is missing."""
-    begin, end = f"<!-- {mark} -->\n", f"<!-- end {mark} -->"
-    start = page.index(begin) + len(begin)
-    return f"{page[:start]}{text}\n{page[page.index(end, start) :]}"
+def choice_tables(choice: dict[str, Any]) -> str:
+    """Held-out errors against success, by dataset, and the time of a fit on one thread."""
+    rows = [[f"dataset {name}", f"{value:.3f}"] for name, value in correlation(choice["grid"]).items()]
+    rows.append(["settings and datasets", str(len(choice["grid"]))])
+    rows.append(["fit of 500 units on 40 runs, s", f"{choice['fit_500_units_40_runs_s']:.2f}"])
+    return table(["success at `standard` against held-out error", ""], rows)
 
 
 def main() -> None:
@@ -110,16 +100,15 @@ def main() -> None:
     parser.add_argument("spreads", type=Path, nargs="*")
     parser.add_argument("--choice", type=Path)
     args = parser.parse_args()
-    page = PAGE.read_text(encoding="utf-8")
+    parts: dict[str, str] = {}
     if args.spreads:
         read = {
             p.stem.removeprefix("spread-"): json.loads(p.read_text(encoding="utf-8")) for p in args.spreads
         }
-        page = put(put(page, "cards", cards(read)), "curves", curves(read))
+        parts |= {"cards": cards(read), "curves": curves(read)}
     if args.choice is not None:
-        page = put(page, "choice", choice_told(json.loads(args.choice.read_text(encoding="utf-8"))))
-    with write_beside(PAGE) as part:
-        part.write_text(page, encoding="utf-8")
+        parts["choice"] = choice_tables(json.loads(args.choice.read_text(encoding="utf-8")))
+    write_parts(DOCS / "learners.md", parts)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """The cards of learners: what each tells while it learns, with its spread over training seeds."""
 
-from benchmarks.learners.tables import NO_CURVES, curves, put
+from benchmarks.learners.tables import curves
 
 
 def regression(losses: list[float]) -> dict[str, object]:
@@ -33,9 +33,4 @@ def test_a_regression_shows_its_loss_and_dagger_its_success_and_what_is_fitted_a
         "0.7 (0.7 to 0.7)",
         "0.9 (0.9 to 0.9)",
     ]
-    assert curves({"reservoir": {"0": {"curve": []}}}) == NO_CURVES
-
-
-def test_only_what_is_between_the_marks_is_written() -> None:
-    page = "before\n<!-- curves -->\nold\n<!-- end curves -->\nafter\n"
-    assert put(page, "curves", "new") == "before\n<!-- curves -->\nnew\n<!-- end curves -->\nafter\n"
+    assert len(curves({"reservoir": {"0": {"curve": []}}}).splitlines()) == 2  # the heads alone

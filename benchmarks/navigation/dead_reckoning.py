@@ -2,16 +2,15 @@
 
     python -m benchmarks.navigation.dead_reckoning
 
-Writes docs/navigation.md.
+Writes the tables of docs/navigation.md.
 """
-
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 from swamp_rl.experiments.reports.experiment import table
 
+from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import parse_effects
 from swamp_rl.navigation.filter import COASTING, START, WITH_MODEL, Navigator
@@ -21,7 +20,6 @@ from swamp_rl.navigation.simulated import Navigated, navigate
 
 Array = NDArray[np.float64]
 
-ROOT = Path(__file__).resolve().parents[2]
 RUNS = 20
 BEFORE, LOSS = 30.0, 20.0  # s with GPS, s without
 SENSORS = Sensors()
@@ -108,42 +106,14 @@ def loss_rows() -> list[list[str]]:
     return rows
 
 
-def document() -> str:
-    """The text of docs/navigation.md."""
-    return f"""# Navigation and dead reckoning
-
-Written by `python -m benchmarks.navigation.dead_reckoning`.
-An extended Kalman filter of pose, velocity over ground and
-current. GPS {SENSORS.position} m every {SENSORS.gps_interval} s; AHRS {SENSORS.heading} rad and
-{SENSORS.yaw_rate} rad/s every {SENSORS.ahrs_interval} s, each in its own time: our choice, the sources print
-no data sheets.
-
-## Is it as sure as it should be?
-
-{RUNS} simulated zig-zags of 40 s with the noise that the filter assumes. Normalised squares against
-chi-square bounds (99 % for the innovations; 95 % at each moment for the mean over the runs of the errors):
-
-{table(["", "mean", "bounds"], consistency_rows())}
-
-The filter is linear about its estimate and the hull's drag is not, so it should not start out too unsure: the
-last row begins 0.3 m/s unsure of the current and of the boat's own velocity.
-
-## A GPS loss of {LOSS:.0f} s
-
-The lesson of thesis 7.3.3, where a lost link ended on the rocks. The true boat is not the model: hull
-coefficients drawn with 12 %, thrust with 5 %, a current to 0.2 m/s each way, 3 m/s of wind with gusts, all
-unknown to the filter, which has {BEFORE:.0f} s of GPS to find what it can. Zig-zag throughout, {RUNS} boats.
-Position error in metres, median (and 90th percentile):
-
-{table(["dead reckoning by", "before", f"after {LOSS / 2:.0f} s", f"after {LOSS:.0f} s"], loss_rows())}
-
-Coasting keeps the velocities that it had, with heading and yaw rate from the AHRS.
-"""
-
-
 def main() -> None:
-    """Write the document."""
-    (ROOT / "docs" / "navigation.md").write_text(document(), encoding="utf-8")
+    """Write the tables."""
+    heads = ["dead reckoning by", "before", f"after {LOSS / 2:.0f} s", f"after {LOSS:.0f} s"]
+    parts = {
+        "consistency": table(["", "mean", "bounds"], consistency_rows()),
+        "loss of GPS": table(heads, loss_rows()),
+    }
+    write_parts(DOCS / "navigation.md", parts)
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ import numpy as np
 import psutil
 from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.documents.readme import between_marks
+from benchmarks.markers import write_parts
 
 PRESSES = 60
 HOURS, KEPT = 8, 8  # hours sailed; one in so many runs is accepted, the others are discarded
@@ -188,7 +188,7 @@ def main(out: Path, parts: list[str]) -> None:
         measured["load average"], measured["cores"] = load, os.cpu_count()
         made = table(["measured", ""], told(measured))
         print(made)
-        out.write_text(between_marks(out.read_text(encoding="utf-8"), part, made), encoding="utf-8")
+        write_parts(out, {part: made})
 
 
 if __name__ == "__main__":

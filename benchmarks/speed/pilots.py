@@ -8,7 +8,6 @@ not how long its step takes. `--only steps` or `--only evaluations` writes one o
 """
 
 import argparse
-import platform
 import tempfile
 import time
 from collections.abc import Callable, Mapping
@@ -19,7 +18,7 @@ import numpy as np
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.documents.readme import between_marks
+from benchmarks.markers import DOCS, write_parts
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation.rollout import drive
 from swamp_rl.export import OnnxPilot, greatest_difference, write_onnx
@@ -27,7 +26,6 @@ from swamp_rl.export.timing import step_microseconds
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.store import load_pilot
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "models.md"
 EPISODES, LEVEL = 1000, "standard"
 FIRST_EPISODE = 3_000_000
 "Of episodes that no experiment evaluates."
@@ -119,9 +117,7 @@ def main() -> None:
     folders = [folder for folder in sorted((asked.results / "pilots").iterdir()) if folder.is_dir()]
     pilots = {folder.name: load_pilot(folder) for folder in folders}
     for name in [asked.only] if asked.only else TABLES:
-        where = f"Measured on one `{platform.machine()}` machine, not on a Raspberry Pi."
-        text = PAGE.read_text(encoding="utf-8")
-        PAGE.write_text(between_marks(text, name, f"{TABLES[name](pilots)}\n\n{where}"), encoding="utf-8")
+        write_parts(DOCS / "models.md", {name: TABLES[name](pilots)})
 
 
 if __name__ == "__main__":

@@ -21,12 +21,10 @@ from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.schema import Experiment
 from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.documents.readme import between_marks
+from benchmarks.markers import DOCS, write_parts
 from benchmarks.speed.pilots import Timed
 from swamp_rl.pilots.ppo import PPOSettings, train_ppo
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "experiments.md"
-MARK = "time"
 FROM_RUNS, PPO_BOATS, PPO_NETWORK = "fit to runs", "PPO: the boats", "PPO: the network"
 
 
@@ -69,14 +67,18 @@ def share_of_boats(settings: PPOSettings, disturbances: str | None) -> float:
     return share
 
 
-def times(results: Mapping[str, Any], spent: Mapping[str, float]) -> str:
-    """The table and what it was measured on."""
+def times(spent: Mapping[str, float]) -> str:
+    """Seconds and share of each kind of work."""
     total = sum(spent.values())
     rows = [[work, f"{took:.0f}", f"{100.0 * took / total:.0f}"] for work, took in spent.items()]
+    return table(["work", "seconds", "share [%]"], [*rows, ["all", f"{total:.0f}", "100"]])
+
+
+def machine_table(results: Mapping[str, Any]) -> str:
+    """What it was measured on."""
     machine = results["measured"]["hardware"]
-    where = f"{machine['processors']} processors ({machine['processor']}), {machine['memory_gb']:.0f} GB"
-    told = f"`{results['name']}`, {total:.0f} s of wall-clock on {where}; other work may have shared them."
-    return f"{table(['work', 'seconds', 'share [%]'], rows)}\n\n{told}"
+    cells = [machine["processor"], str(machine["processors"]), f"{machine['memory_gb']:.0f}"]
+    return table(["experiment", "processor", "processors", "memory [GB]"], [[results["name"], *cells]])
 
 
 def main() -> None:
@@ -87,8 +89,8 @@ def main() -> None:
     results, experiment = json.loads((folder / "results.json").read_text()), load_experiment(folder)
     plan = next(plan for plan in experiment.pilots.values() if plan.kind == "ppo")
     share = share_of_boats(PPOSettings.model_validate(plan.options), plan.disturbances)
-    text = times(results, divided(results["measured"]["seconds"], experiment, share))
-    PAGE.write_text(between_marks(PAGE.read_text(encoding="utf-8"), MARK, text), encoding="utf-8")
+    spent = divided(results["measured"]["seconds"], experiment, share)
+    write_parts(DOCS / "experiments.md", {"time": f"{times(spent)}\n\n{machine_table(results)}"})
 
 
 if __name__ == "__main__":

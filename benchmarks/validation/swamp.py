@@ -265,6 +265,7 @@ class YawRow:
         return [
             self.name,
             *(f"{getattr(self.model, name):.2f}" for name in NAMES),
+            f"{self.model.damping(1.0):.2f}",
             f"{settle:.2f}" if math.isfinite(settle) else "unstable",
             f"{rate:.1f}" if math.isfinite(rate) else "unstable",
         ]

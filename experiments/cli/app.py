@@ -5,7 +5,8 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
-import swamp_rl.experiments.cli.runs_exchange  # noqa: F401  it adds its verbs to `runs`
+import swamp_rl.experiments.cli.runs_exchange
+import swamp_rl.experiments.cli.trial_captive  # noqa: F401  it adds its verbs to `trial`
 import typer
 from swamp_rl.experiments.cli.compare import compare
 from swamp_rl.experiments.cli.demo import demo

@@ -14,7 +14,7 @@ Results = Mapping[str, Any]
 def report(results: Results) -> str:
     """The whole text."""
     parts = [opening(results), summary(results), method(results)]
-    parts += [claim(results, one) for one in results["claims"]]
+    parts += [claim(one) for one in results["claims"]]
     parts.append(f"It took {results['measured']['total_seconds']:.0f} s.")
     return "\n\n".join(parts) + "\n"
 
@@ -61,19 +61,20 @@ def method(results: Results) -> str:
     )
 
 
-def claim(results: Results, found: Results) -> str:
+def claim(found: Results) -> str:
     """A claim with its hypotheses."""
+    head = f"## {found['title']}: {found['verdict']}\n\n"
+    return head + hypotheses(found) + NOTES.get(found["claim"], "")
+
+
+def hypotheses(found: Results) -> str:
+    """The hypotheses of a claim: effect, p and verdict."""
     rows = []
     for one in found["hypotheses"]:
         text = one["text"] if one["decides"] else f"*{one['text']}* (does not decide)"
         reference = "–" if one["reference"] is None else shown(one["shown"], one["reference"])
         rows.append([text, effect(one), p_value(one["p_corrected"]), f"**{one['verdict']}**", reference])
-    text = f"## {found['title']}: {found['verdict']}\n\n"
-    return (
-        text
-        + table(["hypothesis", "effect", "p, corrected", "verdict", "data's pilot"], rows)
-        + NOTES.get(found["claim"], "")
-    )
+    return table(["hypothesis", "effect", "p, corrected", "verdict", "data's pilot"], rows)
 
 
 NOTES = {

@@ -44,22 +44,27 @@ def effects(results: Results) -> str:
     return " and ".join(said)
 
 
-def found(results: Results) -> str:
-    """What the diagnosis said about the logs."""
-    logs, diagnosis = results["hidden"]["logs"], results["diagnosis"]
+def causes(results: Results) -> str:
+    """The causes that the diagnosis found in the logs."""
     rows = []
-    for cause in diagnosis["causes"]:
+    for cause in results["diagnosis"]["causes"]:
         on = cause["thruster"] if isinstance(cause["thruster"], str) else " ".join(cause["thruster"] or ())
         for name, p in cause["parameters"].items():
             value = f"{p['value']:.4g} ± {p['standard_error']:.2g} {p['unit']}"
             rows.append([f"{cause['effect']} {on}".strip(), name, value])
+    return table(["cause", "parameter", "value and standard error"], rows)
+
+
+def found(results: Results) -> str:
+    """What the diagnosis said about the logs."""
+    logs, diagnosis = results["hidden"]["logs"], results["diagnosis"]
     verdict = diagnosis["verdict"].replace("_", " ")
     text = (
         f"## What the logs told\n\n{logs['runs']} runs of the scripted pilot through the gates, logged with "
         f"sensor noise ({logs['position_noise']} m, {logs['heading_noise']} rad, "
         f"{logs['velocity_noise']} m/s, {logs['yaw_rate_noise']} rad/s). Verdict: **{verdict}**."
     )
-    return text + ("\n\n" + table(["cause", "parameter", "value and standard error"], rows) if rows else "")
+    return f"{text}\n\n{causes(results)}" if diagnosis["causes"] else text
 
 
 def success(results: Results) -> str:

@@ -48,9 +48,13 @@ def success(found: Found) -> str:
         "## How often they arrive\n\n"
         "Percent. With one training seed: Wilson's 95 % interval over the episodes, of this one trained "
         "pilot. With several: the interquartile mean over them and its 95 % bootstrap interval, of the way "
-        "of training. Fewer than about five seeds make that interval too narrow.\n\n"
-        + table(heads(found), rows(found))
+        "of training. Fewer than about five seeds make that interval too narrow.\n\n" + success_table(found)
     )
+
+
+def success_table(found: Found) -> str:
+    """Success by pilot and level."""
+    return table(heads(found), rows(found))
 
 
 def differences(found: Found, quantities: Sequence[str], title: str) -> str:
@@ -75,13 +79,17 @@ def improvement(found: Found) -> str:
     """Chance that another training of one beats another training of the other."""
     if not any(pilot["seeds"] > 1 for pilot in found["pilots"]) or not found["improvement"]:
         return ""
-    lines = [[f"{row['a']} over {row['b']}", percent(row), str(row["n"])] for row in found["improvement"]]
     return (
         "## Would another training beat the other?\n\n"
         "Probability of improvement in success over the training seeds, averaged over the levels, in "
-        "percent; 50 is no difference. Agarwal and others (2021).\n\n"
-        + table(["pilot over pilot", "probability", "seeds, at least"], lines)
+        "percent; 50 is no difference. Agarwal and others (2021).\n\n" + improvement_table(found)
     )
+
+
+def improvement_table(found: Found) -> str:
+    """Probability of improvement of each pair of pilots, in percent."""
+    lines = [[f"{row['a']} over {row['b']}", percent(row), str(row["n"])] for row in found["improvement"]]
+    return table(["pilot over pilot", "probability", "seeds, at least"], lines)
 
 
 def percent(interval: Mapping[str, Any]) -> str:

@@ -7,11 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.identification.estimate import BLOCK
+from swamp_rl.identification.estimate import BLOCK, Estimate
+from swamp_rl.identification.identifiability import doubt
 from swamp_rl.identification.motion import Motion
-from swamp_rl.physics.resistance import surge_resistance, towing
-from swamp_rl.physics.thrusters import bollard_thrust
-from swamp_rl.simulator import parameters, tank
+from swamp_rl.manoeuvres.captive import bollard_of_all, fastest, resistance_at
 
 Array = NDArray[np.float64]
 
@@ -33,18 +32,6 @@ class Point(NamedTuple):
     factor: float
     low: float
     high: float
-
-
-def resistance_at(boat: Boat, speed: float) -> float:
-    """Resistance [N] of the towing tank at a speed [m/s] through the water."""
-    record, curves = parameters(boat)[0], tank(boat)
-    return float(-surge_resistance(abs(speed), 0.0, record, curves, towing(record, curves)))
-
-
-def bollard_of_all(boat: Boat, throttle: float) -> float:
-    """Thrust [N] at rest of all jets at one throttle [1], without deduction."""
-    record = parameters(boat)[0]
-    return float(sum(bollard_thrust(throttle, k, record) for k in range(len(boat.thrusters))))
 
 
 def stretches(motion: Motion) -> list[slice]:
@@ -98,6 +85,16 @@ def deduction_points(motion: Motion, boat: Boat) -> list[Point]:
         ahead = bool(motion.jets[part, 0].mean() > 0.0)
         found.append(Point(throttle, ahead, mean, seconds, middle, low, high))
     return found
+
+
+def point_doubt(point: Point, boat: Boat) -> str | None:
+    """Why a stretch does not determine its 1 - t; None where it does."""
+    most = fastest(boat)
+    if (point.speed > 0.0) != point.ahead:
+        return f"the boat goes {point.speed:+.3f} m/s against its jets"
+    if abs(point.speed) > most:
+        return f"the resistance is known up to {most:.4g} m/s"
+    return doubt(Estimate(point.factor, point.low, point.high, "1"))
 
 
 def paired(points: list[Point], boat: Boat) -> dict[float, float]:

@@ -1,5 +1,7 @@
 """Paper 003's bounded least squares: mass and quadratic drag from elementary motions (eq. 6, 7)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,6 +9,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.servo import inertia_of
 from swamp_rl.identification.estimate import BLOCK, Estimate, blocks_of, with_intervals
+from swamp_rl.identification.identifiability import doubts
 from swamp_rl.identification.motion import Motion
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.resistance import towing
@@ -15,8 +18,15 @@ from swamp_rl.simulator import parameters, tank
 Array = NDArray[np.float64]
 
 WIDEST = 10.0  # times what is expected of the boat: the most that a parameter may be
-SLOW, STILL = 0.05, 0.15  # rad/s and m/s below which a motion does not count
+SLOW = 0.05  # rad/s or m/s from which the boat moves along or about an axis
+STILL = 0.15  # m/s up to which it keeps its place while it turns, or its course while it goes straight
 LEAST_ROWS = 50
+LEAST_CHANGE = 1e-6  # N or N m
+NAMES = ("mass", "drag")
+NEEDED = {
+    "surge": "runs straight ahead with steps of thrust",
+    "yaw": "turns on the spot with steps of thrust",
+}
 
 
 def expected(boat: Boat, speed: float = 0.7) -> dict[str, tuple[float, float]]:
@@ -41,14 +51,15 @@ def bounded(X: Array, y: Array, most: Array) -> Array:
 
 def surge_motion(motion: Motion) -> Motion:
     """The rows in which the boat goes straight, ahead or astern."""
-    _, v, r = motion.velocity.T
-    return motion.rows((np.abs(r) < SLOW) & (np.abs(v) < STILL) & (np.abs(motion.jets[:, 2]) < 0.5))
+    u, v, r = motion.velocity.T
+    straight = (np.abs(r) < SLOW) & (np.abs(v) < STILL) & (np.abs(motion.jets[:, 2]) < 0.5)
+    return motion.rows(straight & (np.abs(u) >= SLOW))
 
 
 def yaw_motion(motion: Motion) -> Motion:
     """The rows in which the boat turns on the spot."""
-    u, v, _ = motion.velocity.T
-    return motion.rows((np.abs(u) < STILL) & (np.abs(v) < STILL))
+    u, v, r = motion.velocity.T
+    return motion.rows((np.abs(u) < STILL) & (np.abs(v) < STILL) & (np.abs(r) >= SLOW))
 
 
 def identify_surge(motion: Motion, boat: Boat) -> tuple[Estimate, Estimate]:
@@ -61,21 +72,48 @@ def identify_yaw(motion: Motion, boat: Boat) -> tuple[Estimate, Estimate]:
     return _identify(yaw_motion(motion), 2, boat, "yaw", ("kg m2", "N m s2"))
 
 
+def lacking(motion: Motion, name: str) -> str | None:
+    """What the runs lack for `surge` or `yaw` to be identified at all; None where nothing."""
+    return _lacking(surge_motion(motion), 0) if name == "surge" else _lacking(yaw_motion(motion), 2)
+
+
+def _lacking(motion: Motion, axis: int) -> str | None:
+    count = len(motion.time)
+    if count < LEAST_ROWS:
+        return f"{count} rows of it, {LEAST_ROWS} are needed"
+    if np.ptp(motion.jets[:, axis]) < LEAST_CHANGE:
+        return f"the force is the same in all its {count} rows"
+    return None
+
+
+def surge_doubts(motion: Motion, found: Sequence[Estimate]) -> list[str | None]:
+    """Why the rows do not determine M_11 and D_11 as found; None where they do."""
+    return _doubts(surge_motion(motion), 0, found)
+
+
+def yaw_doubts(motion: Motion, found: Sequence[Estimate]) -> list[str | None]:
+    """Why the rows do not determine M_66 and D_66 as found; None where they do."""
+    return _doubts(yaw_motion(motion), 2, found)
+
+
+def regressors(motion: Motion, axis: int) -> Array:
+    """(T, 2) acceleration and speed times its size along one axis."""
+    speed = motion.velocity[:, axis]
+    return np.column_stack([motion.derivative[:, axis], speed * np.abs(speed)])
+
+
+def _doubts(motion: Motion, axis: int, found: Sequence[Estimate]) -> list[str | None]:
+    return doubts(regressors(motion, axis), found, motion.lengths, NAMES)
+
+
 def _identify(
     motion: Motion, axis: int, boat: Boat, name: str, units: tuple[str, str]
 ) -> tuple[Estimate, Estimate]:
-    speed, rate, force = motion.velocity[:, axis], motion.derivative[:, axis], motion.jets[:, axis]
-    if len(speed) < LEAST_ROWS or np.ptp(force) < 1e-6:
-        needs = (
-            "runs straight ahead with steps of thrust"
-            if axis == 0
-            else "turns on the spot with steps of thrust"
-        )
-        raise UserError(
-            f"no elementary {name} motion: {len(speed)} rows with a force that changes; record {needs}"
-        )
+    X, force = regressors(motion, axis), motion.jets[:, axis]
+    wrong = _lacking(motion, axis)
+    if wrong:
+        raise UserError(f"no elementary {name} motion: {wrong}; record {NEEDED[name]}")
     most = WIDEST * np.array(expected(boat)[name])
-    X = np.column_stack([rate, speed * np.abs(speed)])
     blocks = blocks_of(motion.lengths, max(1, round(BLOCK / motion.step)))
     found = with_intervals(X, force, blocks, lambda A, b: bounded(A, b, most), units)
     return found[0], found[1]

@@ -1,12 +1,15 @@
 """The yaw model of paper 002, eq. 1, by pseudo-inversion (eq. 2) and by rollout."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.errors import UserError
 from swamp_rl.identification.estimate import BLOCK, Estimate, blocks_of, pseudo_inverse, with_intervals
+from swamp_rl.identification.identifiability import doubts
 from swamp_rl.identification.motion import Motion
 
 Array = NDArray[np.float64]
@@ -14,6 +17,8 @@ Array = NDArray[np.float64]
 UNITS = ("N m s", "N s2", "N s2", "N m/rad")
 NAMES = ("k_r", "c_ru", "c_rv", "b_r")
 WINDOW = 10.0  # s of each rollout
+STEERED = 0.02  # rad by which the steering angle must change
+NEEDED = "zig-zags at several angles and speeds"
 FAR = 1e6  # rad/s at which a rollout that runs away is cut off
 
 
@@ -57,11 +62,23 @@ def regressors(motion: Motion) -> Array:
 
 
 def by_pseudo_inverse(motion: Motion, inertia: float) -> tuple[YawModel, list[Estimate]]:
-    """Eq. 2: the measured rows times the pseudo-inverse; with intervals from resampled blocks of 5 s."""
+    """Eq. 2: the measured rows times the pseudo-inverse; with intervals from resampled blocks of 5 s.
+
+    UserError where the steering angle never changes.
+    """
+    angle = motion.steering
+    if np.ptp(angle) < STEERED:
+        held = math.degrees(float(angle.mean()))
+        raise UserError(f"no steering: the angle is {held:.1f} deg throughout; record {NEEDED}")
     X, y = regressors(motion), inertia * motion.derivative[:, 2]
     blocks = blocks_of(motion.lengths, max(1, round(BLOCK / motion.step)))
     found = with_intervals(X, y, blocks, pseudo_inverse, UNITS)
     return YawModel._make([*(one.value for one in found), inertia]), found
+
+
+def yaw_model_doubts(motion: Motion, found: Sequence[Estimate]) -> list[str | None]:
+    """Why the rows do not determine k_r, c_ru, c_rv and b_r as found; None where they do."""
+    return doubts(regressors(motion), found, motion.lengths, NAMES)
 
 
 def rollout(model: YawModel, start: Array, surge: Array, sway: Array, steering: Array, dt: float) -> Array:
@@ -81,11 +98,13 @@ def by_rollout(motion: Motion, guess: YawModel) -> YawModel:
     """The same model fitted to the yaw rate itself: rollouts of 10 s, each from a start of its own.
 
     No derivative of a noisy signal is taken; surge and sway go in as measured. The starts and b_r act
-    linearly and are solved for exactly at every step of the search.
+    linearly and are solved for exactly at every step of the search. UserError where every run is shorter.
     """
     from scipy.optimize import least_squares
 
     rows = round(WINDOW / motion.step)
+    if max(motion.lengths) < rows:
+        raise UserError(f"every run is shorter than a rollout's {WINDOW:g} s; record longer ones")
     ends = zip(np.cumsum((0, *motion.lengths)), motion.lengths, strict=False)
     starts = [a + i * rows for a, n in ends for i in range(n // rows)]
     cut = np.array(starts)[:, None] + np.arange(rows)

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 from swamp_rl.guidance.heading import slowest_speed, steering_angle
 from swamp_rl.guidance.line_of_sight import Waypoint, leg_after, line_of_sight, offset
+from swamp_rl.guidance.loop import Seen
 from swamp_rl.manoeuvres.controller import (
     APPROACH,
     EXECUTE,
     Controller,
     Order,
     Phase,
-    Sensed,
     Trial,
     patience,
 )
@@ -55,7 +55,7 @@ def approached(trial: Trial, manoeuvre: Controller, area: Area, length: float, l
     route = waypoints(area, length)
     longest = patience(length)
 
-    def control(sensed: Sensed, phase: Phase) -> tuple[Order, Phase]:
+    def control(sensed: Seen, phase: Phase) -> tuple[Order, Phase]:
         if phase.name != APPROACH:
             return manoeuvre(sensed, phase)
         place, speed = Waypoint(sensed.north, sensed.east), math.hypot(sensed.surge, sensed.sway)
@@ -78,7 +78,7 @@ def approached(trial: Trial, manoeuvre: Controller, area: Area, length: float, l
 
 
 def _watched(
-    memory: tuple[float, ...], sensed: Sensed, speed: float, across: float, sailed: float
+    memory: tuple[float, ...], sensed: Seen, speed: float, across: float, sailed: float
 ) -> tuple[float, ...]:
     """The speed and the way aside of the line as they settle, and when the third waypoint was passed.
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from swamp_rl.guidance.heading import GRAVITY
+from swamp_rl.guidance.loop import Seen
 
 Kind = Literal["turning-circle", "zig-zag", "spiral", "reverse-spiral", "pull-out", "stopping", "straight"]
 Pattern = Literal["opposed", "bow", "parallel"]
@@ -33,18 +34,6 @@ class Trial:
     astern: bool = False
     astern_throttle: float = 1.0
     start_speed: float | None = None
-
-
-class Sensed(NamedTuple):
-    """What is measured: s, m, rad (the heading not wrapped), m/s over ground, rad/s."""
-
-    time: float
-    north: float
-    east: float
-    heading: float
-    surge: float
-    sway: float
-    yaw_rate: float
 
 
 class Order(NamedTuple):
@@ -84,7 +73,7 @@ class Phase(NamedTuple):
         return self._replace(notes=(*self.notes, note))
 
 
-Controller = Callable[[Sensed, Phase], tuple[Order, Phase]]
+Controller = Callable[[Seen, Phase], tuple[Order, Phase]]
 
 
 def patience(length: float) -> float:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
+from swamp_rl.guidance.loop import Seen, closed_loop, seen_of
 from swamp_rl.manoeuvres.approach import Area, approached, waypoints
 from swamp_rl.manoeuvres.controller import (
     APPROACH,
@@ -17,7 +18,6 @@ from swamp_rl.manoeuvres.controller import (
     GAVE_UP,
     Controller,
     Phase,
-    Sensed,
     Trial,
 )
 from swamp_rl.manoeuvres.pull_out import pull_out
@@ -28,11 +28,9 @@ from swamp_rl.manoeuvres.stopping import stopping
 from swamp_rl.manoeuvres.straight import straight
 from swamp_rl.manoeuvres.turning_circle import turning_circle
 from swamp_rl.manoeuvres.zig_zag import zig_zag
-from swamp_rl.simulator import initial_state, parameters, step, tank
-from swamp_rl.simulator.delay import delayed_command
+from swamp_rl.simulator import initial_state, parameters
 from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.state import NORTH, YAW_RATE
-from swamp_rl.simulator.step import substeps_of
 
 Array = NDArray[np.float64]
 
@@ -99,7 +97,7 @@ class _Helm:
     phase: Phase
     marks: list[Mark] = field(default_factory=list)
 
-    def act(self, sensed: Sensed) -> Array:
+    def act(self, sensed: Seen) -> Array:
         before = self.phase
         order, self.phase = self.control(sensed, before)
         if not self.marks or (before.name, before.number) != (self.phase.name, self.phase.number):
@@ -140,36 +138,24 @@ def _sail(
     state: Array,
     seed: int,
 ) -> list[Executed]:
-    count, commands = len(trials), np.zeros((len(trials), 2 * len(boat.thrusters)))
-    delays = params["command_delay"] / STEP
+    commands, ends = np.zeros((len(trials), 2 * len(boat.thrusters))), np.full(len(trials), -1)
     exact = not any(params[name].any() for name in SENSOR_FIELDS)
     tail = 2 + math.ceil(float(params["position_delay"].max()) / STEP)
-    past, arrived = np.zeros((count, 3 + int(delays.max()), commands.shape[1])), np.empty_like(commands)
-    late = np.flatnonzero(delays > 0.0)
-    seeds = (seed + np.arange(count)).astype(np.uint64)
-    states: list[Array] = [state.copy()]
-    asked: list[Array] = []
-    ends = np.full(count, -1)
-    while True:
+
+    def decide(states: list[Array]) -> tuple[Array, bool]:
+        now, tick = states[-1], len(states) - 1
         if exact:
-            seen = state[:, NORTH : YAW_RATE + 1]
+            channels = now[:, NORTH : YAW_RATE + 1]
         else:
-            seen = observe(np.stack(states[-tail:], axis=1), params, STEP)[:, -1]
-        tick = len(asked)
+            channels = observe(np.stack(states[-tail:], axis=1), params, STEP)[:, -1]
         for i in np.flatnonzero(ends < 0):
-            commands[i] = helms[i].act(Sensed(tick * STEP, *seen[i].tolist()))
+            commands[i] = helms[i].act(seen_of(tick * STEP, now[i], channels[i]))
             if helms[i].over:
                 ends[i] = tick
-        asked.append(commands.copy())
-        if (ends >= 0).all():
-            break
-        past[:, tick % past.shape[1]] = commands
-        arrived[:] = commands
-        for i in late:
-            delayed_command(past[i], tick, delays[i], arrived[i])
-        step(state, params, tank(boat), arrived, seeds, STEP, substeps_of(STEP))
-        states.append(state.copy())
-    track, rows = np.stack(states, axis=1), np.stack(asked, axis=1)
+        return commands, bool((ends >= 0).all())
+
+    seeds = (seed + np.arange(len(trials))).astype(np.uint64)
+    track, rows = closed_loop(boat, params, state, decide, seeds, STEP)
     measured = observe(track, params, STEP)
     return [
         Executed(

@@ -1,6 +1,7 @@
 """Pull-out: from a steady turn to either side the steering goes amidships; the yaw rate tells the rest."""
 
-from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Sensed, Trial, patience
+from swamp_rl.guidance.loop import Seen
+from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Trial, patience
 from swamp_rl.manoeuvres.settling import started
 from swamp_rl.manoeuvres.spiral import SHARE, steady_turn
 
@@ -11,7 +12,7 @@ def pull_out(trial: Trial, length: float) -> Controller:
     """A steady turn and its pull-out for the trial's duration, then the same to the other side."""
     longest = SHARE * patience(length)
 
-    def control(sensed: Sensed, phase: Phase) -> tuple[Order, Phase]:
+    def control(sensed: Seen, phase: Phase) -> tuple[Order, Phase]:
         if phase.name not in (TURNING, PULL_OUT):
             phase = phase.then(TURNING, sensed.time, 1, started(sensed.time, sensed.yaw_rate))
         if phase.name == TURNING:

@@ -3,7 +3,8 @@
 import math
 
 from swamp_rl.guidance.heading import slowest_speed
-from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Sensed, Trial, patience
+from swamp_rl.guidance.loop import Seen
+from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Trial, patience
 from swamp_rl.manoeuvres.settling import Settling, started, watched
 from swamp_rl.manoeuvres.spiral import HOLD, SHARE, SLOW, spiral_angles, steady_turn
 
@@ -24,7 +25,7 @@ def reverse_spiral(trial: Trial, length: float, limit: float) -> Controller:
     longest = SHARE * patience(length)
     bound = min(BEYOND * abs(trial.angle), limit)
 
-    def control(sensed: Sensed, phase: Phase) -> tuple[Order, Phase]:
+    def control(sensed: Seen, phase: Phase) -> tuple[Order, Phase]:
         if phase.name not in (LARGEST, HOLDING):
             phase = phase.then(LARGEST, sensed.time, memory=started(sensed.time, sensed.yaw_rate))
         if phase.name == LARGEST:
@@ -46,7 +47,7 @@ def reverse_spiral(trial: Trial, length: float, limit: float) -> Controller:
 
 
 def _held(
-    sensed: Sensed, phase: Phase, wanted: float, bound: float, length: float
+    sensed: Seen, phase: Phase, wanted: float, bound: float, length: float
 ) -> tuple[float, Phase, bool]:
     """Angle [rad] that holds the yaw rate `wanted` [rad/s], the phase, and whether that angle is steady.
 
@@ -63,7 +64,7 @@ def _held(
     return angle, phase, sensed.time - seen.since >= HOLD * sailed
 
 
-def _next(sensed: Sensed, phase: Phase, angle: float, steps: int) -> Phase:
+def _next(sensed: Seen, phase: Phase, angle: float, steps: int) -> Phase:
     if phase.number == steps:
         return phase.then(DONE, sensed.time, number=steps)
     memory = (*started(sensed.time, angle), *phase.memory[3:])

@@ -3,7 +3,8 @@
 import math
 
 from swamp_rl.guidance.heading import slowest_speed
-from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Sensed, Trial, patience
+from swamp_rl.guidance.loop import Seen
+from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Trial, patience
 from swamp_rl.manoeuvres.settling import Settling, started, watched
 
 STEP = "step"
@@ -24,7 +25,7 @@ def spiral(trial: Trial, length: float) -> Controller:
     angles = spiral_angles(trial.angle)
     longest = SHARE * patience(length)
 
-    def control(sensed: Sensed, phase: Phase) -> tuple[Order, Phase]:
+    def control(sensed: Seen, phase: Phase) -> tuple[Order, Phase]:
         if phase.name != STEP:
             phase = phase.then(STEP, sensed.time, number=1, memory=started(sensed.time, sensed.yaw_rate))
         phase, settled = steady_turn(sensed, phase, length)
@@ -41,7 +42,7 @@ def spiral(trial: Trial, length: float) -> Controller:
     return control
 
 
-def steady_turn(sensed: Sensed, phase: Phase, length: float) -> tuple[Phase, bool]:
+def steady_turn(sensed: Seen, phase: Phase, length: float) -> tuple[Phase, bool]:
     """The phase with its memory of the yaw rate brought up to date, and whether that rate is steady."""
     pace = max(math.hypot(sensed.surge, sensed.sway), slowest_speed(length))
     sailed = length / pace

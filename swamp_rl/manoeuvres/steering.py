@@ -1,7 +1,7 @@
 """From an order, one steering angle and one throttle, to the commands of whatever drives the boat."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,11 @@ def steering(boat: Boat, pattern: Pattern) -> Steering:
     the inner side is throttled down, to nothing at 90 degrees. UserError where the boat cannot do so.
     """
     _refuse_impossible(boat, pattern)
+    return commands_of(boat, pattern)
+
+
+def commands_of(boat: Boat, pattern: Pattern) -> Steering:
+    """As `steering`, for any boat: what cannot turn it is ordered all the same."""
     parts = [_propeller(t) if isinstance(t, PropellerRudder) else _jet(t, pattern) for t in boat.thrusters]
 
     def commands(order: Order) -> NDArray[np.float64]:
@@ -54,9 +59,11 @@ def _refuse_impossible(boat: Boat, pattern: Pattern) -> None:
         raise UserError(f"boat {boat.name}: no thruster of it turns the boat; a trial needs one that does")
 
 
-def refuse_astern(boat: Boat) -> None:
-    """UserError where some actuator of the boat cannot push astern."""
+def refuse_astern(boat: Boat, names: Collection[str] | None = None) -> None:
+    """UserError where some actuator of the boat, of those named, cannot push astern."""
     for thruster in boat.thrusters:
+        if names is not None and thruster.name not in names:
+            continue
         if isinstance(thruster, PropellerRudder):
             able = thruster.revolutions_max_astern > 0.0
         else:

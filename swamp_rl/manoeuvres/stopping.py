@@ -1,6 +1,7 @@
 """Stopping: from steady running all thrusters push astern until the boat has no way on."""
 
-from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Sensed, Trial, gave_up, patience
+from swamp_rl.guidance.loop import Seen
+from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Trial, gave_up, patience
 
 ASTERN = "astern"
 
@@ -9,7 +10,7 @@ def stopping(trial: Trial, length: float) -> Controller:
     """Full astern, steering amidships, until the surge over ground is zero; length of the boat [m]."""
     longest = patience(length)
 
-    def control(sensed: Sensed, phase: Phase) -> tuple[Order, Phase]:
+    def control(sensed: Seen, phase: Phase) -> tuple[Order, Phase]:
         if phase.name != ASTERN:
             phase = phase.then(ASTERN, sensed.time)
         if sensed.surge <= 0.0:

@@ -3,8 +3,9 @@
 import math
 
 from swamp_rl.guidance.heading import slowest_speed, steering_angle
+from swamp_rl.guidance.loop import Seen
 from swamp_rl.manoeuvres.approach import HOLD, SLOW, STEADY
-from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Sensed, Trial, patience
+from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Trial, patience
 from swamp_rl.manoeuvres.settling import Settling, started, watched
 
 SPEEDING, MEASURED = "speeding", "measured"
@@ -17,7 +18,7 @@ def straight(trial: Trial, length: float, limit: float) -> Controller:
     """
     longest = patience(length)
 
-    def control(sensed: Sensed, phase: Phase) -> tuple[Order, Phase]:
+    def control(sensed: Seen, phase: Phase) -> tuple[Order, Phase]:
         speed = math.hypot(sensed.surge, sensed.sway)
         pace = max(speed, slowest_speed(length))
         angle = steering_angle(phase.heading, sensed.heading, sensed.yaw_rate, speed, length, limit)

@@ -2,7 +2,8 @@
 
 import math
 
-from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Sensed, Trial, gave_up, patience
+from swamp_rl.guidance.loop import Seen
+from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Trial, gave_up, patience
 
 TURNING, PULL_OUT = "turning", "pull-out"
 
@@ -11,7 +12,7 @@ def turning_circle(trial: Trial, length: float) -> Controller:
     """Turns of the trial's angle, counted as they are completed; length of the boat [m]."""
     longest = patience(length)
 
-    def control(sensed: Sensed, phase: Phase) -> tuple[Order, Phase]:
+    def control(sensed: Seen, phase: Phase) -> tuple[Order, Phase]:
         if phase.name not in (TURNING, PULL_OUT):
             phase = phase.then(TURNING, sensed.time, number=1)
         if phase.name == TURNING:

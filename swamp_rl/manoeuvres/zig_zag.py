@@ -2,7 +2,8 @@
 
 import math
 
-from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Sensed, Trial, gave_up, patience
+from swamp_rl.guidance.loop import Seen
+from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Trial, gave_up, patience
 
 STEERING = "execute"
 
@@ -14,7 +15,7 @@ def zig_zag(trial: Trial, length: float) -> Controller:
     """
     longest = patience(length)
 
-    def control(sensed: Sensed, phase: Phase) -> tuple[Order, Phase]:
+    def control(sensed: Seen, phase: Phase) -> tuple[Order, Phase]:
         if phase.number == 0:
             phase = phase.then(STEERING, sensed.time, number=1)
         angle = trial.angle if phase.number % 2 else -trial.angle

@@ -59,7 +59,7 @@ class Navigator:
         error[HEADING] = wrapped(float(error[HEADING]))
         return float(error @ np.linalg.solve(self.P[:6, :6], error))
 
-    def seen(self, azimuth: Array) -> Seen:
-        """The estimate as controllers take it, with the azimuths (K,) that the encoders give."""
+    def seen(self, time: float, azimuth: Array) -> Seen:
+        """The estimate at `time` [s] as controllers take it, with the measured azimuths (K,)."""
         north, east, heading, surge, sway, yaw_rate = (float(value) for value in self.x[:6])
-        return Seen(north, east, heading, surge, sway, yaw_rate, azimuth)
+        return Seen(time, north, east, heading, surge, sway, yaw_rate, azimuth)

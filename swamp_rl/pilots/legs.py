@@ -6,21 +6,44 @@ goes on from a checkpoint needs nothing of the boats, and ends with the same bit
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.pilots.arrays import Array
-from swamp_rl.pilots.callbacks import Log
+from swamp_rl.pilots.callbacks import Log, Tick
+from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
+from swamp_rl.pilots.settings import Count, Seed, Settings, Share
+from swamp_rl.pilots.tally import Tally
 
 FORMAT = "1"
 FIRST_EPISODE = 2**31
 "Seeds of episodes to learn from begin here; those of experiments, which evaluate, end below."
+
+
+class ReinforcementSettings(Settings):
+    """What reinforcement learning has whatever the algorithm."""
+
+    senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, *MOTION, *NEXT_GATE)
+    hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
+    hold: Count = 6
+    "Steps of the boat for which a decision is held, in training and after."
+    boats: Count
+    decisions: Count
+    "Of all boats together."
+    discount: Share = 0.98
+    "For each decision."
+    leg: Count
+    """Between two checkpoints. Each leg starts all boats anew, with random numbers of its own, so it must
+    last longer than episodes do."""
+    seed: Seed = 0
 
 
 @dataclass
@@ -74,7 +97,28 @@ def train_in_legs(
             log(progress.decisions, values)
 
 
-def begin_leg(learner: Any, seed: int, leg: int) -> None:
+def drive_leg(
+    learner: Any, settings: ReinforcementSettings, leg: int, decisions: int, tick: Tick
+) -> dict[str, float]:
+    """Learn from so many decisions of all boats; success, return and number of the episodes that ended.
+
+    Boats and random numbers depend on the seed and the number of the leg alone. tick: told the share done.
+    """
+    from stable_baselines3.common.callbacks import ConvertCallback
+
+    _begin_leg(learner, settings.seed, leg)
+    tally = Tally(settings.boats)
+
+    def hear(known: dict[str, Any], _: dict[str, Any]) -> bool:
+        tally.add(learner.env.get_original_reward(), known["dones"], known["infos"])
+        tick(min(1.0, learner.num_timesteps / settings.decisions))
+        return True
+
+    learner.learn(decisions, ConvertCallback(hear), reset_num_timesteps=False)
+    return tally.means()
+
+
+def _begin_leg(learner: Any, seed: int, leg: int) -> None:
     """Random numbers and episodes that depend on the seed and the number of the leg alone."""
     from stable_baselines3.common.utils import set_random_seed
 
@@ -83,6 +127,24 @@ def begin_leg(learner: Any, seed: int, leg: int) -> None:
     learner.action_space.seed(chance)
     learner.env.seed(FIRST_EPISODE + episodes % FIRST_EPISODE)
     learner._last_obs = None  # so that `learn` starts the boats anew
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Torch within the block: layers as small as ours are slower when divided among threads."""
+    import torch
+
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)
+
+
+def scaling_of(scaled: Any) -> dict[str, Array]:
+    """`mean` and `scale` (d,) of the observations, as a VecNormalize has learned them."""
+    return {"mean": scaled.obs_rms.mean, "scale": np.sqrt(scaled.obs_rms.var + scaled.epsilon)}
 
 
 def moments(owner: str, optimiser: Any) -> dict[str, Array]:

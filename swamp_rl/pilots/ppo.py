@@ -1,24 +1,23 @@
 """PPO (Schulman and others 2017) by stable-baselines3, on a batch of boats that is handed in."""
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 from pydantic import Field
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.callbacks import Log, Tick
-from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
 from swamp_rl.pilots.legs import (
     Legs,
-    begin_leg,
+    ReinforcementSettings,
+    drive_leg,
     moments,
+    one_thread,
     put_moments,
     put_seen,
     put_weights,
+    scaling_of,
     seen,
     train_in_legs,
     weights,
@@ -26,13 +25,10 @@ from swamp_rl.pilots.legs import (
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.ppo_warm import freeze_policy, warm_start
-from swamp_rl.pilots.settings import Count, Positive, Seed, Settings, Share
-from swamp_rl.pilots.tally import Tally
-
-SENSES = (*POSE, *MOTION, *NEXT_GATE)
+from swamp_rl.pilots.settings import Count, Positive
 
 
-class PPOSettings(Settings):
+class PPOSettings(ReinforcementSettings):
     """How long and how it learns.
 
     The learner decides every `hold` steps, for a lever that is moved ten times a second to and fro hardly
@@ -40,10 +36,6 @@ class PPOSettings(Settings):
     every `keep` decisions.
     """
 
-    senses: Annotated[tuple[str, ...], Field(min_length=1)] = SENSES
-    hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
-    hold: Count = 6
-    "Steps of the boat for which a decision is held, in training and after."
     memory: Annotated[int, Field(ge=0, le=20)] = 0
     "Earlier decisions that it knows of: what it then saw and chose."
     caution: Annotated[float, Field(ge=0)] = 0.0
@@ -51,18 +43,14 @@ class PPOSettings(Settings):
     it some time saved is worth a rare loss, and buoys are passed closer than by who wants to arrive."""
     boats: Count = 128
     decisions: Count = 1_200_000
-    "Of all boats together."
     horizon: Count = 64
     "Decisions of each boat between two updates."
     batch_size: Count = 1024
     epochs: Count = 8
-    discount: Share = 0.98
-    "For each decision."
     learning_rate: Positive = 7e-4
     "At the start; it falls linearly to nought at the end, without which the success gained is lost again."
     leg: Count = 8
-    """Updates between two checkpoints. Each leg starts all boats anew, with random numbers of its own, so it
-    must last longer than episodes do."""
+    "Updates between two checkpoints."
     start: str | None = None
     "The clone, by its name in the experiment, that the policy begins as; its `hidden` must be the same."
     settle: Annotated[int, Field(ge=0)] = 2
@@ -71,7 +59,6 @@ class PPOSettings(Settings):
     exploration: Positive = 1.5
     """Standard deviation of the weights of the noise at the start. It is large, so that the levers first go
     from end to end: from 0.6 on, some seeds soon explored too little to find the gates."""
-    seed: Seed = 0
 
 
 def train_ppo(
@@ -110,24 +97,6 @@ def train_ppo(
     return NetworkPilot("ppo", settings.senses, learned, settings.hold, settings.memory)
 
 
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Torch within the block: layers as small as ours are slower when divided among threads."""
-    import torch
-
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
-
-
-def scaling_of(scaled: Any) -> dict[str, Array]:
-    """`mean` and `scale` (d,) of the observations, as a VecNormalize has learned them."""
-    return {"mean": scaled.obs_rms.mean, "scale": np.sqrt(scaled.obs_rms.var + scaled.epsilon)}
-
-
 def mean_layers(policy: Any) -> dict[str, Array]:
     """The mean of a policy with actions from -1 to 1, as the layers of a NetworkPilot, which moves levers."""
     layers = layers_of([*policy.mlp_extractor.policy_net, policy.action_net])
@@ -143,7 +112,9 @@ def _legs(learner: Any, scaled: Any, settings: PPOSettings, tick: Tick, warm: bo
 
     def drive(leg: int) -> dict[str, float]:
         freeze_policy(learner, frozen=warm and leg < settings.settle)
-        return _leg(learner, settings, leg, tick)
+        update = settings.boats * settings.horizon
+        left = -(-(settings.decisions - learner.num_timesteps) // update)
+        return drive_leg(learner, settings, leg, min(settings.leg, left) * update, tick)
 
     def tensors() -> dict[str, Array]:
         kept = weights(learner.policy) | moments("optimiser", learner.policy.optimizer)
@@ -156,24 +127,6 @@ def _legs(learner: Any, scaled: Any, settings: PPOSettings, tick: Tick, warm: bo
         put_seen("return", scaled.ret_rms, kept)
 
     return Legs(learner, drive, tensors, restore)
-
-
-def _leg(learner: Any, settings: PPOSettings, leg: int, tick: Tick) -> dict[str, float]:
-    """Some updates; their boats and random numbers depend on the seed and the number of the leg alone."""
-    from stable_baselines3.common.callbacks import ConvertCallback
-
-    begin_leg(learner, settings.seed, leg)
-    tally = Tally(settings.boats)
-
-    def hear(known: dict[str, Any], _: dict[str, Any]) -> bool:
-        tally.add(learner.env.get_original_reward(), known["dones"], known["infos"])
-        tick(min(1.0, learner.num_timesteps / settings.decisions))
-        return True
-
-    update = settings.boats * settings.horizon
-    left = -(-(settings.decisions - learner.num_timesteps) // update)
-    learner.learn(min(settings.leg, left) * update, ConvertCallback(hear), reset_num_timesteps=False)
-    return tally.means()
 
 
 def _learner(scaled: Any, settings: PPOSettings) -> Any:

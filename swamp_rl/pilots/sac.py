@@ -1,55 +1,46 @@
 """SAC (Haarnoja and others 2018) by stable-baselines3: another way of learning by trying, as a check."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from pydantic import Field
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.legs import (
     Legs,
-    begin_leg,
+    ReinforcementSettings,
+    drive_leg,
     moments,
+    one_thread,
     put_moments,
     put_seen,
     put_weights,
+    scaling_of,
     seen,
     train_in_legs,
     weights,
 )
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
-from swamp_rl.pilots.ppo import SENSES, one_thread, scaling_of
-from swamp_rl.pilots.settings import Count, Positive, Seed, Settings, Share
-from swamp_rl.pilots.tally import Tally
+from swamp_rl.pilots.settings import Count, Positive
 
 BUFFER = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
 "Arrays of the replay buffer, a row for each decision of all boats."
 
 
-class SACSettings(Settings):
+class SACSettings(ReinforcementSettings):
     """How long and how it learns."""
 
-    senses: Annotated[tuple[str, ...], Field(min_length=1)] = SENSES
-    hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
-    hold: Count = 6
-    "Steps of the boat for which a decision is held, in training and after."
     boats: Count = 64
     decisions: Count = 200_000
-    "Of all boats together."
     random: Count = 5_000
     "Decisions at the start that are drawn at random."
     updates: Count = 8
     "Gradient steps each time all boats have decided once."
     batch_size: Count = 256
-    discount: Share = 0.98
-    "For each decision."
     learning_rate: Positive = 1e-3
     leg: Count = 625
-    """Decisions of each boat between two checkpoints. Each leg starts all boats anew, with random numbers of
-    its own, so it must last longer than episodes do."""
-    seed: Seed = 0
+    "Decisions of each boat between two checkpoints."
 
 
 def train_sac(
@@ -101,25 +92,11 @@ def _legs(learner: Any, scaled: Any, settings: SACSettings, tick: Tick) -> Legs:
         for name in BUFFER:
             getattr(buffer, name)[: buffer.pos] = kept[f"buffer.{name}"]
 
-    return Legs(learner, lambda leg: _leg(learner, settings, leg, tick), tensors, restore)
+    def drive(leg: int) -> dict[str, float]:
+        left = settings.decisions - learner.num_timesteps
+        return drive_leg(learner, settings, leg, min(settings.leg * settings.boats, left), tick)
 
-
-def _leg(learner: Any, settings: SACSettings, leg: int, tick: Tick) -> dict[str, float]:
-    """Some decisions; their boats and random numbers depend on the seed and the number of the leg alone."""
-    from stable_baselines3.common.callbacks import ConvertCallback
-
-    begin_leg(learner, settings.seed, leg)
-    tally = Tally(settings.boats)
-
-    def hear(known: dict[str, Any], _: dict[str, Any]) -> bool:
-        tally.add(learner.env.get_original_reward(), known["dones"], known["infos"])
-        tick(min(1.0, learner.num_timesteps / settings.decisions))
-        return True
-
-    left = settings.decisions - learner.num_timesteps
-    asked = min(settings.leg * settings.boats, left)
-    learner.learn(asked, callback=ConvertCallback(hear), reset_num_timesteps=False)
-    return tally.means()
+    return Legs(learner, drive, tensors, restore)
 
 
 def _learner(scaled: Any, settings: SACSettings) -> Any:

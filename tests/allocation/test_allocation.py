@@ -17,6 +17,8 @@ from swamp_rl.errors import UserError
 from swamp_rl.physics.thrusters import bollard_thrust, effective_thrust, jet_force
 from swamp_rl.simulator import parameters
 
+pytestmark = pytest.mark.numerical
+
 Array = NDArray[np.float64]
 
 BOAT = load_boat("swamp")

@@ -17,7 +17,7 @@ from swamp_rl.criticism.pointing import leftovers
 from swamp_rl.criticism.shooting import Shooting
 from tests.support.criticism import SECONDS, commands, driven
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 
 def fitted(every: int, rows: int) -> tuple[Shooting, Fit]:

@@ -9,6 +9,8 @@ from swamp_rl.criticism.consistency import refuse_inconsistent
 from swamp_rl.errors import UserError
 from tests.support.criticism import trials
 
+pytestmark = pytest.mark.numerical
+
 
 @pytest.mark.parametrize("velocities", [True, False])
 def test_consistent_columns_pass_even_with_a_sensor_fault_of_a_usual_size(velocities: bool) -> None:

@@ -11,7 +11,7 @@ from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.shooting import Shooting
 from tests.support.criticism import SECONDS, trials
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 
 def test_it_is_that_of_the_information_in_the_order_of_the_causes_asked_for() -> None:

@@ -28,7 +28,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from tests.support.criticism import DT, SECONDS, SIGMA, driven, searched, trials
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 
 def test_the_noise_is_told_from_the_data_alone() -> None:

@@ -15,7 +15,7 @@ from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.shooting import Shooting
 from tests.support.criticism import SECONDS, trials
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 
 @pytest.fixture(scope="module")

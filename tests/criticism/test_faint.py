@@ -18,7 +18,7 @@ from swamp_rl.criticism.score import beside_nothing, prospects
 from swamp_rl.simulator import parameters
 from tests.support.criticism import SECONDS, searched, trials
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 BOAT = load_boat("swamp")
 ATOMS = [*candidates(BOAT, SECONDS), *filter(None, [hull_nuisance()])]

@@ -10,6 +10,8 @@ from swamp_rl.criticism.gain import Errors, blocks_of, change, expanded_tail, ga
 from swamp_rl.criticism.noise import noise_levels, weights
 from tests.support.criticism import SECONDS, SIGMA, trials
 
+pytestmark = pytest.mark.numerical
+
 
 def test_few_blocks_are_cut_at_the_tail_that_students_t_gives_and_many_at_the_plain_one() -> None:
     # Hesterberg 2015: the normal quantile at the tail is sqrt(n / (n - 1)) of t's; t(0.975; 4) = 2.776445

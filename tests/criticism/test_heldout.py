@@ -11,7 +11,7 @@ from swamp_rl.criticism.score import prospects
 from swamp_rl.criticism.windows import Windows
 from tests.support.criticism import SECONDS, trials
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 
 def windows(*counts: int) -> Windows:

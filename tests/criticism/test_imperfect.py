@@ -12,7 +12,7 @@ from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.partial import found_despite
 from tests.support.criticism import SECONDS, trials, wander
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 
 def test_an_error_lasts_as_long_as_its_autocorrelation_says() -> None:

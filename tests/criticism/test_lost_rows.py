@@ -13,7 +13,7 @@ from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.criticism.unseen_commands import tapped
 from tests.support.criticism import commands, driven
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 ROW = 150
 

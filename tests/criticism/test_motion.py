@@ -7,6 +7,8 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data import Trials
 from swamp_rl.criticism.motion import missing_motion
 
+pytestmark = pytest.mark.numerical
+
 BOAT = load_boat("swamp")
 TIME = np.arange(0.0, 120.0, 0.1)
 

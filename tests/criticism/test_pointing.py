@@ -20,7 +20,7 @@ from swamp_rl.criticism.pointing import (
 from swamp_rl.criticism.unsteady import random_forces
 from tests.support.unmodelled_forces import DEAD_ZONE, MOORING, SECTOR, sailed
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 NOTHING = [(Hypothesis(), np.zeros(0))]
 

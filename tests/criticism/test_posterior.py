@@ -16,6 +16,8 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, write_yaml
 from swamp_rl.simulator import parameters
 
+pytestmark = pytest.mark.numerical
+
 BOAT = load_boat("swamp")
 
 

@@ -12,7 +12,7 @@ from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.readings import least_of_parabola, read_between
 from tests.support.criticism import DT, SECONDS, driven
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 EVERY = 5  # rows of the truth to one of the log
 

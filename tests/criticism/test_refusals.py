@@ -17,6 +17,8 @@ from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, append_run, create_dataset
 from tests.support.runs import circling, described
 
+pytestmark = pytest.mark.numerical
+
 Columns = dict[str, NDArray[np.float64]]
 Change = Callable[[Columns], Columns]
 BOATS = Path(__file__).parents[2] / "configs" / "boats"

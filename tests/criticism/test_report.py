@@ -24,6 +24,8 @@ from swamp_rl.criticism.report.words import (
 )
 from swamp_rl.criticism.result import Cause, Contrast, Diagnosis, Estimate, Gain, Leftover, Paired, Point
 
+pytestmark = pytest.mark.numerical
+
 
 def diagnosis(verdict: str, **changes: object) -> Diagnosis:
     """One without anything else in it."""

@@ -15,7 +15,7 @@ from swamp_rl.criticism.unsteady import random_forces
 from tests.support.criticism import wander
 from tests.support.unmodelled_forces import DEAD_ZONE, MOORING, SECTOR, sailed
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 PIECES, PIECE = 5, 1.0
 

@@ -14,7 +14,7 @@ from swamp_rl.criticism.slow import filter_of, slow_errors
 from swamp_rl.criticism.windows import Windows
 from tests.support.criticism import DT, SECONDS, trials, wander
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 
 def windows(count: int, rows: int) -> Windows:

@@ -15,6 +15,8 @@ from swamp_rl.effects import Level, apply_effects, load_disturbances, parse_effe
 from swamp_rl.errors import UserError
 from swamp_rl.simulator import parameters
 
+pytestmark = pytest.mark.numerical
+
 BOAT = load_boat("swamp")
 NAMES = BOAT.thruster_names
 LEVELS = ["calm", "severe", "standard"]

@@ -6,6 +6,8 @@ from scipy.stats import bootstrap, mannwhitneyu, trim_mean
 
 from swamp_rl.evaluation import common_steps, curve_band, interquartile_mean, probability_of_improvement
 
+pytestmark = pytest.mark.numerical
+
 
 def rng(seed: int = 0) -> np.random.Generator:
     return np.random.default_rng(seed)

@@ -16,6 +16,8 @@ from swamp_rl.guidance.loop import Seen, drive
 from swamp_rl.guidance.servo import VelocityServo, inertia_of
 from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE
 
+pytestmark = pytest.mark.numerical
+
 Array = NDArray[np.float64]
 
 BOAT = load_boat("swamp")
@@ -110,3 +112,17 @@ def test_heading_and_speed_settle_without_much_overshoot() -> None:
     assert track[:, HEADING].max() < math.pi / 2 + math.radians(8)
     assert track[-50:, SURGE] == pytest.approx(np.full(50, 0.7), abs=0.01)
     assert track[:, SURGE].max() < 0.75
+
+
+class AheadAfterASecond:
+    """All jets at rest for a second, then ahead at full throttle."""
+
+    def act(self, seen: Seen, dt: float) -> Array:
+        return np.repeat([0.0, float(seen.time > 0.95)], 4)
+
+
+def test_a_command_delay_of_the_boat_shifts_what_it_does_in_time() -> None:
+    late = among({"effect": "command_delay", "delay": 0.5})
+    prompt, delayed = (drive(boat, AheadAfterASecond(), (0.0, 0.0, 0.0), 5.0) for boat in (BOAT, late))
+    np.testing.assert_allclose(delayed[5:, NORTH], prompt[:-5, NORTH], atol=1e-9)
+    assert prompt[-1, NORTH] > 2.0

@@ -18,6 +18,8 @@ from swamp_rl.guidance.station import Station, StationKeeper
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, YAW_RATE
 
+pytestmark = pytest.mark.numerical
+
 BOAT = load_boat("swamp")
 
 

@@ -14,6 +14,8 @@ from swamp_rl.manoeuvres.analysis.pairs import pairs
 from swamp_rl.runs import Run
 from tests.support.trial_runs import circle_run
 
+pytestmark = pytest.mark.numerical
+
 BOAT = load_boat("swamp")
 D, BETA, U = 6.0, 0.2, 0.8
 

@@ -12,6 +12,8 @@ from swamp_rl.manoeuvres.analysis.imo import first_overshoot_limit, second_overs
 from swamp_rl.runs import Run, RunMeta
 from tests.support.trial_runs import commanded, nomoto_first_overshoot, nomoto_zig_zag
 
+pytestmark = pytest.mark.numerical
+
 BOAT = load_boat("swamp")
 
 

@@ -14,6 +14,8 @@ from swamp_rl.navigation.predict import STATES, BoatModel, Coasting
 from swamp_rl.navigation.sensors import Fix, Sensors, due
 from swamp_rl.navigation.simulated import Navigated, navigate
 
+pytestmark = pytest.mark.numerical
+
 Array = NDArray[np.float64]
 
 BOAT = load_boat("swamp")

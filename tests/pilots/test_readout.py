@@ -15,6 +15,8 @@ from swamp_rl.pilots.readout import (
     squared_error,
 )
 
+pytestmark = pytest.mark.numerical
+
 
 def rows(seed: int, count: int = 300, units: int = 12) -> tuple[Array, Array]:
     """States that lie close to each other, as a reservoir's do, and levers that follow them roughly."""

@@ -16,6 +16,8 @@ from swamp_rl.runs import Run, RunMeta
 from tests.support.runs import circling
 from tests.support.steering_runs import RUNS, SMALL, wandering
 
+pytestmark = pytest.mark.numerical
+
 
 def steered(pilot: ReservoirPilot, run: Run) -> np.ndarray:
     """(T, 2) levers of the pilot along a run that it does not steer."""

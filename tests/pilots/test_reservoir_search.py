@@ -14,7 +14,7 @@ from swamp_rl.pilots.reservoir_search import (
 )
 from tests.support.steering_runs import RUNS, SMALL, wandering
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 FEW = SearchedReservoirSettings(
     units=(10, 40),

@@ -11,7 +11,7 @@ from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_res
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.runs import Run
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 PILOT_SEEDS, EPISODES = (0, 1), np.arange(1_500_000, 1_500_100)
 

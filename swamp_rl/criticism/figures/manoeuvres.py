@@ -12,19 +12,16 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.effects import EffectEntry
 from swamp_rl.guidance.heading import GRAVITY
-from swamp_rl.identification.deduction import resistance_at
 from swamp_rl.identification.motion import motions_of
 from swamp_rl.identification.yaw_model import YawModel, by_pseudo_inverse
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
+from swamp_rl.manoeuvres.captive import command_of, forces_of, resistance_at, thrust_at_rest
 from swamp_rl.manoeuvres.controller import Order, Trial
 from swamp_rl.manoeuvres.execute import execute
 from swamp_rl.manoeuvres.record import run_of_trial
-from swamp_rl.manoeuvres.steering import Steering, steering
-from swamp_rl.physics.compile import compiled
+from swamp_rl.manoeuvres.steering import Steering, commands_of
 from swamp_rl.physics.hull import hull_forces
-from swamp_rl.physics.propulsion import actuator_output, propulsion_forces
 from swamp_rl.physics.resistance import towing
-from swamp_rl.physics.thrusters import bollard_thrust
 from swamp_rl.runs import Run
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.state import EAST, HEADING, SURGE, SWAY, YAW_RATE
@@ -40,16 +37,6 @@ TOUCH = 1e-4  # m/s and rad/s by which straight running is disturbed
 DISTURBED = 0.5  # s after which the disturbance is looked at again
 CIRCLES = (20.0, 30.0, 40.0, 50.0, 60.0)  # deg, to either side: table I of 002
 ZIG_ZAGS = (10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0)  # deg: its table II
-
-
-@compiled
-def surge_thrust(command: Any, u: float, p: Any) -> float:
-    """Surge force [N] of thrusters that have reached `command` (2K,), at u [m/s] straight ahead."""
-    count = len(command) // 2
-    outputs = np.empty((1, count, 2))
-    for k in range(count):
-        outputs[0, k, 0], outputs[0, k, 1] = actuator_output(command[k], command[count + k], k, p)
-    return propulsion_forces(outputs, 0, u, 0.0, 0.0, p)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +58,20 @@ class Loaded:
     @cached_property
     def steer(self) -> Steering:
         """Bow and stern opposed."""
-        return steering(self.boat, "opposed")
+        return commands_of(self.boat, "opposed")
+
+    @cached_property
+    def _captive(self) -> dict[tuple[float, tuple[str, ...]], tuple[Array, float]]:
+        return {}
+
+    def captive(self, throttle: float, thrusters: tuple[str, ...]) -> tuple[Array, float]:
+        """The settled command (2K,) of thrusters (all where none is named) that push along the hull, and
+        their thrust [N] at rest by the boat file, without deduction.
+        """
+        if (throttle, thrusters) not in self._captive:
+            command = command_of(self.boat, throttle, thrusters or self.boat.thruster_names)
+            self._captive[throttle, thrusters] = command, thrust_at_rest(self.boat, command)
+        return self._captive[throttle, thrusters]
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,13 +148,18 @@ class Test:
 
     def towed_thrust(self, speed: float) -> float:
         """Surge force [N] of the running thrusters, straight ahead, at a speed [m/s] through the water."""
-        return float(surge_thrust(self.command(0.0), speed, self.record[0]))
+        command, _ = self.at.captive(self.throttle, self.thrusters)
+        return forces_of(self.record, self.at.curves, speed, command)[0] + self.resistance(speed)
+
+    def resistance(self, speed: float) -> float:
+        """Of the hull alone [N], towed at a speed [m/s]."""
+        record, curves = self.record[0], self.at.curves
+        return -float(hull_forces(speed, 0.0, 0.0, record, curves, towing(record, curves))[0])
 
     @property
     def expected_thrust(self) -> float:
-        """Bollard thrust [N] of the running jets by the boat file's curve, without deduction."""
-        running = [k for k, runs in enumerate(self.running) if runs]
-        return sum(float(bollard_thrust(self.throttle, k, self.at.plain[0])) for k in running)
+        """Thrust [N] of the running thrusters at rest by the boat file's curve, without deduction."""
+        return self.at.captive(self.throttle, self.thrusters)[1]
 
     @cached_property
     def yaw_model(self) -> YawModel:
@@ -183,8 +188,7 @@ def towed_one_minus_t(test: Test) -> float:
 
 def towed_resistance(test: Test) -> float:
     """Towing force [N] with the thrusters stopped."""
-    record, curves = test.record[0], test.at.curves
-    return -float(hull_forces(test.speed, 0.0, 0.0, record, curves, towing(record, curves))[0])
+    return test.resistance(test.speed)
 
 
 def straight_speed(test: Test) -> float:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
-from swamp_rl.boat import Boat, PropellerRudder
+from swamp_rl.boat import Boat
 from swamp_rl.boat.part import FROM_LIST, Part
 from swamp_rl.criticism.figures.manoeuvres import FIGURES, KEYS, OPTIONAL
 from swamp_rl.effects import LIBRARY
@@ -209,10 +209,6 @@ def _faults_of(figure: Figure, loads: Sequence[float], boat: Boat) -> list[str]:
         for name in figure.thrusters
         if name not in boat.thruster_names
     ]
-    if figure.figure == "one_minus_t" and any(isinstance(one, PropellerRudder) for one in boat.thrusters):
-        faults.append(
-            f"one_minus_t is a share of the jets' bollard thrust, but boat {boat.name} has a propeller"
-        )
     return faults
 
 

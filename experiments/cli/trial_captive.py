@@ -1,0 +1,70 @@
+"""`swamp-rl trial bollard` and `trial towed`: captive trials, the forces at an imposed speed."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from swamp_rl.experiments.cli.trial import BoatName, trial_app
+
+SWEEP = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
+
+Out = Annotated[Path, typer.Option(help="The folder for captive.csv; the figures go to its folder analysis.")]
+Sweep = Annotated[
+    list[float] | None,
+    typer.Option("--throttle", help="Share of full throttle, 0 to 1; may be repeated. 0.1 to 1 by default."),
+]
+Jets = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Which thrusters run: names as bs,bp, or how many of the boat file's first; may be repeated."
+    ),
+]
+Speed = Annotated[list[float], typer.Option(help="Of the carriage (m/s); may be repeated.")]
+Astern = Annotated[bool, typer.Option("--astern", help="Push, and tow, astern instead.")]
+
+
+@trial_app.command()
+def bollard(
+    out: Out,
+    throttle: Sweep = None,
+    jets: Jets = None,
+    astern: Astern = False,
+    boat: BoatName = "swamp",
+) -> None:
+    """Pull on a line at rest against the throttle, of one thruster to all of them."""
+    _carry_out("bollard", out, boat, [0.0], throttle, jets or [], astern)
+
+
+@trial_app.command()
+def towed(
+    out: Out,
+    speed: Speed,
+    throttle: Sweep = None,
+    jets: Jets = None,
+    astern: Astern = False,
+    boat: BoatName = "swamp",
+) -> None:
+    """Towing force under a carriage with the thrusters running, and 1 - t by it (thesis eq. 7.1)."""
+    _carry_out("towed", out, boat, speed, throttle, jets or [], astern)
+
+
+def _carry_out(
+    kind: str,
+    out: Path,
+    boat_name: str,
+    speeds: Sequence[float],
+    throttles: Sequence[float] | None,
+    jets: Sequence[str],
+    astern: bool,
+) -> None:
+    from swamp_rl.experiments.reports.captive import ANALYSIS, write_captive
+
+    from swamp_rl.boat import load_boat
+    from swamp_rl.manoeuvres.captive import captive_trial, thruster_sets
+
+    boat = load_boat(boat_name)
+    points = captive_trial(boat, speeds, throttles or SWEEP, thruster_sets(boat, jets), astern)
+    for line in write_captive(out, kind, boat, points, astern):
+        typer.echo(line)
+    typer.echo(f"{out}: captive.csv; {out / ANALYSIS}: report.md, analysis.json and a figure")
