@@ -2,7 +2,7 @@
 
 python -m benchmarks.documents.sea_trials
 
-Does what `swamp-rl diagnose configs/trials/thesis_figures.yaml` does, and writes the tables of docs/sea_trials.md.
+Does what `swamp-rl diagnose configs/trials/thesis_figures.yaml` does, for the tables of docs/sea_trials.md.
 """
 
 from collections.abc import Sequence

@@ -29,7 +29,8 @@ def main() -> None:
     """Write the schemas to the files named on the command line."""
     if len(sys.argv) != 3 or sys.argv[1].startswith("-"):
         raise SystemExit(__doc__)
-    for name, model in zip(sys.argv[1:], (Diagnosis, FiguresDiagnosis), strict=True):
+    models: list[type[BaseModel]] = [Diagnosis, FiguresDiagnosis]
+    for name, model in zip(sys.argv[1:], models, strict=True):
         with write_beside(Path(name)) as part:
             part.write_text(schema_text(model), encoding="utf-8")
 
