@@ -5,20 +5,36 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from swamp_rl.errors import UserError
+
 if TYPE_CHECKING:
     from swamp_rl.criticism.result import Estimate
 
 
 def diagnose(
-    dataset: Annotated[Path, typer.Argument(help="A folder of measured runs with its dataset.yaml.")],
+    dataset: Annotated[
+        Path,
+        typer.Argument(help="A folder of measured runs with its dataset.yaml, or a YAML file of figures."),
+    ],
     out: Annotated[Path, typer.Option(help="The folder to write.")],
     boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",
     holdout: Annotated[
         Path | None, typer.Option(help="Runs to measure the gain on; else each run in turn is held out.")
     ] = None,
+    fit: Annotated[
+        list[str] | None,
+        typer.Option(help="Of figures: groups to fit to, joined by commas; once for each stage."),
+    ] = None,
 ) -> None:
     """Name what the simulation gets wrong, extend the boat by it, and measure the gain."""
     from swamp_rl.criticism.diagnose import diagnose as examine
+    from swamp_rl.criticism.figures.schema import is_figures_file
+
+    if is_figures_file(dataset):
+        _diagnose_figures(dataset, boat, out, holdout, fit)
+        return
+    if fit:
+        raise UserError(f"--fit: {dataset} holds runs, which have no groups; leave it out")
 
     found = examine(dataset, boat, out, holdout)
     typer.echo(f"verdict: {found.verdict}")
@@ -44,6 +60,42 @@ def diagnose(
             typer.echo(f"  position 10 s ahead is off by {missed.before:.3g} m{extended}")
     for lack in found.missing_motion:
         typer.echo(f"  the runs lack {lack}")
+    typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
+
+
+def _diagnose_figures(path: Path, boat: str, out: Path, holdout: Path | None, fit: list[str] | None) -> None:
+    """`diagnose` on a YAML file of printed figures."""
+    from swamp_rl.criticism.figures.diagnose import diagnose_figures
+
+    if holdout:
+        raise UserError(f"--holdout: figures are held out by their groups; leave it out, see fit in {path}")
+    stages = [[name.strip() for name in stage.split(",")] for stage in fit] if fit else None
+    found = diagnose_figures(path, boat, out, stages)
+    typer.echo(f"verdict: {found.verdict}")
+    for number, stage in enumerate(found.stages, 1):
+        named = " + ".join(stage.named) or "nothing"
+        typer.echo(
+            f"  stage {number} ({', '.join(stage.groups)}): {named}; chi2 of {stage.figures} figures "
+            f"{stage.chi2_before:.1f} before, {stage.chi2_after:.1f} after"
+        )
+        for rival in stage.rivals:
+            apart = "told apart" if rival.told_apart else "not told apart"
+            typer.echo(
+                f"    {apart} from {rival.effect} ({rival.evidence:.1f} less likely; chi2 of the figures "
+                f"that judge them {rival.of_the_first:.1f} against {rival.held_out_chi2:.1f})"
+            )
+    for cause in found.causes:
+        on = f" {cause.thruster}" if cause.thruster else ""
+        numbers = ", ".join(_number(name, p) for name, p in cause.parameters.items())
+        typer.echo(f"  {cause.effect}{on}: {numbers}")
+    for gain in found.gain:
+        if gain.use == "judged":
+            typer.echo(f"  {gain.group}, not fitted to: chi2 {gain.chi2_before:.1f} -> {gain.chi2_after:.1f}")
+    for turned in found.exchange:
+        typer.echo(
+            f"  {turned.fitted} in place of {turned.judged}: {' + '.join(turned.named) or 'nothing more'}; "
+            f"chi2 of {turned.judged} {turned.chi2_before:.1f} -> {turned.chi2_after:.1f}"
+        )
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
 
 

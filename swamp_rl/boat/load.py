@@ -22,15 +22,18 @@ from swamp_rl.files import extended_config, find_config, read_yaml
 TAGS = (JET, PROPELLER, TABLE, DRIFT)
 
 
-def load_boat(name_or_path: str | Path) -> Boat:
+def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = None) -> Boat:
     """The boat of a file given by path or, in configs/boats, by bare name.
 
     A file that `extends` another holds only what differs; its `effects` follow the other's. Its numbers may
     be bare, which counts as assumed; a key that it sets to null is removed. `thrusters` as a list replaces
     the other's; as a mapping by name it changes, adds, and where null removes those that it names.
-    UserError names every fault on its line: file, key and what is allowed.
+    replaced: keys in place of the file's, as a file that extends it would have them. UserError names every
+    fault on its line: file, key and what is allowed.
     """
     chain = _chain(name_or_path)
+    if replaced:
+        chain.append((chain[-1][0], {"extends": str(name_or_path), **replaced}))
     raw: dict[str, Any] = {}
     origins: dict[Key, tuple[Path, Any]] = {}
     for path, data in chain:

@@ -6,6 +6,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from swamp_rl.criticism.figures.result import FiguresDiagnosis
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.effects.correlated import factor_of
 from swamp_rl.effects.declare import LIBRARY, Parameter
@@ -49,9 +50,12 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     return level
 
 
-def _read(path: Path) -> Diagnosis:
+def _read(path: Path) -> Diagnosis | FiguresDiagnosis:
+    """A diagnosis of runs, or of printed figures, whose search has stages."""
     try:
-        return Diagnosis.model_validate_json(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        model = FiguresDiagnosis if '"stages"' in text else Diagnosis
+        return model.model_validate_json(text)
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{path}: cannot be read ({error}); name a diagnosis.json") from error
     except ValidationError as error:

@@ -1,32 +1,38 @@
-"""The published schema of diagnosis.json.
+"""The published schemas of diagnosis.json: of measured runs, and of printed figures.
 
-python -m swamp_rl.criticism.schema docs/diagnosis.schema.json
+python -m swamp_rl.criticism.schema docs/diagnosis.schema.json docs/figures_diagnosis.schema.json
 """
 
 import json
 import sys
 from pathlib import Path
 
+from pydantic import BaseModel
+
+from swamp_rl.criticism.figures.result import FiguresDiagnosis
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.files import write_beside
 
 
-def schema_text() -> str:
+def schema_text(model: type[BaseModel] = Diagnosis) -> str:
     """JSON Schema (draft 2020-12) of a diagnosis, as the file holds it."""
-    schema = Diagnosis.model_json_schema(mode="serialization")
+    schema = model.model_json_schema(mode="serialization")
+    of = "" if model is Diagnosis else " on printed figures"
     named = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "diagnosis.json of swamp-rl diagnose",
+        "title": f"diagnosis.json of swamp-rl diagnose{of}",
     }
     return json.dumps(named | {k: v for k, v in schema.items() if k != "title"}, indent=2) + "\n"
 
 
 def main() -> None:
-    """Write the schema to the file named on the command line."""
-    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+    """Write the schemas to the files named on the command line."""
+    if len(sys.argv) != 3 or sys.argv[1].startswith("-"):
         raise SystemExit(__doc__)
-    with write_beside(Path(sys.argv[1])) as part:
-        part.write_text(schema_text(), encoding="utf-8")
+    models: list[type[BaseModel]] = [Diagnosis, FiguresDiagnosis]
+    for name, model in zip(sys.argv[1:], models, strict=True):
+        with write_beside(Path(name)) as part:
+            part.write_text(schema_text(model), encoding="utf-8")
 
 
 if __name__ == "__main__":

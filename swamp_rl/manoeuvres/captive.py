@@ -8,7 +8,7 @@ effects act as they do at time 0. Forces along the hull are positive the way tha
 import math
 from collections import Counter
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,11 +123,16 @@ def forces(boat: Boat, surge: float, command: Array) -> tuple[float, float, floa
 
     command: (2K,), settled.
     """
-    params = parameters(boat)
-    record, curves = params[0], tank(boat)
-    state = initial_state(params, np.zeros((1, 3)))[0]
+    return forces_of(parameters(boat), tank(boat), surge, command)
+
+
+def forces_of(
+    params: NDArray[Any], curves: Array, surge: float, command: Array
+) -> tuple[float, float, float]:
+    """As `forces`, of the boat of a parameter record (1,) with its towing tank."""
+    record, state = params[0], initial_state(params, np.zeros((1, 3)))[0]
     state[ACTUATORS:] = command
-    outputs = np.empty((3, len(boat.thrusters), 2))
+    outputs = np.empty((3, len(command) // 2, 2))
     move_actuators(state, command, SUBSTEP, outputs, record)
     hull = hull_forces(surge, 0.0, 0.0, record, curves, towing(record, curves))
     driven = propulsion_forces(outputs, 0, surge, 0.0, 0.0, record)

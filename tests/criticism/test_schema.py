@@ -32,7 +32,7 @@ def answer(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_published_schema_is_that_of_the_code() -> None:
     assert PUBLISHED.read_text(encoding="utf-8") == schema_text(), (
-        "write it anew: python -m swamp_rl.criticism.schema docs/diagnosis.schema.json"
+        "write it anew: see swamp_rl/criticism/schema.py"
     )
     jsonschema.Draft202012Validator.check_schema(json.loads(schema_text()))
 

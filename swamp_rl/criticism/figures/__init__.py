@@ -1,0 +1,1 @@
+"""Model criticism on printed figures: what a boat file gets wrong about numbers that a source prints."""

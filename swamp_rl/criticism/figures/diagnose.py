@@ -1,0 +1,266 @@
+"""From printed figures and a boat file to a diagnosis: what is wrong, by how much, and what it gains to add
+it.
+"""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.candidates import Hypothesis, entries_of
+from swamp_rl.criticism.extend import write_extended
+from swamp_rl.criticism.figures.predict import Fleet, fleet_of, misfits, predicted
+from swamp_rl.criticism.figures.result import (
+    CandidateFound,
+    Exchanged,
+    FigureFound,
+    FiguresDiagnosis,
+    GroupFound,
+    RivalFound,
+    StageFound,
+)
+from swamp_rl.criticism.figures.schema import Figure, FiguresFile, group_faults, read_figures
+from swamp_rl.criticism.figures.select import (
+    APART,
+    NOWHERE,
+    Fitted,
+    Problem,
+    Stage,
+    atoms_of,
+    priors_of,
+    rivals_of,
+    stage_of,
+)
+from swamp_rl.criticism.refusals import refuse_sources_inside
+from swamp_rl.criticism.result import Cause, Estimate, Verdict
+from swamp_rl.errors import UserError
+from swamp_rl.files import folder_beside
+
+RESULT = "diagnosis.json"
+LISTED = 15
+NOTHING = Fitted(Hypothesis(), NOWHERE, np.zeros((0, 0)), 0.0, 0.0, np.zeros(0, bool))
+
+Groups = Sequence[Sequence[str]]
+
+
+@dataclass(frozen=True)
+class Study:
+    """A figures file with the boat at its loads."""
+
+    found: FiguresFile
+    fleet: Fleet
+
+    def of(self, groups: Sequence[str]) -> tuple[Figure, ...]:
+        """The figures of groups that are not another reading only."""
+        return tuple(one for one in self.found.figures if one.group in groups and not one.alternative)
+
+    def chi2(self, groups: Sequence[str], fitted: Fitted) -> float:
+        """Of the figures of groups; 0 where there are none."""
+        figures = self.of(groups)
+        if not figures:
+            return 0.0
+        values = predicted(self.fleet, figures, fitted.hypothesis, fitted.x)
+        return float((misfits(figures, values) ** 2).sum())
+
+    def searched(self, fit: Groups, begun: Sequence[Stage] = ()) -> list[Stage]:
+        """The stages of `fit`, each on the figures of all up to it; begun: the first of them, where known."""
+        atoms, priors = atoms_of(self.fleet.nominal), priors_of(self.found.particulars)
+        stages = list(begun)
+        for number in range(len(stages), len(fit)):
+            groups = [group for stage in fit[: number + 1] for group in stage]
+            problem = Problem(self.fleet, self.of(groups), priors)
+            base = stages[-1].winner if stages else NOTHING
+            stages.append(stage_of(problem, tuple(fit[number]), base, atoms))
+        return stages
+
+
+def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None) -> FiguresDiagnosis:
+    """Diagnose a boat file against the printed figures of a YAML file; writes diagnosis.json,
+    extended_boat.yaml and report.html into `out`.
+
+    fit: groups by stage that numbers are fitted to, in place of the file's. UserError, one line for each
+    fault of the file.
+    """
+    from swamp_rl.criticism.figures.report import page
+
+    began = time.perf_counter()
+    model = load_boat(boat)
+    refuse_sources_inside(out, [one for one in (path, Path(boat)) if one.exists()])
+    found = read_figures(path, model)
+    faults = group_faults(found, fit or ())
+    if faults:
+        raise UserError("\n".join(f"--fit: {fault.removeprefix('fit: ')}" for fault in faults))
+    with folder_beside(out, RESULT) as folder:
+        study = Study(found, fleet_of(boat, found))
+        diagnosis, last = examine(study, fit or found.fit)
+        diagnosis.elapsed_s = time.perf_counter() - began
+        write_extended(folder / "extended_boat.yaml", boat, last.hypothesis, last.x)
+        (folder / "report.html").write_text(page(diagnosis, found, model), encoding="utf-8")
+        (folder / RESULT).write_text(diagnosis.model_dump_json(indent=2) + "\n", encoding="utf-8")
+    return diagnosis
+
+
+def examine(study: Study, fit: Groups) -> tuple[FiguresDiagnosis, Fitted]:
+    """The diagnosis, and the hypothesis that extends the boat."""
+    stages = study.searched(fit)
+    last = stages[-1].winner
+    used = [group for stage in fit for group in stage]
+    swaps = {one: other for one, other in study.found.exchange.items() if one in used and other not in used}
+    told = [_stage(study, stage, list(swaps.values())) for stage in stages]
+    sets = [
+        [" + ".join(stage.named) or "nothing", *(one.effect for one in stage.rivals if not one.told_apart)]
+        for stage in told
+    ]
+    sets = [labels for labels in sets if len(labels) > 1]
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(last.covariance), 1e-300))
+    figures = _figures(study, used, last)
+    diagnosis = FiguresDiagnosis(
+        verdict=_verdict(last, sets, all(stage.adequate for stage in stages)),
+        causes=causes_of(last),
+        correlation=(last.covariance * np.outer(scale, scale)).tolist(),
+        indistinguishable=sets,
+        stages=told,
+        figures=figures,
+        gain=_gain(figures),
+        exchange=[_exchanged(study, fit, stages, one, other) for one, other in swaps.items()],
+        elapsed_s=0.0,
+    )
+    return diagnosis, last
+
+
+def _verdict(last: Fitted, sets: list[list[str]], adequate: bool) -> Verdict:
+    if not adequate:
+        return "unexplained"
+    if sets:
+        return "indistinguishable"
+    return "cause" if last.hypothesis.atoms else "nothing_wrong"
+
+
+def causes_of(fitted: Fitted) -> list[Cause]:
+    """Every effect of a fit with its numbers and their standard errors."""
+    causes, place = [], 0
+    errors = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
+    for atom, own in fitted.hypothesis.parts(fitted.x):
+        (entry,) = entries_of(atom, own)
+        selector: Any = list(entry.thruster) if isinstance(entry.thruster, tuple) else entry.thruster
+        numbers = {
+            name: Estimate(
+                value=float(entry.values[name]),
+                standard_error=float(errors[place + i]),
+                unit=atom.effect.parameter(name).unit,
+                at_bound=bool(fitted.at_bound[place + i]),
+            )
+            for i, name in enumerate(atom.names)
+        }
+        causes.append(Cause(effect=atom.effect.name, thruster=selector, parameters=numbers))
+        place += atom.size
+    return causes
+
+
+def _new(stage: Stage, one: Fitted) -> list[str]:
+    """Labels of what a fit adds to what the stage began with."""
+    known = {atom.label for atom in stage.before.hypothesis.atoms}
+    return [atom.label for atom in one.hypothesis.atoms if atom.label not in known]
+
+
+def _stage(study: Study, stage: Stage, judging: Sequence[str]) -> StageFound:
+    """judging: groups that had no part in the fit, which rivals are held against."""
+    first, least = stage.winner, stage.winner.evidence
+    of_first = study.chi2(judging, first)
+    rivals = []
+    for one in stage.rivals:
+        held_out = study.chi2(judging, one)
+        rivals.append(
+            RivalFound(
+                effect=" + ".join(_new(stage, one)) or "nothing",
+                causes=causes_of(one),
+                evidence=one.evidence - least,
+                held_out_chi2=held_out,
+                of_the_first=of_first,
+                told_apart=one.evidence - least + held_out - of_first >= APART,
+            )
+        )
+    plain = [stage.plain[0], *rivals_of(stage.plain)]
+    same = next((one for one in stage.plain if one.hypothesis == first.hypothesis), None)
+    return StageFound(
+        groups=list(stage.groups),
+        figures=len(stage.figures),
+        chi2_before=stage.before.chi2,
+        chi2_after=first.chi2,
+        named=_new(stage, first),
+        adequate=stage.adequate,
+        rivals=rivals,
+        without_particulars=[" + ".join(_new(stage, one)) or "nothing" for one in plain],
+        alone=[] if same is None else causes_of(same),
+        candidates=[
+            CandidateFound(
+                effect=" + ".join(_new(stage, one)) or "nothing",
+                chi2=one.chi2,
+                evidence=one.evidence - least,
+            )
+            for one in stage.fits[:LISTED]
+        ],
+        unseen=list(stage.unseen),
+    )
+
+
+def _figures(study: Study, used: Sequence[str], last: Fitted) -> list[FigureFound]:
+    figures = study.found.figures
+    before = predicted(study.fleet, figures, Hypothesis(), NOWHERE)
+    after = predicted(study.fleet, figures, last.hypothesis, last.x)
+    columns = zip(figures, before, after, misfits(figures, before), misfits(figures, after), strict=True)
+    return [
+        FigureFound(
+            group=one.group,
+            name=one.name,
+            mass=one.mass,
+            unit=one.unit,
+            printed=one.value,
+            error=one.error,
+            limit=one.limit,
+            use="alternative" if one.alternative else "fitted" if one.group in used else "judged",
+            boat_file=float(old),
+            extended=float(new),
+            boat_file_off=float(old_off),
+            extended_off=float(new_off),
+            source=one.source,
+            reading=one.reading,
+        )
+        for one, old, new, old_off, new_off in columns
+    ]
+
+
+def _gain(figures: Sequence[FigureFound]) -> list[GroupFound]:
+    found = []
+    judged = [one for one in figures if one.use != "alternative"]
+    for group in dict.fromkeys(one.group for one in judged):
+        own = [one for one in judged if one.group == group]
+        found.append(
+            GroupFound(
+                group=group,
+                use="fitted" if own[0].use == "fitted" else "judged",
+                figures=len(own),
+                chi2_before=sum(one.boat_file_off**2 for one in own),
+                chi2_after=sum(one.extended_off**2 for one in own),
+            )
+        )
+    return found
+
+
+def _exchanged(study: Study, fit: Groups, stages: Sequence[Stage], one: str, other: str) -> Exchanged:
+    """The search with the group `other` in place of `one`; the stages before it stand."""
+    turned = [[other if group == one else group for group in stage] for stage in fit]
+    same = next(i for i, stage in enumerate(fit) if one in stage)
+    last = study.searched(turned, stages[:same])[-1]
+    return Exchanged(
+        fitted=other,
+        judged=one,
+        named=_new(last, last.winner),
+        causes=causes_of(last.winner),
+        chi2_before=study.chi2([one], NOTHING),
+        chi2_after=study.chi2([one], last.winner),
+    )

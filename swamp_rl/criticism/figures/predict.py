@@ -1,0 +1,85 @@
+"""Printed figures as a boat with effects would give them, in units of their errors."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.criticism.candidates import Hypothesis
+from swamp_rl.criticism.figures.manoeuvres import READERS, Loaded, Test
+from swamp_rl.criticism.figures.schema import Figure, FiguresFile, Load
+from swamp_rl.effects import EffectEntry, apply_effects
+
+Array = NDArray[np.float64]
+FAR = 1e4  # errors: a figure that a boat cannot give at all
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """A boat at every load of a figures file, by mass [kg] and water density [kg/m³] as a figure has them."""
+
+    nominal: Boat
+    loaded: Mapping[tuple[float, float | None], Loaded]
+
+
+def fleet_of(boat: str, found: FiguresFile) -> Fleet:
+    """The boat of that name or file at the loads that the figures ask for."""
+    loads = {load.mass: load for load in found.loads}
+    asked = dict.fromkeys((figure.mass, figure.water_density) for figure in found.figures)
+    boats = {key: load_boat(boat, _replaced(loads.get(key[0]), key[1])) for key in asked}
+    return Fleet(load_boat(boat), {key: Loaded(one) for key, one in boats.items()})
+
+
+def _replaced(load: Load | None, density: float | None) -> dict[str, Any]:
+    """The keys of the boat file that a load and the water replace."""
+    given = {} if load is None else load.model_dump(exclude={"source"}, exclude_none=True)
+    return given | ({} if density is None else {"water_density": density})
+
+
+def predicted(fleet: Fleet, figures: Sequence[Figure], hypothesis: Hypothesis, x: Array) -> Array:
+    """(n,) the figures of the boat with a hypothesis's effects at x (p,); each test is made once."""
+    entries = tuple(hypothesis.entries(x))
+    records: dict[Any, NDArray[Any]] = {}
+    for key in dict.fromkeys((figure.mass, figure.water_density) for figure in figures):
+        at = fleet.loaded[key]
+        records[key] = at.plain.copy()
+        apply_effects(records[key], entries, at.boat.thruster_names)
+    tests: dict[Any, Test] = {}
+    values = []
+    for figure in figures:
+        if figure.test not in tests:
+            key = figure.mass, figure.water_density
+            tests[figure.test] = test_of(figure, fleet.loaded[key], entries, records[key])
+        _, reader = READERS[figure.manoeuvre][figure.figure]
+        values.append(reader(tests[figure.test]))
+    return np.array(values, float)
+
+
+def test_of(figure: Figure, at: Loaded, entries: tuple[EffectEntry, ...], record: NDArray[Any]) -> Test:
+    """A figure's test of a boat with effects; record: (1,) of that boat."""
+    if figure.depth_over_draught is not None:
+        record = record.copy()
+        record["depth_over_draught"] = figure.depth_over_draught
+    return Test(
+        at,
+        entries,
+        record,
+        figure.throttle or 0.0,
+        figure.thrusters,
+        figure.speed or 0.0,
+        math.radians(figure.angle_deg or 0.0),
+    )
+
+
+def misfits(figures: Sequence[Figure], values: Array) -> Array:
+    """(n,) values less what is printed, in errors; 0 within a limit, FAR where a value is no number."""
+    printed, errors = np.array([(figure.value, figure.error) for figure in figures]).T
+    off = (values - printed) / errors
+    for limit, beyond in (("at_most", np.maximum), ("at_least", np.minimum)):
+        limited = np.array([figure.limit == limit for figure in figures])
+        off[limited] = beyond(off[limited], 0.0)
+    return np.clip(np.nan_to_num(off, nan=FAR), -FAR, FAR)

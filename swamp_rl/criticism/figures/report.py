@@ -1,0 +1,127 @@
+"""The report of a diagnosis of printed figures: one HTML page, which needs no other file."""
+
+import html
+from collections.abc import Sequence
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.figures.result import FiguresDiagnosis, GroupFound, StageFound
+from swamp_rl.criticism.figures.schema import FiguresFile
+from swamp_rl.criticism.report.page import STYLE, table
+from swamp_rl.criticism.report.words import cause_rows, minus, rounded, spoken
+from swamp_rl.criticism.result import Cause
+
+MEANING = {
+    "cause": "The effects below explain the figures that they were fitted to, and nothing else that was "
+    "tried does as well.",
+    "indistinguishable": "Several sets of effects explain the figures; the likeliest extends the boat.",
+    "unexplained": "No set of effects that was tried explains the figures within their errors.",
+    "nothing_wrong": "The boat file explains the figures within their errors.",
+}
+HEADS = ("effect", "what it is", "parameter", "value", "95 % interval", "unit", "boat file")
+
+
+def page(found: FiguresDiagnosis, file: FiguresFile, boat: Boat) -> str:
+    """The whole page."""
+    title = f"What boat {boat.name} gets wrong about {len(found.figures)} printed figures"
+    parts = [
+        f'<span class="badge {found.verdict}">{found.verdict.replace("_", " ")}</span>',
+        f"<h1>{html.escape(title)}</h1><p>{MEANING[found.verdict]}</p>",
+        f'<p class="soft">{html.escape(file.name)}: {html.escape(file.description)}</p>',
+        _figures(found),
+        "<h2>What was named</h2>" + _numbers(found.causes, boat),
+        *(_stage(number, stage, boat) for number, stage in enumerate(found.stages, 1)),
+        _gain(found.gain),
+        _exchange(found, boat),
+        _particulars(file),
+    ]
+    head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+    head += f"<title>{html.escape(title)}</title><style>{STYLE}</style>"
+    return f'<!doctype html><html lang="en"><head>{head}</head><body>{"".join(parts)}</body></html>\n'
+
+
+def _numbers(causes: Sequence[Cause], boat: Boat) -> str:
+    return table(HEADS, cause_rows(causes, boat), numbers=(3, 4, 6)) if causes else "<p>Nothing.</p>"
+
+
+def _figures(found: FiguresDiagnosis) -> str:
+    signs = {"at_most": "≤ ", "at_least": "≥ ", None: ""}
+    rows = [
+        (
+            one.group,
+            f"{one.name}, {one.mass:g} kg",
+            f"{signs[one.limit]}{minus(rounded(one.printed))} ± {one.error:.2g} {one.unit}",
+            f"{minus(rounded(one.boat_file))} ({minus(f'{one.boat_file_off:+.1f}')})",
+            f"{minus(rounded(one.extended))} ({minus(f'{one.extended_off:+.1f}')})",
+            one.use,
+            f"{one.source}{': ' * bool(one.reading)}{one.reading}",
+        )
+        for one in found.figures
+    ]
+    heads = ("group", "figure", "printed", "boat file", "extended", "use", "source and reading")
+    return (
+        "<h2>The figures</h2><p>In brackets: difference from what is printed, in units of its error. Where "
+        "the words have two readings, the other one is shown as <i>alternative</i> and judges nothing.</p>"
+        + table(heads, rows, numbers=(2, 3, 4))
+    )
+
+
+def _stage(number: int, stage: StageFound, boat: Boat) -> str:
+    named = spoken(" + ".join(stage.named) or "nothing")
+    said = (
+        f"<h2>Stage {number}: {html.escape(', '.join(stage.groups))}</h2>"
+        f"<p>Named: <b>{html.escape(named)}</b>. χ² of {stage.figures} figures: {stage.chi2_before:.1f} "
+        f"before, {stage.chi2_after:.1f} with it. The evidence is −2 log of the marginal likelihood (by "
+        "Laplace), with the charge for choosing among the candidates; a difference of 6 is strong.</p>"
+    )
+    rows = [(spoken(one.effect), f"{one.chi2:.1f}", minus(f"{one.evidence:.1f}")) for one in stage.candidates]
+    said += table(("candidate", "χ² of the figures", "evidence above the first"), rows, numbers=(1, 2))
+    if len(stage.without_particulars) > 1:
+        alike = "; ".join(spoken(one) for one in stage.without_particulars)
+        said += f"<p>The figures alone, without the particulars, do not tell apart: {html.escape(alike)}.</p>"
+    if stage.alone:
+        said += "<p>The numbers of the first from the figures alone:</p>" + _numbers(stage.alone, boat)
+    for one in stage.rivals:
+        answer = "These tell the two apart" if one.told_apart else "These do not tell the two apart either"
+        said += (
+            f"<p>Not told from the first by these figures: <b>{html.escape(spoken(one.effect))}</b>, "
+            f"{one.evidence:.1f} above. χ² of the figures that judge it: {one.held_out_chi2:.1f}, of the "
+            f"first {one.of_the_first:.1f}. {answer}.</p>" + _numbers(one.causes, boat)
+        )
+    if stage.unseen:
+        said += f'<p class="soft">Not seen in these figures: {html.escape(", ".join(stage.unseen))}.</p>'
+    return said
+
+
+def _gain(gain: Sequence[GroupFound]) -> str:
+    rows = [
+        (one.group, one.use, str(one.figures), f"{one.chi2_before:.1f}", f"{one.chi2_after:.1f}")
+        for one in gain
+    ]
+    heads = ("group", "use", "figures", "χ², boat file", "χ², extended")
+    return "<h2>The gain</h2>" + table(heads, rows, numbers=(2, 3, 4))
+
+
+def _exchange(found: FiguresDiagnosis, boat: Boat) -> str:
+    said = ""
+    for one in found.exchange:
+        named = html.escape(spoken(" + ".join(one.named) or "nothing"))
+        said += (
+            f"<h2>{html.escape(one.fitted)} fitted in place of {html.escape(one.judged)}</h2>"
+            f"<p>Named beside what the stages before found: <b>{named}</b>. χ² of {html.escape(one.judged)}: "
+            f"{one.chi2_before:.1f} with the boat file, {one.chi2_after:.1f} extended so.</p>"
+            + _numbers(one.causes, boat)
+        )
+    return said
+
+
+def _particulars(file: FiguresFile) -> str:
+    rows = [
+        (f"{one.effect} {one.parameter}", f"{one.value:g} ± {one.error:g}", one.source)
+        for one in file.particulars
+    ]
+    return (
+        "<h2>Particulars</h2><p>What the sources know of numbers that an effect would change: a Gaussian "
+        "prior of its fit.</p>" + table(("number", "value", "source"), rows, numbers=(1,))
+        if rows
+        else ""
+    )

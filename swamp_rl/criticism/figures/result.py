@@ -1,0 +1,108 @@
+"""What the `diagnosis.json` of printed figures holds; its causes are those of a diagnosis of runs."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from swamp_rl.criticism.result import Cause, Part, Verdict
+
+
+class FigureFound(Part):
+    """A printed figure and what the boat makes of it. off: (value − printed) / error, 0 within a limit.
+
+    use: whether numbers were fitted to it, it was judged by, or another reading of it was.
+    """
+
+    group: str
+    name: str
+    mass: float
+    unit: str
+    printed: float
+    error: float
+    limit: Literal["at_least", "at_most"] | None
+    use: Literal["fitted", "judged", "alternative"]
+    boat_file: float
+    extended: float
+    boat_file_off: float
+    extended_off: float
+    source: str
+    reading: str
+
+
+class CandidateFound(Part):
+    """A set of effects that was tried. chi2: of the figures; evidence: −2 log of its marginal likelihood,
+    above that of the likeliest.
+    """
+
+    effect: str
+    chi2: float
+    evidence: float
+
+
+class RivalFound(Part):
+    """A set of effects that the fitted figures do not tell from the likeliest. held_out_chi2: of the figures
+    that judge it, and those_of_first; told_apart: whether the two together tell them apart.
+    """
+
+    effect: str
+    causes: list[Cause]
+    evidence: float
+    held_out_chi2: float
+    of_the_first: float
+    told_apart: bool
+
+
+class StageFound(Part):
+    """One stage of the search. without_particulars: what the figures alone do not tell apart; alone: the
+    numbers of the likeliest from the figures alone.
+    """
+
+    groups: list[str]
+    figures: int
+    chi2_before: float
+    chi2_after: float
+    named: list[str]
+    adequate: bool
+    rivals: list[RivalFound]
+    without_particulars: list[str]
+    alone: list[Cause]
+    candidates: list[CandidateFound]
+    unseen: list[str]
+
+
+class GroupFound(Part):
+    """chi2 of a group's figures with the boat file and with the extended boat."""
+
+    group: str
+    use: Literal["fitted", "judged"]
+    figures: int
+    chi2_before: float
+    chi2_after: float
+
+
+class Exchanged(Part):
+    """The search with one group fitted to in place of another: what it names, and the gain on that other."""
+
+    fitted: str
+    judged: str
+    named: list[str]
+    causes: list[Cause]
+    chi2_before: float
+    chi2_after: float
+
+
+class FiguresDiagnosis(Part):
+    """The answer. indistinguishable: sets of effects that neither the fitted figures nor those that judge
+    them tell apart; correlation: of the errors of the numbers of `causes`, in their order.
+    """
+
+    verdict: Verdict
+    causes: list[Cause]
+    nuisance: list[Cause] = Field(default_factory=list)
+    correlation: list[list[float]]
+    indistinguishable: list[list[str]]
+    stages: list[StageFound]
+    figures: list[FigureFound]
+    gain: list[GroupFound]
+    exchange: list[Exchanged]
+    elapsed_s: float
