@@ -19,6 +19,7 @@ from swamp_rl.errors import UserError
 
 Step = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 Array = NDArray[Any]
+MOST_BOATS = 1_000_000
 
 
 class GatesVectorEnv(VectorEnv[Array, Array, Array]):
@@ -47,8 +48,8 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         render_mode: str | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     ) -> None:
-        if isinstance(num_envs, bool) or not isinstance(num_envs, int) or num_envs < 1:
-            raise UserError(f"num_envs: must be a whole number of at least 1, not {num_envs!r}")
+        if isinstance(num_envs, bool) or not isinstance(num_envs, int) or not 1 <= num_envs <= MOST_BOATS:
+            raise UserError(f"num_envs: must be a whole number from 1 to {MOST_BOATS}, not {num_envs!r}")
         self.num_envs = num_envs
         self.render_mode = known_render_mode(render_mode)
         self.autoreset_mode = _known_autoreset(autoreset_mode)

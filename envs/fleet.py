@@ -31,7 +31,7 @@ from swamp_rl.simulator.step import substeps_of
 
 Disturbances = str | Path | Sequence[Mapping[str, Any]] | None
 
-LONGEST_STEP = 1.0  # s
+SHORTEST_STEP, LONGEST_STEP = 1e-3, 1.0  # s
 PARALLEL_FROM = 256  # boats; with 128 two cores already gain, when no one else wants them
 
 
@@ -201,6 +201,6 @@ def world_of(boat: Boat, course: Course, step: float) -> NDArray[np.void]:
 def checked_step(step: float) -> float:
     """`step` [s] if it is one that can be sailed; UserError otherwise."""
     number = isinstance(step, int | float) and not isinstance(step, bool)
-    if not number or not 0.0 < step <= LONGEST_STEP:
-        raise UserError(f"step: must be a time above 0 and at most {LONGEST_STEP:g} s, not {step!r}")
+    if not number or not SHORTEST_STEP <= step <= LONGEST_STEP:
+        raise UserError(f"step: must be a time from {SHORTEST_STEP:g} to {LONGEST_STEP:g} s, not {step!r}")
     return float(step)

@@ -5,19 +5,23 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import yaml
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from swamp_rl.experiments.claims_schema import Claims
 from swamp_rl.experiments.learners import LEARNERS, in_order, learner
 from swamp_rl.experiments.smoke import shrunk
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.files import find_config, read_yaml, validated
 from swamp_rl.pilots.settings import settings_from
+from swamp_rl.yaml_text import DEEPEST, parsed
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+MOST_PILOTS = 100
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
 Seed = Annotated[int, Field(ge=0, lt=2**31)]
-Count = Annotated[int, Field(ge=1)]
+Count = Annotated[int, Field(ge=1, le=100_000)]
+"Of runs or episodes, which are held in memory at once."
 Rate = Annotated[float, Field(ge=0.0, le=1.0)]
 Noise = Annotated[float, Field(ge=0.0)]
 
@@ -29,6 +33,13 @@ def _known_kind(kind: str) -> str:
 
 
 Kind = Annotated[str, AfterValidator(_known_kind)]
+
+
+def _few(given: Any) -> Any:
+    # A greatest length declared as such would be looked at after the items.
+    if isinstance(given, Mapping) and len(given) > MOST_PILOTS:
+        raise ValueError(f"there are {len(given)}, at most {MOST_PILOTS} are compared")
+    return given
 
 
 class Part(BaseModel):
@@ -46,7 +57,7 @@ class Record(Part):
     """
 
     good: Count = 40
-    failed: Annotated[int, Field(ge=0)] = 3
+    failed: Annotated[int, Field(ge=0, le=100_000)] = 3
     disturbances: str | None = None
     seed: Seed = 0
 
@@ -95,7 +106,7 @@ class PilotPlan(Part):
     kind: Kind
     runs: Count | None = None
     outcomes: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] = ("success",)
-    takeover: Annotated[float, Field(ge=0.0)] = 0.0
+    takeover: Annotated[float, Field(ge=0.0, le=3600.0)] = 0.0
     disturbances: str | None = None
     options: dict[str, Any] = {}
 
@@ -161,7 +172,7 @@ class Experiment(Part):
     course: str
     step: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1
     data: Data = Data()
-    pilots: Annotated[dict[Name, PilotPlan], Field(min_length=1)]
+    pilots: Annotated[dict[Name, PilotPlan], Field(min_length=1), BeforeValidator(_few)]
     evaluation: Evaluation
     targets: Targets = Targets()
     hidden: Hidden | None = None
@@ -276,14 +287,14 @@ def _extended(path: Path, seen: tuple[Path, ...]) -> dict[str, Any]:
 
 def _parsed(override: str) -> dict[str, Any]:
     key, equals, text = override.partition("=")
-    if not equals or not all(key.split(".")):
-        raise UserError(
-            f"--set {override}: must be key=value, with a dotted key such as evaluation.episodes=100"
-        )
+    said, parts = f"--set {clipped(override)}", key.split(".")
+    if not equals or not all(parts) or len(parts) > DEEPEST:
+        raise UserError(f"{said}: must be key=value, with a dotted key such as evaluation.episodes=100")
     try:
-        value = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise UserError(f"--set {override}: the value is malformed YAML; put it in quotes") from error
-    for part in reversed(key.split(".")):
+        value = parsed(text)
+    except (yaml.YAMLError, ValueError) as error:
+        problem = getattr(error, "problem", None) or error
+        raise UserError(f"{said}: the value is malformed YAML ({problem}); put it in quotes") from error
+    for part in reversed(parts):
         value = {part: value}
     return value

@@ -11,7 +11,7 @@ from pydantic import Field
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import NetworkPilot, layers_of
 from swamp_rl.pilots.regression import Log, RegressionSettings, task_of, train_by_epochs
-from swamp_rl.pilots.settings import Count
+from swamp_rl.pilots.settings import Layers, Many
 from swamp_rl.runs import Run
 
 
@@ -23,8 +23,8 @@ class CloningSettings(RegressionSettings):
     """
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, "yaw_rate", *NEXT_GATE)
-    hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
-    batch_size: Count = 256
+    hidden: Layers = (64, 64)
+    batch_size: Many = 256
 
 
 def fit_cloning(

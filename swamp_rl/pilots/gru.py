@@ -11,7 +11,7 @@ from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import REACH
 from swamp_rl.pilots.regression import Log, RegressionSettings, task_of, train_by_epochs
-from swamp_rl.pilots.settings import Count, Positive
+from swamp_rl.pilots.settings import Many, Positive, Width
 from swamp_rl.runs import Run
 
 
@@ -19,8 +19,8 @@ class GRUSettings(RegressionSettings):
     """As `CloningSettings`, with a memory of `units` numbers in place of layers."""
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, "yaw_rate", *NEXT_GATE)
-    units: Count = 32
-    batch_size: Count = 4
+    units: Width = 32
+    batch_size: Many = 4
     "Runs in a batch."
     learning_rate: Positive = 5e-3
 

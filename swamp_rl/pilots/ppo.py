@@ -26,7 +26,7 @@ from swamp_rl.pilots.legs import (
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.ppo_warm import freeze_policy, warm_start
-from swamp_rl.pilots.settings import Count, Positive, Seed, Settings, Share
+from swamp_rl.pilots.settings import Count, Layers, Many, Positive, Seed, Settings, Share
 from swamp_rl.pilots.tally import Tally
 
 SENSES = (*POSE, *MOTION, *NEXT_GATE)
@@ -41,21 +41,21 @@ class PPOSettings(Settings):
     """
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = SENSES
-    hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
-    hold: Count = 6
+    hidden: Layers = (64, 64)
+    hold: Many = 6
     "Steps of the boat for which a decision is held, in training and after."
     memory: Annotated[int, Field(ge=0, le=20)] = 0
     "Earlier decisions that it knows of: what it then saw and chose."
     caution: Annotated[float, Field(ge=0)] = 0.0
     """Taken from the reward for a buoy touched or the bounds left, beyond what the environment takes. Without
     it some time saved is worth a rare loss, and buoys are passed closer than by who wants to arrive."""
-    boats: Count = 128
+    boats: Many = 128
     decisions: Count = 1_200_000
     "Of all boats together."
-    horizon: Count = 64
+    horizon: Many = 64
     "Decisions of each boat between two updates."
-    batch_size: Count = 1024
-    epochs: Count = 8
+    batch_size: Many = 1024
+    epochs: Many = 8
     discount: Share = 0.98
     "For each decision."
     learning_rate: Positive = 7e-4
@@ -65,7 +65,7 @@ class PPOSettings(Settings):
     must last longer than episodes do."""
     start: str | None = None
     "The clone, by its name in the experiment, that the policy begins as; its `hidden` must be the same."
-    settle: Annotated[int, Field(ge=0)] = 2
+    settle: Annotated[int, Field(ge=0, le=10**6)] = 2
     "Legs at the start in which a learner that begins as a clone fits its value function only."
     keep: Count = 2
     exploration: Positive = 1.5

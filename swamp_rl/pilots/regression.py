@@ -13,7 +13,7 @@ from pydantic import Field
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.pilots.arrays import Array
-from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings
+from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seconds, Seed, Settings
 
 Losses = Callable[[Any], Iterable[Any]]
 """The losses of an epoch's batches, one at a time, from the torch Generator of the epoch's chance."""
@@ -26,7 +26,7 @@ class RegressionSettings(Settings):
     error."""
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)]
-    reaction: NotNegative = 0.4
+    reaction: Seconds = 0.4
     "Time [s] from what the logged pilot saw to the lever that it led to: the clone is to act at once."
     epochs: Count = 60
     learning_rate: Positive = 2e-3

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import POSE, examples
 from swamp_rl.pilots.readout import Moments, RecursiveReadout, as_far_as_taught, ridge_readout
-from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings, Share
+from swamp_rl.pilots.settings import NotNegative, Positive, Seconds, Seed, Settings, Share, Width
 from swamp_rl.runs import Run
 
 POSITION = ("north", "east")
@@ -25,7 +25,7 @@ class ReservoirSettings(Settings):
     """The defaults were chosen on episodes from seed 1000000 on, which the main job does not evaluate."""
 
     senses: tuple[str, ...] = POSE
-    units: Count = 200
+    units: Width = 200
     spectral_radius: NotNegative = 0.5
     leak: tuple[Share, Share] = (0.05, 1.0)
     "Range of the units' leak rates, log-uniform: memories from one step to some seconds."
@@ -38,9 +38,9 @@ class ReservoirSettings(Settings):
     ridge: Positive = 3.0
     noise: NotNegative = 0.0
     "Standard deviation of noise on the scaled inputs while learning."
-    washout: Annotated[int, Field(ge=0)] = 0
+    washout: Annotated[int, Field(ge=0, le=10**6)] = 0
     "Samples at the start of each run that the readout does not learn from."
-    reaction: NotNegative = 0.0
+    reaction: Seconds = 0.0
     """Time [s] from what the logged pilot saw to the lever that it led to, for a reservoir that acts at once.
     Runs are learned from best without, for the reservoir then remembers what the pilot saw."""
     forgetting: Annotated[float, Field(gt=0.0, le=1.0)] | None = None

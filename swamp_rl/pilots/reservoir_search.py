@@ -16,7 +16,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.readout import Moments, ridge_readouts, squared_error
 from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_reservoir, states_of
-from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings, Share
+from swamp_rl.pilots.settings import NotNegative, Positive, Seed, Settings, Share, Width
 from swamp_rl.runs import Run
 
 Some = Field(min_length=1)
@@ -32,7 +32,7 @@ class SearchedReservoirSettings(Settings):
     """What is tried: each of the values with each of the others, all else as in `reservoir`."""
 
     reservoir: Unsearched = Unsearched()
-    units: Annotated[tuple[Count, ...], Some] = (100, 200, 400)
+    units: Annotated[tuple[Width, ...], Some] = (100, 200, 400)
     spectral_radius: Annotated[tuple[NotNegative, ...], Some] = (0.2, 0.5, 0.9)
     lowest_leak: Annotated[tuple[Share, ...], Some] = (0.05, 0.2)
     ridge: Annotated[tuple[Positive, ...], Some] = (0.3, 1.0, 3.0, 10.0, 30.0)

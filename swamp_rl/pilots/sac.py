@@ -22,7 +22,7 @@ from swamp_rl.pilots.legs import (
 )
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
 from swamp_rl.pilots.ppo import SENSES, one_thread, scaling_of
-from swamp_rl.pilots.settings import Count, Positive, Seed, Settings, Share
+from swamp_rl.pilots.settings import Count, Layers, Many, Positive, Seed, Settings, Share
 from swamp_rl.pilots.tally import Tally
 
 BUFFER = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
@@ -33,17 +33,17 @@ class SACSettings(Settings):
     """How long and how it learns."""
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = SENSES
-    hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
-    hold: Count = 6
+    hidden: Layers = (64, 64)
+    hold: Many = 6
     "Steps of the boat for which a decision is held, in training and after."
-    boats: Count = 64
+    boats: Many = 64
     decisions: Count = 200_000
     "Of all boats together."
     random: Count = 5_000
     "Decisions at the start that are drawn at random."
-    updates: Count = 8
+    updates: Many = 8
     "Gradient steps each time all boats have decided once."
-    batch_size: Count = 256
+    batch_size: Many = 256
     discount: Share = 0.98
     "For each decision."
     learning_rate: Positive = 1e-3
