@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.envs.fleet import Disturbances, Fleet
 from swamp_rl.envs.kernel import RUNNING, TIMEOUT
 from swamp_rl.envs.observation import observation_space
-from swamp_rl.envs.spaces import joypad_space, known_options, known_render_mode
+from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode, known_seed
 
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
@@ -72,6 +72,7 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         place of `seed`. With neither, each boat goes on with its generator. `once`, bool: a boat that has
         ended does not start anew, but lies still and stays over until the next reset.
         """
+        seed = known_seed(seed)
         super().reset(seed=seed)
         asked = known_options(options, ("episodes", "once"))
         episodes, self._once = asked.get("episodes"), bool(asked.get("once", False))
@@ -104,9 +105,8 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         """
         if not self._started:
             raise UserError("step: the boats have not started; call reset first")
-        asked = np.array(actions, dtype=np.float64)
-        if asked.shape != (self.num_envs, 2):
-            raise UserError(f"step: actions must have the shape ({self.num_envs}, 2), not {asked.shape}")
+        asked = known_levers(actions, (self.num_envs, 2))
+        self.fleet.refuse_levers(asked)
         if self._ended.size:
             self.fleet.begin(self._ended)
             self.fleet.boats["fresh"][self._ended] = True

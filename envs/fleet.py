@@ -99,14 +99,22 @@ class Fleet:
     def sail(
         self, asked: NDArray[np.float64], rewards: NDArray[np.float64], observations: NDArray[np.float32]
     ) -> int:
-        """One step of all boats; see `sail_all`. UserError where a lever is not a number."""
+        """One step of all boats; see `sail_all`. UserError where a lever is not a number, and then that boat
+        stays where it is."""
         ended = self._sail(self.boats, self.params, asked, self._shared, rewards, observations)
-        if ended and (self.boats["outcome"] == LEVERS).any():
-            i = int(np.argmax(self.boats["outcome"] == LEVERS))
+        if ended and (unmoved := self.boats["outcome"] == LEVERS).any():
+            self.boats["outcome"][unmoved] = RUNNING
+            self.refuse_levers(asked)
+        return ended
+
+    def refuse_levers(self, asked: NDArray[np.float64]) -> None:
+        """UserError where a lever of `asked` (n, 2) of a boat that is to sail is not a number."""
+        wrong = ~np.isfinite(asked).all(axis=1) & (self.boats["outcome"] == RUNNING)
+        if wrong.any():
+            i = int(np.argmax(wrong))
             raise UserError(
                 f"boat {i}: the levers {asked[i].tolist()} are not numbers; look at what drives it"
             )
-        return ended
 
     def look(self, chosen: NDArray[np.intp], observations: NDArray[np.float32]) -> None:
         """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""

@@ -195,7 +195,7 @@ def read_yaml(path: Path | str) -> dict[str, Any]:
         raise UserError(f"{path}: holds {_kind_of(data)}; it must be a mapping of keys to values")
     odd = [key for key in data if not isinstance(key, str)]
     if odd:
-        raise UserError(f"{path}: key {clipped(odd[0])!r} is not text; put it in quotes")
+        raise UserError(f"{path}: key {clipped(repr(odd[0]))} is not text; put it in quotes")
     return data
 
 
