@@ -17,7 +17,7 @@ def joypad_space() -> spaces.Box:
 
 
 def known_levers(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """`actions` as an array of `shape`, of its own; UserError where they are of another or hold no numbers."""
+    """`actions` as a new array of `shape`; UserError where they are of another or hold no numbers."""
     try:
         levers = np.array(actions)
     except ValueError:

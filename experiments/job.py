@@ -12,6 +12,7 @@ from swamp_rl.experiments.progress import Stages, stages
 from swamp_rl.experiments.scene import Scene
 from swamp_rl.experiments.tracking import TENSORBOARD
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.unfinished import taken_up
 
 SECONDS = "seconds.json"
@@ -26,9 +27,9 @@ def job(
     """Yield the folder to build in, renamed to `folder` at the end, and the stages with their times so far.
 
     trained: a folder whose data and pilots are taken over where they are not there yet. replaces: the marks
-    of folders that may be replaced.
+    of folders that may be replaced. Linear algebra has one thread meanwhile, for the same bits everywhere.
     """
-    with taken_up(folder, replaces, description(scene), say) as part, stages() as bars:
+    with one_thread(), taken_up(folder, replaces, description(scene), say) as part, stages() as bars:
         if trained is not None:
             _take_over(trained, part)
         yield part, bars.logged_in(part / WORK / SECONDS)

@@ -13,6 +13,7 @@ from typing import Any
 from swamp_rl.experiments.versions import hardware
 
 from swamp_rl.files import write_beside
+from swamp_rl.one_thread import threads
 
 Tick = Callable[[float], None]
 """Told how much of the stage's total is done so far."""
@@ -78,4 +79,5 @@ def measured(progress: Stages) -> dict[str, Any]:
         "total_seconds": round(sum(progress.seconds.values()), 1),
         "peak_memory_gb": round(peak_memory(), 2),
         "hardware": hardware(),
+        "threads": threads(),
     }

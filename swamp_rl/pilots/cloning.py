@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import NetworkPilot, layers_of
 from swamp_rl.pilots.regression import Log, RegressionSettings, task_of, train_by_epochs
@@ -27,6 +28,7 @@ class CloningSettings(RegressionSettings):
     batch_size: Many = 256
 
 
+@one_thread(torch=True)
 def fit_cloning(
     runs: Sequence[Run],
     settings: CloningSettings | None = None,

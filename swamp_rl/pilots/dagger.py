@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from swamp_rl.boat import Boat
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.dagger_checkpoint import Rounds, load_rounds, save_rounds
@@ -77,6 +78,7 @@ class DaggerSettings(Settings):
         return learner
 
 
+@one_thread(torch=True)
 def fit_dagger(
     first: Sequence[Run],
     make_boats: MakeBoats,

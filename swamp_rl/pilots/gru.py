@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import REACH
@@ -87,6 +88,7 @@ class GRUPilot:
 _NAMES = ("mean", "scale", "input", "recurrent", "input_bias", "recurrent_bias", "Wout", "out")
 
 
+@one_thread(torch=True)
 def fit_gru(
     runs: Sequence[Run],
     settings: GRUSettings | None = None,

@@ -1,14 +1,14 @@
 """PPO (Schulman and others 2017) by stable-baselines3, on a batch of boats that is handed in."""
 
 import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
 from swamp_rl.pilots.legs import (
@@ -99,7 +99,7 @@ def train_ppo(
     settings = settings or PPOSettings()
     remembering = RememberingBoats(CautiousBoats(boats, settings.caution), settings.memory)
     scaled = VecNormalize(remembering, clip_obs=REACH, gamma=settings.discount)
-    with one_thread():
+    with one_thread(torch=True):
         learner = _learner(scaled, settings)
         if start is not None:
             warm_start(learner, scaled, start, settings.senses)
@@ -108,19 +108,6 @@ def train_ppo(
         train_in_legs(legs, settings.model_dump(mode="json"), settings.decisions, log, checkpoint)
     learned = {**scaling_of(scaled), **mean_layers(learner.policy)}
     return NetworkPilot("ppo", settings.senses, learned, settings.hold, settings.memory)
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Torch within the block: layers as small as ours are slower when divided among threads."""
-    import torch
-
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
 
 
 def scaling_of(scaled: Any) -> dict[str, Array]:

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field
 from scipy.sparse import csr_array
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import POSE, examples
 from swamp_rl.pilots.readout import Moments, RecursiveReadout, as_far_as_taught, ridge_readout
@@ -123,6 +124,7 @@ class ReservoirPilot:
 _NAMES = ("centre", "scale", "W", "Win", "bias", "leak", "Wout", "out")
 
 
+@one_thread()
 def fit_reservoir(runs: Sequence[Run], settings: ReservoirSettings | None = None) -> ReservoirPilot:
     """A pilot whose readout is fitted by ridge regression on `runs`; UserError where a run lacks a column."""
     settings = settings or ReservoirSettings()

@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from swamp_rl.errors import UserError
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.readout import Moments, ridge_readouts, squared_error
 from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_reservoir, states_of
@@ -56,6 +57,7 @@ class Scored:
     error: float
 
 
+@one_thread()
 def fit_searched_reservoir(
     runs: Sequence[Run],
     settings: SearchedReservoirSettings | None = None,
@@ -65,6 +67,7 @@ def fit_searched_reservoir(
     return fit_reservoir(runs, scores(runs, settings, tick)[0].settings)
 
 
+@one_thread()
 def scores(
     runs: Sequence[Run],
     settings: SearchedReservoirSettings | None = None,

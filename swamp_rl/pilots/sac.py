@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.legs import (
     Legs,
@@ -21,7 +22,7 @@ from swamp_rl.pilots.legs import (
     weights,
 )
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
-from swamp_rl.pilots.ppo import SENSES, one_thread, scaling_of
+from swamp_rl.pilots.ppo import SENSES, scaling_of
 from swamp_rl.pilots.settings import Count, Layers, Many, Positive, Seed, Settings, Share
 from swamp_rl.pilots.tally import Tally
 
@@ -69,7 +70,7 @@ def train_sac(
 
     settings = settings or SACSettings()
     scaled = VecNormalize(boats, norm_reward=False, clip_obs=REACH)
-    with one_thread():
+    with one_thread(torch=True):
         learner = _learner(scaled, settings)
         legs = _legs(learner, scaled, settings, tick)
         train_in_legs(legs, settings.model_dump(mode="json"), settings.decisions, log, checkpoint)
