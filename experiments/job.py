@@ -12,6 +12,8 @@ from swamp_rl.experiments.progress import Stages, stages
 from swamp_rl.experiments.scene import Scene
 from swamp_rl.experiments.tracking import TENSORBOARD
 
+from swamp_rl.errors import UserError
+from swamp_rl.json_text import read_json
 from swamp_rl.one_thread import one_thread
 from swamp_rl.unfinished import taken_up
 
@@ -58,7 +60,10 @@ def _take_over(trained: Path, part: Path) -> None:
             Path(copied).rename(target)
     for mark in (RESULTS, TRAINED):
         if (trained / mark).is_file() and not (part / WORK / SECONDS).exists():
-            took = json.loads((trained / mark).read_text(encoding="utf-8"))["measured"]["seconds"]
+            told = read_json(trained / mark, "train again into another folder").get("measured")
+            took = told.get("seconds") if isinstance(told, dict) else None
+            if not isinstance(took, dict):
+                raise UserError(f"{trained / mark}: tells no times of training; train again")
             earlier = {name: value for name, value in took.items() if name.startswith(("record", "train"))}
             (part / WORK).mkdir(exist_ok=True)
             (part / WORK / SECONDS).write_text(json.dumps(earlier), encoding="utf-8")

@@ -13,6 +13,7 @@ from typing import Any
 from swamp_rl.experiments.versions import hardware
 
 from swamp_rl.files import write_beside
+from swamp_rl.json_text import read_json
 from swamp_rl.one_thread import threads
 
 Tick = Callable[[float], None]
@@ -32,7 +33,7 @@ class Stages:
 
     def logged_in(self, file: Path) -> "Stages":
         """The same bars with the seconds that `file` keeps, to which each stage's are added from now on."""
-        known = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+        known = read_json(file, "remove it") if file.is_file() else {}
         return Stages(self.bars, known, file)
 
     @contextmanager

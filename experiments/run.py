@@ -15,13 +15,14 @@ from swamp_rl.experiments.kept import (
 )
 from swamp_rl.experiments.learn import get_data, train_pilots
 from swamp_rl.experiments.main_job import do_experiment
-from swamp_rl.experiments.printed import print_results, read_json, write_json
+from swamp_rl.experiments.printed import print_results, write_json
 from swamp_rl.experiments.progress import Stages, measured
 from swamp_rl.experiments.scene import Scene, read_scene
 from swamp_rl.experiments.schema import Experiment, load_experiment
 
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
+from swamp_rl.json_text import read_json
 
 Work = Callable[[Scene, Path, Stages], dict[str, Any]]
 
@@ -52,7 +53,7 @@ def evaluated(experiment: Experiment, given: str | Path, folder: Path, trained: 
         if not (part / RESULTS).is_file():
             write_json(part / RESULTS, work(scene, part, progress))
         (part / TRAINED).unlink(missing_ok=True)
-        results = read_json(part / RESULTS)
+        results = read_json(part / RESULTS, "remove the folder and run again")
     print_results(results, folder)
     return folder
 

@@ -293,7 +293,7 @@ def _parsed(override: str) -> dict[str, Any]:
     try:
         value = parsed(text)
     except (yaml.YAMLError, ValueError) as error:
-        problem = getattr(error, "problem", None) or error
+        problem = " ".join(str(getattr(error, "problem", None) or error).split())
         raise UserError(f"{said}: the value is malformed YAML ({problem}); put it in quotes") from error
     for part in reversed(parts):
         value = {part: value}

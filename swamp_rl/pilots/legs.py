@@ -15,7 +15,9 @@ import numpy as np
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
+from swamp_rl.json_text import parsed_json
 from swamp_rl.pilots.arrays import Array
+from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
 
 FORMAT = "1"
 FIRST_EPISODE = 2**31
@@ -145,10 +147,11 @@ def _save(path: Path, progress: Progress, tensors: Mapping[str, Array]) -> None:
         "seconds": repr(progress.seconds),
         "curve": json.dumps(progress.curve),
         "decisions": str(progress.decisions),
+        KEY: BLANK,
     }
     with write_beside(path) as part:
         whole = {name: np.array(value, order="C") for name, value in tensors.items()}
-        part.write_bytes(save(whole, metadata=header))
+        part.write_bytes(sealed(save(whole, metadata=header)))
 
 
 def _load(path: Path, progress: Progress, legs: Legs) -> None:
@@ -157,12 +160,12 @@ def _load(path: Path, progress: Progress, legs: Legs) -> None:
         return
     header, tensors = _read(path)
     try:
-        made_with = json.loads(header["settings"])
+        made_with = parsed_json(header["settings"])
         if header["format"] == FORMAT and made_with == progress.settings:
             legs.restore(tensors)
             progress.decisions = legs.learner.num_timesteps = int(header["decisions"])
             progress.legs, progress.seconds = int(header["legs"]), float(header["seconds"])
-            progress.curve = json.loads(header["curve"])
+            progress.curve = parsed_json(header["curve"])
             return
     except (KeyError, ValueError, RuntimeError) as error:
         raise UserError(f"{path}: is no whole checkpoint ({error}); remove it to train anew") from error
@@ -176,6 +179,7 @@ def _load(path: Path, progress: Progress, legs: Legs) -> None:
 def _read(path: Path) -> tuple[dict[str, str], dict[str, Array]]:
     from safetensors import SafetensorError, safe_open
 
+    sealed_file(path, "remove it to train anew")
     try:
         with safe_open(path, "numpy") as file:
             return file.metadata() or {}, {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118

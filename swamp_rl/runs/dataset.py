@@ -14,6 +14,7 @@ from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from swamp_rl.runs.table import FORMATS, read_table
+from swamp_rl.sums import SUMS, changed
 
 META = "dataset.yaml"
 
@@ -65,6 +66,7 @@ def inspect_dataset(folder: Path | str) -> Inspection:
         raise UserError(f"{folder}: no such folder; name one that holds a {META}")
     found = Inspection()
     found.meta, found.faults = _parse_meta(folder)
+    found.faults += [Fault(SUMS, None, None, line) for line in changed(folder)]
     if found.meta is None:
         return found
     boat = None
