@@ -1,5 +1,6 @@
 """What an experiment file holds, read strictly, with `extends:` and with overrides from the command line."""
 
+import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -13,7 +14,7 @@ from swamp_rl.experiments.smoke import shrunk
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
-from swamp_rl.files import find_config, read_yaml, validated
+from swamp_rl.files import find_config, is_file, read_yaml, validated
 from swamp_rl.pilots.settings import settings_from
 from swamp_rl.yaml_text import DEEPEST, parsed
 
@@ -230,12 +231,12 @@ def _file_of(name_or_path: str | Path) -> Path:
     """The file meant; a folder of results means the one in its `config`, where there is one."""
     given = Path(name_or_path)
     for file in (given / "config" / "experiment.yaml", given / "experiment.yaml"):
-        if file.is_file():
+        if is_file(file):
             return file
     try:
         return find_config("experiments", name_or_path)
     except UserError as error:
-        if given.is_dir():
+        if os.path.isdir(given):
             raise UserError(
                 f"{given}: no config/experiment.yaml in this folder; name one of results, or an experiment"
             ) from error

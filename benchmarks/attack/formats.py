@@ -301,12 +301,17 @@ def _onnx(path: Path) -> Any:
     return pilot
 
 
-def _make_json(name: str, told: Any) -> Callable[[Path], Path]:
-    def make(folder: Path) -> Path:
-        (folder / name).write_text(json.dumps(told))
-        return folder / name
-
-    return make
+def _make_diagnosis(folder: Path) -> Path:
+    empty: dict[str, Any] = {
+        name: [] for name in ("indistinguishable", "contrasts", "leftover", "candidates")
+    }
+    empty |= {"unseen": [], "gain": [], "noise": {}, "adequacy": {}, "elapsed_s": 1.0}
+    speed = {"value": 0.2, "standard_error": 0.05, "unit": "m/s"}
+    numbers = {"north": speed, "east": speed}
+    told = {"verdict": "cause", "separating_trial": None, "correlation": [[1.0, 0.2], [0.2, 1.0]]}
+    told["causes"] = [{"effect": "current", "parameters": numbers}]
+    (folder / "diagnosis.json").write_text(json.dumps(empty | told))
+    return folder / "diagnosis.json"
 
 
 def _make_curve(folder: Path) -> Path:
@@ -433,7 +438,7 @@ FORMATS: dict[str, Format] = {
     "pilot.onnx": Format(_make_onnx, _onnx),
     "episodes.parquet": Format(_make_episodes, _episodes),
     "curve.jsonl": Format(_make_curve, _curve),
-    "diagnosis.json": Format(_make_json("diagnosis.json", {"verdict": "one", "causes": []}), _diagnosis),
+    "diagnosis.json": Format(_make_diagnosis, _diagnosis),
     "unfinished.json": Format(_make_unfinished, _unfinished),
     "message": Format(_make_message, _message),
 }

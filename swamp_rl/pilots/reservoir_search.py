@@ -37,7 +37,7 @@ class SearchedReservoirSettings(Settings):
     spectral_radius: Annotated[tuple[NotNegative, ...], Some] = (0.2, 0.5, 0.9)
     lowest_leak: Annotated[tuple[Share, ...], Some] = (0.05, 0.2)
     ridge: Annotated[tuple[Positive, ...], Some] = (0.3, 1.0, 3.0, 10.0, 30.0)
-    folds: Annotated[int, Field(ge=2)] = 5
+    folds: Annotated[int, Field(ge=2, le=1_000)] = 5
     seed: Seed = 0
     "Of the reservoir."
 
