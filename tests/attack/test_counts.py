@@ -52,7 +52,7 @@ def whole_numbers(command: Any, above: str = "") -> Iterator[tuple[str, Any]]:
     for name, inner in getattr(command, "commands", {}).items():
         yield from whole_numbers(inner, f"{above}{name} ")
     for option in command.params:
-        if option.bare_type is int:
+        if option.type_descriptor.annotation in (int, int | None):
             yield f"{above}{option.name}", option.max
 
 
