@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from swamp_rl.errors import UserError
+from swamp_rl.json_text import parsed_json
 from swamp_rl.seal import BLANK, KEY, refuse_changed, sealed
 
 FILE = "trials.sqlite"
@@ -47,7 +48,7 @@ class Store:
         where = f"{self._path}: trial {number}"
         try:
             refuse_changed(where, row.encode(), AGAIN)
-            stored = json.loads(row)
+            stored = parsed_json(row)
             del stored[KEY]
             trial = Trial(**stored)
         except (AttributeError, KeyError, TypeError, ValueError) as error:

@@ -104,7 +104,7 @@ def _reading(path: Path) -> Iterator[None]:
 def _parsed(path: Path, topic: str, row: int, data: bytes) -> dict[str, Any]:
     try:
         found = parsed_json(data)
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise UserError(f"{path}: {topic}, row {row}: is no JSON ({error})") from error
     if not isinstance(found, dict):
         raise UserError(f"{path}: {topic}, row {row}: is no JSON object of named numbers")
