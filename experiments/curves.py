@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
-from swamp_rl.json_text import parsed_json
 from swamp_rl.files import write_beside
+from swamp_rl.json_text import parsed_json
 
 Array = NDArray[np.float64]
 Curve = tuple[Array, Array]

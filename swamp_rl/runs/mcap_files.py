@@ -20,6 +20,8 @@ from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from swamp_rl.runs.table import Table
 
 TOPIC = "/run"
+MOST_BYTES = 2**29
+"""Of a file's messages, unpacked."""
 RECORD = "swamp_rl"
 """The metadata record that holds what `dataset.yaml` says."""
 
@@ -61,6 +63,10 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
     told: dict[str, dict[str, str]] = {}
     with path.open("rb") as stream, _reading(path):
         reader = _mcap("mcap.reader").make_reader(stream, validate_crcs=True)
+        summary = reader.get_summary()
+        size = sum(chunk.uncompressed_size for chunk in summary.chunk_indexes) if summary else 0
+        if size > MOST_BYTES:
+            raise UserError(f"{path}: holds {size / 2**30:.3g} GiB unpacked; divide it into runs")
         told = {record.name: record.metadata for record in reader.iter_metadata()}
         if reader.get_header().library == RECORD:
             told.setdefault(RECORD, {})

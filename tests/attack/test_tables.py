@@ -7,7 +7,10 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from mcap.writer import Writer
 
+from swamp_rl.errors import UserError
+from swamp_rl.runs.mcap_files import MOST_BYTES, read_mcap
 from swamp_rl.runs.table import MOST_CELLS, MOST_COLUMNS, read_table, write_table
 
 HEADERS = {
@@ -39,6 +42,19 @@ def test_a_parquet_file_that_stands_for_more_than_memory_holds_is_a_fault(tmp_pa
     assert [fault.message for fault in table.faults] == [
         f"says that it has {cells} rows; divide it into runs"
     ]
+
+
+def test_an_mcap_file_that_stands_for_more_than_memory_holds_is_refused(tmp_path: Path) -> None:
+    with (tmp_path / "run.mcap").open("wb") as stream:
+        writer = Writer(stream, chunk_size=MOST_BYTES)
+        writer.start()
+        channel = writer.register_channel("/run", "json", 0)
+        for i in range(MOST_BYTES // 2**26 + 1):
+            writer.add_message(channel, i, b" " * 2**26, i)
+        writer.finish()
+    assert (tmp_path / "run.mcap").stat().st_size < 1_000_000
+    with pytest.raises(UserError, match="GiB unpacked; divide it into runs"):
+        read_mcap(tmp_path / "run.mcap")
 
 
 def test_a_parquet_file_of_too_many_columns_is_a_fault(tmp_path: Path) -> None:
