@@ -4,8 +4,8 @@ import argparse
 import importlib.util
 import sys
 
-PARTS = ("parsers", "kills", "server")
-"""Modules beside this one, each with `attack(asked) -> int`, the number of findings."""
+PARTS = ("parsers", "faults", "kills", "power", "server")
+"""Modules beside this one; those that are there have `attack(asked) -> int`, the number of findings."""
 
 
 def main() -> int:
