@@ -26,7 +26,7 @@ def known_levers(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
         raise UserError(f"step: the action must have the shape {shape}, not {levers.shape}")
     if levers.dtype.kind not in "fiu":
         raise UserError(f"step: the action must be of numbers, not of {levers.dtype}")
-    return levers.astype(np.float64)
+    return levers.astype(np.float64, copy=False)
 
 
 def known_seed(seed: Any) -> int | None:

@@ -36,7 +36,7 @@ def os_error(error: OSError, path: Path | str) -> UserError:
     hidden = named is not None and Path(named).name.startswith(".part-")
     where = path if named is None or hidden else named
     hint = HINTS.get(error.errno or 0, "check the name and that it may be used")
-    return UserError(f"{where}: {error.strerror or error}; {hint}")
+    return UserError(f"{clipped(where, 300)}: {error.strerror or error}; {hint}")
 
 
 @contextmanager
