@@ -2,7 +2,6 @@
 
 import os
 import time
-import tracemalloc
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -46,16 +45,12 @@ BOMBS = {
 
 
 def refusal(path: Path, text: str) -> str:
-    """The one line with which a file of this text is refused, within seconds and 200 MB."""
+    """The one line with which a file of this text is refused, within two seconds of processor time."""
     path.write_text(text)
-    tracemalloc.start()
     begun = time.process_time()
     with pytest.raises(UserError) as caught:
         read_yaml(path)
-    # Counting allocations makes Python several times as slow.
-    assert time.process_time() - begun < 4.0
-    assert tracemalloc.get_traced_memory()[1] < 200e6
-    tracemalloc.stop()
+    assert time.process_time() - begun < 2.0
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
