@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.envs.fleet import Disturbances, Fleet
 from swamp_rl.envs.kernel import CUT, RUNNING
 from swamp_rl.envs.observation import observation_space
-from swamp_rl.envs.spaces import joypad_space, known_options, known_render_mode
+from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode, known_seed
 
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
@@ -19,6 +19,7 @@ from swamp_rl.errors import UserError
 
 Step = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 Array = NDArray[Any]
+MOST_BOATS = 1_000_000
 
 
 class GatesVectorEnv(VectorEnv[Array, Array, Array]):
@@ -47,8 +48,8 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         render_mode: str | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     ) -> None:
-        if isinstance(num_envs, bool) or not isinstance(num_envs, int) or num_envs < 1:
-            raise UserError(f"num_envs: must be a whole number of at least 1, not {num_envs!r}")
+        if isinstance(num_envs, bool) or not isinstance(num_envs, int) or not 1 <= num_envs <= MOST_BOATS:
+            raise UserError(f"num_envs: must be a whole number from 1 to {MOST_BOATS}, not {num_envs!r}")
         self.num_envs = num_envs
         self.render_mode = known_render_mode(render_mode)
         self.autoreset_mode = _known_autoreset(autoreset_mode)
@@ -71,6 +72,7 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         place of `seed`. With neither, each boat goes on with its generator. `once`, bool: a boat that has
         ended does not start anew, but lies still and stays over until the next reset.
         """
+        seed = known_seed(seed)
         super().reset(seed=seed)
         asked = known_options(options, ("episodes", "once"))
         episodes, self._once = asked.get("episodes"), bool(asked.get("once", False))
@@ -103,9 +105,8 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         """
         if not self._started:
             raise UserError("step: the boats have not started; call reset first")
-        asked = np.array(actions, dtype=np.float64)
-        if asked.shape != (self.num_envs, 2):
-            raise UserError(f"step: actions must have the shape ({self.num_envs}, 2), not {asked.shape}")
+        asked = known_levers(actions, (self.num_envs, 2))
+        self.fleet.refuse_levers(asked)
         if self._ended.size:
             self.fleet.begin(self._ended)
             self.fleet.boats["fresh"][self._ended] = True

@@ -31,7 +31,7 @@ from swamp_rl.simulator.step import substeps_of
 
 Disturbances = str | Path | Sequence[Mapping[str, Any]] | None
 
-LONGEST_STEP = 1.0  # s
+SHORTEST_STEP, LONGEST_STEP = 1e-3, 1.0  # s
 PARALLEL_FROM = 256  # boats; with 128 two cores already gain, when no one else wants them
 
 
@@ -99,14 +99,24 @@ class Fleet:
     def sail(
         self, asked: NDArray[np.float64], rewards: NDArray[np.float64], observations: NDArray[np.float32]
     ) -> int:
-        """One step of all boats; see `sail_all`. UserError where a lever is not a number."""
+        """One step of all boats; see `sail_all`. UserError where a lever is not a number, and then that boat
+        stays where it is."""
         ended = self._sail(self.boats, self.params, asked, self._shared, rewards, observations)
-        if ended and (self.boats["outcome"] == LEVERS).any():
-            i = int(np.argmax(self.boats["outcome"] == LEVERS))
+        if ended and (unmoved := self.boats["outcome"] == LEVERS).any():
+            self.boats["outcome"][unmoved] = RUNNING
+            self.refuse_levers(asked)
+        return ended
+
+    def refuse_levers(self, asked: NDArray[np.float64]) -> None:
+        """UserError where a lever of `asked` (n, 2) of a boat that is to sail is not a number."""
+        if math.isfinite(asked.sum()):  # far quicker, and finite only if all of them are
+            return
+        wrong = ~np.isfinite(asked).all(axis=1) & (self.boats["outcome"] == RUNNING)
+        if wrong.any():
+            i = int(np.argmax(wrong))
             raise UserError(
                 f"boat {i}: the levers {asked[i].tolist()} are not numbers; look at what drives it"
             )
-        return ended
 
     def look(self, chosen: NDArray[np.intp], observations: NDArray[np.float32]) -> None:
         """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""
@@ -224,6 +234,6 @@ def fixed_lever(thruster: Thruster) -> tuple[float, float]:
 def checked_step(step: float) -> float:
     """`step` [s] if it is one that can be sailed; UserError otherwise."""
     number = isinstance(step, int | float) and not isinstance(step, bool)
-    if not number or not 0.0 < step <= LONGEST_STEP:
-        raise UserError(f"step: must be a time above 0 and at most {LONGEST_STEP:g} s, not {step!r}")
+    if not number or not SHORTEST_STEP <= step <= LONGEST_STEP:
+        raise UserError(f"step: must be a time from {SHORTEST_STEP:g} to {LONGEST_STEP:g} s, not {step!r}")
     return float(step)

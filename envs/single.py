@@ -10,19 +10,21 @@ from numpy.typing import NDArray
 from swamp_rl.envs.fleet import Disturbances, Fleet
 from swamp_rl.envs.kernel import CUT
 from swamp_rl.envs.observation import observation_space
-from swamp_rl.envs.spaces import joypad_space, known_options, known_render_mode
+from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode, known_seed
 
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
+from swamp_rl.errors import UserError
 
 ONLY = np.zeros(1, dtype=np.intp)
+PAIR = (2,)
 
 
 class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     """Drive a boat through the gates of a course by its joypad: `swamp/Gates-v1`.
 
     Action: throttle in [0, 1] and angle in [-1, 1], held for `step` seconds; what is beyond is brought back
-    to the end of the lever's way, and what is not a number is a UserError.
+    to the end of the lever's way. What is not two numbers is a UserError that leaves the episode as it was.
     Observation: the names in `envs.observation.OBSERVATION`, or those of them given as `observation`; SI
     units. Reward: see `envs.reward`. The run ends in success when the gates are passed in order, each from
     behind; as a failure when the boat touches a buoy or leaves the bounds; it is truncated at the course's
@@ -49,7 +51,7 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self.fleet = Fleet(1, boat, course, disturbances, observation, step)
         self.action_space = joypad_space()
         self.observation_space = observation_space(self.fleet.places, len(self.fleet.course.gates))
-        self._asked = np.zeros((1, 2))
+        self._started = False
         self._reward = np.zeros(1)
         self._shape = (1, len(self.fleet.places))
 
@@ -57,19 +59,22 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Start an episode; observation (d,) and an empty info. There are no options."""
-        super().reset(seed=seed)
+        super().reset(seed=known_seed(seed))
         known_options(options, ())
         self.fleet.draw_from([self.np_random])
         self.fleet.begin(ONLY)
+        self._started = True
         observations = np.empty(self._shape, np.float32)
         self.fleet.look(ONLY, observations)
         return observations[0], {}
 
     def step(self, action: NDArray[Any]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Sail for one step; observation (d,), reward, terminated, truncated, info."""
-        self._asked[0] = action
+        if not self._started:
+            raise UserError("step: the episode has not started; call reset first")
+        asked = known_levers(action, PAIR)[None]
         observations = np.empty(self._shape, np.float32)
-        if not self.fleet.sail(self._asked, self._reward, observations):
+        if not self.fleet.sail(asked, self._reward, observations):
             return observations[0], self._reward.item(), False, False, {}
         truncated = self.fleet.boats["outcome"].item() in CUT
         info = {"outcome": self.fleet.outcomes(ONLY)[0], "time": self.fleet.time.item()}

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from gymnasium import spaces
+from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
 
@@ -13,6 +14,28 @@ from swamp_rl.errors import UserError
 def joypad_space() -> spaces.Box:
     """Throttle in [0, 1] and angle in [-1, 1], float32."""
     return spaces.Box(np.array([0.0, -1.0], np.float32), np.array([1.0, 1.0], np.float32))
+
+
+def known_levers(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """`actions` as a new array of `shape`; UserError where they are of another or hold no numbers."""
+    try:
+        levers = np.array(actions)
+    except ValueError:
+        levers = np.array(None)
+    if levers.shape != shape:
+        raise UserError(f"step: the action must have the shape {shape}, not {levers.shape}")
+    if levers.dtype.kind not in "fiu":
+        raise UserError(f"step: the action must be of numbers, not of {levers.dtype}")
+    return levers.astype(np.float64, copy=False)
+
+
+def known_seed(seed: Any) -> int | None:
+    """`seed` if it is None or a whole number of at least 0; UserError otherwise."""
+    if seed is None:
+        return None
+    if isinstance(seed, int | np.integer) and not isinstance(seed, bool) and seed >= 0:
+        return int(seed)
+    raise UserError(f"reset: seed must be a whole number of at least 0, not {seed!r}")
 
 
 def known_render_mode(mode: str | None) -> str | None:

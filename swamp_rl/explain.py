@@ -8,10 +8,14 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 
 LIKE = 0.6
 """Words less alike than this are not taken for one another."""
+
+MOST = 20
+"""Faults that are told at most."""
 
 TELLING = {"literal_error": 0, "extra_forbidden": 1}
 """Types of faults that bring others with them, by what is told first."""
@@ -32,12 +36,15 @@ def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | N
 
     With `model`, an unknown key is answered with the nearest known one.
     """
-    told = explanations(error, model)
-    return UserError("\n".join(f"{path}: {key + ': ' if key else ''}{message}" for key, message in told))
+    told = [f"{path}: {key + ': ' if key else ''}{message}" for key, message in explanations(error, model)]
+    others = error.error_count() - len(told)
+    return UserError("\n".join(told + ([f"{path}: and {others} more faults"] if others else [])))
 
 
-def explanations(error: ValidationError, model: type[BaseModel] | None = None) -> list[tuple[str, str]]:
-    """The dotted key and the explanation of each fault in a ValidationError, the most telling first.
+def explanations(
+    error: ValidationError, model: type[BaseModel] | None = None, most: int = MOST
+) -> list[tuple[str, str]]:
+    """The dotted key and the explanation of `most` faults in a ValidationError, the most telling first.
 
     A misspelt key is two faults, one that is unknown and one that is missing; a wrong choice, such as a
     thruster's kind, makes keys unknown that are not.
@@ -45,16 +52,16 @@ def explanations(error: ValidationError, model: type[BaseModel] | None = None) -
     faults = sorted(
         error.errors(include_url=False), key=lambda fault: TELLING.get(fault["type"], len(TELLING))
     )
-    return [_explanation(fault, model) for fault in faults]
+    return [_explanation(fault, model) for fault in faults[:most]]
 
 
 def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[str, str]:
-    key = ".".join(str(part) for part in fault["loc"])
+    key = clipped(".".join(clipped(part) for part in fault["loc"]), 200)
     if fault["type"] == "extra_forbidden":
         return key, f"unknown key{_suggestion(fault['loc'], model)}"
     if fault["type"] == "missing":
         return key, "is missing; add it"
-    message = fault["msg"].removeprefix("Value error, ").replace("\n", " ")
+    message = clipped(fault["msg"].removeprefix("Value error, ").replace("\n", " "), 500)
     if fault["type"] == "value_error":
         return key, message
     value = repr(fault["input"])
@@ -68,7 +75,7 @@ def _suggestion(loc: tuple[int | str, ...], model: type[BaseModel] | None) -> st
 
 def nearest(word: str, known: Iterable[str]) -> str:
     """The end of a complaint about an unknown word: the known one most like it, and all the known ones."""
-    known = list(known)
+    known, word = list(known), clipped(word)
     near = max(known, key=lambda other: likeness(word, other), default="")
     hint = f"; did you mean {near!r}?" if likeness(word, near) >= LIKE else ";"
     return f"{hint} known here: {', '.join(known)}"

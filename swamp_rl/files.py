@@ -3,8 +3,8 @@
 import difflib
 import errno
 import os
-import re
 import shutil
+import stat
 import uuid
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -14,12 +14,13 @@ from typing import Any
 
 import yaml
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explain as explain
 from swamp_rl.explain import explanations as explanations
 from swamp_rl.explain import validated as validated
+from swamp_rl.yaml_text import MOST_BYTES, dumped, parsed
 
-DEEPEST = 100  # levels of nesting in a YAML file
 CONFIG_KINDS = ("boats", "courses", "disturbances", "trials", "experiments", "sweeps")
 HINTS = {
     errno.ENOSPC: "free some room",
@@ -35,7 +36,7 @@ def os_error(error: OSError, path: Path | str) -> UserError:
     hidden = named is not None and Path(named).name.startswith(".part-")
     where = path if named is None or hidden else named
     hint = HINTS.get(error.errno or 0, "check the name and that it may be used")
-    return UserError(f"{where}: {error.strerror or error}; {hint}")
+    return UserError(f"{clipped(where, 300)}: {error.strerror or error}; {hint}")
 
 
 @contextmanager
@@ -140,14 +141,18 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
         return copy
     given = Path(name_or_path)
     if given.suffix in (".yaml", ".yml") or len(given.parts) != 1:
-        if not given.is_file():
-            raise UserError(f"{given}: no such file; give a path to a YAML file or one of {_known(kind)}")
+        if not is_file(given):
+            raise UserError(
+                f"{clipped(given, 200)}: no such file; give a path to a YAML file or one of {_known(kind)}"
+            )
         return given
     found = _configs() / kind / f"{given}.yaml"
-    if not found.is_file():
-        near = difflib.get_close_matches(str(given), _names(kind), 1)
+    if not is_file(found):
+        near = difflib.get_close_matches(clipped(given), _names(kind), 1)
         hint = f"did you mean {near[0]!r}? " if near else ""
-        raise UserError(f"no {kind} file named {str(given)!r}; {hint}give a path or one of {_known(kind)}")
+        raise UserError(
+            f"no {kind} file named {clipped(given)!r}; {hint}give a path or one of {_known(kind)}"
+        )
     return found
 
 
@@ -160,6 +165,14 @@ def extended_config(kind: str, path: Path, extended: Any) -> Path:
         return find_config(kind, extended if is_name else path.parent / extended)
     except UserError as error:
         raise UserError(f"{path}: extends: {error}") from error
+
+
+def is_file(path: Path) -> bool:
+    """Whether an ordinary file is there; a name too long or with a null byte is none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def _configs() -> Path:
@@ -175,48 +188,11 @@ def _known(kind: str) -> str:
     return ", ".join(_names(kind)) or f"(none in {_configs() / kind})"
 
 
-class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
-    """The safe loader, refusing duplicate keys and reading 1e-3 as the number it is (YAML 1.2)."""
-
-
-class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]
-    """The safe dumper, putting text that the loader would read as a number in quotes."""
-
-
-def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
-    seen = set()
-    for key, _ in node.value:
-        if key.tag == "tag:yaml.org,2002:merge" or not isinstance(key, yaml.ScalarNode):
-            continue
-        if key.value in seen:
-            problem = f"key {key.value!r} is given twice"
-            raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
-        seen.add(key.value)
-    loader.flatten_mapping(node)
-    return loader.construct_mapping(node, deep=True)
-
-
-_Loader.add_constructor("tag:yaml.org,2002:map", _mapping)
-_EXPONENT = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$")
-for _kind in (_Loader, _Dumper):
-    _kind.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+.0123456789"))
-
-
-def _parsed(text: str) -> Any:
-    depth = 0
-    for event in yaml.parse(text, Loader=_Loader):
-        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-        if depth > DEEPEST:
-            # The compiled loader calls itself at each level, and would end the process far deeper down.
-            raise ValueError(f"nested more than {DEEPEST} deep")
-    return yaml.load(text, Loader=_Loader)
-
-
 def read_yaml(path: Path | str) -> dict[str, Any]:
     """The mapping a YAML file holds; UserError with file and line if missing, malformed or no mapping."""
     path = Path(path)
     try:
-        data = _parsed(path.read_text(encoding="utf-8"))
+        data = parsed(_read_text(path))
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; check the name") from error
     except UnicodeDecodeError as error:
@@ -225,13 +201,21 @@ def read_yaml(path: Path | str) -> dict[str, Any]:
         mark = getattr(error, "problem_mark", None)
         line = f" line {mark.line + 1}, column {mark.column + 1}:" if mark else ""
         problem = " ".join(str(getattr(error, "problem", None) or error).split())
-        raise UserError(f"{path}:{line} malformed YAML: {problem}") from error
+        raise UserError(f"{path}:{line} malformed YAML: {clipped(problem, 200)}") from error
     if not isinstance(data, dict):
         raise UserError(f"{path}: holds {_kind_of(data)}; it must be a mapping of keys to values")
     odd = [key for key in data if not isinstance(key, str)]
     if odd:
-        raise UserError(f"{path}: key {odd[0]!r} is not text; put it in quotes")
+        raise UserError(f"{path}: key {clipped(repr(odd[0]))} is not text; put it in quotes")
     return data
+
+
+def _read_text(path: Path) -> str:
+    """Of a file that may be of any kind and size: no more of it than YAML may have."""
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise UserError(f"{path}: is no ordinary file; name a YAML file")
+    with path.open("rb") as file:
+        return file.read(MOST_BYTES + 1).decode("utf-8")
 
 
 def _kind_of(data: Any) -> str:
@@ -241,7 +225,7 @@ def _kind_of(data: Any) -> str:
 
 def yaml_text(data: Mapping[str, Any]) -> str:
     """A mapping as YAML; floats keep every bit."""
-    return yaml.dump(dict(data), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+    return dumped(data)
 
 
 def write_yaml(path: Path | str, data: Mapping[str, Any]) -> None:

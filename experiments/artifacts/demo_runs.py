@@ -1,13 +1,13 @@
 """Which runs `swamp-rl demo` shows: of datasets, results folders and single files, by who drove."""
 
 import fnmatch
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from swamp_rl.course import Course, load_course
 from swamp_rl.demo.scene import Align, DemoScene, demo_scene
 from swamp_rl.errors import UserError
+from swamp_rl.json_text import parsed_json
 from swamp_rl.runs import Run, read_dataset, read_run
 from swamp_rl.runs.dataset import META, boat_of, read_meta
 
@@ -104,7 +104,7 @@ def _read_file(path: Path) -> Found:
 def _read_results(folder: Path) -> Found:
     """The runs learned from and the pilots' own; those of the race are chosen."""
     try:
-        results = json.loads((folder / RESULTS).read_text(encoding="utf-8"))
+        results = parsed_json((folder / RESULTS).read_bytes())
         race, data_source = dict(results["race"]["runs"]), str(results["data"]["source"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UserError(f"{folder / RESULTS}: cannot be read ({error}); make the results again") from error

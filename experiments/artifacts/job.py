@@ -11,6 +11,9 @@ from swamp_rl.experiments.artifacts.provenance import RESULTS, TENSORBOARD, TRAI
 from swamp_rl.experiments.artifacts.stages import Stages, stages
 from swamp_rl.experiments.config.scene import Scene
 
+from swamp_rl.errors import UserError
+from swamp_rl.json_text import read_json
+from swamp_rl.one_thread import one_thread
 from swamp_rl.unfinished import taken_up
 
 SECONDS = "seconds.json"
@@ -25,9 +28,9 @@ def job(
     """Yield the folder to build in, renamed to `folder` at the end, and the stages with their times so far.
 
     trained: a folder whose data and pilots are taken over where they are not there yet. replaces: the marks
-    of folders that may be replaced.
+    of folders that may be replaced. Linear algebra has one thread meanwhile, for the same bits everywhere.
     """
-    with taken_up(folder, replaces, description(scene), say) as part, stages() as bars:
+    with one_thread(), taken_up(folder, replaces, description(scene), say) as part, stages() as bars:
         if trained is not None:
             _take_over(trained, part)
         yield part, bars.logged_in(part / WORK / SECONDS)
@@ -56,7 +59,10 @@ def _take_over(trained: Path, part: Path) -> None:
             Path(copied).rename(target)
     for mark in (RESULTS, TRAINED):
         if (trained / mark).is_file() and not (part / WORK / SECONDS).exists():
-            took = json.loads((trained / mark).read_text(encoding="utf-8"))["measured"]["seconds"]
+            told = read_json(trained / mark, "train again into another folder").get("measured")
+            took = told.get("seconds") if isinstance(told, dict) else None
+            if not isinstance(took, dict):
+                raise UserError(f"{trained / mark}: tells no times of training; train again")
             earlier = {name: value for name, value in took.items() if name.startswith(("record", "train"))}
             (part / WORK).mkdir(exist_ok=True)
             (part / WORK / SECONDS).write_text(json.dumps(earlier), encoding="utf-8")

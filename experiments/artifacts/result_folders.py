@@ -12,6 +12,7 @@ import numpy as np
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import Table, read_episodes
 from swamp_rl.files import read_yaml
+from swamp_rl.json_text import read_json
 
 EPISODES = "episodes.parquet"
 FILES = {"boat": "boats", "course": "courses"}
@@ -182,10 +183,4 @@ def _mark(data: Any) -> str:
 
 
 def _json(path: Path) -> dict[str, Any]:
-    if not path.is_file():
-        return {}
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise UserError(f"{path}: is no JSON; run the experiment again") from error
-    return data if isinstance(data, dict) else {}
+    return read_json(path, "run the experiment again") if path.is_file() else {}

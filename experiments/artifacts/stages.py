@@ -13,6 +13,8 @@ from typing import Any
 from swamp_rl.experiments.artifacts.versions import hardware
 
 from swamp_rl.files import write_beside
+from swamp_rl.json_text import read_json
+from swamp_rl.one_thread import threads
 from swamp_rl.pilots.callbacks import Tick
 
 
@@ -29,7 +31,7 @@ class Stages:
 
     def logged_in(self, file: Path) -> "Stages":
         """The same bars with the seconds that `file` keeps, to which each stage's are added from now on."""
-        known = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+        known = read_json(file, "remove it") if file.is_file() else {}
         return Stages(self.bars, known, file)
 
     @contextmanager
@@ -76,4 +78,5 @@ def measured(progress: Stages) -> dict[str, Any]:
         "total_seconds": round(sum(progress.seconds.values()), 1),
         "peak_memory_gb": round(peak_memory(), 2),
         "hardware": hardware(),
+        "threads": threads(),
     }

@@ -21,6 +21,7 @@ from swamp_rl.experiments.cli.sweep import sweep
 from swamp_rl.experiments.cli.trial import trial_app
 
 from swamp_rl import __version__
+from swamp_rl.clipped import printable
 from swamp_rl.errors import UserError
 
 BAD_INPUT, INTERRUPTED, TERMINATED, UNEXPECTED = 2, 130, 143, 70
@@ -99,9 +100,11 @@ def record_scripted_runs(
     disturbances: Annotated[
         str | None, typer.Option(help="A name in configs/disturbances, or a file of them; none by default.")
     ] = None,
-    count: Annotated[int, typer.Option(min=1, help="How many successful runs.")] = 40,
-    failed: Annotated[int, typer.Option(min=0, help="How many failed ones at least, kept and marked.")] = 3,
-    seed: Annotated[int, typer.Option(min=0, help="Another seed, other runs.")] = 0,
+    count: Annotated[int, typer.Option(min=1, max=100_000, help="How many successful runs.")] = 40,
+    failed: Annotated[
+        int, typer.Option(min=0, max=100_000, help="How many failed ones at least, kept and marked.")
+    ] = 3,
+    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Another seed, other runs.")] = 0,
 ) -> None:
     """Record runs of the scripted pilot, which drives the way people do."""
     from swamp_rl.envs.batched import GatesVectorEnv
@@ -162,6 +165,8 @@ def _carried_out(signals: list[int]) -> int:
         from swamp_rl.files import os_error
 
         return _complain(str(os_error(error, "the operating system")), BAD_INPUT)
+    except MemoryError as error:
+        return _complain(f"{error or 'no memory is left'}; ask for less at once", BAD_INPUT)
     except (KeyboardInterrupt, typer.Abort):
         return INTERRUPTED
     except Exception as error:
@@ -169,11 +174,11 @@ def _carried_out(signals: list[int]) -> int:
             return INTERRUPTED
         if os.environ.get(DEBUG):
             raise
-        what = f"unexpected {type(error).__name__}: {error}"
+        what = " ".join(f"unexpected {type(error).__name__}: {error}".split())
         return _complain(f"{what}; {DEBUG}=1 shows where, please report it", UNEXPECTED)
 
 
 def _complain(line: str, code: int) -> int:
     for fault in line.splitlines() or [""]:
-        print("swamp-rl:", " ".join(fault.split()), file=sys.stderr)
+        print("swamp-rl:", printable(" ".join(fault.split())), file=sys.stderr)
     return code

@@ -23,7 +23,9 @@ def compare(
         Path | None,
         typer.Option(help="Folder of compare.md and compare.json (comparison), or page (leaderboard.html)."),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the bootstrap and the permutations.")] = 0,
+    seed: Annotated[
+        int, typer.Option(min=0, max=2**31 - 1, help="Of the bootstrap and the permutations.")
+    ] = 0,
 ) -> None:
     """Compare pilots on the same episodes, with intervals and corrected p-values, or rank them on a page."""
     from swamp_rl.files import write_beside

@@ -27,7 +27,9 @@ def demo(
         typer.Option(help="What all boats do at the same time: pass the first gate, or start."),
     ] = "gate",
     web: Annotated[bool, typer.Option("--web", help="Serve rerun's viewer to a browser here.")] = False,
-    port: Annotated[int | None, typer.Option(help="Of --web; any free one by default.")] = None,
+    port: Annotated[
+        int | None, typer.Option(min=1, max=65535, help="Of --web; any free one by default.")
+    ] = None,
     save: Annotated[Path | None, typer.Option(help="Write a rerun recording, FILE.rrd.")] = None,
     video: Annotated[Path | None, typer.Option(help="Write a film, FILE.mp4 or FILE.gif.")] = None,
     speed: Annotated[float, typer.Option(help="Of the film: seconds shown in a second.")] = 4.0,

@@ -45,8 +45,10 @@ def evaluate(
     level: Annotated[
         list[str] | None, typer.Option(help="A level of disturbance in place of the file's; may be repeated.")
     ] = None,
-    episodes: Annotated[int | None, typer.Option(min=1, help="How many episodes at each level.")] = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="Of the first episode.")] = None,
+    episodes: Annotated[
+        int | None, typer.Option(min=1, max=100_000, help="How many episodes at each level.")
+    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Of the first episode.")] = None,
     experiment: Annotated[
         str | None, typer.Option(help="Whose boat, course and levels; by default the first folder's.")
     ] = None,

@@ -18,7 +18,7 @@ identify_app = typer.Typer(
 
 Folder = Annotated[Path, typer.Argument(help="A folder of runs with its dataset.yaml.")]
 BoatOption = Annotated[str | None, typer.Option("--boat", help="Another boat than the dataset's vehicle.")]
-Smooth = Annotated[float, typer.Option(min=0.0, help="Span of a quadratic smoother, s; 0: none.")]
+Smooth = Annotated[float, typer.Option(min=0.0, max=3600.0, help="Span of a quadratic smoother, s; 0: none.")]
 
 
 def _motion(folder: Path, name: str | None, smooth: float) -> tuple["Motion", "Boat"]:
@@ -61,7 +61,9 @@ def yaw_model(
     dataset: Folder,
     boat: BoatOption = None,
     smooth: Smooth = 0.0,
-    inertia: Annotated[float | None, typer.Option(help="I_r, kg m2; by default the boat file's.")] = None,
+    inertia: Annotated[
+        float | None, typer.Option(min=1e-6, max=1e9, help="I_r, kg m2; by default the boat file's.")
+    ] = None,
 ) -> None:
     """k_r, c_ru, c_rv and b_r of the yaw model of paper 002, by pseudo-inverse and by rollout."""
     from swamp_rl.identification.yaw_model import (

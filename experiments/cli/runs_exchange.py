@@ -8,8 +8,12 @@ from swamp_rl.experiments.cli.runs import runs_app
 
 from swamp_rl.errors import UserError
 
-Rate = Annotated[float | None, typer.Option(min=1e-3, help="Rows a second, where there are no times to use.")]
-Resample = Annotated[float | None, typer.Option(min=1e-3, help="Rows a second to make of uneven ones.")]
+Rate = Annotated[
+    float | None, typer.Option(min=1e-3, max=1e6, help="Rows a second, where there are no times to use.")
+]
+Resample = Annotated[
+    float | None, typer.Option(min=1e-3, max=1e6, help="Rows a second to make of uneven ones.")
+]
 
 
 @runs_app.command("import")

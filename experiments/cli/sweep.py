@@ -18,7 +18,8 @@ def sweep(
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder, in place of results/sweeps/NAME.")] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes at once; by default one for each processor.")
+        int | None,
+        typer.Option(min=1, max=1024, help="Processes at once; by default one for each processor."),
     ] = None,
     ray: Annotated[
         str | None,

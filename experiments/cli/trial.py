@@ -18,7 +18,7 @@ Pattern = Annotated[
 ]
 StartSpeed = Annotated[float | None, typer.Option(help="Speed (m/s) that the approach is to reach.")]
 Direction = Annotated[float, typer.Option(help="Course (deg) on which the trials begin.")]
-Seed = Annotated[int, typer.Option(min=0, help="Of the wind's gusts.")]
+Seed = Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of the wind's gusts.")]
 
 
 def _carry_out(out: Path, boat: str, direction: float, seed: int, entry: dict[str, Any]) -> None:

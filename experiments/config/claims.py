@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-Count = Annotated[int, Field(ge=2)]
+Count = Annotated[int, Field(ge=2, le=1_000)]
 Levels = Annotated[tuple[str, ...], Field(strict=False, min_length=1)]
 
 

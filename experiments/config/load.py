@@ -1,5 +1,6 @@
 """Experiment files read strictly, with `extends:` and with overrides from the command line."""
 
+import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -9,10 +10,12 @@ from swamp_rl.experiments.config.learners import LEARNERS, in_order, learner
 from swamp_rl.experiments.config.schema import Experiment, PilotPlan
 from swamp_rl.experiments.config.smoke import shrunk
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
-from swamp_rl.files import find_config, read_yaml, validated
+from swamp_rl.files import find_config, is_file, read_yaml, validated
 from swamp_rl.pilots.settings import settings_from
+from swamp_rl.yaml_text import DEEPEST, parsed
 
 
 def load_experiment(name_or_path: str | Path, overrides: Iterable[str] = ()) -> Experiment:
@@ -42,12 +45,12 @@ def _file_of(name_or_path: str | Path) -> Path:
     """The file meant; a folder of results means the one in its `config`, where there is one."""
     given = Path(name_or_path)
     for file in (given / "config" / "experiment.yaml", given / "experiment.yaml"):
-        if file.is_file():
+        if is_file(file):
             return file
     try:
         return find_config("experiments", name_or_path)
     except UserError as error:
-        if given.is_dir():
+        if os.path.isdir(given):
             raise UserError(
                 f"{given}: no config/experiment.yaml in this folder; name one of results, or an experiment"
             ) from error
@@ -115,14 +118,14 @@ def _extended(path: Path, seen: tuple[Path, ...]) -> dict[str, Any]:
 
 def _parsed(override: str) -> dict[str, Any]:
     key, equals, text = override.partition("=")
-    if not equals or not all(key.split(".")):
-        raise UserError(
-            f"--set {override}: must be key=value, with a dotted key such as evaluation.episodes=100"
-        )
+    said, parts = f"--set {clipped(override)}", key.split(".")
+    if not equals or not all(parts) or len(parts) > DEEPEST:
+        raise UserError(f"{said}: must be key=value, with a dotted key such as evaluation.episodes=100")
     try:
-        value = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise UserError(f"--set {override}: the value is malformed YAML; put it in quotes") from error
-    for part in reversed(key.split(".")):
+        value = parsed(text)
+    except (yaml.YAMLError, ValueError) as error:
+        problem = " ".join(str(getattr(error, "problem", None) or error).split())
+        raise UserError(f"{said}: the value is malformed YAML ({problem}); put it in quotes") from error
+    for part in reversed(parts):
         value = {part: value}
     return value

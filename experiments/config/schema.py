@@ -1,18 +1,28 @@
 """What an experiment file holds: its keys, their kinds and bounds."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from swamp_rl.experiments.config.claims import Claims
 
 from swamp_rl.explain import nearest
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+MOST_PILOTS = 100
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
 Seed = Annotated[int, Field(ge=0, lt=2**31)]
-Count = Annotated[int, Field(ge=1)]
+Count = Annotated[int, Field(ge=1, le=100_000)]
+"Of runs or episodes, which are held in memory at once."
 Rate = Annotated[float, Field(ge=0.0, le=1.0)]
 Noise = Annotated[float, Field(ge=0.0)]
+
+
+def _few(given: Any) -> Any:
+    # A greatest length declared as such would be looked at after the items.
+    if isinstance(given, Mapping) and len(given) > MOST_PILOTS:
+        raise ValueError(f"there are {len(given)}, at most {MOST_PILOTS} are compared")
+    return given
 
 
 class Part(BaseModel):
@@ -30,7 +40,7 @@ class Record(Part):
     """
 
     good: Count = 40
-    failed: Annotated[int, Field(ge=0)] = 3
+    failed: Annotated[int, Field(ge=0, le=100_000)] = 3
     disturbances: str | None = None
     seed: Seed = 0
 
@@ -79,7 +89,7 @@ class PilotPlan(Part):
     kind: str
     runs: Count | None = None
     outcomes: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] = ("success",)
-    takeover: Annotated[float, Field(ge=0.0)] = 0.0
+    takeover: Annotated[float, Field(ge=0.0, le=3600.0)] = 0.0
     disturbances: str | None = None
     options: dict[str, Any] = {}
 
@@ -132,7 +142,7 @@ class Experiment(Part):
     course: str
     step: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1
     data: Data = Data()
-    pilots: Annotated[dict[Name, PilotPlan], Field(min_length=1)]
+    pilots: Annotated[dict[Name, PilotPlan], Field(min_length=1), BeforeValidator(_few)]
     evaluation: Evaluation
     targets: Targets = Targets()
     hidden: Hidden | None = None

@@ -4,14 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 from swamp_rl.experiments.artifacts.results import Tables
 from swamp_rl.experiments.artifacts.stages import Stages
 from swamp_rl.experiments.config.scene import Scene
 
+from swamp_rl.arrays_file import read_arrays, write_arrays
 from swamp_rl.evaluation import Table, drive, episode_table
 from swamp_rl.evaluation.rollout import Pilot
-from swamp_rl.files import write_beside
 from swamp_rl.runs import Run, RunMeta
 
 
@@ -57,16 +56,14 @@ def _write(file: Path, table: Table, shown: list[Run]) -> None:
     arrays = {f"table/{column}": values for column, values in table.items()}
     for run in shown:
         arrays |= {f"{run.name}/{column}": values for column, values in run.columns.items()}
-    with write_beside(file) as part:
-        np.savez(part, allow_pickle=False, **arrays)
+    write_arrays(file, arrays)
 
 
 def _read(file: Path) -> tuple[Table, list[Run]]:
     parts: dict[str, Table] = {}
-    with np.load(file, allow_pickle=False) as arrays:
-        for key in arrays.files:
-            name, column = key.split("/")
-            parts.setdefault(name, {})[column] = arrays[key]
+    for key, values in read_arrays(file).items():
+        name, column = key.split("/")
+        parts.setdefault(name, {})[column] = values
     table = parts.pop("table")
     told = zip(table["seed"].tolist(), table["outcome"].tolist(), strict=True)
     metas = [RunMeta(seed=seed, outcome=outcome) for seed, outcome in told]

@@ -19,11 +19,6 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
         part.write_text(text, encoding="utf-8")
 
 
-def read_json(path: Path) -> dict[str, Any]:
-    """What `write_json` wrote."""
-    return json.loads(path.read_text(encoding="utf-8"))
-
-
 def _plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()

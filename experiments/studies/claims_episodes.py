@@ -12,8 +12,8 @@ from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.studies.claims_effects import Flight, Flown, Who, alone, named
 from swamp_rl.experiments.training.train import train, with_takeover
 
+from swamp_rl.arrays_file import read_arrays, write_arrays
 from swamp_rl.evaluation import Rollout, drive, episode_table
-from swamp_rl.files import write_beside
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import load_pilot, save_pilot
@@ -116,13 +116,12 @@ def _write(file: Path, flown: Flight) -> None:
     table, rollout = flown
     arrays = {f"table/{column}": values for column, values in table.items()}
     arrays |= {name: getattr(rollout, name) for name in ("seeds", "steps", "outcome", "pose")}
-    with write_beside(file) as part:
-        np.savez(part, allow_pickle=False, **arrays)
+    write_arrays(file, arrays)
 
 
 def _read(file: Path) -> Flight:
-    with np.load(file, allow_pickle=False) as arrays:
-        table = {key.removeprefix("table/"): arrays[key] for key in arrays.files if key.startswith("table/")}
-        nothing = np.empty((len(arrays["seeds"]), 0, 2))
-        seeds, steps, outcome, pose = (arrays[name] for name in ("seeds", "steps", "outcome", "pose"))
-        return table, Rollout(seeds, steps, outcome, pose, nothing, nothing)
+    arrays = read_arrays(file)
+    table = {key.removeprefix("table/"): arrays[key] for key in arrays if key.startswith("table/")}
+    nothing = np.empty((len(arrays["seeds"]), 0, 2))
+    seeds, steps, outcome, pose = (arrays[name] for name in ("seeds", "steps", "outcome", "pose"))
+    return table, Rollout(seeds, steps, outcome, pose, nothing, nothing)

@@ -17,12 +17,13 @@ from swamp_rl.experiments.artifacts.stages import Stages, measured
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import Scene, read_scene
 from swamp_rl.experiments.config.schema import Experiment
-from swamp_rl.experiments.reports.terminal import print_results, read_json, write_json
+from swamp_rl.experiments.reports.terminal import print_results, write_json
 from swamp_rl.experiments.studies.main import do_experiment
 from swamp_rl.experiments.training.train import get_data, train_pilots
 
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
+from swamp_rl.json_text import read_json
 
 Work = Callable[[Scene, Path, Stages], dict[str, Any]]
 
@@ -53,7 +54,7 @@ def evaluated(experiment: Experiment, given: str | Path, folder: Path, trained: 
         if not (part / RESULTS).is_file():
             write_json(part / RESULTS, work(scene, part, progress))
         (part / TRAINED).unlink(missing_ok=True)
-        results = read_json(part / RESULTS)
+        results = read_json(part / RESULTS, "remove the folder and run again")
     print_results(results, folder)
     return folder
 

@@ -1,5 +1,6 @@
 """What a sweep file holds, read strictly."""
 
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -9,6 +10,7 @@ from swamp_rl.experiments.config.schema import Count, Name, Part, Seed
 
 from swamp_rl.files import find_config, read_yaml, validated
 
+MOST_TRIALS = 100_000
 Listed = Annotated[list[Any], Field(min_length=1)]
 Number = Annotated[float, Field(strict=False)]
 Ends = Annotated[tuple[Number, Number], Field(strict=False)]
@@ -86,7 +88,7 @@ class Sweep(Part):
     sampler: Literal["tpe", "random"] = "tpe"
     batch: Count = 4
     seed: Seed = 0
-    retries: Annotated[int, Field(ge=0)] = 2
+    retries: Annotated[int, Field(ge=0, le=100)] = 2
 
     @model_validator(mode="after")
     def _is_a_grid_or_a_search(self) -> Self:
@@ -95,6 +97,9 @@ class Sweep(Part):
                 raise ValueError(f"parameters.{key}: is drawn; say with trials how many draws there are")
             if self.trials is not None and parameter.kind == "grid":
                 raise ValueError(f"parameters.{key}: is a grid; drop trials, or make it a choice")
+        grid = math.prod(len(parameter.grid or ()) for parameter in self.parameters.values())
+        if self.trials is None and grid > MOST_TRIALS:
+            raise ValueError(f"parameters: a grid of {grid:.3g} trials; at most {MOST_TRIALS}, or say trials")
         return self
 
 

@@ -9,8 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from swamp_rl.errors import UserError
+from swamp_rl.json_text import parsed_json
+from swamp_rl.seal import BLANK, KEY, refuse_changed, sealed
 
 FILE = "trials.sqlite"
+AGAIN = "remove the file to begin anew, or name another folder with --out"
 
 
 @dataclass(frozen=True)
@@ -33,17 +36,31 @@ class Trial:
 class Store:
     """Ended trials by number; each is on the disk before `add` returns."""
 
-    def __init__(self, connection: sqlite3.Connection) -> None:
-        self._connection = connection
+    def __init__(self, connection: sqlite3.Connection, path: Path) -> None:
+        self._connection, self._path = connection, path
 
     def trials(self) -> dict[int, Trial]:
-        """All that have ended."""
-        rows = self._connection.execute("SELECT trial FROM trials ORDER BY number")
-        return {trial.number: trial for trial in (Trial(**json.loads(row)) for (row,) in rows)}
+        """All that have ended; UserError where a row has changed since it was written."""
+        rows = self._connection.execute("SELECT number, trial FROM trials ORDER BY number").fetchall()
+        return {number: self._trial(number, row) for number, row in rows}
+
+    def _trial(self, number: Any, row: Any) -> Trial:
+        where = f"{self._path}: trial {number}"
+        try:
+            refuse_changed(where, row.encode(), AGAIN)
+            stored = parsed_json(row)
+            del stored[KEY]
+            trial = Trial(**stored)
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            raise UserError(f"{where}: is no trial ({error}); {AGAIN}") from error
+        if trial.number != number:
+            raise UserError(f"{where}: stands in the place of trial {trial.number}; {AGAIN}")
+        return trial
 
     def add(self, trial: Trial) -> None:
         """Keep one for good."""
-        row = (trial.number, json.dumps(asdict(trial), allow_nan=False))
+        text = json.dumps({**asdict(trial), KEY: BLANK}, allow_nan=False)
+        row = (trial.number, sealed(text.encode()).decode())
         with self._connection:
             self._connection.execute("INSERT INTO trials VALUES (?, ?)", row)
 
@@ -67,7 +84,7 @@ def opened(folder: Path, plan: dict[str, Any]) -> Iterator[Store]:
         connection.execute("PRAGMA locking_mode = EXCLUSIVE")
         connection.execute("PRAGMA synchronous = FULL")
         _agree(connection, path, json.dumps(plan, sort_keys=True))
-        yield Store(connection)
+        yield Store(connection, path)
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; name another folder with --out") from error
     except sqlite3.OperationalError as error:

@@ -8,6 +8,8 @@ from typing import Any
 from swamp_rl.experiments.config.schema import Experiment, Targets
 from swamp_rl.experiments.sweep.schema import Objective
 
+from swamp_rl.one_thread import one_thread
+
 
 def job_of(experiment: Experiment, objective: Objective) -> str:
     """What a trial needs to know: the objective, and the experiment cut down to its pilot and level.
@@ -25,6 +27,7 @@ def job_of(experiment: Experiment, objective: Objective) -> str:
     return json.dumps({"experiment": cut.model_dump(mode="json"), "objective": objective.model_dump()})
 
 
+@one_thread()
 def carry_out(job: str) -> str:
     """Train and evaluate; JSON of the objective's value and the summary of the episodes."""
     from swamp_rl.experiments.config.scene import read_scene

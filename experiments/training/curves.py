@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
+from swamp_rl.json_text import parsed_json
 
 Array = NDArray[np.float64]
 Curve = tuple[Array, Array]
@@ -45,7 +46,7 @@ def read_curve(path: Path | str, quantity: str = "success") -> Curve:
         raise UserError(f"{path}: cannot be read as text ({error}); name a curve's .jsonl file") from error
     for number, line in enumerate(lines, 1):
         try:
-            point = json.loads(line)
+            point = parsed_json(line)
             step, value = float(point["step"]), float(point[quantity])
         except (ValueError, KeyError, TypeError) as error:
             raise UserError(f"{path}: line {number}: must hold the numbers step and {quantity}") from error

@@ -9,9 +9,10 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from swamp_rl.errors import UserError
 from swamp_rl.files import extended_config, find_config, read_yaml, validated
 
-Metres = Annotated[float, Field(allow_inf_nan=False)]
+Metres = Annotated[float, Field(ge=-1e6, le=1e6)]
 Radians = Annotated[float, Field(ge=-2.0 * math.pi, le=2.0 * math.pi)]
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0.0, le=1e6)]
+Seconds = Annotated[float, Field(ge=1.0, le=86400.0)]
 
 
 class _Strict(BaseModel):
@@ -90,11 +91,11 @@ class Course(_Strict):
 
     name: Annotated[str, Field(min_length=1)]
     notes: str = ""
-    gates: Annotated[tuple[Gate, ...], Field(min_length=1, strict=False)]
+    gates: Annotated[tuple[Gate, ...], Field(min_length=1, max_length=1000, strict=False)]
     start: Start
     bounds: Bounds
     buoy_radius: Positive
-    time_limit: Positive
+    time_limit: Seconds
 
     @model_validator(mode="after")
     def _can_be_sailed(self) -> "Course":

@@ -89,7 +89,8 @@ def _correlated(entries: list[dict[str, Any]], matrix: list[list[float]]) -> dic
         if name not in ("effect", "thruster")
     ]
     drawn = [i for i, (_, is_drawn) in enumerate(every) if is_drawn]
-    if len(matrix) != len(every) or len(drawn) < 2:
+    square = len(matrix) == len(every) and all(len(row) == len(every) for row in matrix)
+    if not square or len(drawn) < 2:
         return {}
     chosen = [[matrix[i][j] for j in drawn] for i in drawn]
     return {"correlated": {"numbers": [every[i][0] for i in drawn], "matrix": chosen}}

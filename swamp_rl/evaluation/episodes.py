@@ -75,7 +75,7 @@ def write_episodes(path: Path, tables: Mapping[tuple[str, str], Table]) -> None:
     for (pilot, level), table in tables.items():
         n = len(table["seed"])
         parts.append(pa.table({"pilot": [pilot] * n, "level": [level] * n, **table}))
-    pq.write_table(pa.concat_tables(parts), path)
+    pq.write_table(pa.concat_tables(parts), path, write_page_checksum=True)
 
 
 def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
@@ -84,7 +84,7 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
     import pyarrow.parquet as pq
 
     try:
-        read = pq.read_table(path)
+        read = pq.read_table(path, page_checksum_verification=True)
     except (OSError, pa.ArrowException) as error:
         raise UserError(f"{path}: is no readable Parquet file; run the experiment again") from error
     missing = [name for name in ("pilot", "level", *COLUMNS) if name not in read.column_names]

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.runs import Run, RunMeta
 
 Array = NDArray[Any]
@@ -99,6 +100,7 @@ class Rollout:
         return Run(name, columns, meta)
 
 
+@one_thread()
 def drive(
     pilot: Pilot, make_boats: MakeBoats, seeds: Array, tick: Callable[[int], None] = lambda ended: None
 ) -> Rollout:

@@ -12,6 +12,7 @@ from swamp_rl.export.onnx_pilot import OnnxPilot
 from swamp_rl.export.steps import seen_by, step
 from swamp_rl.files import write_beside
 from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.seal import BLANK, KEY, sealed
 
 
 def write_onnx(pilot: Pilot, path: Path | str, about: dict[str, str] | None = None) -> None:
@@ -19,10 +20,10 @@ def write_onnx(pilot: Pilot, path: Path | str, about: dict[str, str] | None = No
 
     Inputs: `observation` (boats, d) in the order of the metadata's `senses`, SI units, and for each state
     `state_NAME`. Outputs: `levers` (boats, 2) and for each state `next_NAME`, to be given back at the next
-    step. Every state is zeros at a run's start. about: more metadata.
+    step. Every state is zeros at a run's start. about: more metadata. The file carries its SHA-256.
     """
     try:
-        import onnx
+        import onnx  # noqa: F401  needed by Graph
     except ImportError as error:
         raise UserError("onnx is not installed; install swamp-rl[onnx]") from error
     graph = Graph()
@@ -30,9 +31,9 @@ def write_onnx(pilot: Pilot, path: Path | str, about: dict[str, str] | None = No
     levers = step(pilot, graph, graph.input("observation", len(senses)))
     graph.output("levers", levers, 2)
     known = {"kind": pilot.kind, "senses": json.dumps(senses), "swamp_rl": __version__}
-    model = graph.model(pilot.kind, known | (about or {}))
+    model = graph.model(pilot.kind, known | (about or {}) | {KEY: BLANK})
     with write_beside(path) as part:
-        onnx.save_model(model, part)
+        part.write_bytes(sealed(model.SerializeToString()))
 
 
 def greatest_difference(pilot: Pilot, path: Path | str, rng: np.random.Generator, steps: int = 100) -> float:

@@ -1,6 +1,5 @@
 """A pilot that drives from its ONNX file, by onnxruntime with one thread."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,9 @@ import numpy as np
 from swamp_rl.errors import UserError
 from swamp_rl.export.graph import NEXT, STATE
 from swamp_rl.export.steps import FIRST_LEVERS
+from swamp_rl.json_text import parsed_json
 from swamp_rl.pilots.arrays import Array
+from swamp_rl.seal import sealed_file
 
 TYPES = {"tensor(double)": np.float64, "tensor(float)": np.float32, "tensor(int64)": np.int64}
 
@@ -18,14 +19,17 @@ class OnnxPilot:
     """The file's graph with its states kept between the steps; none of this project's pilots is used."""
 
     def __init__(self, path: Path | str) -> None:
-        """UserError where the file is no pilot's, or onnxruntime is not installed."""
+        """UserError where the file is no pilot's, is damaged, or onnxruntime is not installed."""
         self._session = _session(path)
         known = self._session.get_modelmeta().custom_metadata_map
         inputs = {given.name: given for given in self._session.get_inputs()}
-        if "senses" not in known or "observation" not in inputs:
+        if not {"kind", "senses"} <= set(known) or "observation" not in inputs:
             raise UserError(f"{path}: is not the step of a pilot; name a file written by swamp-rl export")
         self.kind: str = known["kind"]
-        self.senses = tuple(json.loads(known["senses"]))
+        try:
+            self.senses = tuple(parsed_json(known["senses"]))
+        except (TypeError, ValueError) as error:
+            raise UserError(f"{path}: does not tell what it senses; export the pilot again") from error
         self.wants_first = FIRST_LEVERS in inputs
         "Whether the levers of whoever drives first are to be given."
         self._states = [given for name, given in inputs.items() if name.startswith(STATE)]
@@ -64,11 +68,9 @@ def _session(path: Path | str) -> Any:
         raise UserError("onnxruntime is not installed; install swamp-rl[onnx]") from error
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
+    content = sealed_file(path, "export the pilot again")
     try:
-        content = Path(path).read_bytes()
         return onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
-    except OSError as error:
-        raise UserError(f"{path}: {error.strerror}; name a file written by swamp-rl export") from error
     except Exception as error:  # onnxruntime's own errors have no common base
         first = str(error).splitlines()[0]
         raise UserError(f"{path}: is not an ONNX model ({first}); export the pilot again") from error

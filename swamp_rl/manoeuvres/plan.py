@@ -93,7 +93,7 @@ class Plan(Part):
     description: str = ""
     boat: str
     area: AreaPart = AreaPart()
-    seed: Annotated[int, Field(ge=0)] = 0
+    seed: Annotated[int, Field(ge=0, lt=2**31)] = 0
     full_rpm: Positive | None = None
     trials: Annotated[tuple[Entry, ...], FROM_LIST, FILLED]
 

@@ -8,11 +8,12 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import NetworkPilot, layers_of
 from swamp_rl.pilots.regression import RegressionSettings, task_of, train_by_epochs
-from swamp_rl.pilots.settings import Count
+from swamp_rl.pilots.settings import Layers, Many
 from swamp_rl.runs import Run
 
 
@@ -24,10 +25,11 @@ class CloningSettings(RegressionSettings):
     """
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, "yaw_rate", *NEXT_GATE)
-    hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
-    batch_size: Count = 256
+    hidden: Layers = (64, 64)
+    batch_size: Many = 256
 
 
+@one_thread(torch=True)
 def fit_cloning(
     runs: Sequence[Run],
     settings: CloningSettings | None = None,

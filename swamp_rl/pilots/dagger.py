@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from swamp_rl.boat import Boat
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
@@ -23,7 +24,7 @@ from swamp_rl.pilots.record import MakeBoats, drive_episodes
 from swamp_rl.pilots.regression import task_of
 from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_reservoir
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
-from swamp_rl.pilots.settings import Count, Seed, Settings
+from swamp_rl.pilots.settings import Many, Seed, Settings
 from swamp_rl.runs import Run
 
 STEADY = Habits(messy=0.0, gentle=0.0, guess_interval=1e6, hesitation_interval=1e6)
@@ -59,12 +60,12 @@ class DaggerSettings(Settings):
     """What learns, in how many rounds, and who corrects it."""
 
     learner: Annotated[Learner, Field(discriminator="kind")] = ReservoirLearner()
-    rounds: Count = 5
-    runs: Count = 2
+    rounds: Many = 5
+    runs: Annotated[int, Field(ge=1, le=1_000)] = 2
     "Driven by the learner in each round, and corrected from start to end."
     expert: Habits = STEADY
     "Of the scripted pilots that correct, one for each run."
-    trials: Annotated[int, Field(ge=0)] = 200
+    trials: Annotated[int, Field(ge=0, le=100_000)] = 200
     """Episodes that the learner of each round drives alone: the one that succeeds in most is kept (of equals
     the later). With none, the last."""
     seed: Seed = 0
@@ -78,6 +79,7 @@ class DaggerSettings(Settings):
         return learner
 
 
+@one_thread(torch=True)
 def fit_dagger(
     first: Sequence[Run],
     make_boats: MakeBoats,

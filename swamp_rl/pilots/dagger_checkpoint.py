@@ -9,9 +9,11 @@ import numpy as np
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
+from swamp_rl.json_text import parsed_json
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.runs import Run, RunMeta
+from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
 
 
 @dataclass
@@ -45,7 +47,7 @@ def save_rounds(path: Path, rounds: Rounds, task: str) -> None:
     said = {"task": task, "successes": rounds.successes, "pilots": pilots, "runs": runs}
     whole = {name: np.ascontiguousarray(value) for name, value in tensors.items()}
     with write_beside(path) as part:
-        part.write_bytes(save(whole, metadata={"rounds": json.dumps(said)}))
+        part.write_bytes(sealed(save(whole, metadata={"rounds": json.dumps(said), KEY: BLANK})))
 
 
 def load_rounds(path: Path, task: str) -> Rounds:
@@ -57,9 +59,10 @@ def load_rounds(path: Path, task: str) -> Rounds:
 
     if not path.exists():
         return Rounds()
+    sealed_file(path, "remove it")
     try:
         with safe_open(path, "numpy") as file:
-            said = json.loads((file.metadata() or {})["rounds"])
+            said = parsed_json((file.metadata() or {})["rounds"])
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  not a mapping
         if said["task"] != task:
             return Rounds()
@@ -69,7 +72,7 @@ def load_rounds(path: Path, task: str) -> Rounds:
             runs.append(Run(told["name"], columns, RunMeta.model_validate(told["meta"])))
         learner, best = (_pilot(role, said["pilots"][role], tensors) for role in ("learner", "best"))
         return Rounds(runs, said["successes"], learner, best)
-    except (OSError, SafetensorError, LookupError, TypeError, ValueError) as error:
+    except (OSError, SafetensorError, LookupError, TypeError, AttributeError, ValueError) as error:
         raise UserError(f"{path}: is no checkpoint of DAgger's rounds ({error}); remove it") from error
 
 

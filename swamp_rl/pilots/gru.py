@@ -7,12 +7,13 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import REACH
 from swamp_rl.pilots.regression import RegressionSettings, task_of, train_by_epochs
-from swamp_rl.pilots.settings import Count, Positive
+from swamp_rl.pilots.settings import Many, Positive, Width
 from swamp_rl.runs import Run
 
 
@@ -20,8 +21,8 @@ class GRUSettings(RegressionSettings):
     """As `CloningSettings`, with a memory of `units` numbers in place of layers."""
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, "yaw_rate", *NEXT_GATE)
-    units: Count = 32
-    batch_size: Count = 4
+    units: Width = 32
+    batch_size: Many = 4
     "Runs in a batch."
     learning_rate: Positive = 5e-3
 
@@ -88,6 +89,7 @@ class GRUPilot:
 _NAMES = ("mean", "scale", "input", "recurrent", "input_bias", "recurrent_bias", "Wout", "out")
 
 
+@one_thread(torch=True)
 def fit_gru(
     runs: Sequence[Run],
     settings: GRUSettings | None = None,

@@ -6,8 +6,7 @@ goes on from a checkpoint needs nothing of the boats, and ends with the same bit
 
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,11 +16,13 @@ from pydantic import Field
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
+from swamp_rl.json_text import parsed_json
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
-from swamp_rl.pilots.settings import Count, Seed, Settings, Share
+from swamp_rl.pilots.settings import Count, Layers, Many, Seed, Settings, Share
 from swamp_rl.pilots.tally import Tally
+from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
 
 FORMAT = "1"
 FIRST_EPISODE = 2**31
@@ -32,10 +33,10 @@ class ReinforcementSettings(Settings):
     """What reinforcement learning has whatever the algorithm."""
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, *MOTION, *NEXT_GATE)
-    hidden: Annotated[tuple[Count, ...], Field(min_length=1)] = (64, 64)
-    hold: Count = 6
+    hidden: Layers = (64, 64)
+    hold: Many = 6
     "Steps of the boat for which a decision is held, in training and after."
-    boats: Count
+    boats: Many
     decisions: Count
     "Of all boats together."
     discount: Share = 0.98
@@ -129,19 +130,6 @@ def _begin_leg(learner: Any, seed: int, leg: int) -> None:
     learner._last_obs = None  # so that `learn` starts the boats anew
 
 
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Torch within the block: layers as small as ours are slower when divided among threads."""
-    import torch
-
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
-
-
 def scaling_of(scaled: Any) -> dict[str, Array]:
     """`mean` and `scale` (d,) of the observations, as a VecNormalize has learned them."""
     return {"mean": scaled.obs_rms.mean, "scale": np.sqrt(scaled.obs_rms.var + scaled.epsilon)}
@@ -205,10 +193,11 @@ def _save(path: Path, progress: Progress, tensors: Mapping[str, Array]) -> None:
         "seconds": repr(progress.seconds),
         "curve": json.dumps(progress.curve),
         "decisions": str(progress.decisions),
+        KEY: BLANK,
     }
     with write_beside(path) as part:
         whole = {name: np.array(value, order="C") for name, value in tensors.items()}
-        part.write_bytes(save(whole, metadata=header))
+        part.write_bytes(sealed(save(whole, metadata=header)))
 
 
 def _load(path: Path, progress: Progress, legs: Legs) -> None:
@@ -217,12 +206,12 @@ def _load(path: Path, progress: Progress, legs: Legs) -> None:
         return
     header, tensors = _read(path)
     try:
-        made_with = json.loads(header["settings"])
+        made_with = parsed_json(header["settings"])
         if header["format"] == FORMAT and made_with == progress.settings:
             legs.restore(tensors)
             progress.decisions = legs.learner.num_timesteps = int(header["decisions"])
             progress.legs, progress.seconds = int(header["legs"]), float(header["seconds"])
-            progress.curve = json.loads(header["curve"])
+            progress.curve = parsed_json(header["curve"])
             return
     except (KeyError, ValueError, RuntimeError) as error:
         raise UserError(f"{path}: is no whole checkpoint ({error}); remove it to train anew") from error
@@ -236,6 +225,7 @@ def _load(path: Path, progress: Progress, legs: Legs) -> None:
 def _read(path: Path) -> tuple[dict[str, str], dict[str, Array]]:
     from safetensors import SafetensorError, safe_open
 
+    sealed_file(path, "remove it to train anew")
     try:
         with safe_open(path, "numpy") as file:
             return file.metadata() or {}, {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118

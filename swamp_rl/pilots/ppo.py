@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.legs import (
@@ -13,7 +14,6 @@ from swamp_rl.pilots.legs import (
     ReinforcementSettings,
     drive_leg,
     moments,
-    one_thread,
     put_moments,
     put_seen,
     put_weights,
@@ -25,7 +25,7 @@ from swamp_rl.pilots.legs import (
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.ppo_warm import freeze_policy, warm_start
-from swamp_rl.pilots.settings import Count, Positive
+from swamp_rl.pilots.settings import Count, Many, Positive
 
 
 class PPOSettings(ReinforcementSettings):
@@ -41,19 +41,19 @@ class PPOSettings(ReinforcementSettings):
     caution: Annotated[float, Field(ge=0)] = 0.0
     """Taken from the reward for a buoy touched or the bounds left, beyond what the environment takes. Without
     it some time saved is worth a rare loss, and buoys are passed closer than by who wants to arrive."""
-    boats: Count = 128
+    boats: Many = 128
     decisions: Count = 1_200_000
-    horizon: Count = 64
+    horizon: Many = 64
     "Decisions of each boat between two updates."
-    batch_size: Count = 1024
-    epochs: Count = 8
+    batch_size: Many = 1024
+    epochs: Many = 8
     learning_rate: Positive = 7e-4
     "At the start; it falls linearly to nought at the end, without which the success gained is lost again."
     leg: Count = 8
     "Updates between two checkpoints."
     start: str | None = None
     "The clone, by its name in the experiment, that the policy begins as; its `hidden` must be the same."
-    settle: Annotated[int, Field(ge=0)] = 2
+    settle: Annotated[int, Field(ge=0, le=10**6)] = 2
     "Legs at the start in which a learner that begins as a clone fits its value function only."
     keep: Count = 2
     exploration: Positive = 1.5
@@ -86,7 +86,7 @@ def train_ppo(
     settings = settings or PPOSettings()
     remembering = RememberingBoats(CautiousBoats(boats, settings.caution), settings.memory)
     scaled = VecNormalize(remembering, clip_obs=REACH, gamma=settings.discount)
-    with one_thread():
+    with one_thread(torch=True):
         learner = _learner(scaled, settings)
         if start is not None:
             warm_start(learner, scaled, start, settings.senses)

@@ -12,9 +12,11 @@ from pydantic import Field
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
+from swamp_rl.json_text import parsed_json
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.callbacks import Log, Tick
-from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings
+from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seconds, Seed, Settings
+from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
 
 Losses = Callable[[Any], Iterable[Any]]
 """The losses of an epoch's batches, one at a time, from the torch Generator of the epoch's chance."""
@@ -25,7 +27,7 @@ class RegressionSettings(Settings):
     error."""
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)]
-    reaction: NotNegative = 0.4
+    reaction: Seconds = 0.4
     "Time [s] from what the logged pilot saw to the lever that it led to: the clone is to act at once."
     epochs: Count = 60
     learning_rate: Positive = 2e-3
@@ -97,9 +99,9 @@ def _keep(network: Any, optimiser: Any, path: Path, task: str, means: list[float
     arrays = {f"network.{name}": value for name, value in network.state_dict().items()}
     for i, kept in optimiser.state_dict()["state"].items():
         arrays |= {f"optimiser.{i}.{name}": value for name, value in kept.items()}
-    said = {"training": json.dumps({"task": task, "losses": means})}
+    said = {"training": json.dumps({"task": task, "losses": means}), KEY: BLANK}
     with write_beside(path) as part:
-        part.write_bytes(save({name: value.contiguous() for name, value in arrays.items()}, said))
+        part.write_bytes(sealed(save({name: value.contiguous() for name, value in arrays.items()}, said)))
 
 
 def _go_on(network: Any, optimiser: Any, path: Path, task: str) -> list[float]:
@@ -108,9 +110,10 @@ def _go_on(network: Any, optimiser: Any, path: Path, task: str) -> list[float]:
 
     if not path.exists():
         return []
+    sealed_file(path, "remove it")
     try:
         with safe_open(path, "pt") as file:
-            said = json.loads((file.metadata() or {}).get("training", "{}"))
+            said = parsed_json((file.metadata() or {}).get("training", "{}"))
             arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  not a mapping
     except (OSError, SafetensorError, ValueError) as error:
         raise UserError(f"{path}: is no checkpoint of a training ({error}); remove it") from error

@@ -11,10 +11,11 @@ import numpy as np
 from pydantic import Field
 from scipy.sparse import csr_array
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import POSE, examples
 from swamp_rl.pilots.readout import Moments, RecursiveReadout, as_far_as_taught, ridge_readout
-from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings, Share
+from swamp_rl.pilots.settings import NotNegative, Positive, Seconds, Seed, Settings, Share, Width
 from swamp_rl.runs import Run
 
 POSITION = ("north", "east")
@@ -25,7 +26,7 @@ class ReservoirSettings(Settings):
     """The defaults were chosen on episodes from seed 1000000 on, which the main job does not evaluate."""
 
     senses: tuple[str, ...] = POSE
-    units: Count = 200
+    units: Width = 200
     spectral_radius: NotNegative = 0.5
     leak: tuple[Share, Share] = (0.05, 1.0)
     "Range of the units' leak rates, log-uniform: memories from one step to some seconds."
@@ -38,9 +39,9 @@ class ReservoirSettings(Settings):
     ridge: Positive = 3.0
     noise: NotNegative = 0.0
     "Standard deviation of noise on the scaled inputs while learning."
-    washout: Annotated[int, Field(ge=0)] = 0
+    washout: Annotated[int, Field(ge=0, le=10**6)] = 0
     "Samples at the start of each run that the readout does not learn from."
-    reaction: NotNegative = 0.0
+    reaction: Seconds = 0.0
     """Time [s] from what the logged pilot saw to the lever that it led to, for a reservoir that acts at once.
     Runs are learned from best without, for the reservoir then remembers what the pilot saw."""
     forgetting: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
@@ -123,6 +124,7 @@ class ReservoirPilot:
 _NAMES = ("centre", "scale", "W", "Win", "bias", "leak", "Wout", "out")
 
 
+@one_thread()
 def fit_reservoir(runs: Sequence[Run], settings: ReservoirSettings | None = None) -> ReservoirPilot:
     """A pilot whose readout is fitted by ridge regression on `runs`; UserError where a run lacks a column."""
     settings = settings or ReservoirSettings()

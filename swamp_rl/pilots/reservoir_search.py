@@ -13,11 +13,12 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from swamp_rl.errors import UserError
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.callbacks import Tick
 from swamp_rl.pilots.readout import Moments, ridge_readouts, squared_error
 from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_reservoir, states_of
-from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seed, Settings, Share
+from swamp_rl.pilots.settings import NotNegative, Positive, Seed, Settings, Share, Width
 from swamp_rl.runs import Run
 
 Some = Field(min_length=1)
@@ -33,11 +34,11 @@ class SearchedReservoirSettings(Settings):
     """What is tried: each of the values with each of the others, all else as in `reservoir`."""
 
     reservoir: Unsearched = Unsearched()
-    units: Annotated[tuple[Count, ...], Some] = (100, 200, 400)
+    units: Annotated[tuple[Width, ...], Some] = (100, 200, 400)
     spectral_radius: Annotated[tuple[NotNegative, ...], Some] = (0.2, 0.5, 0.9)
     lowest_leak: Annotated[tuple[Share, ...], Some] = (0.05, 0.2)
     ridge: Annotated[tuple[Positive, ...], Some] = (0.3, 1.0, 3.0, 10.0, 30.0)
-    folds: Annotated[int, Field(ge=2)] = 5
+    folds: Annotated[int, Field(ge=2, le=1_000)] = 5
     seed: Seed = 0
     "Of the reservoir."
 
@@ -57,6 +58,7 @@ class Scored:
     error: float
 
 
+@one_thread()
 def fit_searched_reservoir(
     runs: Sequence[Run],
     settings: SearchedReservoirSettings | None = None,
@@ -66,6 +68,7 @@ def fit_searched_reservoir(
     return fit_reservoir(runs, scores(runs, settings, tick)[0].settings)
 
 
+@one_thread()
 def scores(
     runs: Sequence[Run],
     settings: SearchedReservoirSettings | None = None,

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.legs import (
@@ -12,7 +13,6 @@ from swamp_rl.pilots.legs import (
     ReinforcementSettings,
     drive_leg,
     moments,
-    one_thread,
     put_moments,
     put_seen,
     put_weights,
@@ -22,7 +22,7 @@ from swamp_rl.pilots.legs import (
     weights,
 )
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
-from swamp_rl.pilots.settings import Count, Positive
+from swamp_rl.pilots.settings import Count, Many, Positive
 
 BUFFER = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
 "Arrays of the replay buffer, a row for each decision of all boats."
@@ -31,13 +31,13 @@ BUFFER = ("observations", "next_observations", "actions", "rewards", "dones", "t
 class SACSettings(ReinforcementSettings):
     """How long and how it learns."""
 
-    boats: Count = 64
+    boats: Many = 64
     decisions: Count = 200_000
     random: Count = 5_000
     "Decisions at the start that are drawn at random."
-    updates: Count = 8
+    updates: Many = 8
     "Gradient steps each time all boats have decided once."
-    batch_size: Count = 256
+    batch_size: Many = 256
     learning_rate: Positive = 1e-3
     leg: Count = 625
     "Decisions of each boat between two checkpoints."
@@ -59,7 +59,7 @@ def train_sac(
 
     settings = settings or SACSettings()
     scaled = VecNormalize(boats, norm_reward=False, clip_obs=REACH)
-    with one_thread():
+    with one_thread(torch=True):
         learner = _learner(scaled, settings)
         legs = _legs(learner, scaled, settings, tick)
         train_in_legs(legs, settings.model_dump(mode="json"), settings.decisions, log, checkpoint)

@@ -9,7 +9,15 @@ from swamp_rl.files import validated
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-Count = Annotated[int, Field(ge=1)]
+Seconds = Annotated[float, Field(ge=0.0, le=60.0)]
+"Of a reaction."
+Count = Annotated[int, Field(ge=1, le=10**9)]
+"Of what is done one after another, and only takes time."
+Many = Annotated[int, Field(ge=1, le=100_000)]
+"Of what is held in memory at once: boats, rows of a batch, runs."
+Width = Annotated[int, Field(ge=1, le=4096)]
+"Units of a layer: a reservoir's joints are the square of it."
+Layers = Annotated[tuple[Width, ...], Field(min_length=1, max_length=16)]
 Seed = Annotated[int, Field(ge=0, lt=2**32)]
 Range = tuple[NotNegative, NotNegative]
 

@@ -8,12 +8,13 @@ from pydantic import ValidationError
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
-from swamp_rl.files import explanations, read_yaml
+from swamp_rl.files import explanations, is_file, read_yaml
 from swamp_rl.runs.check import check_table, unknown_columns
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from swamp_rl.runs.table import FORMATS, read_table
+from swamp_rl.sums import SUMS, changed
 
 META = "dataset.yaml"
 
@@ -65,6 +66,7 @@ def inspect_dataset(folder: Path | str) -> Inspection:
         raise UserError(f"{folder}: no such folder; name one that holds a {META}")
     found = Inspection()
     found.meta, found.faults = _parse_meta(folder)
+    found.faults += [Fault(SUMS, None, None, line) for line in changed(folder)]
     if found.meta is None:
         return found
     boat = None
@@ -107,7 +109,7 @@ def boat_of(folder: Path, meta: DatasetMeta) -> Boat:
     """The dataset's boat: a file beside the runs, or one known by name or path."""
     beside = folder / meta.vehicle
     try:
-        return load_boat(beside if beside.is_file() else meta.vehicle)
+        return load_boat(beside if is_file(beside) else meta.vehicle)
     except UserError as error:
         raise UserError(f"{folder / META}: vehicle: {error}") from error
 

@@ -10,12 +10,14 @@ from swamp_rl.runs.export_lerobot import write_lerobot
 from swamp_rl.runs.export_minari import write_minari
 from swamp_rl.runs.mcap_files import write_mcap
 from swamp_rl.runs.writer import append_runs, create_dataset
+from swamp_rl.sums import write_sums
 
 Format = Literal["minari", "lerobot", "mcap", "csv", "parquet"]
 
 
 def export_runs(source: Path | str, to: Format, out: Path | str) -> int:
-    """Write the dataset `source` in another format into the new folder `out`; how many runs there were.
+    """Write the dataset `source` in another format into the new folder `out`, with the SHA-256 of each of its
+    files; how many runs there were.
 
     UserError for a faulty dataset, one that the format cannot hold, or an `out` that is there already.
     """
@@ -35,6 +37,7 @@ def export_runs(source: Path | str, to: Format, out: Path | str) -> int:
                 write_mcap(part / f"{run.name}.mcap", run, dataset.meta)
         else:
             _write_tables(dataset, part, to)
+        write_sums(part)
     return len(dataset.runs)
 
 

@@ -126,7 +126,7 @@ def _write_frames(
                 number, written = number + 1, 0
                 path = folder / "data" / FILE.format(number)
                 path.parent.mkdir(parents=True, exist_ok=True)
-                writer = pq.ParquetWriter(path, table.schema)
+                writer = pq.ParquetWriter(path, table.schema, write_page_checksum=True)
             writer.write_table(table)
             written += table.nbytes
             statistics = _statistics(frames)

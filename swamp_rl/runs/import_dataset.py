@@ -20,6 +20,7 @@ from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta, Source
 from swamp_rl.runs.table import read_table
 from swamp_rl.runs.writer import append_runs, create_dataset
+from swamp_rl.sums import refuse_changed_files
 
 Kind = Literal["csv", "parquet", "mcap", "telemetry", "free-running"]
 SUFFIXES = {
@@ -85,6 +86,7 @@ def _files(source: Path, kind: Kind) -> list[Path]:
         return [source]
     if not source.is_dir():
         raise UserError(f"{source}: no such file or folder; check the name")
+    refuse_changed_files(source)
     if (source / META).is_file():
         listed = [source / str(run.file) for run in read_meta(source).runs]
     else:

@@ -1,8 +1,9 @@
 """Runs as MCAP files, which robot recorders and viewers share: JSON messages with their schema."""
 
+import hashlib
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
+from swamp_rl.json_text import parsed_json
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.run import Run
@@ -18,6 +20,8 @@ from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from swamp_rl.runs.table import Table
 
 TOPIC = "/run"
+MOST_BYTES = 2**29
+"""Of a file's messages, unpacked."""
 RECORD = "swamp_rl"
 """The metadata record that holds what `dataset.yaml` says."""
 
@@ -28,9 +32,10 @@ def write_mcap(path: Path, run: Run, dataset: DatasetMeta) -> None:
     properties = {name: {"type": "number"} for name in run.columns}
     schema = {"type": "object", "title": "Run", "properties": properties, "required": list(run.columns)}
     told = {"run": _json(run.meta), "dataset": _json(dataset.model_copy(update={"runs": []}))}
+    told["sha256"] = _digest(told)
     with write_beside(path) as part, part.open("wb") as stream:
         writer = Writer(stream)
-        writer.start(profile="", library="swamp_rl")
+        writer.start(profile="", library=RECORD)
         kind = writer.register_schema("swamp_rl.Run", "jsonschema", json.dumps(schema).encode())
         channel = writer.register_channel(TOPIC, "json", kind)
         writer.add_metadata(RECORD, told)
@@ -49,15 +54,22 @@ def _json(told: RunMeta | DatasetMeta) -> str:
 def read_mcap(path: Path, topic: str | None = None) -> Foreign:
     """The messages of one topic as a table, fields of objects in objects under names with dots.
 
-    The time is a field `time`, else the log's, from the first message. topic: needed where several hold JSON.
+    Checksums are verified: MCAP's own, and that of the metadata of a file of ours. The time is a field
+    `time`, else the log's, from the first message. topic: needed where several hold JSON.
     UserError for a damaged file, for none or several topics, and by row and column for what is no number.
     """
     messages: dict[str, list[tuple[int, Any]]] = {}
     others: set[str] = set()
     told: dict[str, dict[str, str]] = {}
     with path.open("rb") as stream, _reading(path):
-        reader = _mcap("mcap.reader").make_reader(stream)
+        reader = _mcap("mcap.reader").make_reader(stream, validate_crcs=True)
+        summary = reader.get_summary()
+        size = sum(chunk.uncompressed_size for chunk in summary.chunk_indexes) if summary else 0
+        if size > MOST_BYTES:
+            raise UserError(f"{path}: holds {size / 2**30:.3g} GiB unpacked; divide it into runs")
         told = {record.name: record.metadata for record in reader.iter_metadata()}
+        if reader.get_header().library == RECORD:
+            told.setdefault(RECORD, {})
         for _, channel, message in reader.iter_messages(log_time_order=False):
             if channel.message_encoding != "json":
                 others.add(channel.topic)
@@ -67,6 +79,10 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
     chosen = _topic(path, messages, others, topic)
     meta, dataset = _told(path, told.get(RECORD))
     return Foreign(path.name, path.stem, _table(path, messages[chosen]), meta, dataset)
+
+
+def _digest(told: Mapping[str, str]) -> str:
+    return hashlib.sha256(f"{told['run']}\n{told['dataset']}".encode()).hexdigest()
 
 
 def _mcap(name: str) -> Any:
@@ -93,8 +109,8 @@ def _reading(path: Path) -> Iterator[None]:
 
 def _parsed(path: Path, topic: str, row: int, data: bytes) -> dict[str, Any]:
     try:
-        found = json.loads(data)
-    except (ValueError, RecursionError) as error:
+        found = parsed_json(data)
+    except ValueError as error:
         raise UserError(f"{path}: {topic}, row {row}: is no JSON ({error})") from error
     if not isinstance(found, dict):
         raise UserError(f"{path}: {topic}, row {row}: is no JSON object of named numbers")
@@ -125,8 +141,10 @@ def _told(path: Path, record: dict[str, str] | None) -> tuple[RunMeta, DatasetMe
     if record is None:
         return RunMeta(), None
     try:
-        meta = RunMeta.model_validate(json.loads(record["run"]))
-        return meta, DatasetMeta.model_validate(json.loads(record["dataset"]))
+        if record["sha256"] != _digest(record):
+            raise ValueError("its SHA-256 is another")
+        meta = RunMeta.model_validate(parsed_json(record["run"]))
+        return meta, DatasetMeta.model_validate(parsed_json(record["dataset"]))
     except (KeyError, ValueError) as error:
         raise UserError(f"{path}: its record {RECORD} is not as it was written ({error})") from error
 

@@ -6,8 +6,12 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.errors import UserError
+
 Array = NDArray[np.float64]
 
+MOST_ROWS = 10_000_000
+"""Of a resampled run."""
 ANGLES = ("heading", "wind_from")
 HELD = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_")
 
@@ -16,9 +20,15 @@ def resampled(columns: Mapping[str, Array], rate: float) -> dict[str, Array]:
     """Columns (T,) with increasing times as columns at `rate` [Hz] from the first time on.
 
     Values are in proportion between rows, angles the short way round; commands are held until the next row.
+    UserError for more than MOST_ROWS.
     """
     time = columns["time"]
-    even = time[0] + np.arange(math.floor((time[-1] - time[0]) * rate + 1e-9) + 1) / rate
+    rows = (time[-1] - time[0]) * rate + 1.0 + 1e-9
+    if not rows < MOST_ROWS:
+        raise UserError(
+            f"{rows:.3g} rows at {rate:g} a second, at most {MOST_ROWS}; resample at a lower rate"
+        )
+    even = time[0] + np.arange(math.floor(rows)) / rate
     row = np.searchsorted(time, even + 1e-9, side="right") - 1
     found = {}
     for name, values in columns.items():

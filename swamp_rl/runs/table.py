@@ -1,6 +1,7 @@
 """Run tables on disk: CSV and Parquet, the same columns, float64 and equal to the bit."""
 
 import csv
+import io
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -12,11 +13,17 @@ import pyarrow.csv
 import pyarrow.parquet
 from numpy.typing import NDArray
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
 
 FORMATS = ("csv", "parquet")
+LONGEST_HEADER, MOST_COLUMNS = 2**17, 1_000
+MOST_ODD_ROWS = 1_000
+"""Rows of another length than the header's after which a file is read no further."""
+MOST_CELLS = 4 * 10**7
+"""Of a Parquet file, whose few bytes may stand for any number."""
 
 
 @dataclass
@@ -41,7 +48,7 @@ def read_table(path: Path) -> Table:
     try:
         return _read_csv(path) if path.suffix.lower() == ".csv" else _read_parquet(path)
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
-        reason = " ".join(str(error).split())
+        reason = clipped(" ".join(str(error).split()), 300)
         return _unreadable(path, f"cannot be read and may be cut short ({reason}); copy it again")
 
 
@@ -50,13 +57,28 @@ def _unreadable(path: Path, message: str) -> Table:
 
 
 def _read_parquet(path: Path) -> Table:
-    data = pa.parquet.ParquetFile(path, page_checksum_verification=True).read()
+    file = pa.parquet.ParquetFile(path, page_checksum_verification=True)
+    if file.metadata.num_columns > MOST_COLUMNS:
+        return _unreadable(
+            path, f"has {file.metadata.num_columns} columns, at most {MOST_COLUMNS}; leave some out"
+        )
+    if file.metadata.num_rows * file.metadata.num_columns > MOST_CELLS:
+        return _unreadable(path, f"says that it has {file.metadata.num_rows} rows; divide it into runs")
+    data = file.read()
     return _numbers(path.name, data, np.arange(1, data.num_rows + 1), [])
 
 
 def _read_csv(path: Path) -> Table:
     with path.open(encoding="utf-8-sig", newline="") as lines:
-        names = next(csv.reader(lines), [])
+        head = lines.read(LONGEST_HEADER)
+    try:
+        names = next(csv.reader(io.StringIO(head, newline="")), [])
+    except csv.Error as error:
+        return _unreadable(path, f"its first line cannot be read ({error}); it must name the columns")
+    if len(head) == LONGEST_HEADER and not set("\r\n") & set(head):
+        return _unreadable(path, f"its first line has more than {LONGEST_HEADER} letters; name fewer columns")
+    if len(names) > MOST_COLUMNS:
+        return _unreadable(path, f"has {len(names)} columns, at most {MOST_COLUMNS}; leave some out")
     if not any(names):
         return _unreadable(path, "starts with an empty line or none; the first line must name the columns")
     if len(names) == 1 and (";" in names[0] or "\t" in names[0]):
@@ -65,7 +87,7 @@ def _read_csv(path: Path) -> Table:
 
     def keep_note(row: pa.csv.InvalidRow) -> str:
         odd_rows.append(row)
-        return "skip"
+        return "skip" if len(odd_rows) < MOST_ODD_ROWS else "error"
 
     data = pa.csv.read_csv(
         path,

@@ -16,6 +16,7 @@ from swamp_rl.runs.dataset import META, boat_of, read_meta
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from swamp_rl.runs.table import FORMATS, Table, read_table, write_table
+from swamp_rl.sums import SUMS
 
 
 def create_dataset(folder: Path | str, meta: DatasetMeta) -> None:
@@ -111,6 +112,8 @@ def write_run(path: Path | str, run: Run) -> None:
 
 
 def _write_meta(folder: Path, meta: DatasetMeta) -> None:
+    # From now on the folder is no longer as it was exported.
+    (folder / SUMS).unlink(missing_ok=True)
     write_yaml(folder / META, meta.model_dump(exclude_defaults=True))
 
 

@@ -10,6 +10,7 @@ from typing import Any, TextIO
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import flush, os_error, write_beside
+from swamp_rl.json_text import parsed_json
 
 
 class Journal:
@@ -83,7 +84,7 @@ def write_description(path: Path, about: Mapping[str, Any]) -> None:
 def read_description(path: Path) -> dict[str, Any]:
     """What `write_description` wrote; nothing where that cannot be read."""
     try:
-        about = json.loads(path.read_text(encoding="utf-8"))
+        about = parsed_json(path.read_bytes())
     except (OSError, ValueError):
         return {}
     return about if isinstance(about, dict) else {}

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
+from swamp_rl.clipped import printable
 from swamp_rl.errors import UserError
 
 LARGEST = 1024  # bytes of a message; the longest that a page sends has under 200
@@ -68,8 +69,3 @@ def parse(text: str | bytes) -> Message:
 def clean_nickname(name: str) -> str:
     """The printable part of a nickname, single-spaced; `anonymous` if nothing is left."""
     return " ".join(printable(name).split())[:NICKNAME_LENGTH].strip() or "anonymous"
-
-
-def printable(text: str) -> str:
-    """The text with a space for each letter that a terminal or a log would act on."""
-    return "".join(letter if letter.isprintable() else " " for letter in text)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import os_error
+from swamp_rl.files import os_error, validated
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, adopt_run, create_dataset, read_run
 from swamp_rl.runs.dataset import META, read_meta
 from swamp_rl.teleop.journal import Journal, cut_torn_row, read_description, write_description
@@ -106,7 +106,7 @@ class Recordings:
         return table
 
     def _adopt(self, table: Path, about: Mapping[str, Any]) -> None:
-        adopt_run(self.folder, table, RunMeta.model_validate(dict(about)))
+        adopt_run(self.folder, table, validated(table.with_suffix(".json"), RunMeta, about))
 
     def _count_and_board(self) -> None:
         runs = read_meta(self.folder).runs

@@ -16,6 +16,7 @@ from swamp_rl.pilots.reservoir import ReservoirPilot
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.store import describe_pilot
 from swamp_rl.pilots.takeover import TakeoverPilot
+from swamp_rl.seal import BLANK, KEY, sealed
 from tests.support.random_pilots import SENSES, gru, network, reservoir
 
 
@@ -115,12 +116,17 @@ def test_a_file_that_is_no_exported_pilot_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="No such file"):
         OnnxPilot(path)
     path.write_bytes(b"no model")
+    with pytest.raises(UserError, match="carries no checksum"):
+        OnnxPilot(path)
+    path.write_bytes(sealed(BLANK.encode()))
     with pytest.raises(UserError, match="is not an ONNX model"):
         OnnxPilot(path)
     one = onnx.helper.make_tensor_value_info("x", onnx.TensorProto.FLOAT, [1])
     two = onnx.helper.make_tensor_value_info("y", onnx.TensorProto.FLOAT, [1])
     graph = onnx.helper.make_graph([onnx.helper.make_node("Neg", ["x"], ["y"])], "other", [one], [two])
     opset = [onnx.helper.make_opsetid("", 17)]
-    onnx.save_model(onnx.helper.make_model(graph, opset_imports=opset, ir_version=8), path)
+    model = onnx.helper.make_model(graph, opset_imports=opset, ir_version=8)
+    onnx.helper.set_model_props(model, {KEY: BLANK})
+    path.write_bytes(sealed(model.SerializeToString()))
     with pytest.raises(UserError, match="is not the step of a pilot"):
         OnnxPilot(path)

@@ -88,6 +88,6 @@ def test_a_damaged_checkpoint_is_told_in_one_line(kept: int, tmp_path: Path) -> 
     checkpoint = tmp_path / "checkpoint"
     broken_off(checkpoint, settings_of("reservoir"), 0)
     checkpoint.write_bytes(checkpoint.read_bytes()[:kept])
-    with pytest.raises(UserError, match="checkpoint: is no checkpoint of DAgger's rounds") as told:
+    with pytest.raises(UserError, match=r"checkpoint: .*is damaged") as told:
         load_rounds(checkpoint, "any")
     assert "\n" not in str(told.value)

@@ -92,7 +92,7 @@ def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path) -> None:
     checkpoint = tmp_path / "training.safetensors"
     broken_off("cloning", 2, checkpoint)
     checkpoint.write_bytes(checkpoint.read_bytes()[:200])
-    with pytest.raises(UserError, match=r"training.safetensors: is no checkpoint") as told:
+    with pytest.raises(UserError, match=r"training.safetensors: .*is damaged") as told:
         broken_off("cloning", 1, checkpoint)
     assert "\n" not in str(told.value)
 

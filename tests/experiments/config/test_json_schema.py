@@ -52,7 +52,7 @@ def refused(folder: Path, data: Any) -> str:
     (folder / "it.yaml").write_text(yaml.safe_dump(data))
     with pytest.raises(UserError) as told:
         load_experiment(folder / "it.yaml")
-    assert "\n" not in str(told.value)
+    assert all(line.startswith(f"{folder / 'it.yaml'}: ") for line in str(told.value).split("\n"))
     return str(told.value)
 
 

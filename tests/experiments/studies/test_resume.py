@@ -1,5 +1,6 @@
 """`kill -9` at any instant, the same command again: it goes on from what is finished and ends the same."""
 
+import json
 import os
 import subprocess
 import sys
@@ -10,7 +11,6 @@ import pytest
 from swamp_rl.experiments.config import learners
 from swamp_rl.experiments.config.learners import Learner, Training
 from swamp_rl.experiments.evaluation import episodes as trial
-from swamp_rl.experiments.reports.terminal import read_json
 from swamp_rl.experiments.studies import main as main_job
 from swamp_rl.experiments.studies.run import run_experiment
 from swamp_rl.experiments.training import train as learn
@@ -59,7 +59,7 @@ def test_what_is_finished_is_not_done_again(tmp_path: Path, monkeypatch: pytest.
     for module, name in ((learn, "record_scripted"), (learn, "_training"), (trial, "drive")):
         monkeypatch.setattr(module, name, stopped)
     out = run_experiment(path, out=tmp_path / "out")
-    seconds = read_json(out / "results.json")["measured"]["seconds"]
+    seconds = json.loads((out / "results.json").read_text())["measured"]["seconds"]
     assert {"record runs", "train net", "try net, calm"} <= seconds.keys()
 
 

@@ -1,0 +1,65 @@
+"""Whatever a file of any format holds, only the package's own error, in one line, leaves its loader."""
+
+import warnings
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings, strategies
+
+from benchmarks.attack.formats import FORMATS, outcome
+
+CORPUS = Path(__file__).parent / "corpus"
+"""Inputs that once left a loader by another way, in a folder for each format."""
+FOUND = sorted(path for path in CORPUS.glob("*/*") if path.is_file())
+
+
+@strategies.composite
+def edits(draw: strategies.DrawFn) -> list[tuple[float, int, bytes]]:
+    """Places (as shares of the file's length), how many bytes are left out there, and what is put there."""
+    edit = strategies.tuples(
+        strategies.floats(0.0, 1.0), strategies.integers(0, 12), strategies.binary(max_size=12)
+    )
+    return draw(strategies.lists(edit, min_size=1, max_size=6))
+
+
+def edited(data: bytes, changes: list[tuple[float, int, bytes]]) -> bytes:
+    """The bytes with each of the changes."""
+    for share, left_out, put in changes:
+        at = round(share * len(data))
+        data = data[:at] + put + data[at + left_out :]
+    return data
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_damaged_file_is_read_or_refused_in_one_line(
+    name: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    format = FORMATS[name]
+    path = format.make(tmp_path_factory.mktemp("attack"))
+    good = path.read_bytes()
+    assert outcome(format, path, good) == "accepted"
+
+    @settings(max_examples=12)
+    @given(edits())
+    def holds(changes: list[tuple[float, int, bytes]]) -> None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # weights beyond float64 overflow
+            assert outcome(format, path, edited(good, changes)) in ("accepted", "refused")
+
+    holds()
+
+
+@pytest.mark.parametrize("cut", [0.0, 0.1, 0.5, 0.99])
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_file_cut_short_is_read_or_refused_in_one_line(name: str, cut: float, tmp_path: Path) -> None:
+    format = FORMATS[name]
+    path = format.make(tmp_path)
+    good = path.read_bytes()
+    assert outcome(format, path, good[: int(cut * len(good))]) in ("accepted", "refused")
+
+
+@pytest.mark.parametrize("found", FOUND, ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_what_an_attack_once_found_is_found_no_more(found: Path, tmp_path: Path) -> None:
+    format = FORMATS[found.parent.name]
+    path = format.make(tmp_path)
+    assert outcome(format, path, found.read_bytes()) in ("accepted", "refused")

@@ -1,0 +1,29 @@
+"""JSON of files that may be damaged or hostile."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.clipped import clipped
+from swamp_rl.errors import UserError
+
+
+def parsed_json(text: str | bytes) -> Any:
+    """What a JSON text holds; ValueError where it is none, nested too deep to be read, or not UTF-8."""
+    try:
+        return json.loads(text)
+    except RecursionError as error:
+        raise ValueError("is nested too deep") from error
+
+
+def read_json(path: Path | str, remedy: str) -> dict[str, Any]:
+    """The object in a JSON file; UserError, which ends in `remedy`, where it cannot be read or is another."""
+    try:
+        found = parsed_json(Path(path).read_bytes())
+    except OSError as error:
+        raise UserError(f"{path}: {error.strerror or 'cannot be read'}; {remedy}") from error
+    except ValueError as error:
+        raise UserError(f"{path}: is no JSON ({clipped(error)}); {remedy}") from error
+    if not isinstance(found, dict):
+        raise UserError(f"{path}: holds no JSON object; {remedy}")
+    return found

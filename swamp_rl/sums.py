@@ -1,0 +1,53 @@
+"""`SHA256SUMS` beside exported files, as `sha256sum` writes and checks them."""
+
+import hashlib
+import re
+from pathlib import Path
+
+from swamp_rl.errors import UserError
+
+SUMS = "SHA256SUMS"
+_LINE = re.compile(r"([0-9a-f]{64})  (.+)")
+
+
+def write_sums(folder: Path) -> None:
+    """Write the SHA-256 of every file in and below `folder`, by its path from there."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file() and path != folder / SUMS)
+    lines = "".join(f"{_digest(file)}  {file.relative_to(folder).as_posix()}\n" for file in files)
+    (folder / SUMS).write_text(lines, encoding="utf-8")
+
+
+def changed(folder: Path) -> list[str]:
+    """What is wrong with the files of a folder by its `SHA256SUMS`, a line each; none if it has none."""
+    path = folder / SUMS
+    if not path.exists():
+        return []
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError):
+        return [f"{SUMS} cannot be read; export the dataset again"]
+    found = []
+    for number, line in enumerate(lines, 1):
+        told = _LINE.fullmatch(line)
+        file = folder / (told[2] if told else "")
+        if told is None or not file.resolve().is_relative_to(folder.resolve()):
+            found.append(f"{SUMS} line {number}: is no checksum of a file in here; export the dataset again")
+        elif not file.is_file():
+            found.append(f"{told[2]}: is listed in {SUMS} but is not here; export the dataset again")
+        elif _digest(file) != told[1]:
+            found.append(
+                f"{told[2]}: its SHA-256 is not the one in {SUMS}; export the dataset again, or remove "
+                f"{SUMS} if it was changed on purpose"
+            )
+    return found
+
+
+def refuse_changed_files(folder: Path) -> None:
+    """UserError for the first of `changed`."""
+    for line in changed(folder):
+        raise UserError(f"{folder}: {line}")
+
+
+def _digest(file: Path) -> str:
+    with file.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()

@@ -1,0 +1,119 @@
+"""YAML as this project reads and writes it, within limits that are checked before anything is made of it."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+from swamp_rl.clipped import clipped
+
+DEEPEST = 100
+"""Levels of nesting."""
+MOST_BYTES = 8 * 2**20
+MOST_NODES = 150_000
+"""Scalars, lists and mappings, each alias counted as all that it stands for."""
+MOST_ANCHORS = 1_000
+LONGEST_NUMBER = 100
+"""Characters of a number."""
+
+_EXPONENT = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$")
+_DIRECTIVE = re.compile("^%", re.MULTILINE)
+_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+_TIMESTAMP = "tag:yaml.org,2002:timestamp"
+
+
+class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    """The safe loader, refusing duplicate keys, reading 1e-3 as the number it is (YAML 1.2) and dates as
+    text."""
+
+
+class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]
+    """The safe dumper, putting text that the loader would read as a number in quotes."""
+
+
+def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
+    seen = set()
+    for key, _ in node.value:
+        if key.tag == "tag:yaml.org,2002:merge" or not isinstance(key, yaml.ScalarNode):
+            continue
+        if key.value in seen:
+            problem = f"key {clipped(key.value)!r} is given twice"
+            raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
+        seen.add(key.value)
+    loader.flatten_mapping(node)
+    return loader.construct_mapping(node, deep=True)
+
+
+_Loader.add_constructor("tag:yaml.org,2002:map", _mapping)
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, pattern) for tag, pattern in resolvers if tag != _TIMESTAMP]
+    for first, resolvers in _Loader.yaml_implicit_resolvers.items()
+}
+for _kind in (_Loader, _Dumper):
+    _kind.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+.0123456789"))
+_RESOLVER = _Loader("")
+
+
+def parsed(text: str) -> Any:
+    """What a YAML text holds; yaml.YAMLError or ValueError where it is malformed or beyond the limits.
+
+    Its parts are counted before any of them is made, since aliases and merge keys stand for more than they
+    say (a 'billion laughs'). Tags (`!!bool`) are refused.
+    """
+    if len(text) > MOST_BYTES:
+        raise ValueError(f"is longer than {MOST_BYTES // 2**20} MiB")
+    if _DIRECTIVE.search(text):
+        # The compiled parser compares each with all before it.
+        raise ValueError("a line begins with %; directives are not used here")
+    _refuse_beyond_limits(text)
+    return yaml.load(text, Loader=_Loader)
+
+
+def dumped(data: Mapping[str, Any]) -> str:
+    """A mapping as YAML; floats keep every bit."""
+    return yaml.dump(dict(data), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+
+
+def _refuse_beyond_limits(text: str) -> None:
+    """Nodes are counted where they begin; a collection's anchor then stands for those within it."""
+    sizes: dict[str, int] = {}
+    opened: list[tuple[str | None, int]] = []
+    count = anchors = 0
+    for event in yaml.parse(text, Loader=_Loader):
+        if isinstance(event, yaml.AliasEvent):
+            if any(anchor == event.anchor for anchor, _ in opened):
+                raise _problem(event, f"*{clipped(event.anchor)} stands for itself")
+            count += sizes.get(event.anchor, 1)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            anchor, before = opened.pop()
+            if anchor is not None:
+                sizes[anchor] = count - before
+        elif isinstance(event, yaml.NodeEvent):
+            if event.tag is not None:
+                raise _problem(event, f"the tag {clipped(event.tag)} is not used here; leave it out")
+            count += 1
+            if isinstance(event, yaml.CollectionStartEvent):
+                opened.append((event.anchor, count - 1))
+            else:
+                _refuse_long_number(event)
+        if len(opened) > DEEPEST:
+            # The compiled loader calls itself at each level, and would end the process far deeper down.
+            raise _problem(event, f"nested more than {DEEPEST} deep")
+        anchors += isinstance(event, yaml.NodeEvent) and event.anchor is not None
+        if anchors > MOST_ANCHORS:
+            raise _problem(event, f"more than {MOST_ANCHORS} anchors and aliases")
+        if count > MOST_NODES:
+            raise _problem(event, f"holds, with its aliases, more than {MOST_NODES} values")
+
+
+def _refuse_long_number(event: yaml.ScalarEvent) -> None:
+    # Reading a number takes the square of its length.
+    if not event.implicit[0] or len(event.value) <= LONGEST_NUMBER:
+        return
+    if _RESOLVER.resolve(yaml.ScalarNode, event.value, (True, False)) in _NUMBERS:
+        raise _problem(event, f"a number of more than {LONGEST_NUMBER} characters")
+
+
+def _problem(event: yaml.Event, problem: str) -> yaml.YAMLError:
+    return yaml.MarkedYAMLError(None, None, problem, event.start_mark)
