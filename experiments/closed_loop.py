@@ -24,11 +24,12 @@ from swamp_rl.criticism.diagnose import RESULT, diagnose
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.effects import parse_effects
 from swamp_rl.evaluation import Table, paired_difference, write_episodes
-from swamp_rl.files import folder_beside, read_yaml, write_yaml
+from swamp_rl.files import read_yaml, write_yaml
 from swamp_rl.pilots.record import NOTES, drive_episodes
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.store import save_pilot
 from swamp_rl.runs import DatasetMeta, Run, append_run, create_dataset
+from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]
 

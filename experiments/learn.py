@@ -12,7 +12,6 @@ from swamp_rl.experiments.schema import PilotPlan
 from swamp_rl.experiments.tracking import TENSORBOARD, tracked
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import folder_beside
 from swamp_rl.pilots.description import FittedOn
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import record_scripted
@@ -20,6 +19,7 @@ from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.store import load_pilot, save_pilot
 from swamp_rl.pilots.takeover import TakeoverPilot
 from swamp_rl.runs import Dataset, read_dataset
+from swamp_rl.unfinished import folder_beside
 
 
 def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:

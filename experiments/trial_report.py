@@ -11,11 +11,11 @@ from swamp_rl.experiments.report import table
 from swamp_rl.experiments.trial_figures import draw_trials
 
 from swamp_rl.boat import Boat
-from swamp_rl.files import folder_beside
 from swamp_rl.manoeuvres.analysis.analyse import analyse_dataset
 from swamp_rl.manoeuvres.analysis.figure import Figure, Result
 from swamp_rl.manoeuvres.analysis.pairs import Pair, pairs
 from swamp_rl.runs import Dataset
+from swamp_rl.unfinished import folder_beside
 
 JSON, REPORT = "analysis.json", "report.md"
 COLUMNS = {  # of the tables, by manoeuvre: figure, heading, in lengths or not

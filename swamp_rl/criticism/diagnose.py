@@ -34,7 +34,7 @@ from swamp_rl.criticism.refusals import refuse_other_vehicle, refuse_sources_ins
 from swamp_rl.criticism.result import Candidate, Cause, Diagnosis, Gain, HeldOut, Verdict, Wandering
 from swamp_rl.criticism.rivals import contrast, separating_trial
 from swamp_rl.criticism.shooting import Shooting
-from swamp_rl.files import folder_beside
+from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]
 

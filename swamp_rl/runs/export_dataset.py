@@ -4,12 +4,12 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import folder_beside
 from swamp_rl.runs.dataset import Dataset, read_dataset
 from swamp_rl.runs.export_lerobot import write_lerobot
 from swamp_rl.runs.export_minari import write_minari
 from swamp_rl.runs.mcap_files import write_mcap
 from swamp_rl.runs.writer import append_runs, create_dataset
+from swamp_rl.unfinished import folder_beside
 
 Format = Literal["minari", "lerobot", "mcap", "csv", "parquet"]
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
-from swamp_rl.files import folder_beside
 from swamp_rl.runs.dataset import META, boat_of, read_meta
 from swamp_rl.runs.free_running import import_free_running, is_free_running
 from swamp_rl.runs.import_foreign import Foreign, Wishes, run_from
@@ -20,6 +19,7 @@ from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta, Source
 from swamp_rl.runs.table import read_table
 from swamp_rl.runs.writer import append_runs, create_dataset
+from swamp_rl.unfinished import folder_beside
 
 Kind = Literal["csv", "parquet", "mcap", "telemetry", "free-running"]
 SUFFIXES = {

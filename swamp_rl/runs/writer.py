@@ -10,12 +10,13 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
-from swamp_rl.files import flush, folder_beside, os_error, write_yaml
+from swamp_rl.files import flush, os_error, write_yaml
 from swamp_rl.runs.check import check_table
 from swamp_rl.runs.dataset import META, boat_of, read_meta
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from swamp_rl.runs.table import FORMATS, Table, read_table, write_table
+from swamp_rl.unfinished import folder_beside
 
 
 def create_dataset(folder: Path | str, meta: DatasetMeta) -> None:
