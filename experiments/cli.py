@@ -99,7 +99,7 @@ def record_scripted_runs(
         str | None, typer.Option(help="A name in configs/disturbances, or a file of them; none by default.")
     ] = None,
     count: Annotated[int, typer.Option(min=1, help="How many successful runs.")] = 40,
-    failed: Annotated[int, typer.Option(min=0, help="How many failed ones at least, kept and marked.")] = 3,
+    failed: Annotated[int, typer.Option(min=0, help="How many failed ones at least, kept and marked.")] = 0,
     seed: Annotated[int, typer.Option(min=0, help="Another seed, other runs.")] = 0,
 ) -> None:
     """Record runs of the scripted pilot, which drives the way people do."""

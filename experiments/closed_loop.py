@@ -24,7 +24,6 @@ from swamp_rl.criticism.diagnose import RESULT, diagnose
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.effects import parse_effects
 from swamp_rl.evaluation import Table, paired_difference, write_episodes
-from swamp_rl.files import read_yaml, write_yaml
 from swamp_rl.pilots.record import NOTES, drive_episodes
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.store import save_pilot
@@ -88,20 +87,11 @@ def fly(
 ) -> dict[tuple[str, str], Table]:
     """Train the pilots in their own simulator and fly them in the true boat; episodes by pilot and level."""
     dataset = get_data(own, folder, progress)
-    relative_vehicle(folder / "data", extended, folder.name)
     pilots = train_pilots(own, dataset, folder / "pilots", progress)
     if folder.name == SIMULATORS[0]:
         pilots["scripted"] = ScriptedPilot(own.experiment.evaluation.seed, step=own.experiment.step)
         save_pilot(pilots["scripted"], folder / "pilots" / "scripted")
     return dict(try_pilots(truth, pilots, progress, folder / WORK / "tried").tables)
-
-
-def relative_vehicle(data: Path, extended: Path, simulator: str) -> None:
-    """Let the recorded runs name the extended boat from where they lie: the folder is yet to be renamed."""
-    if simulator == "extended" and (data / "dataset.yaml").exists():
-        meta = read_yaml(data / "dataset.yaml")
-        meta["vehicle"] = f"../../{extended.parent.name}/{extended.name}"
-        write_yaml(data / "dataset.yaml", meta)
 
 
 def write_logs(truth: Scene, logs: Logs, folder: Path) -> None:

@@ -31,7 +31,8 @@ def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:
     if plan.folder is None and not (folder / "data").exists():
         with progress.stage("record runs", plan.record.good) as tick:
             record(scene, folder / "data", tick)
-    dataset = read_dataset(folder / "data" if plan.folder is None else plan.folder)
+    named = scene.experiment.boat, scene.experiment.course  # for a plain folder, which does not tell
+    dataset = read_dataset(folder / "data" if plan.folder is None else plan.folder, *named)
     rate = 1.0 / scene.experiment.step
     if abs(dataset.meta.sample_rate / rate - 1.0) > 1e-6:
         raise UserError(

@@ -186,8 +186,11 @@ def analyse(
     out: Annotated[
         Path | None, typer.Option(help="The folder to write, DATASET/analysis by default.")
     ] = None,
+    boat: Annotated[
+        str | None, typer.Option("--boat", help="Another boat than the dataset's, or that of a plain folder.")
+    ] = None,
 ) -> None:
     """Figures of recorded trials, measured or simulated."""
     from swamp_rl.experiments.trial_report import analyse_trials
 
-    _say(*analyse_trials(dataset, out))
+    _say(*analyse_trials(dataset, out, boat))

@@ -26,7 +26,7 @@ def load_boat(name_or_path: str | Path) -> Boat:
     A file that `extends` another holds only what differs; its `effects` follow the other's. Its numbers may
     be bare, which counts as assumed. UserError names file, key and what is allowed.
     """
-    chain = _chain(name_or_path)
+    chain = boat_chain(name_or_path)
     raw: dict[str, Any] = {}
     origins: dict[Key, tuple[Path, Any]] = {}
     for path, data in chain:
@@ -58,7 +58,7 @@ def refuse_untested_depth(boat: Boat, effects: Iterable[Effect], where: str) -> 
         )
 
 
-def _chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:
+def boat_chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:
     """The files to lay over one another, the one that extends nothing first."""
     path = find_config("boats", name_or_path)
     chain: list[tuple[Path, dict[str, Any]]] = []

@@ -65,9 +65,9 @@ def diagnose(
     """
     model = load_boat(boat)
     refuse_sources_inside(out, [Path(one) for one in (dataset, holdout, boat) if one and Path(one).exists()])
-    trials = read_trials(dataset, model)
+    trials = read_trials(dataset, model, boat)
     refuse_inconsistent(trials, str(dataset))
-    other = read_trials(holdout, model) if holdout else None
+    other = read_trials(holdout, model, boat) if holdout else None
     if other is not None and holdout is not None:
         refuse_other_vehicle(dataset, holdout)
         refuse_inconsistent(other, str(holdout))

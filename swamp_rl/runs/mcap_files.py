@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,20 +14,25 @@ from swamp_rl.files import write_beside
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.run import Run
-from swamp_rl.runs.schema import DatasetMeta, RunMeta
+from swamp_rl.runs.schema import DatasetMeta, RunMeta, meta_told
 from swamp_rl.runs.table import Table
 
 TOPIC = "/run"
 RECORD = "swamp_rl"
-"""The metadata record that holds what `dataset.yaml` says."""
+"""The metadata record that holds what `dataset.yaml` says, and the copies beside it."""
+NO_COPIES: Mapping[str, bytes] = {}
 
 
-def write_mcap(path: Path, run: Run, dataset: DatasetMeta) -> None:
-    """One run as one file: a message for each row on `/run`, each number as text that gives all its bits."""
+def write_mcap(path: Path, run: Run, dataset: DatasetMeta, copies: Mapping[str, bytes] = NO_COPIES) -> None:
+    """One run as one file: a message for each row on `/run`, each number as text that gives all its bits.
+
+    copies: the files of the dataset's boat and course by name.
+    """
     Writer = _mcap("mcap.writer").Writer
     properties = {name: {"type": "number"} for name in run.columns}
     schema = {"type": "object", "title": "Run", "properties": properties, "required": list(run.columns)}
     told = {"run": _json(run.meta), "dataset": _json(dataset.model_copy(update={"runs": []}))}
+    told["copies"] = json.dumps({name: held.decode() for name, held in copies.items()})
     with write_beside(path) as part, part.open("wb") as stream:
         writer = Writer(stream)
         writer.start(profile="", library="swamp_rl")
@@ -65,8 +70,8 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
             found = messages.setdefault(channel.topic, [])
             found.append((message.log_time, _parsed(path, channel.topic, len(found) + 1, message.data)))
     chosen = _topic(path, messages, others, topic)
-    meta, dataset = _told(path, told.get(RECORD))
-    return Foreign(path.name, path.stem, _table(path, messages[chosen]), meta, dataset)
+    meta, dataset, copies = _told(path, told.get(RECORD))
+    return Foreign(path.name, path.stem, _table(path, messages[chosen]), meta, dataset, copies)
 
 
 def _mcap(name: str) -> Any:
@@ -121,13 +126,14 @@ def _topic(path: Path, messages: dict[str, Any], others: set[str], asked: str | 
     return asked or next(iter(messages))
 
 
-def _told(path: Path, record: dict[str, str] | None) -> tuple[RunMeta, DatasetMeta | None]:
+def _told(path: Path, record: dict[str, str] | None) -> tuple[RunMeta, DatasetMeta | None, dict[str, bytes]]:
     if record is None:
-        return RunMeta(), None
+        return RunMeta(), None, {}
     try:
         meta = RunMeta.model_validate(json.loads(record["run"]))
-        return meta, DatasetMeta.model_validate(json.loads(record["dataset"]))
-    except (KeyError, ValueError) as error:
+        copies = {name: text.encode() for name, text in json.loads(record.get("copies", "{}")).items()}
+        return meta, meta_told(json.loads(record["dataset"])), copies
+    except (KeyError, ValueError, AttributeError, RecursionError) as error:
         raise UserError(f"{path}: its record {RECORD} is not as it was written ({error})") from error
 
 
