@@ -56,7 +56,8 @@ COLUMNS = {  # of the tables, by manoeuvre: figure, heading, in lengths or not
 def analyse_trials(folder: Path, out: Path | None = None, boat: str | None = None) -> tuple[list[str], Path]:
     """Analyse a dataset of trials into `out`, by default DATASET/analysis; lines to print, and `out`.
 
-    boat: as for `analyse_dataset`. UserError where no run of it holds a manoeuvre, or `out` holds something else.
+    boat: as for `analyse_dataset`. UserError where no run of it holds a manoeuvre, or `out` holds something
+    else.
     """
     dataset, vessel, results, refused = analyse_dataset(folder, boat)
     out = out or folder / "analysis"

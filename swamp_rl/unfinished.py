@@ -27,7 +27,7 @@ def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Pat
         with _locked(path):
             _recover(old, path)
             _remove_dead(path.parent)
-            shutil.rmtree(part, ignore_errors=True)
+            _remove(part)
             part.mkdir()
             try:
                 yield part
@@ -141,14 +141,26 @@ def _recover(old: Path, path: Path) -> None:
     """Undo a replacement that was cut short between its two renames, or clear away what was replaced."""
     if old.exists() and not path.exists():
         os.replace(old, path)
-    shutil.rmtree(old, ignore_errors=True)
+    _remove(old)
+
+
+def _remove(path: Path) -> None:
+    """Remove a folder and all in it, or the link that stands in its place."""
+    if path.is_symlink():
+        path.unlink()
+    shutil.rmtree(path, ignore_errors=True)
 
 
 def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], None]) -> None:
-    """Empty `part` if it belongs to another job, otherwise clear away what was being written to it."""
+    """Empty `part` if it belongs to another job, otherwise clear away what was being written to it, and all
+    links: no job makes any, and what is written must stay here."""
+    if part.is_symlink():
+        part.unlink()
     part.mkdir(exist_ok=True)
-    found = {name: (part / name).read_bytes() for name in description if (part / name).is_file()}
-    if any(description[name] != held for name, held in found.items()):
+    for found in [found for found in part.rglob("*") if found.is_symlink()]:
+        found.unlink()
+    held = {name: (part / name).read_bytes() for name in description if (part / name).is_file()}
+    if any(description[name] != was for name, was in held.items()):
         say(f"{part}: was begun with another configuration or version; begun anew")
         for entry in part.iterdir():
             shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
@@ -174,4 +186,4 @@ def _publish(part: Path, old: Path, path: Path) -> None:
         os.replace(path, old)
     os.replace(part, path)
     flush(path.parent)
-    shutil.rmtree(old, ignore_errors=True)
+    _remove(old)

@@ -1,4 +1,4 @@
-"""The files that a dataset carries so that it stands alone: its boat's, with what that extends, its course's."""
+"""The files that a dataset carries so that it stands alone: its boat's, what that extends, its course's."""
 
 import hashlib
 import re

@@ -82,9 +82,7 @@ def is_table(path: Path) -> bool:
 def _missing(tables: bool) -> str:
     if not tables:
         return "is missing; every folder of runs needs one"
-    return (
-        "is missing, and with it the boat of these runs; name it (--boat NAME), or write vehicle: NAME there"
-    )
+    return "is missing, and with it the boat of these runs; name it: --boat NAME, or vehicle: NAME in it"
 
 
 def described(told: Told, boat: Boat | None) -> DatasetMeta:
@@ -133,4 +131,4 @@ def noted(told: Told, meta: DatasetMeta) -> list[str]:
     found = [f"{key} {getattr(meta, key):g} {unit}" for key, unit in units.items() if key in told.lacking]
     found += [f"source {meta.source}"] if "source" in told.lacking else []
     found += [f"{len(meta.runs)} runs"] if "runs" in told.lacking else []
-    return [f"{META} does not say all; worked out: {', '.join(found)}"] if found else []
+    return [f"worked out, as no {META} says it: {', '.join(found)}"] if found else []
