@@ -50,7 +50,7 @@ def explanations(error: ValidationError, model: type[BaseModel] | None = None) -
 
 
 def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[str, str]:
-    key = ".".join(str(part) for part in fault["loc"])
+    key = ".".join(_printed(str(part)) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
         return key, f"unknown key{_suggestion(fault['loc'], model)}"
     if fault["type"] == "missing":
@@ -60,6 +60,10 @@ def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[st
         return key, message
     value = repr(fault["input"])
     return key, message[:1].lower() + message[1:] + (f", not {value}" if len(value) <= 60 else "")
+
+
+def _printed(part: str) -> str:
+    return part if part.isprintable() else repr(part)
 
 
 def _suggestion(loc: tuple[int | str, ...], model: type[BaseModel] | None) -> str:

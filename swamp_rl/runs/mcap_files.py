@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import write_beside
+from swamp_rl.files import explain, write_beside
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.run import Run
@@ -133,6 +134,8 @@ def _told(path: Path, record: dict[str, str] | None) -> tuple[RunMeta, DatasetMe
         meta = RunMeta.model_validate(json.loads(record["run"]))
         copies = {name: text.encode() for name, text in json.loads(record.get("copies", "{}")).items()}
         return meta, meta_told(json.loads(record["dataset"])), copies
+    except ValidationError as error:
+        raise explain(f"{path}: its record {RECORD}", error) from error
     except (KeyError, ValueError, AttributeError, RecursionError) as error:
         raise UserError(f"{path}: its record {RECORD} is not as it was written ({error})") from error
 
