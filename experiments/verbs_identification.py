@@ -13,7 +13,7 @@ identify_app = typer.Typer(
     help="Identify a boat from recorded runs, by the papers' regressions.", no_args_is_help=True
 )
 
-Folder = Annotated[Path, typer.Argument(help="A folder of runs with its dataset.yaml.")]
+Folder = Annotated[Path, typer.Argument(help="A folder of runs.")]
 BoatOption = Annotated[
     str | None, typer.Option("--boat", help="Another boat than the dataset's, or that of a plain folder.")
 ]

@@ -182,7 +182,7 @@ def plan(
 
 @trial_app.command()
 def analyse(
-    dataset: Annotated[Path, typer.Argument(help="A folder of runs with its dataset.yaml.")],
+    dataset: Annotated[Path, typer.Argument(help="A folder of runs.")],
     out: Annotated[
         Path | None, typer.Option(help="The folder to write, DATASET/analysis by default.")
     ] = None,

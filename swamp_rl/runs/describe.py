@@ -126,9 +126,14 @@ def with_outcome(run: Run, course: Course, boat: Boat) -> Run:
 
 
 def noted(told: Told, meta: DatasetMeta) -> list[str]:
-    """A line that tells what was worked out, if anything was."""
+    """A line that tells what was worked out, and one where the boat is not the dataset's own copy."""
     units = PARTICULARS | {"sample_rate": "Hz"}
     found = [f"{key} {getattr(meta, key):g} {unit}" for key, unit in units.items() if key in told.lacking]
     found += [f"source {meta.source}"] if "source" in told.lacking else []
     found += [f"{len(meta.runs)} runs"] if "runs" in told.lacking else []
-    return [f"worked out, as no {META} says it: {', '.join(found)}"] if found else []
+    notes = [f"worked out, as no {META} says it: {', '.join(found)}"] if found else []
+    if not meta.copies:
+        notes.append(
+            f"no copy of boat {meta.vehicle} lies here, today's is taken; swamp-rl runs export adds one"
+        )
+    return notes
