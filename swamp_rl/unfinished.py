@@ -157,10 +157,10 @@ def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], No
     if part.is_symlink():
         part.unlink()
     part.mkdir(exist_ok=True)
-    for found in [found for found in part.rglob("*") if found.is_symlink()]:
-        found.unlink()
-    held = {name: (part / name).read_bytes() for name in description if (part / name).is_file()}
-    if any(description[name] != was for name, was in held.items()):
+    for link in [found for found in part.rglob("*") if found.is_symlink()]:
+        link.unlink()
+    found = {name: (part / name).read_bytes() for name in description if (part / name).is_file()}
+    if any(description[name] != held for name, held in found.items()):
         say(f"{part}: was begun with another configuration or version; begun anew")
         for entry in part.iterdir():
             shutil.rmtree(entry) if entry.is_dir() else entry.unlink()

@@ -26,13 +26,13 @@ def outcome_of(time: NDArray[np.float64], track: NDArray[np.float64], course: Co
     reach = course.buoy_radius + 0.5 * breadth
     passed = 0
     for t in range(1, len(track)):
-        way = (*track[t - 1], *track[t])
-        passed += bool(crosses_gate(*way, *gates[passed]))
-        if any(touches_buoy(*way, *buoy, reach) for buoy in buoys):
+        (north0, east0), (north, east) = track[t - 1].tolist(), track[t].tolist()
+        passed += bool(crosses_gate(north0, east0, north, east, *gates[passed]))
+        if any(touches_buoy(north0, east0, north, east, buoy[0], buoy[1], reach) for buoy in buoys):
             return BUOY
         if passed == len(gates):
             return SUCCESS
-        if outside(*track[t], edges.south, edges.north, edges.west, edges.east):
+        if outside(north, east, edges.south, edges.north, edges.west, edges.east):
             return OUT_OF_BOUNDS
         if time[t] - time[0] >= course.time_limit - 1e-9:
             return TIMEOUT

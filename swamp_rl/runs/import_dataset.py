@@ -71,18 +71,18 @@ def import_runs(
     files = [file for source in sources for file in _files(source, kind)]
     _refuse_twins(files)
     if kind == "free-running":
-        source = about.boat or "esso_osaka"
-        boat = load_boat(source)
+        pond = about.boat or "esso_osaka"
+        boat = load_boat(pond)
         runs = [import_free_running(file, boat, about.repair) for file in files]
         runs = _ended(runs, about, about.course, boat, True)
-        return _write(Path(out), _described(about, boat, None, runs, wishes), runs, source, about.course)
+        return _write(Path(out), _described(about, boat, None, runs, wishes), runs, pond, about.course)
     found, wishes = _read(files, kind, about, wishes)
     told = _agreed(found)
     with tempfile.TemporaryDirectory() as scratch:
         home = Path(scratch) if kind == "mcap" else files[0].parent
         for name, held in found[0].copies.items():
             file_in(home, name, YAML).write_bytes(held)
-        source = about.boat or (boat_file(home, told) if told else "swamp")
+        source: str | Path = about.boat or (boat_file(home, told) if told else "swamp")
         course = about.course or (course_file(home, told) if told else None)
         boat = load_boat(source)
         runs = [run_from(one, wishes, boat) for one in found]
