@@ -53,7 +53,7 @@ def test_a_folder_that_another_process_is_recording_into_is_refused(tmp_path: Pa
         pytest.raises(UserError, match="data: another command is at work on it"),
     ):
         record_scripted(boats_at("calm"), tmp_path / "data", count=1)
-    assert list(tmp_path.iterdir()) == []
+    assert list((tmp_path / "data").iterdir()) == []
 
 
 def test_a_recorded_run_replays_exactly_from_its_seed_state_and_disturbances(recorded: Dataset) -> None:
