@@ -64,7 +64,7 @@ def close_loop(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
     for simulator, boat in zip(SIMULATORS, (scene.experiment.boat, str(extended)), strict=True):
         stages = Stages(progress.bars).logged_in(folder / simulator / WORK / "seconds.json")
         own = with_boat(scene, boat)
-        flown = fly(own, truth, folder / simulator, stages, extended)
+        flown = fly(own, truth, folder / simulator, stages)
         tables |= {(called(name, simulator), level): table for (name, level), table in flown.items()}
         progress.seconds.update({f"{name}, {simulator}": s for name, s in stages.seconds.items()})
     write_episodes(folder / "episodes.parquet", tables)
@@ -82,9 +82,7 @@ def with_boat(scene: Scene, boat: str) -> Scene:
     return replace(scene, experiment=experiment, boat=load_boat(boat))
 
 
-def fly(
-    own: Scene, truth: Scene, folder: Path, progress: Stages, extended: Path
-) -> dict[tuple[str, str], Table]:
+def fly(own: Scene, truth: Scene, folder: Path, progress: Stages) -> dict[tuple[str, str], Table]:
     """Train the pilots in their own simulator and fly them in the true boat; episodes by pilot and level."""
     dataset = get_data(own, folder, progress)
     pilots = train_pilots(own, dataset, folder / "pilots", progress)
