@@ -3,7 +3,6 @@
 import difflib
 import errno
 import os
-import shutil
 import stat
 import uuid
 from collections.abc import Collection, Iterator, Mapping
@@ -33,7 +32,7 @@ HINTS = {
 def os_error(error: OSError, path: Path | str) -> UserError:
     """The operating system's refusal as one line; `path` is named where the error itself names no file."""
     named = error.filename if isinstance(error.filename, str | Path) else None
-    hidden = named is not None and Path(named).name.startswith(".part-")
+    hidden = named is not None and any(part.startswith(".part-") for part in Path(named).parts)
     where = path if named is None or hidden else named
     hint = HINTS.get(error.errno or 0, "check the name and that it may be used")
     return UserError(f"{clipped(where, 300)}: {error.strerror or error}; {hint}")
@@ -60,35 +59,6 @@ def write_beside(path: Path | str) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             part.unlink()
-
-
-@contextmanager
-def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Path]:
-    """Yield an empty hidden sibling of folder `path`, renamed to `path` once the block has ended well.
-
-    An existing `path` that is not empty is replaced only if it holds a file named `replaces`, which shows
-    that it is an earlier result of the same kind; otherwise UserError, before any work is done.
-    OSError -> UserError.
-    """
-    path = Path(path).absolute()
-    mark = uuid.uuid4().hex[:8]
-    part, old = (path.with_name(f".{what}-{mark}-{path.name}") for what in ("part", "old"))
-    try:
-        refuse_to_replace(path, () if replaces is None else (replaces,))
-        part.mkdir(parents=True)
-        yield part
-        flush_whole(part)
-        if path.exists():
-            os.replace(path, old)
-        os.replace(part, path)
-        flush(path.parent)
-    except OSError as error:
-        raise os_error(error, path) from error
-    finally:
-        if old.exists() and not path.exists():
-            os.replace(old, path)
-        for leftover in (part, old):
-            shutil.rmtree(leftover, ignore_errors=True)
 
 
 def refuse_to_replace(path: Path, replaces: Collection[str]) -> None:

@@ -1,16 +1,42 @@
-"""Folders built over more than one life of a process: beside their place, locked, renamed when whole."""
+"""Folders built beside their place, locked, and renamed when whole; some over several lives of a process."""
 
 import fcntl
 import os
 import shutil
 from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import flush, flush_whole, os_error, refuse_to_replace, write_beside
 
-LOCK = ".lock"
+
+@contextmanager
+def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Path]:
+    """Yield an empty hidden sibling of folder `path`, renamed to `path` once the block has ended well.
+
+    An existing `path` that is not empty is replaced only if it holds a file named `replaces`, which shows
+    that it is an earlier result of the same kind. UserError where it does not, and where another process is
+    at work on the same folder, before any work is done. What processes that died have left beside `path` is
+    removed. OSError -> UserError.
+    """
+    path = Path(path).absolute()
+    part, old = _part(path).with_name(f".part-{path.name}.new"), _old(path)
+    try:
+        refuse_to_replace(path, () if replaces is None else (replaces,))
+        with _locked(path):
+            _recover(old, path)
+            _remove_dead(path.parent)
+            _remove(part)
+            part.mkdir()
+            try:
+                yield part
+                _publish(part, old, path)
+            finally:
+                _recover(old, path)
+                shutil.rmtree(part, ignore_errors=True)
+    except OSError as error:
+        raise os_error(error, path) from error
 
 
 @contextmanager
@@ -32,10 +58,10 @@ def taken_up(
     UserError where it does not, and where another process is at work on the same folder.
     """
     path = Path(path).absolute()
-    part, old = (path.with_name(f".{what}-{path.name}") for what in ("part", "old"))
+    part, old = _part(path), _old(path)
     try:
         refuse_to_replace(path, replaces)
-        with _locked(part, path):
+        with _locked(path):
             _recover(old, path)
             _begin(part, description, say)
             try:
@@ -49,26 +75,49 @@ def taken_up(
         raise os_error(error, path) from error
 
 
+def _part(path: Path) -> Path:
+    return path.with_name(f".part-{path.name}")
+
+
+def _old(path: Path) -> Path:
+    return path.with_name(f".old-{path.name}")
+
+
 @contextmanager
-def _locked(part: Path, path: Path) -> Iterator[None]:
-    """Hold the lock of `part`, made if need be; the operating system frees it however the process ends."""
+def _locked(path: Path) -> Iterator[None]:
+    """Hold the lock of folder `path`, a file beside it; UserError where another process holds it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    lock = path.with_name(f".part-{path.name}.lock")
+    handle = _lock(lock)
+    if handle is None:
+        raise UserError(f"{path}: another command is at work on it; wait for its end, or name another folder")
+    try:
+        yield
+    finally:
+        _free(lock, handle)
+
+
+def _lock(lock: Path) -> int | None:
+    """The handle of a lock file that this process holds now, None where another one does.
+
+    The operating system frees it however the process ends.
+    """
     while True:
-        part.mkdir(parents=True, exist_ok=True)
-        handle = os.open(part / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
+        handle = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o644)
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             os.close(handle)
-            raise UserError(
-                f"{path}: another command is at work on it; wait for its end, or name another folder"
-            ) from None
-        if _same(handle, part / LOCK):
-            break
-        os.close(handle)  # its holder has just finished, and the lock has gone with the folder
-    try:
-        yield
-    finally:
-        os.close(handle)
+            return None
+        if _same(handle, lock):
+            return handle
+        os.close(handle)  # its holder has just finished, and has removed the file
+
+
+def _free(lock: Path, handle: int) -> None:
+    with suppress(OSError):
+        lock.unlink()  # while it is held: a file that others could lock meanwhile must not go
+    os.close(handle)
 
 
 def _same(handle: int, lock: Path) -> bool:
@@ -78,21 +127,43 @@ def _same(handle: int, lock: Path) -> bool:
         return False
 
 
+def _remove_dead(folder: Path) -> None:
+    """Remove what `folder_beside` was building in `folder` in processes that have ended since."""
+    for part in folder.glob(".part-*.new"):
+        lock = part.with_suffix(".lock")
+        handle = _lock(lock) if part.is_dir() and not part.is_symlink() else None
+        if handle is not None:
+            shutil.rmtree(part, ignore_errors=True)
+            _free(lock, handle)
+
+
 def _recover(old: Path, path: Path) -> None:
     """Undo a replacement that was cut short between its two renames, or clear away what was replaced."""
     if old.exists() and not path.exists():
         os.replace(old, path)
-    shutil.rmtree(old, ignore_errors=True)
+    _remove(old)
+
+
+def _remove(path: Path) -> None:
+    """Remove a folder and all in it, or the link that stands in its place."""
+    if path.is_symlink():
+        path.unlink()
+    shutil.rmtree(path, ignore_errors=True)
 
 
 def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], None]) -> None:
-    """Empty `part` if it belongs to another job, otherwise clear away what was being written to it."""
+    """Empty `part` if it belongs to another job, otherwise clear away what was being written to it, and all
+    links: no job makes any, and what is written must stay here."""
+    if part.is_symlink():
+        part.unlink()
+    part.mkdir(exist_ok=True)
+    for link in [found for found in part.rglob("*") if found.is_symlink()]:
+        link.unlink()
     found = {name: (part / name).read_bytes() for name in description if (part / name).is_file()}
     if any(description[name] != held for name, held in found.items()):
         say(f"{part}: was begun with another configuration or version; begun anew")
         for entry in part.iterdir():
-            if entry.name != LOCK:
-                shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
+            shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
     for pattern in (".part-*", ".old-*"):
         for leftover in list(part.rglob(pattern)):
             shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink(missing_ok=True)
@@ -104,7 +175,7 @@ def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], No
 
 def _made(part: Path, description: Mapping[str, bytes]) -> bool:
     """Whether anything but the description is whole in `part`."""
-    own = {LOCK, *(Path(name).parts[0] for name in description)}
+    own = {Path(name).parts[0] for name in description}
     return any(entry.name not in own and not entry.name.startswith(".part-") for entry in part.iterdir())
 
 
@@ -114,6 +185,5 @@ def _publish(part: Path, old: Path, path: Path) -> None:
     if path.exists():
         os.replace(path, old)
     os.replace(part, path)
-    (path / LOCK).unlink()  # only now: a lock that others could make anew in `part` would move with it
     flush(path.parent)
-    shutil.rmtree(old, ignore_errors=True)
+    _remove(old)

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict, Field
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import find_config, folder_beside, read_yaml, validated, write_beside, write_yaml
+from swamp_rl.files import find_config, read_yaml, validated, write_beside, write_yaml
+from swamp_rl.unfinished import folder_beside
 
 # PyYAML folds the rare line ends of Unicode when it reads them.
 TEXT = st.text(st.characters(exclude_categories=("Cs",), exclude_characters="\x85\u2028\u2029"))

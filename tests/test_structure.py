@@ -12,7 +12,18 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 FLOORS = (
-    {"errors", "clipped", "explain", "json_text", "yaml_text", "figure_style", "one_thread", "seal", "sums"},
+    {
+        "errors",
+        "clipped",
+        "explain",
+        "json_text",
+        "names",
+        "yaml_text",
+        "figure_style",
+        "one_thread",
+        "seal",
+        "sums",
+    },
     {"files", "arrays_file", "unfinished"},
     {"physics", "boat", "effects", "course"},
     {"runs", "simulator"},

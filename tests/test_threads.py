@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from swamp_rl.one_thread import one_thread, threads
 from swamp_rl.pilots.readout import Moments, ridge_readouts
-from tests.tiny import content
+from tests.support.tiny_experiment import content
 
 EXPERIMENT = """
 name: threads
@@ -32,6 +33,8 @@ pilots:
     options: {decisions: 512, boats: 16, random: 128, updates: 2, leg: 16}
 evaluation: {levels: [standard], episodes: 260, seed: 1, shown: 2}
 """
+pytestmark = pytest.mark.slow
+
 VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 RUN = "from swamp_rl.experiments.run import run_experiment; run_experiment('threads.yaml', out='results')"
 

@@ -2,13 +2,16 @@
 
 import errno
 import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from swamp_rl import unfinished
 from swamp_rl.errors import UserError
-from swamp_rl.unfinished import taken_up
+from swamp_rl.unfinished import folder_beside, taken_up
 
 SAME = {"config/it.yaml": b"a: 1\n"}
 
@@ -119,3 +122,51 @@ def test_what_is_no_earlier_result_is_not_replaced(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="not an earlier result"), taken_up(tmp_path, ("mark",), SAME):
         pass
     assert names(tmp_path) == ["thesis.txt"]
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from swamp_rl.unfinished import folder_beside
+with folder_beside(sys.argv[1]) as part:
+    (part / "half").write_text("ha")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.parametrize("next_one", ["out", "other"])
+def test_what_a_killed_process_was_building_goes_with_the_next_folder_built_there(
+    tmp_path: Path, next_one: str
+) -> None:
+    ended = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "out")], check=False)
+    assert ended.returncode == -signal.SIGKILL
+    assert any((found / "half").exists() for found in tmp_path.glob(".part-*"))
+    with folder_beside(tmp_path / next_one) as part:
+        (part / "whole").write_text("whole")
+    assert names(tmp_path) == [f"{next_one}/whole"]
+    assert [path.name for path in tmp_path.iterdir()] == [next_one]
+
+
+def test_what_a_living_process_is_building_stays(tmp_path: Path) -> None:
+    with folder_beside(tmp_path / "one") as one:
+        (one / "whole").write_text("whole")
+        with folder_beside(tmp_path / "two"):
+            pass
+        assert (one / "whole").exists()
+    assert names(tmp_path) == ["one/whole"]
+
+
+def test_of_two_writers_of_one_folder_the_second_is_refused(tmp_path: Path) -> None:
+    with folder_beside(tmp_path / "out") as part:
+        for second in (folder_beside(tmp_path / "out"), taken_up(tmp_path / "out", (), SAME)):
+            with pytest.raises(UserError, match="out: another command is at work on it"), second:
+                pytest.fail("no work may be done for a folder that another writes")
+        (part / "whole").write_text("whole")
+    assert names(tmp_path) == ["out/whole"]
+
+
+def test_a_lock_that_is_a_link_is_not_followed(tmp_path: Path) -> None:
+    (tmp_path / ".part-out.lock").symlink_to(tmp_path / "made")
+    with pytest.raises(UserError), folder_beside(tmp_path / "out"):
+        pass
+    assert not (tmp_path / "made").exists()

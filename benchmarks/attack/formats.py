@@ -232,10 +232,8 @@ def _unfinished(path: Path) -> Any:
     from swamp_rl.teleop.recordings import Recordings
 
     data = path.read_bytes()
-    for left in path.parent.parent.glob("*.csv"):
+    for left in (*path.parent.parent.glob("*.csv"), *path.parent.parent.glob("*.yaml")):
         left.unlink()
-    create = path.parent.parent / "dataset.yaml"
-    create.unlink()
     create_dataset(path.parent.parent, meta())
     write_table(path.with_suffix(".csv"), circle())
     path.write_bytes(data)

@@ -8,7 +8,8 @@ from swamp_rl.course import Course, load_course
 from swamp_rl.demo.scene import Align, DemoScene, demo_scene
 from swamp_rl.errors import UserError
 from swamp_rl.json_text import parsed_json
-from swamp_rl.runs import Run, read_dataset, read_run
+from swamp_rl.runs import DatasetMeta, Run, read_dataset, read_run
+from swamp_rl.runs.copies import course_file
 from swamp_rl.runs.dataset import META, boat_of, read_meta
 
 RESULTS = "results.json"
@@ -19,7 +20,7 @@ class Found:
     """Runs by who drove them; `chosen` are the labels shown when nothing else is asked for, None for all."""
 
     groups: dict[str, list[Run]] = field(default_factory=dict)
-    course: str | None = None
+    course: Course | None = None
     size: tuple[float, float] = (0.0, 0.0)
     chosen: set[str] | None = None
 
@@ -41,7 +42,7 @@ def read_shown(sources: list[Path], patterns: list[str], align: Align) -> DemoSc
     parts = [_read(source) for source in sources]
     courses = {part.course for part in parts}
     if len(courses) > 1:
-        named = ", ".join(sorted(str(name) for name in courses))
+        named = ", ".join(sorted(course.name if course else "none" for course in courses))
         raise UserError(f"these are runs of different courses ({named}); show each course by itself")
     all_of_them = Found()
     for part in parts:
@@ -56,7 +57,7 @@ def read_shown(sources: list[Path], patterns: list[str], align: Align) -> DemoSc
         some = ", ".join(known[:6]) + (", …" if len(known) > 6 else "")
         raise UserError(f"no run fits --runs {' '.join(patterns)}; there are {some}")
     title = ", ".join(source.resolve().name for source in sources)
-    return demo_scene(title, all_of_them.groups, _course(parts[0], sources[0]), parts[0].size, align)
+    return demo_scene(title, all_of_them.groups, parts[0].course, parts[0].size, align)
 
 
 def _wanted(part: Found, group: str, run: Run, patterns: list[str]) -> bool:
@@ -76,13 +77,14 @@ def _read(source: Path) -> Found:
     return _read_dataset(source)
 
 
-def _read_dataset(folder: Path, group: str | None = None) -> Found:
+def _read_dataset(folder: Path, group: str | None = None, kept: Path | None = None) -> Found:
+    """kept: the folder of courses that came with the results, for a dataset of before it had its own."""
     dataset = read_dataset(folder)
-    boat = boat_of(folder, dataset.meta)
+    boat = dataset.boat
     groups: dict[str, list[Run]] = {}
     for run in dataset.runs:
         groups.setdefault(group or _driver(run, dataset.meta.source), []).append(run)
-    return Found(groups, dataset.meta.course, (boat.length, boat.breadth))
+    return Found(groups, _course(folder, dataset.meta, kept), (boat.length, boat.breadth))
 
 
 def _driver(run: Run, source: str) -> str:
@@ -98,7 +100,8 @@ def _read_file(path: Path) -> Found:
     meta = read_meta(path.parent)
     boat = boat_of(path.parent, meta)
     run = read_run(path)
-    return Found({_driver(run, meta.source): [run]}, meta.course, (boat.length, boat.breadth))
+    course = _course(path.parent, meta, None)
+    return Found({_driver(run, meta.source): [run]}, course, (boat.length, boat.breadth))
 
 
 def _read_results(folder: Path) -> Found:
@@ -112,10 +115,10 @@ def _read_results(folder: Path) -> Found:
     if not driven:
         raise UserError(f"{folder}: keeps no runs of its pilots (driven/); make the results again")
     found = Found()
-    data = folder / "data"
-    parts = [_read_dataset(data, data_source)] if data.is_dir() else []
+    data, kept = folder / "data", folder / "config" / "courses"
+    parts = [_read_dataset(data, data_source, kept)] if data.is_dir() else []
     parts += [
-        _read_dataset(path, path.name if path.name != data_source else f"{path.name} pilot")
+        _read_dataset(path, path.name if path.name != data_source else f"{path.name} pilot", kept)
         for path in driven
     ]
     for part in parts:
@@ -126,9 +129,7 @@ def _read_results(folder: Path) -> Found:
     return found
 
 
-def _course(part: Found, source: Path) -> Course | None:
-    """By its name, or the copy kept with the results."""
-    if part.course is None:
-        return None
-    copy = source / "config" / "courses" / f"{Path(part.course).stem}.yaml"
-    return load_course(copy if copy.is_file() else part.course)
+def _course(folder: Path, meta: DatasetMeta, kept: Path | None) -> Course | None:
+    copy = None if kept is None or meta.copies else kept / f"{meta.course}.yaml"
+    found = copy if copy is not None and copy.is_file() else course_file(folder, meta)
+    return None if found is None else load_course(found)

@@ -13,6 +13,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.evaluation import Table, read_episodes
 from swamp_rl.files import read_yaml
 from swamp_rl.json_text import read_json
+from swamp_rl.names import YAML, file_in
 
 EPISODES = "episodes.parquet"
 FILES = {"boat": "boats", "course": "courses"}
@@ -47,7 +48,8 @@ class Result:
             what: _mark([read_yaml(file) for file in sorted((kept / files).glob("*.yaml"))])
             for what, files in FILES.items()
         }
-        levels = {level: kept / "disturbances" / f"{level}.yaml" for level in self.levels}
+        folder = kept / "disturbances"
+        levels = {level: file_in(folder, f"{level}.yaml", YAML) for level in self.levels}
         marks |= {f"level {name}": _mark(read_yaml(f)) for name, f in levels.items() if f.is_file()}
         return marks | {key: _mark(self.experiment.get(key)) for key in ("step", "hidden")}
 

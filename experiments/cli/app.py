@@ -103,7 +103,7 @@ def record_scripted_runs(
     count: Annotated[int, typer.Option(min=1, max=100_000, help="How many successful runs.")] = 40,
     failed: Annotated[
         int, typer.Option(min=0, max=100_000, help="How many failed ones at least, kept and marked.")
-    ] = 3,
+    ] = 0,
     seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Another seed, other runs.")] = 0,
 ) -> None:
     """Record runs of the scripted pilot, which drives the way people do."""

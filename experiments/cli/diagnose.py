@@ -13,8 +13,7 @@ if TYPE_CHECKING:
 
 def diagnose(
     dataset: Annotated[
-        Path,
-        typer.Argument(help="A folder of measured runs with its dataset.yaml, or a YAML file of figures."),
+        Path, typer.Argument(help="A folder of measured runs, or a YAML file of printed figures.")
     ],
     out: Annotated[Path, typer.Option(help="The folder to write.")],
     boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",

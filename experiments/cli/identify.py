@@ -16,8 +16,10 @@ identify_app = typer.Typer(
     help="Identify a boat from recorded runs, by the papers' regressions.", no_args_is_help=True
 )
 
-Folder = Annotated[Path, typer.Argument(help="A folder of runs with its dataset.yaml.")]
-BoatOption = Annotated[str | None, typer.Option("--boat", help="Another boat than the dataset's vehicle.")]
+Folder = Annotated[Path, typer.Argument(help="A folder of runs.")]
+BoatOption = Annotated[
+    str | None, typer.Option("--boat", help="Another boat than the dataset's, or that of a plain folder.")
+]
 Smooth = Annotated[float, typer.Option(min=0.0, max=3600.0, help="Span of a quadratic smoother, s; 0: none.")]
 
 
@@ -25,10 +27,9 @@ def _motion(folder: Path, name: str | None, smooth: float) -> tuple["Motion", "B
     from swamp_rl.boat import load_boat
     from swamp_rl.identification.motion import motions_of
     from swamp_rl.runs import read_dataset
-    from swamp_rl.runs.dataset import boat_of
 
-    dataset = read_dataset(folder)
-    boat = load_boat(name) if name else boat_of(folder, dataset.meta)
+    dataset = read_dataset(folder, name)
+    boat = load_boat(name) if name else dataset.boat
     return motions_of(dataset.runs, boat, smooth), boat
 
 

@@ -7,15 +7,29 @@ import typer
 
 runs_app = typer.Typer(help="Check and look at recorded runs.", no_args_is_help=True)
 
-Folder = Annotated[Path, typer.Argument(help="A folder of runs with its dataset.yaml.")]
+Folder = Annotated[Path, typer.Argument(help="A folder of runs.")]
+BoatOption = Annotated[
+    str | None, typer.Option("--boat", help="Whose runs they are, where no dataset.yaml says it.")
+]
+
+
+def boat_for(folder: Path, boat: str | None) -> str | None:
+    """The boat that was named for a folder; UserError where that says it itself."""
+    from swamp_rl.errors import UserError
+    from swamp_rl.runs.dataset import META, parse
+
+    told, _ = parse(folder) if boat is not None and (folder / META).exists() else (None, [])
+    if told is not None:
+        raise UserError(f"--boat {boat}: {folder / META} names {told.meta.vehicle}; leave --boat out")
+    return boat
 
 
 @runs_app.command()
-def check(folder: Folder) -> None:
+def check(folder: Folder, boat: BoatOption = None) -> None:
     """Name every fault by file, row and column; exits with 1 if there is any."""
     from swamp_rl.runs import inspect_dataset
 
-    found = inspect_dataset(folder)
+    found = inspect_dataset(folder, boat_for(folder, boat))
     for note in found.notes:
         typer.echo(f"note: {note}")
     for fault in found.faults:
@@ -36,6 +50,7 @@ def show(
     out: Annotated[
         Path | None, typer.Option(help="The PNG of the tracks; by default results/FOLDER-tracks.png.")
     ] = None,
+    boat: BoatOption = None,
 ) -> None:
     """Print a table of the runs and draw their tracks."""
     from rich.console import Console
@@ -47,7 +62,7 @@ def show(
     out = out or Path("results") / f"{folder.resolve().name}-tracks.png"
     if out.suffix.lower() != ".png":
         raise UserError(f"{out}: the tracks are drawn as PNG; end the name in .png")
-    dataset = read_dataset(folder)
+    dataset = read_dataset(folder, boat_for(folder, boat))
     Console().print(run_table(dataset))
     draw_tracks(dataset, out)
     typer.echo(f"tracks drawn in {out}")

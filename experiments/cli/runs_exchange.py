@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
-from swamp_rl.experiments.cli.runs import runs_app
+from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
 
 from swamp_rl.errors import UserError
 
@@ -31,6 +31,11 @@ def import_(
     ] = None,
     course: Annotated[str | None, typer.Option(help="A name in configs/courses, or a file.")] = None,
     notes: Annotated[str | None, typer.Option(help="Kept in dataset.yaml.")] = None,
+    outcome: Annotated[
+        Literal["success", "failed", "auto"] | None,
+        typer.Option(help="How the runs ended; auto, and the default with --course: by the course."),
+    ] = None,
+    group: Annotated[str | None, typer.Option(help="Day or place of runs that share their weather.")] = None,
     column: Annotated[
         list[str] | None, typer.Option(metavar="OUR=THEIRS", help="What a column is called there.")
     ] = None,
@@ -66,7 +71,7 @@ def import_(
         resample,
         _place(origin),
     )
-    about = About(boat, source, course, notes, topic, sender, repair)
+    about = About(boat, source, course, notes, outcome, group, topic, sender, repair)
     made = import_runs(sources, from_, out, about, wishes)
     rows = sum(run.rows or 0 for run in made.runs)
     typer.echo(f"{out}: {len(made.runs)} runs, {rows} rows at {made.sample_rate:g} Hz, {made.source}")
@@ -74,14 +79,15 @@ def import_(
 
 @runs_app.command()
 def export(
-    dataset: Annotated[Path, typer.Argument(help="A folder of runs with its dataset.yaml.")],
+    dataset: Folder,
     to: Annotated[Literal["minari", "lerobot", "mcap", "csv", "parquet"], typer.Option(help="The format.")],
     out: Annotated[Path, typer.Option(help="The new folder.")],
+    boat: BoatOption = None,
 ) -> None:
     """Write a dataset for Minari, LeRobot (its layout 3.0), MCAP viewers, or as CSV or Parquet tables."""
     from swamp_rl.runs.export_dataset import export_runs
 
-    count = export_runs(dataset, to, out)
+    count = export_runs(dataset, to, out, boat_for(dataset, boat))
     typer.echo(f"{out}: {count} runs")
 
 

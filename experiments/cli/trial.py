@@ -182,12 +182,15 @@ def plan(
 
 @trial_app.command()
 def analyse(
-    dataset: Annotated[Path, typer.Argument(help="A folder of runs with its dataset.yaml.")],
+    dataset: Annotated[Path, typer.Argument(help="A folder of runs.")],
     out: Annotated[
         Path | None, typer.Option(help="The folder to write, DATASET/analysis by default.")
+    ] = None,
+    boat: Annotated[
+        str | None, typer.Option("--boat", help="Another boat than the dataset's, or that of a plain folder.")
     ] = None,
 ) -> None:
     """Figures of recorded trials, measured or simulated."""
     from swamp_rl.experiments.reports.trials import analyse_trials
 
-    _say(*analyse_trials(dataset, out))
+    _say(*analyse_trials(dataset, out, boat))

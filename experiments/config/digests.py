@@ -4,23 +4,17 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
-from swamp_rl.errors import UserError
-from swamp_rl.files import read_yaml, write_beside
+from swamp_rl.files import write_beside
 from swamp_rl.pilots.store import DESCRIPTION, load_pilot
-from swamp_rl.runs.dataset import META
+from swamp_rl.runs.dataset import files_of
 
 HASHES = "data.sha256"
 
 
 def hashes(folder: Path) -> dict[str, str]:
     """SHA-256 of each file of a dataset, by name; UserError where it is no dataset."""
-    if not (folder / META).is_file():
-        raise UserError(f"{folder / META}: no such file; name a folder of runs with its {META}")
-    listed = [META, *(str(entry["file"]) for entry in read_yaml(folder / META).get("runs") or ())]
-    missing = [name for name in listed if not (folder / name).is_file()]
-    if missing:
-        raise UserError(f"{folder / missing[0]}: no such file, but {META} lists it; put it there or drop it")
-    return {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in sorted(listed)}
+    files = sorted(files_of(folder), key=lambda path: path.name)
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 def digest(of: Mapping[str, str]) -> str:

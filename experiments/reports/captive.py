@@ -13,8 +13,8 @@ from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.trials import JSON, REPORT
 
 from swamp_rl.boat import Boat
-from swamp_rl.files import folder_beside
 from swamp_rl.manoeuvres.captive import Point, self_propulsion
+from swamp_rl.unfinished import folder_beside
 
 DATA, ANALYSIS = "captive.csv", "analysis"
 COLUMNS = {  # of the CSV: unit of each

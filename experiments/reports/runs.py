@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 from rich.table import Table
 from swamp_rl.experiments.reports.figures import DRIVEN, FAILED, draw_course
 
-from swamp_rl.course import load_course
 from swamp_rl.errors import UserError
 from swamp_rl.figure_style import STYLE
 from swamp_rl.files import write_beside
@@ -67,7 +66,7 @@ def _by_outcome(dataset: Dataset) -> list[tuple[str, str, str, list[Run]]]:
 def _draw_surroundings(axes: Axes, dataset: Dataset) -> None:
     """The course, in a view that still holds tracks that left it; without one, where the runs began."""
     try:
-        course = load_course(dataset.meta.course) if dataset.meta.course else None
+        course = dataset.course
     except UserError:
         course = None
     if course is None:

@@ -11,11 +11,11 @@ from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.trial_figures import draw_trials
 
 from swamp_rl.boat import Boat
-from swamp_rl.files import folder_beside
 from swamp_rl.manoeuvres.analysis.analyse import analyse_dataset
 from swamp_rl.manoeuvres.analysis.figure import Figure, Result
 from swamp_rl.manoeuvres.analysis.pairs import Pair, pairs
 from swamp_rl.runs import Dataset
+from swamp_rl.unfinished import folder_beside
 
 JSON, REPORT = "analysis.json", "report.md"
 COLUMNS = {  # of the tables, by manoeuvre: figure, heading, in lengths or not
@@ -53,20 +53,21 @@ COLUMNS = {  # of the tables, by manoeuvre: figure, heading, in lengths or not
 }
 
 
-def analyse_trials(folder: Path, out: Path | None = None) -> tuple[list[str], Path]:
+def analyse_trials(folder: Path, out: Path | None = None, boat: str | None = None) -> tuple[list[str], Path]:
     """Analyse a dataset of trials into `out`, by default DATASET/analysis; lines to print, and `out`.
 
-    UserError where no run of it holds a manoeuvre, or `out` holds something else.
+    boat: as for `analyse_dataset`. UserError where no run of it holds a manoeuvre, or `out` holds something
+    else.
     """
-    dataset, boat, results, refused = analyse_dataset(folder)
+    dataset, vessel, results, refused = analyse_dataset(folder, boat)
     out = out or folder / "analysis"
-    both = pairs(results, boat.length)
+    both = pairs(results, vessel.length)
     with folder_beside(out, replaces=JSON) as part:
-        pictures = draw_trials(part, results, boat.length)
-        (part / JSON).write_text(as_json(dataset, boat, results, both, refused), encoding="utf-8")
-        text = report(dataset, boat, results, both, refused, pictures)
+        pictures = draw_trials(part, results, vessel.length)
+        (part / JSON).write_text(as_json(dataset, vessel, results, both, refused), encoding="utf-8")
+        text = report(dataset, vessel, results, both, refused, pictures)
         (part / REPORT).write_text(text, encoding="utf-8")
-    return lines(results, boat, both, refused), out
+    return lines(results, vessel, both, refused), out
 
 
 def as_json(

@@ -25,11 +25,11 @@ from swamp_rl.criticism.diagnose import RESULT, diagnose
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.effects import parse_effects
 from swamp_rl.evaluation import Table, paired_difference, write_episodes
-from swamp_rl.files import folder_beside, read_yaml, write_yaml
 from swamp_rl.pilots.record import NOTES, drive_episodes
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import save_pilot
 from swamp_rl.runs import DatasetMeta, Run, append_run, create_dataset
+from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]
 
@@ -65,7 +65,7 @@ def close_loop(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
     for simulator, boat in zip(SIMULATORS, (scene.experiment.boat, str(extended)), strict=True):
         stages = Stages(progress.bars).logged_in(folder / simulator / WORK / "seconds.json")
         own = with_boat(scene, boat)
-        flown = fly(own, truth, folder / simulator, stages, extended)
+        flown = fly(own, truth, folder / simulator, stages)
         tables |= {(called(name, simulator), level): table for (name, level), table in flown.items()}
         progress.seconds.update({f"{name}, {simulator}": s for name, s in stages.seconds.items()})
     write_episodes(folder / "episodes.parquet", tables)
@@ -83,12 +83,9 @@ def with_boat(scene: Scene, boat: str) -> Scene:
     return replace(scene, experiment=experiment, boat=load_boat(boat))
 
 
-def fly(
-    own: Scene, truth: Scene, folder: Path, progress: Stages, extended: Path
-) -> dict[tuple[str, str], Table]:
+def fly(own: Scene, truth: Scene, folder: Path, progress: Stages) -> dict[tuple[str, str], Table]:
     """Train the pilots in their own simulator and fly them in the true boat; episodes by pilot and level."""
     dataset = get_data(own, folder, progress)
-    relative_vehicle(folder / "data", extended, folder.name)
     pilots = train_pilots(own, dataset, folder / "pilots", progress)
     if folder.name == SIMULATORS[0]:
         pilots["scripted"] = ScriptedPilot(
@@ -96,14 +93,6 @@ def fly(
         )
         save_pilot(pilots["scripted"], folder / "pilots" / "scripted")
     return dict(try_pilots(truth, pilots, progress, folder / WORK / "tried").tables)
-
-
-def relative_vehicle(data: Path, extended: Path, simulator: str) -> None:
-    """Let the recorded runs name the extended boat from where they lie: the folder is yet to be renamed."""
-    if simulator == "extended" and (data / "dataset.yaml").exists():
-        meta = read_yaml(data / "dataset.yaml")
-        meta["vehicle"] = f"../../{extended.parent.name}/{extended.name}"
-        write_yaml(data / "dataset.yaml", meta)
 
 
 def write_logs(truth: Scene, logs: Logs, folder: Path) -> None:

@@ -13,7 +13,6 @@ from swamp_rl.experiments.training.curves import CURVE, write_curve
 from swamp_rl.experiments.training.tracking import tracked
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import folder_beside
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.description import FittedOn
 from swamp_rl.pilots.pilot import Pilot
@@ -22,6 +21,7 @@ from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import load_pilot, save_pilot
 from swamp_rl.pilots.takeover import TakeoverPilot
 from swamp_rl.runs import Dataset, read_dataset
+from swamp_rl.unfinished import folder_beside
 
 
 def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:
@@ -33,7 +33,8 @@ def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:
     if plan.folder is None and not (folder / "data").exists():
         with progress.stage("record runs", plan.record.good) as tick:
             record(scene, folder / "data", tick)
-    dataset = read_dataset(folder / "data" if plan.folder is None else plan.folder)
+    named = scene.experiment.boat, scene.experiment.course  # for a plain folder, which does not tell
+    dataset = read_dataset(folder / "data" if plan.folder is None else plan.folder, *named)
     rate = 1.0 / scene.experiment.step
     if abs(dataset.meta.sample_rate / rate - 1.0) > 1e-6:
         raise UserError(

@@ -31,7 +31,7 @@ def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = Non
     replaced: keys in place of the file's, as a file that extends it would have them. UserError names every
     fault on its line: file, key and what is allowed.
     """
-    chain = _chain(name_or_path)
+    chain = boat_chain(name_or_path)
     if replaced:
         chain.append((chain[-1][0], {"extends": str(name_or_path), **replaced}))
     raw: dict[str, Any] = {}
@@ -67,7 +67,7 @@ def refuse_untested_depth(boat: Boat, effects: Iterable[Effect], where: str) -> 
         )
 
 
-def _chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:
+def boat_chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:
     """The files to lay over one another, the one that extends nothing first."""
     path = find_config("boats", name_or_path)
     chain: list[tuple[Path, dict[str, Any]]] = []

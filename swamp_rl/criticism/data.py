@@ -79,14 +79,15 @@ class Trials:
         )
 
 
-def read_trials(folder: Path | str, boat: Boat) -> Trials:
+def read_trials(folder: Path | str, boat: Boat, named: str | Path | None = None) -> Trials:
     """A folder of measured runs on a uniform grid.
 
-    Rows may be missing: gaps are marked, nothing is filled in. UserError for any other fault of the folder,
-    and where there is too little to compare, saying what is missing.
+    named: the boat's name or file, for a plain folder without a `dataset.yaml` to say it. Rows may be
+    missing: gaps are marked, nothing is filled in. UserError for any other fault of the folder, and where
+    there is too little to compare, saying what is missing.
     """
     folder = Path(folder)
-    found = inspect_dataset(folder)
+    found = inspect_dataset(folder, named)
     faults = [fault for fault in found.faults if fault.column != "time"]
     if faults:
         raise UserError(f"{folder}{os.sep}{faults[0]}")

@@ -35,7 +35,7 @@ from swamp_rl.criticism.refusals import refuse_other_vehicle, refuse_sources_ins
 from swamp_rl.criticism.result import Candidate, Cause, Diagnosis, Gain, HeldOut, Verdict, Wandering
 from swamp_rl.criticism.rivals import contrast, separating_trial
 from swamp_rl.criticism.shooting import Shooting
-from swamp_rl.files import folder_beside
+from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]
 
@@ -54,9 +54,9 @@ def diagnose(
     """
     model = load_boat(boat)
     refuse_sources_inside(out, [Path(one) for one in (dataset, holdout, boat) if one and Path(one).exists()])
-    trials = read_trials(dataset, model)
+    trials = read_trials(dataset, model, boat)
     refuse_inconsistent(trials, str(dataset))
-    other = read_trials(holdout, model) if holdout else None
+    other = read_trials(holdout, model, boat) if holdout else None
     if other is not None and holdout is not None:
         refuse_other_vehicle(dataset, holdout)
         refuse_inconsistent(other, str(holdout))

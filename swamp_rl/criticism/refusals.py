@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
-from swamp_rl.runs.dataset import boat_of, read_meta
+from swamp_rl.runs.dataset import META, boat_of, read_meta
 
 Array = NDArray[np.float64]
 
@@ -89,6 +89,8 @@ def refuse_other_vehicle(dataset: Path, holdout: Path) -> None:
             f"{holdout}: is what was to be diagnosed, nothing would be held out; leave --holdout out, each "
             "run is then held out in turn"
         )
+    if not all((folder / META).exists() for folder in (dataset, holdout)):
+        return  # a plain folder does not say
     ours, theirs = (boat_of(folder, read_meta(folder)).name for folder in (dataset, holdout))
     if ours != theirs:
         raise UserError(

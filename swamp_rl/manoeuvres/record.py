@@ -66,9 +66,8 @@ def record_trials(
     UserError where the boat cannot do a trial, or the folder holds something else.
     """
     boat = load_boat(boat_name)
-    is_file = Path(boat_name).suffix in (".yaml", ".yml") or len(Path(boat_name).parts) > 1
     meta = DatasetMeta(
-        vehicle=str(Path(boat_name).resolve()) if is_file else boat_name,
+        vehicle=boat_name,
         mass=boat.mass,
         draught=boat.draught,
         water_density=boat.water_density,

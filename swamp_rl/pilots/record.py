@@ -83,7 +83,7 @@ def record_scripted(
     boat: str | Path = "swamp",
     course: str = "camogli",
     count: int = 40,
-    failed: int = 3,
+    failed: int = 0,
     seed: int = 0,
     step: float = 0.1,
     habits: Habits | None = None,

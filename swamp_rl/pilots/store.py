@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import folder_beside
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.description import Description, FittedOn, described_arrays, sealed, unsealed
 from swamp_rl.pilots.gru import GRUPilot
@@ -19,6 +18,7 @@ from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.reservoir import ReservoirPilot
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.takeover import TakeoverPilot
+from swamp_rl.unfinished import folder_beside
 
 DESCRIPTION, WEIGHTS = "pilot.json", "weights.safetensors"
 KINDS: dict[str, Any] = {

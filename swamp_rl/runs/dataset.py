@@ -1,36 +1,64 @@
-"""A dataset: a folder of runs and the `dataset.yaml` that describes them."""
+"""A dataset: a folder of runs, and the `dataset.yaml` that describes them or what is worked out for it."""
 
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.course import Course, load_course
 from swamp_rl.errors import UserError
-from swamp_rl.files import explanations, is_file, read_yaml
+from swamp_rl.names import YAML, file_in
 from swamp_rl.runs.check import check_table, unknown_columns
+from swamp_rl.runs.copies import boat_file, boat_of, course_file
+from swamp_rl.runs.describe import common_rate, described, is_table, noted, parse, with_outcomes
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.run import Run
+from swamp_rl.runs.schema import META as META
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
-from swamp_rl.runs.table import FORMATS, read_table
+from swamp_rl.runs.table import FORMATS, Table, read_table
 from swamp_rl.sums import SUMS, changed
 
-META = "dataset.yaml"
+SUFFIXES = tuple(f".{kind}" for kind in FORMATS)
 
 
 @dataclass(frozen=True)
 class Dataset:
-    """A folder of runs, read whole and without a fault."""
+    """A folder of runs, read whole and without a fault.
+
+    named_boat, named_course: as whoever reads it named them, where the folder does not.
+    """
 
     folder: Path
     meta: DatasetMeta
     runs: list[Run]
+    named_boat: str | Path | None = None
+    named_course: str | Path | None = None
 
     @property
     def successful(self) -> list[Run]:
         """The runs a learner is to use: those that ended in success."""
         return [run for run in self.runs if run.meta.outcome == "success"]
+
+    @property
+    def boat_file(self) -> str | Path:
+        """Where its boat is read from, for `load_boat`; UserError as `boat_of`."""
+        return self.named_boat or boat_file(self.folder, self.meta)
+
+    @property
+    def boat(self) -> Boat:
+        """Its boat; UserError as `boat_of`."""
+        return load_boat(self.named_boat) if self.named_boat else boat_of(self.folder, self.meta)
+
+    @property
+    def course_file(self) -> str | Path | None:
+        """Where its course is read from, None where it has none; UserError as `course_of`."""
+        return self.named_course or course_file(self.folder, self.meta)
+
+    @property
+    def course(self) -> Course | None:
+        """Its course, None where it has none; UserError as `course_of`."""
+        found = self.course_file
+        return None if found is None else load_course(found)
 
 
 @dataclass
@@ -41,17 +69,26 @@ class Inspection:
     runs: list[Run] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    named_boat: str | Path | None = None
+    named_course: str | Path | None = None
 
 
-def read_dataset(folder: Path | str) -> Dataset:
-    """Read a dataset; the first of its faults is raised as UserError."""
+def read_dataset(
+    folder: Path | str, boat: str | Path | None = None, course: str | Path | None = None
+) -> Dataset:
+    """Read a dataset, or a plain folder of tables; the first of its faults is raised as UserError.
+
+    boat, course: names or files that are taken where the folder has no `dataset.yaml` to say them. There,
+    and for each key that it leaves out: the runs are all .csv and .parquet files, with their outcome on the
+    course, mass, draught and density are the boat's, the sample rate is that of the times.
+    """
     folder = Path(folder)
-    found = inspect_dataset(folder)
+    found = inspect_dataset(folder, boat, course)
     if found.faults or found.meta is None:
         more = len(found.faults) - 1
         others = f" (and {more} more: swamp-rl runs check {folder})" if more else ""
         raise UserError(f"{folder}{os.sep}{found.faults[0]}{others}")
-    return Dataset(folder, found.meta, found.runs)
+    return Dataset(folder, found.meta, found.runs, found.named_boat, found.named_course)
 
 
 def check_dataset(folder: Path | str) -> list[Fault]:
@@ -59,70 +96,92 @@ def check_dataset(folder: Path | str) -> list[Fault]:
     return inspect_dataset(folder).faults
 
 
-def inspect_dataset(folder: Path | str) -> Inspection:
-    """Read what can be read of a dataset and list every fault; UserError only if there is no such folder."""
+def inspect_dataset(
+    folder: Path | str, boat: str | Path | None = None, course: str | Path | None = None
+) -> Inspection:
+    """Read what can be read of a dataset and list every fault; UserError only if there is no such folder.
+
+    boat, course: as for `read_dataset`.
+    """
     folder = Path(folder)
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder; name one that holds a {META}")
-    found = Inspection()
-    found.meta, found.faults = _parse_meta(folder)
-    found.faults += [Fault(SUMS, None, None, line) for line in changed(folder)]
-    if found.meta is None:
+    told, faults = parse(folder, boat, course)
+    found = Inspection(faults=faults + [Fault(SUMS, None, None, line) for line in changed(folder)])
+    if told is None:
         return found
-    boat = None
+    found.named_boat, found.named_course = told.named_boat, told.named_course
+    vessel = None
     try:
-        boat = boat_of(folder, found.meta)
+        vessel = load_boat(told.named_boat) if told.named_boat else boat_of(folder, told.meta)
     except UserError as error:
         found.faults.append(Fault(META, None, None, str(error).removeprefix(f"{folder / META}: ")))
-    if not found.meta.runs:
+    meta = found.meta = described(told, vessel)
+    if not meta.runs:
         found.faults.append(Fault(META, None, "runs", "lists no runs; record some first"))
-    for meta in found.meta.runs:
-        _inspect_run(folder, meta, boat, found)
+    rate = None if "sample_rate" in told.lacking else meta.sample_rate
+    for run in meta.runs:
+        _inspect_run(folder, run, vessel, rate, found)
+    if "sample_rate" in told.lacking and not found.faults:
+        rate, found.faults = common_rate(found.runs)
+        found.meta = meta.model_copy(update={"sample_rate": rate})
+    if "runs" in told.lacking and not found.faults and vessel is not None:
+        found.runs = with_outcomes(found.runs, _course(folder, told.named_course, meta), vessel)
+        found.meta = found.meta.model_copy(update={"runs": [run.meta for run in found.runs]})
+    found.notes += noted(told, found.meta)
     _look_for_unlisted_files(folder, found)
     return found
 
 
-def _parse_meta(folder: Path) -> tuple[DatasetMeta | None, list[Fault]]:
-    path = folder / META
-    if not path.exists():
-        return None, [Fault(META, None, None, "is missing; every folder of runs needs one")]
-    try:
-        return DatasetMeta.model_validate(read_yaml(path)), []
-    except UserError as error:
-        return None, [Fault(META, None, None, str(error).removeprefix(f"{path}: "))]
-    except ValidationError as error:
-        faults = explanations(error, DatasetMeta)
-        return None, [
-            Fault(META, None, None, f"{key}: {message}" if key else message) for key, message in faults
-        ]
+def _course(folder: Path, named: str | Path | None, meta: DatasetMeta) -> Course | None:
+    source = named or course_file(folder, meta)
+    return None if source is None else load_course(source)
 
 
 def read_meta(folder: Path) -> DatasetMeta:
-    """The folder's `dataset.yaml` alone; UserError at its first fault."""
-    meta, faults = _parse_meta(folder)
-    if meta is None:
-        raise UserError(f"{folder}{os.sep}{faults[0]}")
-    return meta
+    """What the folder's `dataset.yaml` says, and what it leaves out as for `read_dataset`; UserError at its
+    first fault."""
+    told, faults = parse(folder)
+    if told is not None and not told.lacking:
+        return told.meta
+    return read_dataset(folder).meta if told is not None else _refused(folder, faults)
 
 
-def boat_of(folder: Path, meta: DatasetMeta) -> Boat:
-    """The dataset's boat: a file beside the runs, or one known by name or path."""
-    beside = folder / meta.vehicle
+def files_of(folder: Path) -> list[Path]:
+    """All files that a dataset is made of: description, copies, runs; UserError where one is not there."""
+    if not (folder / META).exists():
+        found = sorted(path.name for path in folder.iterdir() if is_table(path)) if folder.is_dir() else []
+        if not found:
+            raise UserError(f"{folder}: no runs here; name a folder of .csv or .parquet files")
+        return [file_in(folder, name, SUFFIXES) for name in found]
+    meta = read_meta(folder)
+    runs = [file_in(folder, str(run.file), SUFFIXES) for run in meta.runs]
+    paths = [folder / META, *(file_in(folder, name, YAML) for name in meta.copies), *runs]
+    for path in paths:
+        if not path.is_file():
+            raise UserError(f"{path}: no such file, but {META} lists it; put it there or drop it")
+    return paths
+
+
+def _refused(folder: Path, faults: list[Fault]) -> DatasetMeta:
+    raise UserError(f"{folder}{os.sep}{faults[0]}")
+
+
+def _inspect_run(
+    folder: Path, meta: RunMeta, boat: Boat | None, rate: float | None, found: Inspection
+) -> None:
+    assert meta.file is not None
     try:
-        return load_boat(beside if is_file(beside) else meta.vehicle)
+        path = file_in(folder, meta.file, SUFFIXES)
     except UserError as error:
-        raise UserError(f"{folder / META}: vehicle: {error}") from error
-
-
-def _inspect_run(folder: Path, meta: RunMeta, boat: Boat | None, found: Inspection) -> None:
-    assert meta.file is not None and found.meta is not None
-    path = folder / meta.file
+        found.faults.append(Fault(meta.file, None, None, str(error).partition(": ")[2]))
+        return
     if not path.is_file():
         message = f"is listed in {META} but is not here; restore it or remove its entry"
         found.faults.append(Fault(meta.file, None, None, message))
         return
     table = read_table(path)
-    found.faults += check_table(meta.file, table, boat, found.meta.sample_rate)
+    found.faults += check_table(meta.file, table, boat, rate)
     if meta.rows is not None and table.whole and len(table.rows) != meta.rows:
         message = f"holds {len(table.rows)} rows, {META} says {meta.rows}; restore the file or correct rows"
         found.faults.append(Fault(meta.file, None, None, message))
@@ -139,7 +198,7 @@ def _look_for_unlisted_files(folder: Path, found: Inspection) -> None:
     for path in sorted(folder.iterdir()):
         if path.name.startswith(".part-"):
             found.notes.append(f"{path.name}: left by a writer that was stopped; it may be deleted")
-        elif path.suffix.lower().lstrip(".") in FORMATS and path.name not in listed:
+        elif is_table(path) and path.name not in listed:
             message = f"is not listed in {META} (was a writer stopped?); add it to runs, or delete it"
             found.faults.append(Fault(path.name, None, None, message))
 
@@ -157,7 +216,7 @@ def read_run(path: Path | str, lost_rows: bool = False) -> Run:
         dataset = read_meta(path.parent)
         boat, rate = boat_of(path.parent, dataset), dataset.sample_rate
         meta = next((run for run in dataset.runs if run.file == path.name), meta)
-    table = read_table(path)
+    table: Table = read_table(path)
     faults = check_table(path.name, table, boat, rate)
     if lost_rows:
         faults = [fault for fault in faults if fault.column != "time"]

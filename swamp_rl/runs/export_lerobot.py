@@ -1,7 +1,7 @@
 """A dataset in the layout of LeRobot, version 3.0: Parquet frames of episodes, and what describes them."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +22,12 @@ COUNTED = ("frame_index", "episode_index", "index", "task_index")
 Frames = dict[str, NDArray[Any]]
 
 
-def write_lerobot(dataset: Dataset, folder: Path) -> None:
+def write_lerobot(dataset: Dataset, folder: Path, copies: Mapping[str, bytes]) -> None:
     """Write `meta/` and `data/` into a folder.
 
     `observation.state` and `action` are vectors of float64; every other column is a feature of its own under
-    its name, and what dataset.yaml says is in `meta/swamp_rl.json`: a run comes back bit for bit but for
+    its name, and what dataset.yaml says is in `meta/swamp_rl.json`, with the `copies` of boat and course
+    beside it: a run comes back bit for bit but for
     `timestamp`, which LeRobot has as float32 counted from the frames. UserError where the rate is no whole
     number, which LeRobot needs.
     """
@@ -52,6 +53,8 @@ def write_lerobot(dataset: Dataset, folder: Path) -> None:
         {"name": run.name, **run.meta.model_dump(exclude_none=True, exclude={"file"})} for run in dataset.runs
     ]
     _write_json(folder / "meta" / "swamp_rl.json", told | {"runs": runs})
+    for name, held in copies.items():
+        (folder / "meta" / name).write_bytes(held)
 
 
 def _write_json(path: Path, data: dict[str, Any]) -> None:

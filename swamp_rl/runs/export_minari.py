@@ -4,7 +4,7 @@ import json
 import os
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -19,13 +19,17 @@ from swamp_rl.runs.run import Run
 ROOT = "MINARI_DATASETS_PATH"
 
 
-def write_minari(dataset: Dataset, folder: Path, name: str) -> str:
+COPIES = "swamp_rl_copies"
+
+
+def write_minari(dataset: Dataset, folder: Path, name: str, copies: Mapping[str, bytes]) -> str:
     """Write it into `folder`, for Minari a root of datasets, and return its id there, NAME-v0.
 
     A run of T rows is an episode of T observations (the state) and T − 1 actions (the levers, else the
     commands). The reward is 1 in the last step of a run whose outcome is success, else 0; a run that ended
     by timeout or untold is truncated, any other terminated. `infos` holds every column with all its T rows,
-    bit for bit; what dataset.yaml says is in the metadata, under `swamp_rl`. UserError without minari.
+    bit for bit; what dataset.yaml says is in the metadata, under `swamp_rl`, and the `copies` of boat and
+    course under `swamp_rl_copies`. UserError without minari.
     """
     try:
         from gymnasium.spaces import Box
@@ -47,7 +51,8 @@ def write_minari(dataset: Dataset, folder: Path, name: str) -> str:
             data_format="hdf5",
         )
         told = dataset.meta.model_dump(exclude_none=True, exclude={"runs"})
-        made.storage.update_metadata({"swamp_rl": json.dumps(told)})
+        carried = {copy: held.decode() for copy, held in copies.items()}
+        made.storage.update_metadata({"swamp_rl": json.dumps(told), COPIES: json.dumps(carried)})
     return identity
 
 

@@ -1,27 +1,31 @@
 """From files of others to one dataset of ours, whole or not at all."""
 
 import os
+import tempfile
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, get_args
 
-import numpy as np
-
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.course import load_course
 from swamp_rl.errors import UserError
-from swamp_rl.files import folder_beside
-from swamp_rl.runs.dataset import META, boat_of, read_meta
+from swamp_rl.names import YAML, file_in
+from swamp_rl.runs.copies import boat_file, course_file
+from swamp_rl.runs.dataset import read_meta
+from swamp_rl.runs.describe import rate_of, with_outcome, with_outcomes
 from swamp_rl.runs.free_running import import_free_running, is_free_running
 from swamp_rl.runs.import_foreign import Foreign, Wishes, run_from
 from swamp_rl.runs.import_telemetry import read_telemetry
 from swamp_rl.runs.mcap_files import read_mcap
 from swamp_rl.runs.run import Run
-from swamp_rl.runs.schema import DatasetMeta, RunMeta, Source
+from swamp_rl.runs.schema import META, DatasetMeta, RunMeta, Source
 from swamp_rl.runs.table import read_table
 from swamp_rl.runs.writer import append_runs, create_dataset
 from swamp_rl.sums import refuse_changed_files
+from swamp_rl.unfinished import folder_beside
 
+Outcome = Literal["success", "failed", "auto"]
 Kind = Literal["csv", "parquet", "mcap", "telemetry", "free-running"]
 SUFFIXES = {
     "csv": (".csv",),
@@ -34,14 +38,18 @@ SUFFIXES = {
 
 @dataclass(frozen=True)
 class About:
-    """What the files do not tell: `boat` (a name or file), who drove, the course, and for some kinds the
-    `topic` (mcap), the `sender` (telemetry), whether to end a run before its first hole (free-running).
-    None: as the source's own dataset has it, else the swamp, measured, on no course."""
+    """What the files do not tell: `boat` (a name or file), who drove, the course, how the runs ended (`auto`:
+    worked out from the course), their `group` (day, place), and for some kinds the `topic` (mcap), the
+    `sender` (telemetry), whether to end a run before its first hole (free-running).
+    None: as the source's own dataset has it, else the swamp, measured, on no course; outcomes are worked out
+    where a course is named."""
 
     boat: str | None = None
     source: Source | None = None
     course: str | None = None
     notes: str | None = None
+    outcome: Outcome | None = None
+    group: str | None = None
     topic: str | None = None
     sender: int | None = None
     repair: bool = False
@@ -64,19 +72,41 @@ def import_runs(
     files = [file for source in sources for file in _files(source, kind)]
     _refuse_twins(files)
     if kind == "free-running":
-        boat = load_boat(about.boat or "esso_osaka")
+        pond = about.boat or "esso_osaka"
+        boat = load_boat(pond)
         runs = [import_free_running(file, boat, about.repair) for file in files]
-        meta = _described(about, boat, about.boat or "esso_osaka", None, runs, wishes)
-        return _write(Path(out), meta, runs, None)
+        runs = _ended(runs, about, about.course, boat, True)
+        return _write(Path(out), _described(about, boat, None, runs, wishes), runs, pond, about.course)
     found, wishes = _read(files, kind, about, wishes)
     told = _agreed(found)
-    home = next((file.parent for file in files if (file.parent / META).is_file()), None)
-    beside = home if told and about.boat is None and home and (home / told.vehicle).is_file() else None
-    vehicle = about.boat or (told.vehicle if told else "swamp")
-    boat = boat_of(beside, told) if beside and told else load_boat(vehicle)
-    runs = [run_from(one, wishes, boat) for one in found]
-    meta = _described(about, boat, vehicle, told, runs, wishes)
-    return _write(Path(out), meta, runs, beside)
+    with tempfile.TemporaryDirectory() as scratch:
+        home = Path(scratch) if kind == "mcap" else files[0].parent
+        for name, held in found[0].copies.items():
+            file_in(home, name, YAML).write_bytes(held)
+        source: str | Path = about.boat or (boat_file(home, told) if told else "swamp")
+        course = about.course or (course_file(home, told) if told else None)
+        boat = load_boat(source)
+        runs = [run_from(one, wishes, boat) for one in found]
+        runs = _ended(runs, about, course, boat, told is None)
+        return _write(Path(out), _described(about, boat, told, runs, wishes), runs, source, course)
+
+
+def _ended(runs: list[Run], about: About, course: str | Path | None, boat: Boat, foreign: bool) -> list[Run]:
+    """The runs with their outcomes and their group, as asked or as the course tells."""
+    if about.group is not None:
+        runs = [_with(run, group=about.group) for run in runs]
+    if about.outcome in ("success", "failed"):
+        return [_with(run, outcome=about.outcome) for run in runs]
+    if about.outcome == "auto" and course is None:
+        raise UserError("--outcome auto: is worked out from a course; name it (--course NAME)")
+    found = None if course is None else load_course(course)
+    if about.outcome == "auto" and found is not None:
+        return [with_outcome(run, found, boat) for run in runs]
+    return with_outcomes(runs, found, boat) if foreign else runs
+
+
+def _with(run: Run, **told: str) -> Run:
+    return Run(run.name, run.columns, run.meta.model_copy(update=told))
 
 
 def _files(source: Path, kind: Kind) -> list[Path]:
@@ -96,11 +126,12 @@ def _files(source: Path, kind: Kind) -> list[Path]:
         raise UserError(f"{source}: neither it nor a folder in it has {suffixes} runs; check --from {kind}")
     if len(files) < len(listed):
         raise UserError(f"{source}: its runs are not all {suffixes}; check --from {kind}")
-    return files
+    return [file_in(file.parent, file.name, SUFFIXES[kind]) for file in files]
 
 
 def _of_kind(paths: Iterable[Path], kind: Kind) -> list[Path]:
-    return sorted(path for path in paths if path.suffix.lower() in SUFFIXES[kind])
+    kept = (path for path in paths if not path.name.startswith("."))
+    return sorted(path for path in kept if path.suffix.lower() in SUFFIXES[kind])
 
 
 def _in_folders(source: Path, kind: Kind) -> list[Path]:
@@ -127,7 +158,9 @@ def _read(files: Sequence[Path], kind: Kind, about: About, wishes: Wishes) -> tu
         degrees = len(units) < len(wishes.units)
         found = [read_telemetry(file, about.sender, degrees) for file in files]
         return found, replace(wishes, units=units)
-    return [_read_table(file, kind) for file in files], wishes
+    folders = {file.parent for file in files}
+    metas = {folder: read_meta(folder) for folder in folders if (folder / META).is_file()}
+    return [_read_table(file, kind, metas.get(file.parent)) for file in files], wishes
 
 
 def _agreed(found: Sequence[Foreign]) -> DatasetMeta | None:
@@ -141,54 +174,45 @@ def _agreed(found: Sequence[Foreign]) -> DatasetMeta | None:
     return told[0][1] if told else None
 
 
-def _read_table(path: Path, kind: Kind) -> Foreign:
+def _read_table(path: Path, kind: Kind, dataset: DatasetMeta | None) -> Foreign:
     if path.suffix.lower() not in SUFFIXES[kind]:
         raise UserError(f"{path}: is no {SUFFIXES[kind][0]} file; check --from {kind}")
     table = read_table(path)
-    if not (path.parent / META).is_file():
+    if dataset is None:
         return Foreign(str(path), path.stem, table)
-    dataset = read_meta(path.parent)
     meta = next((run for run in dataset.runs if run.file == path.name), RunMeta())
     return Foreign(str(path), path.stem, table, meta, dataset)
 
 
 def _described(
-    about: About,
-    boat: Boat,
-    vehicle: str,
-    told: DatasetMeta | None,
-    runs: Sequence[Run],
-    wishes: Wishes,
+    about: About, boat: Boat, told: DatasetMeta | None, runs: Sequence[Run], wishes: Wishes
 ) -> DatasetMeta:
     """`dataset.yaml` of the new dataset; what the source's own said stays, but for what was asked."""
-    steps = np.concatenate([np.diff(run.time) for run in runs])
-    # As many digits as times in float64 may be trusted for: 10 Hz is 10, not 9.99999999.
-    rate = wishes.resample or wishes.rate or float(f"{1.0 / float(np.median(steps)):.9g}")
+    rate = wishes.resample or wishes.rate or rate_of(runs)
     if told is not None and abs(told.sample_rate / rate - 1.0) < 1e-6:
         rate = told.sample_rate
     particulars = told if told is not None and about.boat is None else boat
     return DatasetMeta(
-        vehicle=vehicle,
+        vehicle=boat.name,
         mass=particulars.mass,
         draught=particulars.draught,
         water_density=particulars.water_density,
         sample_rate=rate,
         source=about.source or (told.source if told else "measured"),
-        course=about.course or (told.course if told else None),
         notes=about.notes or (told.notes if told else None),
         licence=told.licence if told else None,
     )
 
 
-def _write(out: Path, meta: DatasetMeta, runs: Sequence[Run], beside: Path | None) -> DatasetMeta:
-    """beside: the folder that holds the boat's own file, which goes along."""
+def _write(
+    out: Path, meta: DatasetMeta, runs: Sequence[Run], boat: str | Path, course: str | Path | None
+) -> DatasetMeta:
+    """boat, course: where their files are read from."""
     if out.exists():
         raise UserError(f"{out}: already exists; runs are imported into a new folder, name another")
     with folder_beside(out) as part:
-        if beside is not None:
-            (part / meta.vehicle).write_bytes((beside / meta.vehicle).read_bytes())
-        create_dataset(part, meta)
         try:
+            create_dataset(part, meta, boat, course)
             append_runs(part, runs)
         except UserError as error:
             # The folder that is being built is nobody's business.

@@ -42,13 +42,14 @@ UNITS = {
 @dataclass(frozen=True)
 class Foreign:
     """A table as a file has it, columns under their names there; `meta` and `dataset` are what the file
-    itself tells of the run and its dataset, where it does."""
+    itself tells of the run and its dataset, where it does, and `copies` the files of its boat and course."""
 
     file: str
     name: str
     table: Table
     meta: RunMeta = field(default_factory=RunMeta)
     dataset: DatasetMeta | None = None
+    copies: Mapping[str, bytes] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

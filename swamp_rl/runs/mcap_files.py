@@ -9,29 +9,35 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import write_beside
+from swamp_rl.files import explain, write_beside
 from swamp_rl.json_text import parsed_json
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.run import Run
-from swamp_rl.runs.schema import DatasetMeta, RunMeta
+from swamp_rl.runs.schema import DatasetMeta, RunMeta, meta_told
 from swamp_rl.runs.table import Table
 
 TOPIC = "/run"
 MOST_BYTES = 2**29
 """Of a file's messages, unpacked."""
 RECORD = "swamp_rl"
-"""The metadata record that holds what `dataset.yaml` says."""
+"""The metadata record that holds what `dataset.yaml` says, and the copies beside it."""
+NO_COPIES: Mapping[str, bytes] = {}
 
 
-def write_mcap(path: Path, run: Run, dataset: DatasetMeta) -> None:
-    """One run as one file: a message for each row on `/run`, each number as text that gives all its bits."""
+def write_mcap(path: Path, run: Run, dataset: DatasetMeta, copies: Mapping[str, bytes] = NO_COPIES) -> None:
+    """One run as one file: a message for each row on `/run`, each number as text that gives all its bits.
+
+    copies: the files of the dataset's boat and course by name.
+    """
     Writer = _mcap("mcap.writer").Writer
     properties = {name: {"type": "number"} for name in run.columns}
     schema = {"type": "object", "title": "Run", "properties": properties, "required": list(run.columns)}
     told = {"run": _json(run.meta), "dataset": _json(dataset.model_copy(update={"runs": []}))}
+    told["copies"] = json.dumps({name: held.decode() for name, held in copies.items()})
     told["sha256"] = _digest(told)
     with write_beside(path) as part, part.open("wb") as stream:
         writer = Writer(stream)
@@ -77,12 +83,12 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
             found = messages.setdefault(channel.topic, [])
             found.append((message.log_time, _parsed(path, channel.topic, len(found) + 1, message.data)))
     chosen = _topic(path, messages, others, topic)
-    meta, dataset = _told(path, told.get(RECORD))
-    return Foreign(path.name, path.stem, _table(path, messages[chosen]), meta, dataset)
+    meta, dataset, copies = _told(path, told.get(RECORD))
+    return Foreign(path.name, path.stem, _table(path, messages[chosen]), meta, dataset, copies)
 
 
 def _digest(told: Mapping[str, str]) -> str:
-    return hashlib.sha256(f"{told['run']}\n{told['dataset']}".encode()).hexdigest()
+    return hashlib.sha256("\n".join(told[key] for key in ("run", "dataset", "copies")).encode()).hexdigest()
 
 
 def _mcap(name: str) -> Any:
@@ -137,15 +143,18 @@ def _topic(path: Path, messages: dict[str, Any], others: set[str], asked: str | 
     return asked or next(iter(messages))
 
 
-def _told(path: Path, record: dict[str, str] | None) -> tuple[RunMeta, DatasetMeta | None]:
+def _told(path: Path, record: dict[str, str] | None) -> tuple[RunMeta, DatasetMeta | None, dict[str, bytes]]:
     if record is None:
-        return RunMeta(), None
+        return RunMeta(), None, {}
     try:
         if record["sha256"] != _digest(record):
             raise ValueError("its SHA-256 is another")
         meta = RunMeta.model_validate(parsed_json(record["run"]))
-        return meta, DatasetMeta.model_validate(parsed_json(record["dataset"]))
-    except (KeyError, ValueError) as error:
+        copies = {name: text.encode() for name, text in parsed_json(record["copies"]).items()}
+        return meta, meta_told(parsed_json(record["dataset"])), copies
+    except ValidationError as error:
+        raise explain(f"{path}: its record {RECORD}", error) from error
+    except (KeyError, ValueError, AttributeError) as error:
         raise UserError(f"{path}: its record {RECORD} is not as it was written ({error})") from error
 
 

@@ -1,10 +1,16 @@
 """What `dataset.yaml` says about a dataset and each of its runs."""
 
+from collections.abc import Mapping
 from pathlib import PurePosixPath
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
+from swamp_rl.names import YAML, plain_name
+from swamp_rl.runs.table import FORMATS
+
+META, COURSE = "dataset.yaml", ".course.yaml"
+"""What describes a dataset, and how the name of the copy of its course ends."""
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Source = Literal["measured", "simulated", "human", "scripted", "learned"]
@@ -15,7 +21,7 @@ class RunMeta(BaseModel):
 
     `file` and `rows` are filled in by the writer. `initial_state`: SI values by column name, where the first
     row does not say it all. `disturbances`: a level's name, or a list of effects. `outcome`: 'success', or
-    what ended the run.
+    what ended the run. `group`: day or place of runs that share their weather.
     """
 
     model_config = ConfigDict(extra="allow", frozen=True, strict=True)
@@ -26,10 +32,19 @@ class RunMeta(BaseModel):
     initial_state: dict[str, Finite] | None = None
     disturbances: str | list[dict[str, Any]] | None = None
     outcome: str | None = None
+    group: str | None = None
+
+
+FROM_A_FILE = object()
+"""The context of a validation of what anyone may have written."""
 
 
 class DatasetMeta(BaseModel):
-    """`dataset.yaml`: mass [kg], draught [m], water_density [kg/m³], sample_rate [Hz]."""
+    """`dataset.yaml`: mass [kg], draught [m], water_density [kg/m³], sample_rate [Hz].
+
+    `vehicle`, `course`: names; who makes a dataset may give paths, whose files are then copied into it.
+    `copies`: SHA-256 of each of those copies by name, VEHICLE.yaml with what it extends, COURSE.course.yaml.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
@@ -42,7 +57,21 @@ class DatasetMeta(BaseModel):
     course: str | None = None
     notes: str | None = None
     licence: str | None = None
+    copies: dict[str, Annotated[str, Field(pattern="^[0-9a-f]{64}$")]] = {}
     runs: list[RunMeta] = []
+
+    @field_validator("vehicle", "course")
+    @classmethod
+    def _are_names_in_a_file(cls, name: str | None, info: ValidationInfo) -> str | None:
+        return plain_name(name) if name is not None and info.context is FROM_A_FILE else name
+
+    @field_validator("copies")
+    @classmethod
+    def _are_named_plainly(cls, copies: dict[str, str]) -> dict[str, str]:
+        for name in copies:
+            if plain_name(name, YAML) == META:
+                raise ValueError(f"{META} is no copy; remove the entry")
+        return copies
 
     @model_validator(mode="after")
     def _runs_name_their_own_files(self) -> Self:
@@ -52,11 +81,18 @@ class DatasetMeta(BaseModel):
             if run.file is None:
                 raise ValueError(f"{where} is missing; name the run's .csv or .parquet file")
             path = PurePosixPath(run.file)
-            if path.name != run.file or "\\" in run.file or path.suffix.lower() not in (".csv", ".parquet"):
+            try:
+                plain_name(run.file, [f".{kind}" for kind in FORMATS])
+            except ValueError as error:
                 raise ValueError(
-                    f"{where} {run.file!r} must be the name of a .csv or .parquet file in the folder"
-                )
+                    f"{where} must be the name of a .csv or .parquet file in the folder; {error}"
+                ) from error
             if path.stem in names:
                 raise ValueError(f"{where}: a run named {path.stem!r} is listed twice; remove or rename one")
             names.add(path.stem)
         return self
+
+
+def meta_told(data: Mapping[str, Any]) -> DatasetMeta:
+    """What a file says of a dataset, wherever it comes from; ValidationError where a name is a path."""
+    return DatasetMeta.model_validate(data, context=FROM_A_FILE)

@@ -10,27 +10,48 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
-from swamp_rl.files import flush, folder_beside, os_error, write_yaml
+from swamp_rl.files import flush, os_error, write_beside, write_yaml
+from swamp_rl.names import file_in
 from swamp_rl.runs.check import check_table
-from swamp_rl.runs.dataset import META, boat_of, read_meta
+from swamp_rl.runs.copies import boat_of, standing_alone
+from swamp_rl.runs.dataset import read_meta
 from swamp_rl.runs.run import Run
-from swamp_rl.runs.schema import DatasetMeta, RunMeta
+from swamp_rl.runs.schema import META, DatasetMeta, RunMeta
 from swamp_rl.runs.table import FORMATS, Table, read_table, write_table
 from swamp_rl.sums import SUMS
+from swamp_rl.unfinished import folder_beside
 
 
-def create_dataset(folder: Path | str, meta: DatasetMeta) -> None:
-    """Make a folder for runs yet to be appended; UserError if it already holds a dataset or other runs."""
+def create_dataset(
+    folder: Path | str, meta: DatasetMeta, boat: str | Path | None = None, course: str | Path | None = None
+) -> None:
+    """Make a folder for runs yet to be appended, with copies of its boat's and its course's files.
+
+    boat, course: names or paths of these, by default those that `meta` gives, a file in the folder first.
+    UserError if the folder already holds a dataset, other runs or other files of the copies' names.
+    """
     folder = Path(folder)
+    boat, course = boat or _there(folder, meta.vehicle), course or _there(folder, meta.course)
+    meta, copies = standing_alone(meta, boat, course)
+    own = {Path(given).name for given in (boat, course) if given is not None and Path(given).parent == folder}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         names = sorted(path.name for path in folder.iterdir())
     except OSError as error:
         raise os_error(error, folder) from error
     held = [name for name in names if name == META or Path(name).suffix[1:] in FORMATS]
+    held += [name for name in names if name in copies.keys() - own]
     if held:
         raise UserError(f"{folder}: already holds {held[0]}; name another folder for the new dataset")
+    for name, copy in copies.items():
+        with write_beside(folder / name) as part:
+            part.write_bytes(copy)
     _write_meta(folder, meta)
+
+
+def _there(folder: Path, name: str | None) -> str | Path | None:
+    beside = folder / (name or "")
+    return beside if name is not None and beside.is_file() else name
 
 
 @contextmanager
@@ -64,7 +85,7 @@ def append_runs(
     folder: Path | str, runs: Sequence[Run], format: Literal["parquet", "csv"] = "parquet"
 ) -> list[Path]:
     """As `append_run` for many, with `dataset.yaml` read and written once: its cost grows with its length."""
-    paths = [Path(folder) / f"{run.name}.{format}" for run in runs]
+    paths = [file_in(Path(folder), f"{run.name}.{format}", (f".{format}",)) for run in runs]
     extended = _listing(Path(folder), paths, runs)
     for path, run in zip(paths, runs, strict=True):
         write_table(path, run.columns)
@@ -78,7 +99,7 @@ def adopt_run(folder: Path | str, table: Path, run: RunMeta) -> Path:
     It keeps its name and its bytes: it is checked, renamed into the folder, and listed. UserError as
     `append_run`; what is refused stays where it was.
     """
-    path = Path(folder) / table.name
+    path = file_in(Path(folder), table.name, (".csv",))
     read = read_table(table)
     if read.faults:
         raise UserError(f"{table.parent}{os.sep}{read.faults[0]}")
@@ -114,7 +135,9 @@ def write_run(path: Path | str, run: Run) -> None:
 def _write_meta(folder: Path, meta: DatasetMeta) -> None:
     # From now on the folder is no longer as it was exported.
     (folder / SUMS).unlink(missing_ok=True)
-    write_yaml(folder / META, meta.model_dump(exclude_defaults=True))
+    # runs, even where there are none yet: left out, they would be whatever tables lie there
+    told = meta.model_dump(exclude_defaults=True)
+    write_yaml(folder / META, told | {"runs": told.get("runs", [])})
 
 
 def _refuse_faults(path: Path, run: Run, boat: Boat | None, sample_rate: float | None) -> None:

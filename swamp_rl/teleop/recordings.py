@@ -1,6 +1,7 @@
 """The dataset that a recorder fills: each run listed as soon as it is accepted, none lost to a crash."""
 
 import fcntl
+import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -8,7 +9,9 @@ from typing import Any
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import os_error, validated
+from swamp_rl.names import file_in
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, adopt_run, create_dataset, read_run
+from swamp_rl.runs.copies import standing_alone
 from swamp_rl.runs.dataset import META, read_meta
 from swamp_rl.teleop.journal import Journal, cut_torn_row, read_description, write_description
 
@@ -21,6 +24,14 @@ SAME = ("vehicle", "course", "sample_rate", "source")
 "What a dataset and those who add to it must agree on."
 
 
+HALF = ".part-????????-*.*"
+"Files that a recorder was writing when it was killed."
+
+
+def _no_link(path: str, flags: int) -> int:
+    return os.open(path, flags | os.O_NOFOLLOW, 0o644)
+
+
 class Recordings:
     """A folder of runs with one writer; runs that a killed recorder left are taken in when it is opened."""
 
@@ -30,14 +41,18 @@ class Recordings:
         try:
             if not (folder / META).exists():
                 create_dataset(folder, meta)
+            if self.unfinished.is_symlink():
+                raise UserError(f"{self.unfinished}: is a link; remove it, or name another folder")
             self.unfinished.mkdir(exist_ok=True)
-            self._lock = (self.unfinished / ".lock").open("w")
+            self._lock = open(self.unfinished / ".lock", "w", opener=_no_link)  # noqa: SIM115
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
             raise UserError(f"{folder}: another recorder writes there; stop it or name another") from error
         except OSError as error:
             raise os_error(error, folder) from error
         self._refuse_another_kind(meta)
+        for left in (*folder.glob(HALF), *self.unfinished.glob(HALF)):
+            left.unlink(missing_ok=True)
         for description in sorted(self.unfinished.glob("*.json")):
             self._recover(description, report)
         self._count_and_board()
@@ -71,23 +86,30 @@ class Recordings:
 
     def _refuse_another_kind(self, meta: DatasetMeta) -> None:
         there = read_meta(self.folder)
+        meta, _ = standing_alone(meta)
         for key in SAME:
             if getattr(there, key) != getattr(meta, key):
                 raise UserError(
                     f"{self.folder / META}: {key} is {getattr(there, key)}, but {getattr(meta, key)} "
                     "is to be recorded; name another folder"
                 )
+        if there.copies and there.copies != meta.copies:
+            raise UserError(
+                f"{self.folder}: the file of boat {there.vehicle} or of its course has changed since the "
+                "first run; name another folder"
+            )
 
     def _recover(self, description: Path, report: Callable[[str], None]) -> None:
         """Finish what a killed recorder began: list what it had accepted, mark the rest as interrupted."""
         table = description.with_suffix(".csv")
-        about = read_description(description)
         if not table.exists():
             table = self._called_back(table)
-        accepted = about.pop("accepted", False)
-        if not accepted:
-            about["outcome"] = INTERRUPTED
         try:
+            about = read_description(file_in(self.unfinished, description.name, (".json",)))
+            table = file_in(self.unfinished, table.name, (".csv",))
+            accepted = about.pop("accepted", False)
+            if not accepted:
+                about["outcome"] = INTERRUPTED
             if table.exists() and cut_torn_row(table) >= 2:
                 self._adopt(table, about)
                 report(

@@ -15,6 +15,7 @@ from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.criticism.motion import missing_motion
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, append_run, create_dataset
+from swamp_rl.unfinished import folder_beside
 from tests.support.runs import circling, described
 
 pytestmark = pytest.mark.numerical
@@ -187,3 +188,21 @@ def test_runs_left_out_and_runs_at_rest_are_told(tmp_path: Path) -> None:
     told = missing_motion(read_trials(data, load_boat("swamp")))
     assert "length in run_1: shorter than 10 s, left out" in told
     assert any(one.startswith("way in run_2: the boat stands still there") for one in told)
+
+
+def test_a_folder_that_another_diagnosis_is_writing_is_refused(tmp_path: Path) -> None:
+    data = recorded(tmp_path / "data", as_it_is)
+    with (
+        folder_beside(tmp_path / "out"),
+        pytest.raises(UserError, match="out: another command is at work on it"),
+    ):
+        diagnose(data, "swamp", tmp_path / "out")
+
+
+def test_a_plain_folder_of_tables_is_diagnosed_as_runs_of_the_boat_that_is_named(tmp_path: Path) -> None:
+    data = recorded(tmp_path / "data", as_it_is)
+    for path in data.iterdir():
+        if path.suffix != ".csv":
+            path.unlink()
+    with pytest.raises(FittedError):
+        diagnose(data, "swamp", tmp_path / "out")

@@ -16,6 +16,7 @@ from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.replay import replay
 from swamp_rl.simulator.state import ACTUATORS
 from swamp_rl.simulator.step import substeps_of
+from swamp_rl.unfinished import folder_beside
 
 BOAT = load_boat("swamp")
 
@@ -39,6 +40,20 @@ def test_as_many_good_runs_as_asked_are_kept_and_the_failed_ones_are_marked(reco
     assert set(outcomes) <= {"success", "buoy", "out_of_bounds", "timeout"}
     assert recorded.meta.source == "scripted"
     assert "no person" in str(recorded.meta.notes)
+
+
+def test_no_failed_run_need_be_asked_for(tmp_path: Path) -> None:
+    record_scripted(boats_at("calm"), tmp_path / "data", count=3)
+    assert len(read_dataset(tmp_path / "data").successful) == 3
+
+
+def test_a_folder_that_another_process_is_recording_into_is_refused(tmp_path: Path) -> None:
+    with (
+        folder_beside(tmp_path / "data"),
+        pytest.raises(UserError, match="data: another command is at work on it"),
+    ):
+        record_scripted(boats_at("calm"), tmp_path / "data", count=1)
+    assert list((tmp_path / "data").iterdir()) == []
 
 
 def test_a_recorded_run_replays_exactly_from_its_seed_state_and_disturbances(recorded: Dataset) -> None:

@@ -179,7 +179,7 @@ def test_a_boat_file_beside_the_runs_goes_with_them(tmp_path: Path) -> None:
     export_runs(boat.parent, "csv", tmp_path / "out")
     import_runs([tmp_path / "out"], "csv", tmp_path / "back")
     assert (tmp_path / "back" / "mine.yaml").read_text() == boat.read_text()
-    assert read_dataset(tmp_path / "back").meta.vehicle == "mine.yaml"
+    assert read_dataset(tmp_path / "back").meta.vehicle == "mine"
 
 
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from swamp_rl.errors import UserError
-from swamp_rl.runs import Run, append_run, create_dataset, read_dataset
+from swamp_rl.runs import Run, append_run, create_dataset, read_dataset, write_run
 from swamp_rl.runs.import_dataset import About, import_runs
 from swamp_rl.runs.import_foreign import UNITS, Wishes
 from swamp_rl.runs.local_frame import to_local
@@ -296,3 +296,30 @@ def test_our_own_folder_needs_no_wishes(folder: Path, tmp_path: Path) -> None:
     one = read_dataset(tmp_path / "out")
     assert one.runs[0].meta.seed == 1 and one.meta.course == "camogli"
     assert one.runs[0].columns["north"].tobytes() == circling()["north"].tobytes()
+
+
+@pytest.mark.parametrize(
+    ("about", "outcome"),
+    [
+        ({}, None),
+        ({"outcome": "success"}, "success"),
+        ({"outcome": "failed", "course": "camogli"}, "failed"),
+        ({"course": "camogli"}, "incomplete"),
+        ({"outcome": "auto", "course": "camogli"}, "incomplete"),
+    ],
+)
+def test_an_imported_run_ended_as_is_said_or_as_the_course_tells(
+    tmp_path: Path, about: dict[str, str], outcome: str | None
+) -> None:
+    (tmp_path / "logs").mkdir()
+    write_run(tmp_path / "logs" / "one.csv", Run("one", circling()))
+    import_runs([tmp_path / "logs"], "csv", tmp_path / "out", About(**about, group="monday"))
+    (run,) = read_dataset(tmp_path / "out").runs
+    assert (run.meta.outcome, run.meta.group) == (outcome, "monday")
+
+
+def test_an_outcome_cannot_be_worked_out_without_a_course(tmp_path: Path) -> None:
+    write_run(tmp_path / "one.csv", Run("one", circling()))
+    with pytest.raises(UserError, match=r"--outcome auto: .*--course NAME"):
+        import_runs([tmp_path / "one.csv"], "csv", tmp_path / "out", About(outcome="auto"))
+    assert not (tmp_path / "out").exists()

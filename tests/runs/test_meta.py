@@ -14,12 +14,21 @@ WRONG = {
         "mass: .nan": "mass: input should be",
         "mass: heavy": "mass: input should be a valid number, not 'heavy'",
         "mas: 58.0": "mas: unknown key; did you mean 'mass'?",
-        "": "mass: is missing",
         "mass: 58.0\nmass: 48.0": "'mass' is given twice",
         "mass: [58.0": "malformed YAML",
     },
     "source: simulated": {"source: dreamt": "source: input should be 'measured', 'simulated'"},
-    "vehicle: swamp": {"vehicle: swap": "did you mean 'swamp'?"},
+    "vehicle: swamp": {
+        "vehicle: swap": "did you mean 'swamp'?",
+        "vehicle: ../swamp.yaml": "vehicle: '../swamp.yaml' must be a plain name",
+        "": "vehicle: is missing",
+    },
+    "course: camogli": {"course: /etc/course.yaml": "course: '/etc/course.yaml' must be a plain name"},
+    "swamp.yaml: ": {
+        "gone.yaml: ": "gone.yaml: no such file, but dataset.yaml lists it under copies",
+        "../swamp.yaml: ": "copies: '../swamp.yaml' must be a plain name",
+        "swamp.yaml: 0": "copies.swamp.yaml: string should match pattern",
+    },
     "file: one.csv": {
         "file: ../one.csv": "must be the name of a .csv or .parquet file",
         "file: two.csv": "listed twice",
@@ -64,6 +73,7 @@ def test_the_vehicle_may_be_a_boat_file_beside_the_runs(tmp_path: Path) -> None:
     create_dataset(tmp_path, described(vehicle="own.yaml", mass=48.0, draught=0.115))
     append_run(tmp_path, Run("one", circling()))
     assert check_dataset(tmp_path) == []
+    assert read_dataset(tmp_path).boat.mass == 48.0
 
 
 def test_a_lone_table_is_a_run_that_nothing_is_said_of(folder: Path, tmp_path: Path) -> None:

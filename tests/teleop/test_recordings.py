@@ -17,6 +17,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from swamp_rl.errors import UserError
+from swamp_rl.files import find_config
 from swamp_rl.runs import check_dataset, read_dataset
 from swamp_rl.runs.dataset import read_meta
 from swamp_rl.teleop.journal import write_description
@@ -249,10 +250,54 @@ def test_two_recorders_do_not_write_into_one_dataset(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("key", "value"), [("vehicle", "swamp-light"), ("source", "human"), ("course", "other")]
 )
-def test_another_kind_of_run_is_not_added(tmp_path: Path, key: str, value: str) -> None:
+def test_another_kind_of_run_is_not_added(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, key: str, value: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    if key == "course":
+        value = "other.yaml"
+        Path(value).write_bytes(find_config("courses", "camogli").read_bytes())
     recordings(tmp_path / "runs").close()
     with pytest.raises(UserError, match=f"{key} is"):
         Recordings(tmp_path / "runs", meta(**{key: value}), lambda line: None)
+
+
+def test_runs_of_a_boat_whose_file_has_changed_are_not_added(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    boat = Path("mine.yaml")
+    boat.write_text("extends: swamp\nname: mine\n")
+    Recordings(tmp_path / "runs", meta(vehicle="mine.yaml"), print).close()
+    Recordings(tmp_path / "runs", meta(vehicle="mine.yaml"), print).close()
+    boat.write_text("extends: swamp\nname: mine\nmass: 57.0\n")
+    with pytest.raises(UserError, match="boat mine or of its course has changed"):
+        Recordings(tmp_path / "runs", meta(vehicle="mine.yaml"), print)
+
+
+def test_links_in_a_folder_of_runs_lead_a_recorder_nowhere(tmp_path: Path) -> None:
+    victim = tmp_path / "victim.csv"
+    victim.write_text("time\n1\n2\n3")
+    recordings(tmp_path / "runs").close()
+    unfinished = tmp_path / "runs" / "unfinished"
+    (unfinished / "run-0001.json").write_text("{}")
+    (unfinished / "run-0001.csv").symlink_to(victim)
+    said: list[str] = []
+    Recordings(tmp_path / "runs", meta(), said.append).close()
+    assert len(said) == 1 and "is a link" in said[0]
+    (unfinished / ".lock").unlink()
+    (unfinished / ".lock").symlink_to(victim)
+    with pytest.raises(UserError):
+        recordings(tmp_path / "runs")
+    assert victim.read_text() == "time\n1\n2\n3"
+
+
+def test_what_a_killed_recorder_had_half_written_is_cleared_away(tmp_path: Path) -> None:
+    recordings(tmp_path / "runs").close()
+    half = tmp_path / "runs" / ".part-0a1b2c3d-dataset.yaml"
+    half.write_text("vehicle: sw")
+    recordings(tmp_path / "runs").close()
+    assert not half.exists()
 
 
 def test_a_disk_that_fills_is_told_and_the_run_can_be_accepted_once_there_is_room(

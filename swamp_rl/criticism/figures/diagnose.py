@@ -38,7 +38,7 @@ from swamp_rl.criticism.figures.select import (
 from swamp_rl.criticism.refusals import refuse_sources_inside
 from swamp_rl.criticism.result import Cause, Estimate, Verdict
 from swamp_rl.errors import UserError
-from swamp_rl.files import folder_beside
+from swamp_rl.unfinished import folder_beside
 
 RESULT = "diagnosis.json"
 LISTED = 15

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from swamp_rl.boat import Boat
+from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.analysis.circle import analyse_circle
 from swamp_rl.manoeuvres.analysis.figure import Result
@@ -20,7 +20,6 @@ from swamp_rl.manoeuvres.analysis.stability import (
 )
 from swamp_rl.manoeuvres.analysis.zig_zag import analyse_zig_zag
 from swamp_rl.runs import Dataset, Run, read_dataset
-from swamp_rl.runs.dataset import boat_of
 
 Analysis = Callable[[Motion, Recognised, Result, np.random.Generator], None]
 
@@ -67,11 +66,16 @@ def analyse_runs(runs: Sequence[Run], boat: Boat) -> tuple[list[Result], list[st
     return results, refused
 
 
-def analyse_dataset(folder: Path | str) -> tuple[Dataset, Boat, list[Result], list[str]]:
-    """A dataset with its boat, results and refusals; UserError where no run of it can be analysed."""
-    dataset = read_dataset(folder)
-    boat = boat_of(dataset.folder, dataset.meta)
-    results, refused = analyse_runs(dataset.runs, boat)
+def analyse_dataset(
+    folder: Path | str, boat: str | None = None
+) -> tuple[Dataset, Boat, list[Result], list[str]]:
+    """A dataset with its boat, results and refusals; UserError where no run of it can be analysed.
+
+    boat: another one than its own, or whose runs a plain folder holds.
+    """
+    dataset = read_dataset(folder, boat)
+    vessel = load_boat(boat) if boat else dataset.boat
+    results, refused = analyse_runs(dataset.runs, vessel)
     if not results:
         raise UserError(f"{folder}: {refused[0]}")
-    return dataset, boat, results, refused
+    return dataset, vessel, results, refused

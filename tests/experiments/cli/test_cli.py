@@ -273,7 +273,7 @@ def test_a_signal_that_a_callback_swallows_still_ends_the_verb(
         def __del__(self) -> None:
             os.kill(os.getpid(), number)
 
-    def swallow(folder: Path) -> None:
+    def swallow(folder: Path, boat: str | None) -> None:
         noisy = Noisy()
         del noisy  # an exception in there goes nowhere
         time.sleep(30)

@@ -213,7 +213,7 @@ def test_a_run_with_a_hole_in_it_is_named_by_file_row_and_column(tmp_path: Path,
     data.mkdir()
     header, rows = "time,north,east,heading,joy_thrust,joy_angle", ["0,0,0,0,1,0", "0.1,0,nan,0,1,0"]
     (data / "run-001.csv").write_text("\n".join([header, *rows]) + "\n")
-    meta = (folder / "data" / "dataset.yaml").read_text().split("runs:")[0]
+    meta = (folder / "data" / "dataset.yaml").read_text().split("copies:")[0]
     (data / "dataset.yaml").write_text(meta + "runs:\n- {file: run-001.csv, outcome: success}\n")
     with pytest.raises(UserError, match=r"run-001\.csv.*row 2.*east"):
         run_experiment("smoke", [f"data.folder={data}"], tmp_path / "smoke")

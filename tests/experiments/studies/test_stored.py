@@ -66,7 +66,7 @@ def test_the_configuration_kept_is_used_where_files_have_changed_since(tmp_path:
 
 def test_hashes_can_be_checked_by_anyone_and_seeds_and_machine_are_told(place: Path) -> None:
     subprocess.run(["sha256sum", "--check", "--quiet", "data.sha256"], cwd=place / "run", check=True)
-    assert len((place / "run" / "data.sha256").read_text().splitlines()) == 1 + 3
+    assert len((place / "run" / "data.sha256").read_text().splitlines()) == 1 + 2 + 3
     results: dict[str, Any] = json.loads((place / "run" / "results.json").read_text())
     assert results["seeds"] == {
         "record": 0,

@@ -1,0 +1,42 @@
+"""Names of files that come from a file of someone else: each confined to the folder that it was read in."""
+
+from collections.abc import Collection
+from pathlib import Path
+
+from swamp_rl.errors import UserError
+
+LONGEST = 200
+"Bytes of a name, with room for what is put before it while the file is written; a file system takes 255."
+YAML = (".yaml", ".yml")
+
+
+def plain_name(name: str, suffixes: Collection[str] = ("",)) -> str:
+    """The name, if it can only be that of a file in a folder; else ValueError with what is allowed.
+
+    It ends in one of `suffixes`, whatever the case of its letters, has no separator, does not begin with a
+    point and prints on one line. It is not looked for.
+    """
+    reason = None
+    if not name or "/" in name or "\\" in name or name.startswith(".") or not name.isprintable():
+        reason = "must be a plain name: no folder, no point at its beginning, nothing that does not print"
+    elif len(name.encode("utf-8", "surrogatepass")) > LONGEST:
+        reason = f"is too long, a name has at most {LONGEST} bytes"
+    elif not any(name.lower().endswith(suffix) for suffix in suffixes):
+        reason = f"must end in {' or '.join(suffixes)}"
+    if reason is not None:
+        raise ValueError(f"{name[:60]!r} {reason}")
+    return name
+
+
+def file_in(folder: Path, name: str, suffixes: Collection[str]) -> Path:
+    """The path of the file `name` in `folder`, whether it is there or not.
+
+    UserError unless it is a `plain_name`, and where a link of that name leads elsewhere.
+    """
+    try:
+        path = folder / plain_name(name, suffixes)
+    except ValueError as error:
+        raise UserError(f"{folder}: {error}") from error
+    if path.is_symlink():
+        raise UserError(f"{path}: is a link; put a copy of the file in its place")
+    return path

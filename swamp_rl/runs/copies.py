@@ -1,0 +1,133 @@
+"""The files that a dataset carries so that it stands alone: its boat's, what that extends, its course's."""
+
+import hashlib
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.load import boat_chain
+from swamp_rl.course import load_course
+from swamp_rl.errors import UserError
+from swamp_rl.files import find_config, read_yaml, yaml_text
+from swamp_rl.names import YAML, file_in, plain_name
+from swamp_rl.runs.schema import COURSE, META, DatasetMeta
+
+Files = dict[str, bytes]
+_EXTENDS = re.compile(rb"^extends[ \t]*:.*$", re.MULTILINE)
+
+
+def standing_alone(
+    meta: DatasetMeta, boat: str | Path | None = None, course: str | Path | None = None
+) -> tuple[DatasetMeta, Files]:
+    """What `dataset.yaml` is to say of copies of the boat's and the course's files, and these by name.
+
+    boat, course: names or paths of whoever makes the dataset, by default those that `meta` gives. `vehicle`
+    and `course` are then the names of the copies, which extend each other and nothing else.
+    """
+    files: Files = {}
+    given = course or meta.course
+    if given is not None:
+        load_course(given)
+        path = find_config("courses", given)
+        stem = _stem(path.name.removesuffix(path.suffix).removesuffix(COURSE.removesuffix(".yaml")))
+        files[stem + COURSE] = path.read_bytes()
+        given = stem
+    vehicle = _copy_boat(boat or meta.vehicle, files)
+    digests = {name: hashlib.sha256(held).hexdigest() for name, held in files.items()}
+    return meta.model_copy(update={"vehicle": vehicle, "course": given, "copies": digests}), files
+
+
+def _stem(name: str) -> str:
+    return re.sub(r"[^\w.-]", "_", name).lstrip(".")[:60] or "copy"
+
+
+def _copy_boat(boat: str | Path, files: Files) -> str:
+    """Add the boat's file and those that it extends; the name of its own without the suffix."""
+    below = ""
+    for path, data in boat_chain(boat):
+        stem, number = _stem(path.stem), 1
+        while (name := f"{stem}{f'-{number}' if number > 1 else ''}.yaml") in {META, *files}:
+            number += 1
+        files[name] = _extending(path.read_bytes(), data, below) if below else path.read_bytes()
+        below = name
+    return below.removesuffix(".yaml")
+
+
+def _extending(text: bytes, data: Mapping[str, Any], base: str) -> bytes:
+    """A boat file that extends the file `base` beside it and is the same otherwise, comments and all."""
+    lines = _EXTENDS.findall(text)
+    if len(lines) == 1 and str(data["extends"]).encode() in lines[0]:
+        return _EXTENDS.sub(f"extends: {base}".encode(), text)
+    return yaml_text({**data, "extends": base}).encode()
+
+
+def boat_of(folder: Path, meta: DatasetMeta) -> Boat:
+    """The dataset's boat, by its copy; where it has none, by a file beside the runs or by a known name.
+
+    UserError for one that reaches out of the folder, or whose copy is not as it was when the runs were made.
+    """
+    try:
+        return load_boat(boat_file(folder, meta))
+    except UserError as error:
+        raise UserError(f"{folder / META}: vehicle: {error}") from error
+
+
+def boat_file(folder: Path, meta: DatasetMeta) -> str | Path:
+    """Where the dataset's boat is read from: a file in its folder, or a name in configs/boats."""
+    found = _carried(folder, meta, meta.vehicle, ".yaml")
+    _refuse_reaching_out(folder, found)
+    return found
+
+
+def course_file(folder: Path, meta: DatasetMeta) -> str | Path | None:
+    """Where the dataset's course is read from, as `boat_file`; None where it names none."""
+    return None if meta.course is None else _carried(folder, meta, meta.course, COURSE)
+
+
+def _carried(folder: Path, meta: DatasetMeta, name: str, suffix: str) -> str | Path:
+    refuse_changed(folder, meta)
+    if name + suffix in meta.copies:
+        return file_in(folder, name + suffix, YAML)
+    if not name.endswith(YAML):
+        return _known_name(folder, name)
+    found = file_in(folder, name, YAML)
+    if not found.is_file():
+        raise UserError(f"{found}: no such file beside the runs; put it there, or give a name in configs")
+    return found
+
+
+def _known_name(folder: Path, name: str) -> str:
+    try:
+        return plain_name(name)
+    except ValueError as error:
+        raise UserError(f"{folder}: {error}; copy the file into the folder") from error
+
+
+def refuse_changed(folder: Path, meta: DatasetMeta) -> None:
+    """UserError where a copy is missing or is not what it was when the runs were made."""
+    for name, digest in meta.copies.items():
+        path = file_in(folder, name, YAML)
+        if not path.is_file():
+            raise UserError(f"{path}: no such file, but {META} lists it under copies; put it back")
+        if hashlib.sha256(path.read_bytes()).hexdigest() != digest:
+            raise UserError(
+                f"{path}: is not the file that these runs were made with (its SHA-256 is not that under "
+                f"copies in {META}); put that back, or drop the entry to take this one"
+            )
+
+
+def _refuse_reaching_out(folder: Path, boat: str | Path) -> None:
+    """UserError where a boat file of the folder extends anything but another one there or a known boat."""
+    seen: set[Path] = set()
+    while isinstance(boat, Path) and boat not in seen:
+        seen.add(boat)
+        base = read_yaml(boat).get("extends") if boat.is_file() else None
+        if not isinstance(base, str):
+            return  # nothing, or what the loader refuses
+        try:
+            name = plain_name(base)
+            boat = file_in(folder, name, YAML) if name.endswith(YAML) else name
+        except (ValueError, UserError) as error:
+            raise UserError(f"{boat}: extends: {error}") from error
