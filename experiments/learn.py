@@ -4,7 +4,9 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
+from swamp_rl.experiments.coverage import warning
 from swamp_rl.experiments.curves import CURVE, write_curve
+from swamp_rl.experiments.job import say
 from swamp_rl.experiments.learners import Log, Training, in_order, learner
 from swamp_rl.experiments.progress import Stages, Tick
 from swamp_rl.experiments.scene import Scene
@@ -13,6 +15,7 @@ from swamp_rl.experiments.tracking import TENSORBOARD, tracked
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import folder_beside
+from swamp_rl.pilots.demonstrations import choose_runs
 from swamp_rl.pilots.description import FittedOn
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import record_scripted
@@ -88,6 +91,11 @@ def _train_into(
     plan = scene.experiment.pilots[name]
     checkpoint = _checkpoint(folder, name)
     curve: list[dict[str, float]] = []
+    # With a takeover another pilot drives at the start.
+    if learner(plan.kind).from_runs and plan.takeover == 0.0:
+        outside = warning(scene, name, choose_runs(dataset.runs, plan.runs, plan.outcomes))
+        if outside is not None:
+            say(outside)
     events = folder.parent / TENSORBOARD / name
     with progress.stage(f"train {name}", 1.0) as tick, tracked(events, scene.experiment, name) as log:
         hear = partial(_add_point, curve, log)

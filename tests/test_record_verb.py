@@ -51,7 +51,7 @@ def stopped(process: "subprocess.Popen[str]", how: signal.Signals) -> tuple[int,
 
 
 def drive_for_rows(host: str, wanted: int, then: Callable[[], object]) -> None:
-    """Drive past the first gate for so many rows, then do something while still connected."""
+    """Drive for so many rows, then do something while still connected."""
     rows = 0
     with connect(f"ws://{host}/socket", origin=f"http://{host}") as socket:
         while rows < wanted:
@@ -59,7 +59,7 @@ def drive_for_rows(host: str, wanted: int, then: Callable[[], object]) -> None:
             if seen["type"] != "frame":
                 continue
             assert seen["phase"] != "ended", seen["outcome"]
-            rows = round(10 * seen["run_time"])
+            rows = round(10 * seen["time"])
             angle = aim(*seen["pose"], seen["velocity"][2], seen["passed"])
             socket.send(json.dumps({"type": "command", "throttle": 1.0, "angle": angle}))
         then()

@@ -172,7 +172,7 @@ def test_a_huge_message_ends_its_connection_and_no_other(recorder: tuple[str, Hu
                 bad.recv(timeout=10)
         hear(good, status(watchers=0))
         good.send(json.dumps(COMMAND))
-        hear(good, lambda message: message.get("phase") == "approach")
+        hear(good, lambda message: message.get("phase") == "run")
 
 
 def test_a_flood_is_dropped_and_then_cut_off(
@@ -223,7 +223,7 @@ def test_a_driver_whose_connection_breaks_lets_go_of_the_levers(recorder: tuple[
             driver.send(json.dumps(COMMAND))
             hear(watcher, lambda message: message.get("levers") == [0.5, 0.1])
         stopped = hear(watcher, lambda message: message.get("levers") == [0.0, 0.0])
-        assert stopped["phase"] == "approach"
+        assert stopped["phase"] == "run"
 
 
 @pytest.mark.parametrize(

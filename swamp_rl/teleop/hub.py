@@ -71,13 +71,11 @@ class Hub:
         """Advance the boat to the present and give everyone a frame of it."""
         now = self.now()
         phase = self.session.phase
-        try:
-            self.session.advance(now)
-        except UserError as error:
-            # The disk refuses rows: what cannot be kept need not be driven to its end.
-            log.error("%s", error)
-            self.session.drop(again=True)
-            self.say(None, f"The run could not be kept: {error}")
+        self.session.advance(now)
+        complaint = self.session.complaint()
+        if complaint is not None:
+            log.error("%s", complaint)
+            self.say(None, complaint)
         if self.clients:
             text = view.frame(self.session, now)
             for client in self.clients:
@@ -196,7 +194,7 @@ class Hub:
         assert self.session.phase == SAVING
         try:
             name = await asyncio.to_thread(save)
-        except UserError:
+        except BaseException:
             self.session.not_accepted()
             raise
         self.session.accepted()

@@ -3,14 +3,15 @@
 import fcntl
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import os_error
+from swamp_rl.files import flush, os_error
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, adopt_run, create_dataset, read_run
 from swamp_rl.runs.dataset import META, read_meta
-from swamp_rl.teleop.journal import Journal, cut_torn_row, read_description, write_description
+from swamp_rl.teleop.journal import Journal, cut_torn_rows, read_description, write_description
 
 UNFINISHED = "unfinished"
 INTERRUPTED = "interrupted"
@@ -43,17 +44,34 @@ class Recordings:
         self._count_and_board()
 
     def begin(self, columns: Sequence[str], about: Mapping[str, Any]) -> Journal:
-        """A journal under the next free name."""
-        taken = [path.stem for path in (*self.folder.iterdir(), *self.unfinished.iterdir())]
+        """A journal under the next free name; UserError where the folder cannot be listed."""
+        try:
+            taken = [path.stem for path in (*self.folder.iterdir(), *self.unfinished.iterdir())]
+        except OSError as error:
+            raise os_error(error, self.folder) from error
         numbers = [int(found[1]) for name in taken if (found := re.fullmatch(r"run-(\d+)", name))]
         return Journal(self.unfinished, f"run-{max(numbers, default=0) + 1:04d}", columns, about)
 
     def accept(self, journal: Journal, about: Mapping[str, Any]) -> str:
-        """Take a finished run into the dataset, on the disk when this returns; its name."""
-        journal.close()
-        write_description(journal.description, {**about, "accepted": True})
-        self._adopt(journal.table, about)
-        journal.description.unlink()
+        """Take a finished run into the dataset, on the disk when this returns; its name.
+
+        UserError where the disk refuses; then nothing is lost, and it may be tried again.
+        """
+        try:
+            if self._lists(journal.table.name):
+                flush(self.folder)  # an earlier try listed it, and only then failed
+            else:
+                self._called_back(journal.table)
+                journal.close()
+                write_description(journal.description, {**about, "accepted": True})
+                self._adopt(journal.table, about)
+        except OSError as error:
+            raise os_error(error, self.folder) from error
+        finally:
+            with suppress(OSError, UserError):
+                self._called_back(journal.table)
+        with suppress(OSError):  # else it is removed at the next start
+            journal.description.unlink()
         self.count += 1
         self._rank(journal.table.stem, about)
         return journal.table.stem
@@ -82,28 +100,29 @@ class Recordings:
         """Finish what a killed recorder began: list what it had accepted, mark the rest as interrupted."""
         table = description.with_suffix(".csv")
         about = read_description(description)
-        if not table.exists():
-            table = self._called_back(table)
         accepted = about.pop("accepted", False)
         if not accepted:
             about["outcome"] = INTERRUPTED
         try:
-            if table.exists() and cut_torn_row(table) >= 2:
+            self._called_back(table)
+            if table.exists() and cut_torn_rows(table) >= 2:
                 self._adopt(table, about)
                 report(
                     f"{table.stem}: {'accepted' if accepted else 'never finished'}, taken into the dataset"
                 )
             table.unlink(missing_ok=True)
             description.unlink()
-        except UserError as error:
+        except (OSError, UserError) as error:
             report(f"{table}: left as it is; {error}")
 
-    def _called_back(self, table: Path) -> Path:
-        """A run renamed but not yet listed when its recorder was killed, put back; else just its path."""
+    def _called_back(self, table: Path) -> None:
+        """Put a run back that was renamed into the dataset but not listed there, because that failed."""
         moved = self.folder / table.name
-        if moved.exists() and all(run.file != moved.name for run in read_meta(self.folder).runs):
+        if moved.exists() and not table.exists() and not self._lists(moved.name):
             moved.rename(table)
-        return table
+
+    def _lists(self, file: str) -> bool:
+        return any(run.file == file for run in read_meta(self.folder).runs)
 
     def _adopt(self, table: Path, about: Mapping[str, Any]) -> None:
         adopt_run(self.folder, table, RunMeta.model_validate(dict(about)))
