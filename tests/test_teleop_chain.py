@@ -70,7 +70,7 @@ def test_the_runs_are_sound_and_begin_with_the_first_thrust_at_the_start(recorde
     assert len(good) >= RUNS
     for run in good:
         assert run.time[0] == 0.0 and run.columns["joy_thrust"][0] > 0.0
-        assert run.meta.gates is not None and len(run.meta.gates) == 2 and 0.0 < run.meta.gates[0]
+        assert run.meta.gates is not None and len(run.meta.gates) == 2 and run.meta.gates[0] > 0.0
         assert set(run.columns["joy_angle"]) <= {-1.0, 0.0, 1.0}
 
 

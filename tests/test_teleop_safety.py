@@ -18,7 +18,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from swamp_rl.errors import UserError
-from swamp_rl.teleop.guard import Allowance, Guard, is_loopback
+from swamp_rl.teleop.allowance import Allowance
+from swamp_rl.teleop.guard import Guard, is_loopback
 from swamp_rl.teleop.hub import Hub
 from swamp_rl.teleop.messages import LARGEST, clean_nickname, parse
 from swamp_rl.teleop.server import bound

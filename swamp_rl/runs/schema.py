@@ -14,8 +14,8 @@ class RunMeta(BaseModel):
     """One run beside its table: enough to replay a simulated run exactly. Other keys are kept as they are.
 
     `file` and `rows` are filled in by the writer. `initial_state`: SI values by column name, where the first
-    row does not say it all. `disturbances`: a level's name, or a list of effects. `gates`: instants [s] of the
-    first rows past each gate, in order. `outcome`: 'success', or what ended the run.
+    row does not say it all. `disturbances`: a level's name, or a list of effects. `gates`: the instant [s] of
+    the first row past each gate, in order. `outcome`: 'success', or what ended the run.
     """
 
     model_config = ConfigDict(extra="allow", frozen=True, strict=True)

@@ -47,7 +47,7 @@ class Journal:
             raise self.trouble
 
     def close(self) -> None:
-        """Have all rows on the disk, and take no more; UserError if they cannot be, then it may be tried again."""
+        """Have all rows on the disk, and take no more; UserError if it refuses: it may be tried again."""
         self._let_go()
         if self.trouble is None and self.table.exists():
             return
@@ -58,7 +58,7 @@ class Journal:
         self.trouble = None
 
     def remove(self) -> None:
-        """Close it and forget the run; what cannot be deleted is taken in as interrupted at the next start."""
+        """Close it and forget the run; what cannot be deleted is `interrupted` at the next start."""
         self._let_go()
         for path in (self.table, self.description):
             with suppress(OSError):

@@ -2,18 +2,19 @@
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.simulator.state import TIME
 from swamp_rl.teleop.afloat import IDLE, Afloat, Array, Instant, Levers
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.journal import Journal
 from swamp_rl.teleop.messages import Choose, Command, clean_nickname
 from swamp_rl.teleop.recordings import Recordings
-from swamp_rl.simulator.state import TIME
 from swamp_rl.teleop.rows import columns_of, initial_state, row_of, try_a_step
 
 DEAD_MAN = 0.25  # s without a command, until the thrusters stop
@@ -172,6 +173,16 @@ class Session:
             self.journal.remove()
             self.journal = None
         self.renew(self.boat.seed if again else None)
+
+    def abandon(self) -> None:
+        """Leave a run under way on the disk as unfinished, unless it is being saved, and begin anew."""
+        if self.phase == SAVING:
+            return
+        if self.journal is not None:
+            with suppress(UserError):
+                self.journal.close()
+            self.journal = None
+        self.renew()
 
     def accept(self) -> Callable[[], str]:
         """What saves the ended run and returns its name: slow, so for any thread; then call `accepted`."""
