@@ -14,6 +14,7 @@ from swamp_rl.runs.dataset import META, read_meta
 from swamp_rl.teleop.journal import Journal, cut_torn_rows, read_description, write_description
 
 UNFINISHED = "unfinished"
+NAME = re.compile(r"run-([0-9]+)")
 INTERRUPTED = "interrupted"
 "Outcome of a run that was never accepted, because its recorder was stopped."
 BOARD = 8
@@ -28,10 +29,13 @@ class Recordings:
     def __init__(self, folder: Path, meta: DatasetMeta, report: Callable[[str], None]) -> None:
         """UserError where the folder holds another kind of runs, or another recorder writes there."""
         self.folder, self.unfinished = folder, folder / UNFINISHED
+        new = [path for path in (self.unfinished, folder, *folder.parents) if not path.exists()]
         try:
             if not (folder / META).exists():
                 create_dataset(folder, meta)
             self.unfinished.mkdir(exist_ok=True)
+            for path in new:  # else a power cut could take the folder with all that is in it
+                flush(path.parent)
             self._lock = (self.unfinished / ".lock").open("w")
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
@@ -39,8 +43,8 @@ class Recordings:
         except OSError as error:
             raise os_error(error, folder) from error
         self._refuse_another_kind(meta)
-        for description in sorted(self.unfinished.glob("*.json")):
-            self._recover(description, report)
+        for name in self._left_behind():
+            self._recover(self.unfinished / f"{name}.json", report)
         self._count_and_board()
 
     def begin(self, columns: Sequence[str], about: Mapping[str, Any]) -> Journal:
@@ -49,7 +53,7 @@ class Recordings:
             taken = [path.stem for path in (*self.folder.iterdir(), *self.unfinished.iterdir())]
         except OSError as error:
             raise os_error(error, self.folder) from error
-        numbers = [int(found[1]) for name in taken if (found := re.fullmatch(r"run-(\d+)", name))]
+        numbers = [int(found[1]) for name in taken if (found := NAME.fullmatch(name))]
         return Journal(self.unfinished, f"run-{max(numbers, default=0) + 1:04d}", columns, about)
 
     def accept(self, journal: Journal, about: Mapping[str, Any]) -> str:
@@ -76,6 +80,14 @@ class Recordings:
         self._rank(journal.table.stem, about)
         return journal.table.stem
 
+    def discard(self, journal: Journal) -> None:
+        """Forget a run that is not accepted, wherever a failed acceptance has left it."""
+        moved = self.folder / journal.table.name
+        with suppress(OSError, UserError):
+            if moved.exists() and not self._lists(moved.name):
+                moved.unlink()
+        journal.remove()
+
     def read(self, name: str) -> Run:
         """The run of that name; UserError if the dataset lists none."""
         for listed in read_meta(self.folder).runs:
@@ -85,7 +97,8 @@ class Recordings:
 
     def close(self) -> None:
         """Let others write."""
-        self._lock.close()
+        with suppress(OSError):  # the file is empty, so there is nothing to lose
+            self._lock.close()
 
     def _refuse_another_kind(self, meta: DatasetMeta) -> None:
         there = read_meta(self.folder)
@@ -95,6 +108,13 @@ class Recordings:
                     f"{self.folder / META}: {key} is {getattr(there, key)}, but {getattr(meta, key)} "
                     "is to be recorded; name another folder"
                 )
+
+    def _left_behind(self) -> list[str]:
+        """Names of the runs that an earlier recorder began and neither listed nor removed."""
+        moved = [path.stem for path in self.folder.glob("run-*.csv") if not self._lists(path.name)]
+        return sorted(
+            {path.stem for path in self.unfinished.glob("*.json")} | set(filter(NAME.fullmatch, moved))
+        )
 
     def _recover(self, description: Path, report: Callable[[str], None]) -> None:
         """Finish what a killed recorder began: list what it had accepted, mark the rest as interrupted."""
@@ -111,7 +131,7 @@ class Recordings:
                     f"{table.stem}: {'accepted' if accepted else 'never finished'}, taken into the dataset"
                 )
             table.unlink(missing_ok=True)
-            description.unlink()
+            description.unlink(missing_ok=True)
         except (OSError, UserError) as error:
             report(f"{table}: left as it is; {error}")
 

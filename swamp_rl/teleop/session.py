@@ -170,7 +170,7 @@ class Session:
         if self.phase == SAVING:
             raise UserError("the run is being saved")
         if self.journal is not None:
-            self.journal.remove()
+            self.recordings.discard(self.journal)
             self.journal = None
         self.renew(self.boat.seed if again else None)
 
