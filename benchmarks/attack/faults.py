@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.attack.syscalls import Ended, armed, counted, forked, scratch, with_shim
+from benchmarks.attack.syscalls import Ended, armed, counts_to, forked, most_counted, scratch, with_shim
 
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EMFILE, errno.EACCES)
 CALLS = ("open", "write", "fsync", "rename", "close")
@@ -51,8 +51,9 @@ evaluation: {levels: [calm], episodes: 2, seed: 1, shown: 1}
 SWEEP = """
 name: tiny
 experiment: %s
-parameters: {pilots.reservoir.options.units: [10, 20]}
-objective: {value: success.reservoir.calm, goal: maximise}
+set: {pilots.reservoir.takeover: 0.0}
+parameters: {pilots.reservoir.options.units: {grid: [10, 20]}}
+objective: {pilot: reservoir, level: calm}
 """
 
 
@@ -199,7 +200,8 @@ COMMANDS = {
         left=(".part-out",),
     ),
     "sweep": Command(
-        verb("sweep", "{}/inputs/sweep.yaml", "--set", "data.folder={}/inputs/runs", "--out", "{}/out")
+        verb("sweep", "{}/inputs/sweep.yaml", "--set", "data.folder={}/inputs/runs", "--out", "{}/out"),
+        left=("out",),
     ),
     "diagnose": Command(verb("diagnose", "{}/inputs/runs", "--out", "{}/out")),
 }
@@ -253,15 +255,14 @@ class Attack:
         shutil.copytree(self.root / "inputs", case / "inputs")
 
         def work() -> int | None:
+            if keep:
+                counts_to(self.root / f"calls of {self.name}")
             armed(case, kind, error, nth, lasting)
-            try:
-                return self.command.do(case)
-            finally:
-                (self.root / "calls.json").write_text(json.dumps(counted()))
+            return self.command.do(case)
 
         ended = forked(work, LIMIT)
         if keep:
-            self.calls = json.loads((self.root / "calls.json").read_text())
+            self.calls = most_counted(self.root / f"calls of {self.name}")
         out = case / self.command.out
         return ended, set(tree(out)) if out.exists() else set()
 
@@ -289,6 +290,8 @@ class Attack:
         if there and there != self.whole:
             return f"leaves a part: without {sorted(self.whole - there)[:3]}"
         others = {path.name for path in case.iterdir()} - {"inputs", self.command.out, *self.command.left}
+        if kind in ("open", "close"):  # nothing can be removed where a folder cannot be listed
+            others = {name for name in others if not name.startswith(".part-")}
         return f"leaves {sorted(others)}" if others else None
 
     def places(self, kind: str, most: int, rng: np.random.Generator) -> Iterator[int]:

@@ -85,6 +85,27 @@ void fault_arm(const char *folder, int kind, int error, long which, int forever)
     memset(counts, 0, sizeof counts);
 }
 
+/* A process that is started, not forked, by an armed one is armed too, and appends its counts when it ends. */
+__attribute__((constructor)) static void begin(void) {
+    const char *armed = getenv("SWAMP_ATTACK_ARMED");
+    int kind, error, forever, end;
+    long which;
+    if (armed && sscanf(armed, "%d %d %ld %d %n", &kind, &error, &which, &forever, &end) == 4)
+        fault_arm(armed + end, kind, error, which, forever);
+}
+
+__attribute__((destructor)) static void end(void) {
+    const char *file = getenv("SWAMP_ATTACK_COUNTS");
+    char line[256];
+    int fd = file && prefix_length ? (int)syscall(SYS_openat, AT_FDCWD, file, O_WRONLY | O_APPEND | O_CREAT, 0644) : -1;
+    if (fd < 0) return;
+    int size = 0;
+    for (int kind = 0; kind <= KINDS; kind++)
+        size += snprintf(line + size, sizeof line - size, "%ld%c", counts[kind], kind < KINDS ? ' ' : '\n');
+    syscall(SYS_write, fd, line, size);
+    syscall(SYS_close, fd);
+}
+
 void fault_log(int fd) { log_fd = fd; }
 
 void fault_mark(const char *text) {

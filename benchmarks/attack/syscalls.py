@@ -54,20 +54,23 @@ def _shim() -> ctypes.CDLL:
 
 
 def armed(folder: Path, kind: str = "any", error: int = 0, nth: int = 0, lasting: bool = False) -> None:
-    """Have the `nth` call (0: none) of a kind on files in `folder` fail, and all later ones if `lasting`."""
+    """Have the `nth` call (0: none) of a kind on files in `folder` fail, and all later ones if `lasting`.
+
+    So it is in this process and, each counting for itself, in those that it starts.
+    """
+    os.environ["SWAMP_ATTACK_ARMED"] = f"{KINDS.index(kind)} {error} {nth} {int(lasting)} {folder}"
     _shim().fault_arm(str(folder).encode(), KINDS.index(kind), error, ctypes.c_long(nth), int(lasting))
 
 
-def disarmed() -> None:
-    """No call fails any more."""
-    armed(Path("/nowhere"))
+def counts_to(file: Path) -> None:
+    """Have this process and those that it starts write, as they end, how many calls each has made."""
+    os.environ["SWAMP_ATTACK_COUNTS"] = str(file)
 
 
-def counted() -> dict[str, int]:
-    """Calls by kind since `armed`."""
-    counts = (ctypes.c_long * len(KINDS))()
-    _shim().fault_counts(counts)
-    return dict(zip(KINDS, counts, strict=True))
+def most_counted(file: Path) -> dict[str, int]:
+    """By kind, the most calls that one of the processes has made."""
+    lines = [[int(word) for word in line.split()] for line in file.read_text().splitlines()]
+    return dict(zip(KINDS, map(max, zip(*lines, strict=True)), strict=True))
 
 
 def logged_to(file: int) -> None:

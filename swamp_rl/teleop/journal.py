@@ -51,8 +51,7 @@ class Journal:
         self._let_go()
         if self.trouble is None and self.table.exists():
             return
-        if not self.table.parent.is_dir():
-            raise os_error(FileNotFoundError(errno.ENOENT, "the folder is gone"), self.table.parent)
+        _need(self.table.parent)
         with write_beside(self.table) as part:
             part.write_text("\n".join(self._lines) + "\n", encoding="ascii")
         self.trouble = None
@@ -98,9 +97,16 @@ class Journal:
 
 
 def write_description(path: Path, about: Mapping[str, Any]) -> None:
-    """Put what a run is about on the disk, whole or not at all."""
+    """Put what a run is about on the disk, whole or not at all, into a folder that is there."""
+    _need(path.parent)
     with write_beside(path) as part:
         part.write_text(json.dumps(about, allow_nan=False), encoding="utf-8")
+
+
+def _need(folder: Path) -> None:
+    """UserError where a folder is gone: half a dataset in its place would hide the whole one's return."""
+    if not folder.is_dir():
+        raise os_error(FileNotFoundError(errno.ENOENT, "the folder is gone"), folder)
 
 
 def read_description(path: Path) -> dict[str, Any]:
