@@ -88,11 +88,13 @@ def test_any_boat_with_any_effects_sails_its_run_again_to_the_bit(
 def test_a_run_kept_from_its_middle_on_sails_again_with_the_commands_before_it(tmp_path: Path) -> None:
     game = driven(tmp_path / "runs", "swamp", [DELAY], False)
     whole = game.recordings.read(accept(game))
-    boat, first = load_boat("swamp"), 60
+    boat = load_boat("swamp")
+    commands = whole.commands(boat.thruster_names)
+    first = 40 + int(np.argmax(np.abs(np.diff(commands[39:-40], axis=0)).sum(axis=1)))  # changed just then
     start = initial_state(boat, sailed_again(whole, boat)[first])
     rest = {name: values[first:] for name, values in whole.columns.items()}
     # 0.23 s is two steps and a part of the third.
-    before = whole.commands(boat.thruster_names)[first - 3 : first].T.tolist()
+    before = commands[first - 3 : first].T.tolist()
     channels = [f"{kind}_{name}" for kind in ("azimuth", "throttle") for name in boat.thruster_names]
     told = {"initial_state": start, "earlier_commands": dict(zip(channels, before, strict=True))}
     meta = RunMeta.model_validate(whole.meta.model_dump() | told)

@@ -141,7 +141,7 @@ def recorder(case: Path):
     berth = Berth(
         lambda level, senses: GatesEnv("swamp", course, level, observation=senses),
         ("calm",),
-        lambda: Recordings(case / "out", meta, print),
+        lambda: Recordings(case / "out", meta, lambda line: None),
     )
     return Session({"swamp": berth}, np.random.default_rng(SEED))
 
@@ -287,7 +287,7 @@ class Attack:
                 return f"what it left cannot be read: {error}"
         if ended.code == 0 and there != self.whole:
             return f"ends well without {sorted(self.whole - there)[:3]}"
-        if there and there != self.whole:
+        if there and there != self.whole and self.command.out not in self.command.left:
             return f"leaves a part: without {sorted(self.whole - there)[:3]}"
         others = {path.name for path in case.iterdir()} - {"inputs", self.command.out, *self.command.left}
         if kind in ("open", "close"):  # nothing can be removed where a folder cannot be listed
