@@ -51,6 +51,7 @@ def answer() -> None:
     os.dup2(2, 1)  # what libraries print is no part of the answer
     module, name, args, kwargs = pickle.load(sys.stdin.buffer)
     work: Any = getattr(import_module(module), name).__wrapped__
+    told: tuple[Any, str | None]
     try:
         told = (work(*args, **kwargs), None)
     except UserError as error:
