@@ -329,7 +329,7 @@ def attack(names: list[str], places: int, said: Callable[[str], None]) -> list[d
 def run(quick: bool) -> list[dict[str, object]]:
     """Counts by command, from a process whose calls are in our hand."""
     done = with_shim("benchmarks.attack.faults", ["--quick"] if quick else [])
-    return json.loads(done.stdout)
+    return json.loads(done.stdout.splitlines()[-1])
 
 
 def main() -> None:

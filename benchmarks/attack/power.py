@@ -207,7 +207,7 @@ def cut(count: int, seed: int) -> dict[str, object]:
 def run(quick: bool) -> list[dict[str, object]]:
     """Counts, from a process whose calls are written down."""
     words = ["--count", str(QUICK if quick else COUNT)]
-    return json.loads(with_shim("benchmarks.attack.power", words).stdout)
+    return json.loads(with_shim("benchmarks.attack.power", words).stdout.splitlines()[-1])
 
 
 def main() -> None:
