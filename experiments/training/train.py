@@ -4,16 +4,19 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
+from swamp_rl.experiments.artifacts.job import say
 from swamp_rl.experiments.artifacts.provenance import TENSORBOARD
 from swamp_rl.experiments.artifacts.stages import Stages
 from swamp_rl.experiments.config.learners import Training, in_order, learner
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
+from swamp_rl.experiments.training.coverage import warning
 from swamp_rl.experiments.training.curves import CURVE, write_curve
 from swamp_rl.experiments.training.tracking import tracked
 
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.callbacks import Log, Tick
+from swamp_rl.pilots.demonstrations import choose_runs
 from swamp_rl.pilots.description import FittedOn
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import record_scripted
@@ -91,6 +94,11 @@ def _train_into(
     plan = scene.experiment.pilots[name]
     checkpoint = _checkpoint(folder, name)
     curve: list[dict[str, float]] = []
+    # With a takeover another pilot drives at the start.
+    if learner(plan.kind).from_runs and plan.takeover == 0.0:
+        outside = warning(scene, name, choose_runs(dataset.runs, plan.runs, plan.outcomes))
+        if outside is not None:
+            say(outside)
     events = folder.parent / TENSORBOARD / name
     with progress.stage(f"train {name}", 1.0) as tick, tracked(events, scene.experiment, name) as log:
         hear = partial(_add_point, curve, log)

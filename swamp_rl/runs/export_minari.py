@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.errors import UserError
+from swamp_rl.runs.apart import apart
 from swamp_rl.runs.dataset import Dataset
 from swamp_rl.runs.episodes_of import LEVERS, Split, split_columns
 from swamp_rl.runs.run import Run
@@ -22,6 +23,7 @@ ROOT = "MINARI_DATASETS_PATH"
 COPIES = "swamp_rl_copies"
 
 
+@apart
 def write_minari(dataset: Dataset, folder: Path, name: str, copies: Mapping[str, bytes]) -> str:
     """Write it into `folder`, for Minari a root of datasets, and return its id there, NAME-v0.
 

@@ -20,8 +20,9 @@ class RunMeta(BaseModel):
     """One run beside its table: enough to replay a simulated run exactly. Other keys are kept as they are.
 
     `file` and `rows` are filled in by the writer. `initial_state`: SI values by column name, where the first
-    row does not say it all. `disturbances`: a level's name, or a list of effects. `outcome`: 'success', or
-    what ended the run. `group`: day or place of runs that share their weather.
+    row does not say it all. `disturbances`: a level's name, or a list of effects. `gates`: the instant [s] of
+    the first row past each gate, in order. `outcome`: 'success', or what ended the run. `group`: day or place
+    of runs that share their weather.
     """
 
     model_config = ConfigDict(extra="allow", frozen=True, strict=True)
@@ -31,6 +32,7 @@ class RunMeta(BaseModel):
     seed: Annotated[int, Field(ge=0)] | None = None
     initial_state: dict[str, Finite] | None = None
     disturbances: str | list[dict[str, Any]] | None = None
+    gates: list[Finite] | None = None
     outcome: str | None = None
     group: str | None = None
 

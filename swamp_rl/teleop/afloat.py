@@ -1,7 +1,5 @@
 """One boat in real time: it sails in whole control steps, and is looked at in between."""
 
-import math
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -11,7 +9,6 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
-from swamp_rl.effects.library import LONGEST_DELAY
 from swamp_rl.physics.motion import current_at
 from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE
 from swamp_rl.simulator.step import wind_now
@@ -83,7 +80,6 @@ class Afloat:
         joypad = self.fleet.boat.joypad.thrusters
         self.stern = tuple(name for name in self.fleet.boat.thruster_names if name not in joypad)
         self.step = self.fleet.step
-        self._past: deque[Array] = deque(maxlen=math.ceil(LONGEST_DELAY / self.step) + 2)
 
     def begin(self, seed: int) -> None:
         """Put the boat at the start of the episode of `seed`."""
@@ -93,7 +89,6 @@ class Afloat:
         self.outcome: str | None = None
         self._ahead_outcome: str | None = None
         self._records = self.fleet.boats.copy()
-        self._past.clear()
         self.now = self.ahead = self._instant()
 
     def foresee(self, levers: Levers, stern: Levers = IDLE) -> None:
@@ -117,14 +112,7 @@ class Afloat:
         before, after = self.now, self.ahead
         self.observation, self.outcome = self._seen, self._ahead_outcome
         self._records, self.now = self.fleet.boats.copy(), after
-        self._past.append(after.commands)
         return Instant(before.state, after.commands, before.passed), after
-
-    @property
-    def late_commands(self) -> list[Array]:
-        """(2K,) each, oldest first: what was asked before the step that `go_on` ended last and may act in it
-        or later. Empty where commands act at once."""
-        return list(self._past)[:-1] if self.fleet.params["command_delay"][0] > 0.0 else []
 
     def at(self, share: float) -> Array:
         """(S,) the state after that share in [0, 1] of the step, by cubics through its two ends."""

@@ -5,6 +5,7 @@ import json
 import logging
 import time
 from collections import deque
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,10 +13,11 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from swamp_rl.errors import UserError
 from swamp_rl.teleop import view
-from swamp_rl.teleop.guard import Allowance
+from swamp_rl.teleop.allowance import Allowance
 from swamp_rl.teleop.messages import Choose, Command, Message, parse
 from swamp_rl.teleop.session import SAVING, Session
 
+PAUSE = 0.2  # s until a clock that stopped is started again
 FRAME = 0.02  # s between two frames: 50 a second, and one more whenever the levers move
 RATE, BURST = 150.0, 300.0  # messages a second that a connection may send; a page sends at most 80
 PATIENCE = 2000  # messages beyond that, until the connection is closed
@@ -59,6 +61,19 @@ class Hub:
         """The clock [s]."""
         return self.factor * (time.monotonic() - self._origin)
 
+    async def watch_the_clock(self) -> None:
+        """Keep time until cancelled; whatever stops the clock, it is started again, the boat at a start."""
+        while True:
+            try:
+                await self.keep_time()
+            except Exception as error:
+                log.critical("the clock stopped and is started again", exc_info=error)
+                with suppress(Exception):
+                    self.session.abandon()
+                    self.say(None, f"The recorder had to begin anew: {error}")
+                    self.publish()
+            await asyncio.sleep(PAUSE)
+
     async def keep_time(self) -> None:
         """Advance the boat and send frames until cancelled."""
         due = time.monotonic()
@@ -71,13 +86,11 @@ class Hub:
         """Advance the boat to the present and give everyone a frame of it."""
         now = self.now()
         phase = self.session.phase
-        try:
-            self.session.advance(now)
-        except UserError as error:
-            # The disk refuses rows: what cannot be kept need not be driven to its end.
-            log.error("%s", error)
-            self.session.drop(again=True)
-            self.say(None, f"The run could not be kept: {error}")
+        self.session.advance(now)
+        complaint = self.session.complaint()
+        if complaint is not None:
+            log.error("%s", complaint)
+            self.say(None, complaint)
         if self.clients:
             text = view.frame(self.session, now)
             for client in self.clients:
@@ -130,7 +143,7 @@ class Hub:
         if not client.allowance.spend(time.monotonic()):
             client.excess += 1
             if client.excess == 1:
-                log.warning("connection %d sends too much; some of it is dropped", client.number)
+                log.error("connection %d sends too much; some of it is dropped", client.number)
             if client.excess > PATIENCE:
                 await socket.close(REFUSED)
                 return False
@@ -196,7 +209,7 @@ class Hub:
         assert self.session.phase == SAVING
         try:
             name = await asyncio.to_thread(save)
-        except UserError:
+        except BaseException:
             self.session.not_accepted()
             raise
         self.session.accepted()

@@ -4,18 +4,20 @@ import fcntl
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import os_error, validated
+from swamp_rl.files import flush, os_error, validated
 from swamp_rl.names import file_in
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, adopt_run, create_dataset, read_run
 from swamp_rl.runs.copies import standing_alone
 from swamp_rl.runs.dataset import META, read_meta
-from swamp_rl.teleop.journal import Journal, cut_torn_row, read_description, write_description
+from swamp_rl.teleop.journal import Journal, cut_torn_rows, read_description, write_description
 
 UNFINISHED = "unfinished"
+NAME = re.compile(r"run-([0-9]+)")
 INTERRUPTED = "interrupted"
 "Outcome of a run that was never accepted, because its recorder was stopped."
 BOARD = 8
@@ -38,12 +40,15 @@ class Recordings:
     def __init__(self, folder: Path, meta: DatasetMeta, report: Callable[[str], None]) -> None:
         """UserError where the folder holds another kind of runs, or another recorder writes there."""
         self.folder, self.unfinished = folder, folder / UNFINISHED
+        new = [path for path in (self.unfinished, folder, *folder.parents) if not path.exists()]
         try:
             if not (folder / META).exists():
                 create_dataset(folder, meta)
             if self.unfinished.is_symlink():
                 raise UserError(f"{self.unfinished}: is a link; remove it, or name another folder")
             self.unfinished.mkdir(exist_ok=True)
+            for path in new:  # else a power cut could take the folder with all that is in it
+                flush(path.parent)
             self._lock = open(self.unfinished / ".lock", "w", opener=_no_link)  # noqa: SIM115
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
@@ -53,25 +58,50 @@ class Recordings:
         self._refuse_another_kind(meta)
         for left in (*folder.glob(HALF), *self.unfinished.glob(HALF)):
             left.unlink(missing_ok=True)
-        for description in sorted(self.unfinished.glob("*.json")):
-            self._recover(description, report)
+        for name in self._left_behind():
+            self._recover(self.unfinished / f"{name}.json", report)
         self._count_and_board()
 
     def begin(self, columns: Sequence[str], about: Mapping[str, Any]) -> Journal:
-        """A journal under the next free name."""
-        taken = [path.stem for path in (*self.folder.iterdir(), *self.unfinished.iterdir())]
-        numbers = [int(found[1]) for name in taken if (found := re.fullmatch(r"run-(\d+)", name))]
+        """A journal under the next free name; UserError where the folder cannot be listed."""
+        try:
+            taken = [path.stem for path in (*self.folder.iterdir(), *self.unfinished.iterdir())]
+        except OSError as error:
+            raise os_error(error, self.folder) from error
+        numbers = [int(found[1]) for name in taken if (found := NAME.fullmatch(name))]
         return Journal(self.unfinished, f"run-{max(numbers, default=0) + 1:04d}", columns, about)
 
     def accept(self, journal: Journal, about: Mapping[str, Any]) -> str:
-        """Take a finished run into the dataset, on the disk when this returns; its name."""
-        journal.close()
-        write_description(journal.description, {**about, "accepted": True})
-        self._adopt(journal.table, about)
-        journal.description.unlink()
+        """Take a finished run into the dataset, on the disk when this returns; its name.
+
+        UserError where the disk refuses; then nothing is lost, and it may be tried again.
+        """
+        try:
+            if self._lists(journal.table.name):
+                flush(self.folder)  # an earlier try listed it, and only then failed
+            else:
+                self._called_back(journal.table)
+                journal.close()
+                write_description(journal.description, {**about, "accepted": True})
+                self._adopt(journal.table, about)
+        except OSError as error:
+            raise os_error(error, self.folder) from error
+        finally:
+            with suppress(OSError, UserError):
+                self._called_back(journal.table)
+        with suppress(OSError):  # else it is removed at the next start
+            journal.description.unlink()
         self.count += 1
         self._rank(journal.table.stem, about)
         return journal.table.stem
+
+    def discard(self, journal: Journal) -> None:
+        """Forget a run that is not accepted, wherever a failed acceptance has left it."""
+        moved = self.folder / journal.table.name
+        with suppress(OSError, UserError):
+            if moved.exists() and not self._lists(moved.name):
+                moved.unlink()
+        journal.remove()
 
     def read(self, name: str) -> Run:
         """The run of that name; UserError if the dataset lists none."""
@@ -82,7 +112,8 @@ class Recordings:
 
     def close(self) -> None:
         """Let others write."""
-        self._lock.close()
+        with suppress(OSError):  # the file is empty, so there is nothing to lose
+            self._lock.close()
 
     def _refuse_another_kind(self, meta: DatasetMeta) -> None:
         there = read_meta(self.folder)
@@ -99,33 +130,41 @@ class Recordings:
                 "first run; name another folder"
             )
 
+    def _left_behind(self) -> list[str]:
+        """Names of the runs that an earlier recorder began and neither listed nor removed."""
+        moved = [path.stem for path in self.folder.glob("run-*.csv") if not self._lists(path.name)]
+        return sorted(
+            {path.stem for path in self.unfinished.glob("*.json")} | set(filter(NAME.fullmatch, moved))
+        )
+
     def _recover(self, description: Path, report: Callable[[str], None]) -> None:
         """Finish what a killed recorder began: list what it had accepted, mark the rest as interrupted."""
         table = description.with_suffix(".csv")
-        if not table.exists():
-            table = self._called_back(table)
         try:
             about = read_description(file_in(self.unfinished, description.name, (".json",)))
             table = file_in(self.unfinished, table.name, (".csv",))
             accepted = about.pop("accepted", False)
             if not accepted:
                 about["outcome"] = INTERRUPTED
-            if table.exists() and cut_torn_row(table) >= 2:
+            self._called_back(table)
+            if table.exists() and cut_torn_rows(table) >= 2:
                 self._adopt(table, about)
                 report(
                     f"{table.stem}: {'accepted' if accepted else 'never finished'}, taken into the dataset"
                 )
             table.unlink(missing_ok=True)
-            description.unlink()
-        except UserError as error:
+            description.unlink(missing_ok=True)
+        except (OSError, UserError) as error:
             report(f"{table}: left as it is; {error}")
 
-    def _called_back(self, table: Path) -> Path:
-        """A run renamed but not yet listed when its recorder was killed, put back; else just its path."""
+    def _called_back(self, table: Path) -> None:
+        """Put a run back that was renamed into the dataset but not listed there, because that failed."""
         moved = self.folder / table.name
-        if moved.exists() and all(run.file != moved.name for run in read_meta(self.folder).runs):
+        if moved.exists() and not table.exists() and not self._lists(moved.name):
             moved.rename(table)
-        return table
+
+    def _lists(self, file: str) -> bool:
+        return any(run.file == file for run in read_meta(self.folder).runs)
 
     def _adopt(self, table: Path, about: Mapping[str, Any]) -> None:
         adopt_run(self.folder, table, validated(table.with_suffix(".json"), RunMeta, about))

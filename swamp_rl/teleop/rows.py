@@ -65,12 +65,6 @@ def initial_state(boat: Boat, state: Array) -> dict[str, float]:
     return dict(zip(_state_names(boat), state.tolist(), strict=True))
 
 
-def earlier_commands(boat: Boat, commands: Sequence[Array]) -> dict[str, list[float]]:
-    """Commands (2K,) that were asked before the run and act in it, oldest first, by channel; {} of none."""
-    columns = np.array(commands).T.tolist()
-    return dict(zip(_channel_names(boat), columns, strict=True)) if columns else {}
-
-
 def disturbed(run: Run, boat: Boat) -> Array:
     """(1,) the parameter record of the boat, disturbed as the run was."""
     params = parameters(boat)
@@ -99,6 +93,7 @@ def sailed_again(run: Run, boat: Boat) -> Array:
 
 def _arrived(run: Run, boat: Boat, commands: Array, delay: float) -> Array:
     """(T, 2K) what reaches the thrusters in each step, of commands (T, 2K) that act `delay` steps late."""
+    # What recorders that kept a run only from the first gate on had asked before.
     told = run.meta.model_dump().get("earlier_commands", {})
     earlier = np.array([told[name] for name in _channel_names(boat)]).T if told else commands[:0]
     asked, arrived = np.vstack([earlier, commands]), np.empty_like(commands)

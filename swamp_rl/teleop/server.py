@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import errno
+import logging
 import socket
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
@@ -19,11 +20,17 @@ from starlette.websockets import WebSocket
 from swamp_rl.errors import UserError
 from swamp_rl.files import os_error
 from swamp_rl.teleop import view
-from swamp_rl.teleop.guard import COOKIE, Guard, is_loopback
+from swamp_rl.teleop.connections import PING, BoundedProtocol, Sparing
+from swamp_rl.teleop.guard import COOKIE, LOCKED, Guard, is_loopback
 from swamp_rl.teleop.hub import REFUSED, Hub, log
 
 PAGE = Path(__file__).parent / "page"
 LARGEST_FRAME = 16 * 1024  # bytes; what is larger ends the connection before it is read
+TOLD = {
+    400: "Malformed: a token has letters and digits only.",
+    403: "Not allowed: open the address that swamp-rl record printed.",
+    429: f"Too many wrong tokens: wait {LOCKED:g} s, then open the address that swamp-rl record printed.",
+}
 HEADERS = {
     "content-security-policy": "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; "
     "base-uri 'none'; form-action 'none'",
@@ -41,15 +48,15 @@ class Gate:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """As ASGI has it."""
-        reason = self.guard.objection(scope)
-        if reason is None:
+        objection = self.guard.objection(scope)
+        if objection is None:
             await self.app(scope, receive, _with_headers(send))
             return
-        log.warning("refused a connection: %s", reason)
+        log.warning("refused a connection: %s", objection.reason)
         if scope["type"] == "websocket":
             await WebSocket(scope, receive, send).close(REFUSED)
         else:
-            answer = PlainTextResponse("Not allowed: open the address that swamp-rl record printed.\n", 403)
+            answer = PlainTextResponse(f"{TOLD[objection.status]}\n", objection.status)
             await answer(scope, receive, _with_headers(send))
 
 
@@ -68,12 +75,16 @@ def application(hub: Hub, guard: Guard) -> ASGIApp:
 
     @contextlib.asynccontextmanager
     async def living(_: Starlette) -> AsyncIterator[None]:
-        ticking = asyncio.create_task(hub.keep_time())
-        ticking.add_done_callback(_tell_of_failure)
+        ticking = asyncio.create_task(hub.watch_the_clock())
+        logs = [(logger, Sparing()) for logger in (log, logging.getLogger("uvicorn.error"))]
+        for logger, spare in logs:
+            logger.addFilter(spare)
         try:
             yield
         finally:
             ticking.cancel()
+            for logger, spare in logs:
+                logger.removeFilter(spare)
 
     def front(request: Request) -> Response:
         if guard.in_query(request.scope):
@@ -87,6 +98,8 @@ def application(hub: Hub, guard: Guard) -> ASGIApp:
         try:
             run = hub.session.recordings.read(request.path_params["name"])
             return JSONResponse(view.replayed(run, hub.session))
+        except OSError as error:
+            return JSONResponse({"error": str(os_error(error, request.path_params["name"]))}, 404)
         except UserError as error:
             return JSONResponse({"error": str(error)}, 404)
 
@@ -97,11 +110,6 @@ def application(hub: Hub, guard: Guard) -> ASGIApp:
         Mount("/", StaticFiles(directory=PAGE)),
     ]
     return Gate(Starlette(routes=routes, lifespan=living), guard)
-
-
-def _tell_of_failure(task: "asyncio.Task[None]") -> None:
-    if not task.cancelled() and task.exception() is not None:
-        log.critical("the clock has stopped; start the recorder again", exc_info=task.exception())
 
 
 def bound(host: str, port: int) -> socket.socket:
@@ -140,6 +148,9 @@ def server_of(hub: Hub, guard: Guard) -> uvicorn.Server:
         ws="websockets-sansio",
         ws_max_size=LARGEST_FRAME,
         ws_per_message_deflate=False,
+        ws_ping_interval=PING,
+        ws_ping_timeout=PING,
+        http=BoundedProtocol,
         proxy_headers=False,
         server_header=False,
         timeout_graceful_shutdown=1,

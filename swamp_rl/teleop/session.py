@@ -2,22 +2,23 @@
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.simulator.state import TIME
 from swamp_rl.teleop.afloat import IDLE, Afloat, Array, Instant, Levers
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.journal import Journal
 from swamp_rl.teleop.messages import Choose, Command, clean_nickname
 from swamp_rl.teleop.recordings import Recordings
-from swamp_rl.teleop.rows import columns_of, earlier_commands, initial_state, row_of, try_a_step
+from swamp_rl.teleop.rows import columns_of, initial_state, row_of, try_a_step
 
 DEAD_MAN = 0.25  # s without a command, until the thrusters stop
-READY, APPROACH, RUN, ENDED, SAVING = "ready", "approach", "run", "ended", "saving"
-UNDER_WAY = (APPROACH, RUN)
+READY, RUN, ENDED, SAVING = "ready", "run", "ended", "saving"
 PERSON, PILOT = "person", "pilot"
 BEHIND = 0.5
 "How far [s] the boat may lag behind the clock; what a stalled machine lost beyond is not made up for."
@@ -26,8 +27,8 @@ BEHIND = 0.5
 class Session:
     """One boat, one run at a time; every `now` is the server's clock [s].
 
-    READY until a lever moves; APPROACH to the first gate; RUN from the step that passes it, each step in a
-    journal; ENDED at the last gate, or as a failure, until the run is accepted, discarded or tried again.
+    READY until the first thrust; RUN from then on, each step in a journal; ENDED at the last gate, or as a
+    failure, until the run is accepted, discarded or tried again.
     """
 
     def __init__(
@@ -52,6 +53,9 @@ class Session:
         self._in_force: tuple[Levers, Levers] = (IDLE, IDLE)
         self._foreseen: tuple[Levers, Levers] | None = None
         self.journal: Journal | None = None
+        self._complaint: str | None = None
+        self._refused = False
+        self._troubled: Journal | None = None
         self.renew()
 
     def renew(self, seed: int | None = None) -> None:
@@ -62,8 +66,8 @@ class Session:
         self.phase, self.helm, self.began = READY, PERSON, 0.0
         self.rows = self.kicks = self.corrections = 0
         self.drivers: set[str] = set()
+        self.gates: list[float] = []
         self._start: dict[str, float] = {}
-        self._earlier: dict[str, list[float]] = {}
         self._last_driver: str | None = None
         if self.pilot is not None:
             self.pilots[self.pilot].reset(1)
@@ -80,11 +84,13 @@ class Session:
         self.renew(self.boat.seed)
 
     def close(self) -> None:
-        """Let go of the disk; a run under way stays there as unfinished."""
-        if self.journal is not None:
-            self.journal.close()
-        for recordings in self.opened:
-            recordings.close()
+        """Let go of the disk; a run under way stays there as unfinished, UserError if it cannot."""
+        try:
+            if self.journal is not None:
+                self.journal.close()
+        finally:
+            for recordings in self.opened:
+                recordings.close()
 
     @property
     def opened(self) -> list[Recordings]:
@@ -113,13 +119,16 @@ class Session:
     # --- what the person does ---
 
     def command(self, message: Command, now: float) -> None:
-        """Move the levers; the first thrust casts off."""
+        """Move the levers; the first thrust begins the run."""
         self.advance(now)
         self._heard = now if message.live else -math.inf
         self._asked = (message.throttle, message.angle)
         self._stern = (message.stern_throttle, message.stern_azimuth) if self.boat.stern else IDLE
-        if self.phase == READY and message.live and (message.throttle > 0.0 or self.helm == PILOT):
-            self.phase, self.began = APPROACH, now
+        thrust = message.throttle > 0.0 or self.helm == PILOT
+        if self.phase == READY and message.live and thrust and not self._refused:
+            self.phase, self.began = RUN, now
+        # A run that the disk refused is not begun again by a lever that was never let go.
+        self._refused &= thrust
         self._foresee(now)
 
     def lose(self) -> None:
@@ -161,9 +170,19 @@ class Session:
         if self.phase == SAVING:
             raise UserError("the run is being saved")
         if self.journal is not None:
-            self.journal.remove()
+            self.recordings.discard(self.journal)
             self.journal = None
         self.renew(self.boat.seed if again else None)
+
+    def abandon(self) -> None:
+        """Leave a run under way on the disk as unfinished, unless it is being saved, and begin anew."""
+        if self.phase == SAVING:
+            return
+        if self.journal is not None:
+            with suppress(UserError):
+                self.journal.close()
+            self.journal = None
+        self.renew()
 
     def accept(self) -> Callable[[], str]:
         """What saves the ended run and returns its name: slow, so for any thread; then call `accepted`."""
@@ -186,11 +205,18 @@ class Session:
 
     def advance(self, now: float) -> None:
         """Sail the control steps that have ended by `now`, and foresee the present one."""
-        if self.phase in UNDER_WAY:
+        if self.phase == RUN:
             self.began = max(self.began, now - BEHIND)
-        while self.phase in UNDER_WAY and now >= self.began + self.boat.step:
+        while self.phase == RUN and now >= self.began + self.boat.step:
             self._foresee(self.began + self.boat.step)
-            self._end_step()
+            try:
+                self._end_step()
+            except UserError as error:
+                # A run that the disk cannot even begin would be driven for nothing.
+                self._complaint = f"The run cannot be recorded: {error}"
+                self.drop(again=True)
+                self._refused = True
+                break
             self.began += self.boat.step
         self._foresee(now)
 
@@ -200,7 +226,7 @@ class Session:
 
     def state(self, now: float) -> Array:
         """(S,) the boat at `now`, between two control steps too."""
-        if self.phase not in UNDER_WAY:
+        if self.phase != RUN:
             return self.boat.now.state
         return self.boat.at(min(max((now - self.began) / self.boat.step, 0.0), 1.0))
 
@@ -214,33 +240,46 @@ class Session:
         """How the run ended; None while it has not."""
         return self.boat.outcome
 
+    @property
+    def run_time(self) -> float:
+        """From the first gate on [s], 0 before; on a course of one gate from the first thrust on."""
+        if len(self.boat.fleet.course.gates) == 1:
+            return float(self.boat.now.state[TIME])
+        return round(float(self.boat.now.state[TIME]) - self.gates[0], 6) if self.gates else 0.0
+
+    def complaint(self) -> str | None:
+        """What is wrong with the disk, each time once."""
+        told, self._complaint = self._complaint, None
+        return told
+
     def _foresee(self, now: float) -> None:
         idle = self.stopped(now)
         driven = self._decided if self.helm == PILOT else self._asked
         in_force = (IDLE, IDLE) if idle else (driven, self._stern)
-        if self.phase in UNDER_WAY and in_force != self._foreseen:
+        if self.phase == RUN and in_force != self._foreseen:
             self.boat.foresee(*in_force)
             self._foreseen = in_force
         self._in_force = in_force
 
     def _end_step(self) -> None:
         before, after = self.boat.go_on()
-        first = min(1, len(self.boat.fleet.course.gates) - 1)
-        if self.journal is None and after.passed >= first:
-            self.phase = RUN
+        if self.journal is None:
             self._start = initial_state(self.boat.fleet.boat, before.state)
-            self._earlier = earlier_commands(self.boat.fleet.boat, self.boat.late_commands)
             self.journal = self.recordings.begin(self._columns(), self.about())
-        if self.journal is not None:
-            self._note_driver()
-            self._write(before)
+        self._note_driver()
+        self._write(before)
+        if after.passed > before.passed:
+            self.gates += [float(after.state[TIME])] * (after.passed - before.passed)
+            self.journal.describe(self.about())
         if self.boat.outcome is not None:
-            if self.journal is not None:
-                self._write(Instant(after.state, before.commands, after.passed))
-                self.journal.describe(self.about())
+            self._write(Instant(after.state, before.commands, after.passed))
+            self.journal.describe(self.about())
             self.phase = ENDED
         else:
             self._decide()
+        if self.journal.trouble is not None and self.journal is not self._troubled:
+            self._complaint = f"The run is not on the disk, accepting it tries again: {self.journal.trouble}"
+            self._troubled = self.journal
 
     def _note_driver(self) -> None:
         self.drivers.add(self.helm)
@@ -282,10 +321,10 @@ class Session:
             "level": self.level,
             "helm": drivers,
         }
+        if self.gates:
+            about["gates"] = list(self.gates)
         if self.outcome is not None:
-            about |= {"outcome": self.outcome, "seconds": round((self.rows - 1) * self.boat.step, 6)}
-        if self._earlier:
-            about["earlier_commands"] = self._earlier
+            about |= {"outcome": self.outcome, "seconds": self.run_time}
         if self.kicks:
             about["kicked_steps"] = self.kicks
         if self.pilot is not None:

@@ -9,7 +9,7 @@ from swamp_rl.runs import Run
 from swamp_rl.simulator.state import NORTH, SURGE, TIME, YAW_RATE
 from swamp_rl.teleop.afloat import actuators
 from swamp_rl.teleop.rows import MOTION, disturbed, largest_difference
-from swamp_rl.teleop.session import UNDER_WAY, Session
+from swamp_rl.teleop.session import RUN, Session
 
 DIGITS = 5
 
@@ -55,7 +55,7 @@ def frame(session: Session, now: float) -> str:
     state = session.state(now)
     azimuths, throttles = actuators(state)
     wind_north, wind_east, current_north, current_east = session.boat.weather(state)
-    under_way = session.phase in UNDER_WAY
+    under_way = session.phase == RUN
     said = {
         "type": "frame",
         "phase": session.phase,
@@ -63,7 +63,7 @@ def frame(session: Session, now: float) -> str:
         "helm": session.helm,
         "stopped": under_way and session.stopped(now),
         "time": float(state[TIME]) if not under_way else session.boat.now.state[TIME] + now - session.began,
-        "run_time": max(session.rows - 1, 0) * session.boat.step,
+        "run_time": session.run_time,
         "pose": state[NORTH : NORTH + 3].tolist(),
         "velocity": state[SURGE : YAW_RATE + 1].tolist(),
         "azimuth": azimuths.tolist(),

@@ -215,7 +215,7 @@ def test_a_run_is_tried_again_discarded_and_accepted_by_button_by_key_and_by_gam
             pose = frame(page)["pose"]
             page.keyboard.press("t")
             wait_for_phase(page, "ended")
-            page.wait_for_function("swamp.frame.run_time > 0")
+            page.wait_for_function("swamp.frame.time > 0")
             WAYS[way][act](page)
             wait_for_phase(page, "ready")
             assert (frame(page)["pose"] == pose) == (act == "retry")
@@ -336,7 +336,7 @@ def test_a_page_that_loses_the_focus_or_freezes_stops_the_thrusters(
         until = time.monotonic() + 4.0
         while hub.session.levers != (0.0, 0.0) and time.monotonic() < until:
             time.sleep(0.02)
-        assert hub.session.levers == (0.0, 0.0) and hub.session.phase == "approach"
+        assert hub.session.levers == (0.0, 0.0) and hub.session.phase == "run"
         page.wait_for_function("swamp.frame.levers[0] === 1")
         keys.hold()
 

@@ -20,7 +20,7 @@ from swamp_rl.pilots.takeover import TakeoverPilot
 from swamp_rl.runs import Run, corrected, persons_part, read_dataset
 from swamp_rl.teleop.messages import Choose
 from swamp_rl.teleop.rows import largest_difference
-from swamp_rl.teleop.session import ENDED, RUN, Session
+from swamp_rl.teleop.session import ENDED, Session
 from tests.support.driving import BOAT, accept, command, drive, session
 from tests.support.steering_runs import RUNS, SMALL
 
@@ -53,10 +53,11 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Pilot]:
 
 
 def corrected_run(game: Session) -> Run:
-    """A run in which the pilot has the helm for ten steps, and the person takes it back."""
-    now, changed = 0.0, set[int]()
+    """A run in which the pilot has the helm for ten steps past the first gate, then the person again."""
+    now, first, changed = 0.0, 0, set[int]()
     while game.phase != ENDED:
-        if game.phase == RUN and game.rows in (10, 20) and game.rows not in changed:
+        first = first or (game.rows if game.gates else 0)
+        if first and game.rows - first in (10, 20) and game.rows not in changed:
             changed.add(game.rows)
             game.change_helm(now)
         game.command(command(game, throttle=0.8), now)

@@ -9,10 +9,10 @@ from swamp_rl.envs.single import GatesEnv
 
 from swamp_rl.boat import load_boat
 from swamp_rl.pilots.scripted import ScriptedPilot
-from swamp_rl.runs import DatasetMeta, check_dataset
+from swamp_rl.runs import DatasetMeta, Run, RunMeta, check_dataset
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.recordings import Recordings
-from swamp_rl.teleop.rows import largest_difference
+from swamp_rl.teleop.rows import initial_state, largest_difference, sailed_again
 from swamp_rl.teleop.session import ENDED, RUN, Session
 from tests.support.driving import accept, command, meta
 
@@ -85,11 +85,19 @@ def test_any_boat_with_any_effects_sails_its_run_again_to_the_bit(
     assert largest_difference(run, load_boat(boat)) == 0.0
 
 
-def test_without_the_commands_before_the_run_a_delay_would_show(tmp_path: Path) -> None:
+def test_a_run_kept_from_its_middle_on_sails_again_with_the_commands_before_it(tmp_path: Path) -> None:
     game = driven(tmp_path / "runs", "swamp", [DELAY], False)
-    run = game.recordings.read(accept(game))
-    told = run.meta.model_dump()
+    whole = game.recordings.read(accept(game))
+    boat = load_boat("swamp")
+    commands = whole.commands(boat.thruster_names)
+    first = 40 + int(np.argmax(np.abs(np.diff(commands[39:-40], axis=0)).sum(axis=1)))  # changed just then
+    start = initial_state(boat, sailed_again(whole, boat)[first])
+    rest = {name: values[first:] for name, values in whole.columns.items()}
     # 0.23 s is two steps and a part of the third.
-    assert all(len(values) >= 3 for values in told["earlier_commands"].values())
-    forgotten = run.meta.model_copy(update={"earlier_commands": {}})
-    assert largest_difference(type(run)(run.name, run.columns, forgotten), "swamp") > 1e-6
+    before = commands[first - 3 : first].T.tolist()
+    channels = [f"{kind}_{name}" for kind in ("azimuth", "throttle") for name in boat.thruster_names]
+    told = {"initial_state": start, "earlier_commands": dict(zip(channels, before, strict=True))}
+    meta = RunMeta.model_validate(whole.meta.model_dump() | told)
+    assert largest_difference(Run("rest", rest, meta), boat) == 0.0
+    forgotten = meta.model_copy(update={"earlier_commands": {}})
+    assert largest_difference(Run("rest", rest, forgotten), boat) > 1e-6

@@ -18,7 +18,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from swamp_rl.errors import UserError
-from swamp_rl.teleop.guard import Allowance, Guard, is_loopback
+from swamp_rl.teleop.allowance import Allowance
+from swamp_rl.teleop.guard import Guard, is_loopback
 from swamp_rl.teleop.hub import Hub
 from swamp_rl.teleop.messages import LARGEST, clean_nickname, parse
 from swamp_rl.teleop.server import bound
@@ -172,7 +173,7 @@ def test_a_huge_message_ends_its_connection_and_no_other(recorder: tuple[str, Hu
                 bad.recv(timeout=10)
         hear(good, status(watchers=0))
         good.send(json.dumps(COMMAND))
-        hear(good, lambda message: message.get("phase") == "approach")
+        hear(good, lambda message: message.get("phase") == "run")
 
 
 def test_a_flood_is_dropped_and_then_cut_off(
@@ -223,7 +224,7 @@ def test_a_driver_whose_connection_breaks_lets_go_of_the_levers(recorder: tuple[
             driver.send(json.dumps(COMMAND))
             hear(watcher, lambda message: message.get("levers") == [0.5, 0.1])
         stopped = hear(watcher, lambda message: message.get("levers") == [0.0, 0.0])
-        assert stopped["phase"] == "approach"
+        assert stopped["phase"] == "run"
 
 
 @pytest.mark.parametrize(

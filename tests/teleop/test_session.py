@@ -26,18 +26,20 @@ def recorded(game: Session, name: str) -> Run:
     return game.recordings.read(name)
 
 
-def test_a_run_starts_in_the_step_that_passes_the_green_gate_and_ends_past_the_red_one(
-    tmp_path: Path,
-) -> None:
+def test_a_run_is_kept_from_the_first_thrust_with_the_instants_of_its_gates(tmp_path: Path) -> None:
     game = session(tmp_path / "runs")
+    start = game.boat.now.state[NORTH]
     drive(game)
     run = recorded(game, accept(game))
-    green, red = load_course("camogli").gates
     north = run.columns["north"]
-    assert north[0] < green.centre.north <= north[1]
-    assert north[-2] < red.centre.north <= north[-1]
-    assert run.meta.outcome == "success"
-    assert run.duration == pytest.approx(run.meta.model_dump()["seconds"])
+    assert run.time[0] == 0.0 and north[0] == start and run.columns["surge"][0] == 0.0
+    assert run.columns["joy_thrust"][0] > 0.0
+    assert run.meta.outcome == "success" and run.meta.gates is not None
+    for gate, instant in zip(load_course("camogli").gates, run.meta.gates, strict=True):
+        row = int(np.flatnonzero(run.time == instant)[0])
+        assert north[row - 1] < gate.centre.north <= north[row]
+    # The clock of the page and of the board runs from the first gate on.
+    assert run.time[-1] - run.meta.gates[0] == pytest.approx(run.meta.model_dump()["seconds"])
     assert check_dataset(tmp_path / "runs") == []
 
 
@@ -145,15 +147,16 @@ def test_retry_is_the_same_start_and_weather_and_discard_another(tmp_path: Path)
     assert list((tmp_path / "runs").glob("*.csv")) == []
 
 
-def test_a_boat_that_hits_a_buoy_before_the_first_gate_has_nothing_to_accept(tmp_path: Path) -> None:
+def test_a_run_that_fails_before_the_first_gate_is_kept_as_failed(tmp_path: Path) -> None:
     game = session(tmp_path / "runs", "severe")
     now = 0.0
     while game.phase != ENDED:
         game.command(Command(type="command", throttle=1.0, angle=0.9), now)
         now += 0.05
-    assert game.outcome != "success" and game.journal is None
-    with pytest.raises(UserError, match="no ended run"):
-        game.accept()
+    run = recorded(game, accept(game))
+    assert run.meta.outcome in ("buoy", "out_of_bounds") and run.meta.gates is None
+    assert run.time[0] == 0.0 and game.recordings.count == 1 and game.recordings.board == []
+    assert check_dataset(tmp_path / "runs") == []
 
 
 def test_the_pilot_watches_takes_over_and_where_the_person_corrected_it_is_stored(tmp_path: Path) -> None:

@@ -69,7 +69,7 @@ function leave() {
 function enter(phase) {
   if (phase === "ready") { trail = []; forget(); }
   document.body.dataset.phase = phase;
-  by("accept").disabled = !(frame.run_time > 0);
+  by("accept").disabled = phase !== "ended";
   for (const id of CHOICES) by(id).disabled = phase !== "ready";
 }
 
@@ -126,18 +126,18 @@ function headline() {
   const next = scene.course.gates[Math.min(frame.passed, scene.course.gates.length - 1)].name;
   switch (frame.phase) {
     case "ready": return ["Ready", `Push the throttle: through ${scene.course.gates.map((gate) => gate.name).join(", then ")}.`];
-    case "approach": case "run":
+    case "run":
       if (frame.stopped) return ["Thrusters stopped", "The page lost your hand: click here, or move a lever."];
-      return ["", frame.helm === "pilot" ? "The autopilot has the helm." : frame.passed ? `Recording. Now ${next}.` : `To the ${next} gate: the run starts there.`];
+      return ["", frame.helm === "pilot" ? "The autopilot has the helm." : frame.passed ? `Recording. Now ${next}.` : `Recording. To the ${next} gate: the clock starts there.`];
     case "saving": return ["Saving …", ""];
-    default: return [ENDS[frame.outcome] ?? frame.outcome, frame.outcome === "success" ? `${frame.run_time.toFixed(1)} s from gate to gate` : frame.run_time > 0 ? "Failed runs teach too." : "The run had not started."];
+    default: return [ENDS[frame.outcome] ?? frame.outcome, frame.outcome === "success" ? `${frame.run_time.toFixed(1)} s from gate to gate` : "Failed runs teach too."];
   }
 }
 
 // --- commands ---
 
 const live = () => document.hasFocus() && !document.hidden;
-const moving = () => frame?.phase === "approach" || frame?.phase === "run";
+const moving = () => frame?.phase === "run";
 const matches = ({ levers }) => Math.abs(levers[0] - asked.throttle) < 1e-3 && Math.abs(levers[1] - asked.angle) < 1e-3;
 let sent = "";
 

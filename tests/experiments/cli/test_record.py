@@ -53,16 +53,14 @@ def stopped(process: "subprocess.Popen[str]", how: signal.Signals) -> tuple[int,
     return process.returncode, out
 
 
-def drive_for_rows(host: str, wanted: int, then: Callable[[], object]) -> None:
-    """Drive past the first gate for so many rows, then do something while still connected."""
-    rows = 0
+def drive_for_rows(host: str, table: Path, wanted: int, then: Callable[[], object]) -> None:
+    """Drive until so many rows are in the run's table, then do something while still connected."""
     with connect(f"ws://{host}/socket", origin=f"http://{host}") as socket:
-        while rows < wanted:
+        while not table.exists() or table.read_text().count("\n") <= wanted:
             seen = json.loads(socket.recv(timeout=10))
             if seen["type"] != "frame":
                 continue
             assert seen["phase"] != "ended", seen["outcome"]
-            rows = round(10 * seen["run_time"])
             angle = aim(*seen["pose"], seen["velocity"][2], seen["passed"])
             socket.send(json.dumps({"type": "command", "throttle": 1.0, "angle": angle}))
         then()
@@ -73,7 +71,9 @@ def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_inter
     with started(folder) as (process, _, address):
         host = address.split("/")[2]
         assert b"<canvas" in urllib.request.urlopen(address, timeout=10).read()
-        drive_for_rows(host, 8, lambda: stopped(process, signal.SIGKILL))
+        drive_for_rows(
+            host, folder / "unfinished" / "run-0001.csv", 8, lambda: stopped(process, signal.SIGKILL)
+        )
     with started(folder) as (process, said, _):
         assert "run-0001: never finished, taken into the dataset" in said[0]
         assert stopped(process, signal.SIGINT) == (0, f"{folder}: 0 runs\n")

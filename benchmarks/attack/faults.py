@@ -1,0 +1,357 @@
+"""Every command on a disk that refuses.
+
+ENOSPC, EIO, EMFILE, EACCES at the Nth open, write, fsync, rename, close.
+
+python -m benchmarks.attack.faults [--quick] [--only COMMAND]
+
+A case is one command with one refusal, once or from then on, in a folder of its own. It is unexplained unless
+the command ends well, or with one line on the error stream and status 2; its inputs are unchanged; what it
+was to write is there as a whole or not at all; and, of the recorder, every accepted run is there and sails
+again to the bit.
+"""
+
+import argparse
+import errno
+import hashlib
+import json
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.attack.syscalls import Ended, armed, counts_to, forked, most_counted, scratch, with_shim
+
+ERRORS = (errno.ENOSPC, errno.EIO, errno.EMFILE, errno.EACCES)
+CALLS = ("open", "write", "fsync", "rename", "close")
+PLACES, QUICK_PLACES = 24, 2  # values of N for each command, call and error; spread over all calls it makes
+SEED = 0
+LIMIT = 120.0  # s for one case
+
+COURSE = """
+name: short
+gates: [{name: only, centre: {north: 8.0, east: 0.0}, heading: 0.0, width: 4.0}]
+start: {pose: {north: 0.0, east: 0.0, heading: 0.0}, spread: {north: 0.5, east: 0.5, heading: 0.1}}
+bounds: {south: -12.0, north: 34.0, west: -15.0, east: 23.0}
+buoy_radius: 0.2
+time_limit: 2.0
+"""
+EXPERIMENT = """
+name: tiny
+boat: swamp
+course: camogli
+data: {folder: %s}
+pilots:
+  reservoir: {kind: reservoir, takeover: 1.0, options: {units: 20}}
+  net: {kind: cloning, takeover: 1.0, options: {epochs: 1}}
+evaluation: {levels: [calm], episodes: 2, seed: 1, shown: 1}
+"""
+SWEEP = """
+name: tiny
+experiment: %s
+set: {pilots.reservoir.takeover: 0.0}
+parameters: {pilots.reservoir.options.units: {grid: [10, 20]}}
+objective: {pilot: reservoir, level: calm}
+"""
+
+
+@dataclass(frozen=True)
+class Command:
+    """What is done in a case's folder, which holds a copy of the inputs; `out` is what it writes there."""
+
+    do: Callable[[Path], int | None]
+    out: str = "out"
+    left: tuple[str, ...] = ()
+    "What a command that failed may leave beside `out`, for the next life to go on from."
+    check: Callable[[Path, Ended], str | None] = field(default=lambda case, ended: None)
+
+
+def verb(*words: str) -> Callable[[Path], int | None]:
+    """The command line's verb with these words, `{}` being the case's folder."""
+
+    def do(case: Path) -> None:
+        from swamp_rl.experiments.cli import main
+
+        sys.argv = ["swamp-rl", *(word.format(case) for word in words)]
+        main()
+
+    return do
+
+
+def record(case: Path) -> int:
+    """Two runs driven and accepted, one between them discarded; an acceptance is tried three times."""
+    from swamp_rl.errors import UserError
+
+    try:
+        game = recorder(case)
+    except UserError as error:
+        print("swamp-rl:", error, file=sys.stderr)
+        return 2
+    now, kept = 0.0, 0
+    for keep in (True, False, True):
+        now = driven(game, now)
+        for _ in range(3 if keep and game.journal is not None else 0):
+            try:
+                save = game.accept()
+                name = save()
+            except UserError:
+                game.not_accepted()
+                continue
+            game.accepted()
+            print("accepted", name, flush=True)
+            kept += 1
+            break
+        else:
+            game.drop(again=False)
+    try:
+        game.close()
+    except UserError as error:
+        print("swamp-rl:", error, file=sys.stderr)
+        return 2
+    return 0
+
+
+def write_course(case: Path) -> None:
+    """The course that `recorder` sails on."""
+    (case / "inputs").mkdir(parents=True)
+    (case / "inputs" / "short.yaml").write_text(COURSE)
+
+
+def warm(case: Path, drive: Callable[[Path], object]) -> None:
+    """Compile, in the process that is forked, what each fork would compile anew."""
+    write_course(case)
+    drive(case)
+
+
+def recorder(case: Path):
+    """A session on a course that ends after two seconds, with its dataset in `case`/out."""
+    from swamp_rl.envs.single import GatesEnv
+
+    from swamp_rl.boat import load_boat
+    from swamp_rl.runs import DatasetMeta
+    from swamp_rl.teleop.berth import Berth
+    from swamp_rl.teleop.recordings import Recordings
+    from swamp_rl.teleop.session import Session
+
+    boat, course = load_boat("swamp"), str(case / "inputs" / "short.yaml")
+    particulars = {name: getattr(boat, name) for name in ("mass", "draught", "water_density")}
+    meta = DatasetMeta(vehicle="swamp", sample_rate=10.0, source="scripted", course=course, **particulars)
+    berth = Berth(
+        lambda level, senses: GatesEnv("swamp", course, level, observation=senses),
+        ("calm",),
+        lambda: Recordings(case / "out", meta, lambda line: None),
+    )
+    return Session({"swamp": berth}, np.random.default_rng(SEED))
+
+
+def driven(game, now: float) -> float:
+    """Drive a run to its end; where the disk refuses to begin it, let go of the lever once and give up."""
+    from swamp_rl.teleop.messages import Command as Levers
+
+    for _ in range(200):
+        if game.phase == "ended" or (game.complaint() is not None and game.phase == "ready"):
+            break
+        game.command(Levers(type="command", throttle=1.0, angle=0.1), now)
+        now += 0.1
+    game.command(Levers(type="command", throttle=0.0, angle=0.0), now)
+    return now + 0.1
+
+
+def recorded(case: Path, ended: Ended) -> str | None:
+    """What is wrong with a recorder's dataset, opened again."""
+    from swamp_rl.runs import check_dataset, read_dataset
+    from swamp_rl.teleop.rows import largest_difference
+
+    accepted = {line.split()[1] for line in ended.out.splitlines() if line.startswith("accepted")}
+    if not (case / "out" / "dataset.yaml").exists():
+        return f"lost the dataset with {accepted}" if accepted else None
+    recorder(case).close()
+    if list((case / "out" / "unfinished").glob("run-*")):
+        return "something unfinished stays"
+    runs = {run.name: run for run in read_dataset(case / "out").runs} if accepted else {}
+    if not accepted <= set(runs):
+        return f"lost {accepted - set(runs)}"
+    if accepted and (faults := check_dataset(case / "out")):
+        return f"faults: {faults[0]}"
+    if any(runs[name].meta.outcome == "interrupted" for name in accepted):
+        return "an accepted run is marked as interrupted"
+    if any(largest_difference(runs[name], "swamp") != 0.0 for name in accepted):
+        return "an accepted run does not sail again to the bit"
+    return None
+
+
+COMMANDS = {
+    "record": Command(record, check=recorded),
+    "import": Command(
+        verb("runs", "import", "{}/inputs/log.csv", "--from", "csv", "--out", "{}/out", "--boat", "swamp")
+    ),
+    **{
+        f"export {to}": Command(verb("runs", "export", "{}/inputs/runs", "--to", to, "--out", "{}/out"))
+        for to in ("csv", "parquet", "minari", "lerobot", "mcap")
+    },
+    "train": Command(
+        verb("train", "{}/inputs/tiny.yaml", "--set", "data.folder={}/inputs/runs", "--out", "{}/out"),
+        left=(".part-out",),
+    ),
+    "run": Command(
+        verb("run", "{}/inputs/tiny.yaml", "--set", "data.folder={}/inputs/runs", "--out", "{}/out"),
+        left=(".part-out",),
+    ),
+    "sweep": Command(
+        verb("sweep", "{}/inputs/sweep.yaml", "--set", "data.folder={}/inputs/runs", "--out", "{}/out"),
+        left=("out",),
+    ),
+    "diagnose": Command(verb("diagnose", "{}/inputs/runs", "--out", "{}/out")),
+}
+
+
+def prepare(inputs: Path) -> None:
+    """What the commands read."""
+    from swamp_rl.envs.batched import GatesVectorEnv
+
+    from swamp_rl.pilots.record import record_scripted
+    from swamp_rl.runs import read_dataset, write_run
+
+    inputs.mkdir()
+    (inputs / "short.yaml").write_text(COURSE)
+    (inputs / "tiny.yaml").write_text(EXPERIMENT % (inputs / "runs"))
+    (inputs / "sweep.yaml").write_text(SWEEP % (inputs / "tiny.yaml"))
+    record_scripted(
+        lambda n, senses: GatesVectorEnv(n, "swamp", "camogli", "calm", senses, 0.1),
+        inputs / "runs",
+        count=2,
+        failed=0,
+    )
+    write_run(inputs / "log.csv", read_dataset(inputs / "runs").runs[0])
+
+
+def tree(folder: Path) -> dict[str, str]:
+    """Digest of each file by relative path."""
+    return {
+        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+class Attack:
+    """Cases of one command, in folders of their own beside its inputs."""
+
+    def __init__(self, name: str, root: Path) -> None:
+        self.name, self.command, self.root = name, COMMANDS[name], root
+        self.inputs = tree(root / "inputs")
+        ended, self.whole = self._case("write", 0, 0, False, keep=True)
+        if ended.code != 0:
+            raise RuntimeError(f"{name} fails without a fault: {ended}")
+
+    def _case(
+        self, kind: str, error: int, nth: int, lasting: bool, keep: bool = False
+    ) -> tuple[Ended, set[str]]:
+        case = self.root / "case"
+        shutil.rmtree(case, ignore_errors=True)
+        case.mkdir()
+        shutil.copytree(self.root / "inputs", case / "inputs")
+
+        def work() -> int | None:
+            if keep:
+                counts_to(self.root / f"calls of {self.name}")
+            armed(case, kind, error, nth, lasting)
+            return self.command.do(case)
+
+        ended = forked(work, LIMIT)
+        if keep:
+            self.calls = most_counted(self.root / f"calls of {self.name}")
+        out = case / self.command.out
+        return ended, set(tree(out)) if out.exists() else set()
+
+    def tried(self, kind: str, error: int, nth: int, lasting: bool) -> str | None:
+        """What cannot be explained about one case; None if all is well."""
+        ended, there = self._case(kind, error, nth, lasting)
+        case, lines = self.root / "case", ended.err.strip().splitlines()
+        if ended.hung:
+            return "it hangs"
+        if ended.code not in (0, 2):
+            return f"ends with {ended.code}: {lines[-1] if lines else ''}"
+        if ended.code == 2 and (len(lines) != 1 or not lines[0].startswith("swamp-rl: ")):
+            return f"says {len(lines)} lines: {lines[-3:]}"
+        if "Traceback" in ended.err:
+            return f"traceback: {lines[-1]}"
+        if tree(case / "inputs") != self.inputs:
+            return "its inputs are changed"
+        if self.name == "record":
+            try:
+                return self.command.check(case, ended)
+            except Exception as error:
+                return f"what it left cannot be read: {error}"
+        if ended.code == 0 and there != self.whole:
+            return f"ends well without {sorted(self.whole - there)[:3]}"
+        if there and there != self.whole and self.command.out not in self.command.left:
+            return f"leaves a part: without {sorted(self.whole - there)[:3]}"
+        others = {path.name for path in case.iterdir()} - {"inputs", self.command.out, *self.command.left}
+        if kind in ("open", "close"):  # nothing can be removed where a folder cannot be listed
+            others = {name for name in others if not name.startswith(".part-")}
+        return f"leaves {sorted(others)}" if others else None
+
+    def places(self, kind: str, most: int, rng: np.random.Generator) -> Iterator[int]:
+        """Values of N: the first, the last and others, drawn; none twice."""
+        calls = self.calls[kind]
+        few = {1, calls, *(1 + rng.permutation(calls)[: max(most - 2, 0)]).tolist()} if calls else set()
+        yield from sorted(few)[:most] if most < len(few) else sorted(few)
+
+
+def attack(names: list[str], places: int, said: Callable[[str], None]) -> list[dict[str, object]]:
+    """For each command the cases tried and those that cannot be explained."""
+    counts = []
+    with scratch() as root:
+        prepare(root / "inputs")
+        for name in names:
+            rng, cases, unexplained = np.random.default_rng(SEED), 0, []
+            if name == "record":
+                warm(root / "warm", record)
+            one = Attack(name, root)
+            for kind in CALLS:
+                for error in ERRORS:
+                    for nth in one.places(kind, places, rng):
+                        lasting = bool(rng.integers(2))
+                        cases += 1
+                        wrong = one.tried(kind, error, nth, lasting)
+                        if wrong:
+                            at = f"{kind} {nth} of {one.calls[kind]}" + (" and after" if lasting else "")
+                            unexplained.append(f"{errno.errorcode[error]} at {at}: {wrong}")
+                            said(f"{name}: {unexplained[-1]}")
+            counts.append({"what": f"faults, {name}", "tried": cases, "unexplained": unexplained})
+            said(f"{name}: {cases} cases, {len(unexplained)} unexplained")
+    return counts
+
+
+def run(quick: bool) -> list[dict[str, object]]:
+    """Counts by command, from a process whose calls are in our hand."""
+    done = with_shim("benchmarks.attack.faults", ["--quick"] if quick else [])
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def main() -> None:
+    """Within that process: try all cases and print the counts as JSON."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--only", action="append", choices=list(COMMANDS))
+    parser.add_argument("--places", type=int)
+    words = parser.parse_args()
+    places = words.places or (QUICK_PLACES if words.quick else PLACES)
+    counts = attack(
+        words.only or list(COMMANDS), places, lambda line: print(line, file=sys.stderr, flush=True)
+    )
+    print(json.dumps(counts))
+
+
+if __name__ == "__main__":
+    import os
+
+    from benchmarks.attack.syscalls import SHIM
+
+    if SHIM in os.environ:
+        main()
+    else:
+        print(with_shim("benchmarks.attack.faults", sys.argv[1:]).stdout, end="")

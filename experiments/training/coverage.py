@@ -1,0 +1,43 @@
+"""Whether logged runs hold what a pilot meets where its evaluation starts."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial import cKDTree
+from swamp_rl.experiments.config.scene import Scene
+
+from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.demonstrations import by_a_teacher
+from swamp_rl.runs import Run
+
+
+def starts_outside(scene: Scene, runs: Sequence[Run]) -> float:
+    """Share of the evaluation's starts that lie more than a boat's length from every row of `runs` that
+    teaches."""
+    rows = np.concatenate([run.pose[by_a_teacher(run)] for run in runs])
+    starts = np.concatenate([_starts(scene, level) for level in scene.levels.values()])
+    distance, _ = cKDTree(rows[:, :2]).query(starts[:, :2])
+    return float(np.mean(distance > scene.boat.length))
+
+
+def warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
+    """One line where the pilot of that name is to start outside of what it learns from; else None."""
+    outside = starts_outside(scene, runs)
+    if outside == 0.0:
+        return None
+    said = "no run covers where evaluation starts" if outside == 1.0 else "not every start is covered"
+    return (
+        f"pilots.{name}: {said}: {100.0 * outside:.0f} % of the evaluation's starts are more than "
+        f"{scene.boat.length:g} m from the {len(runs)} runs it learns from; record runs from the start of "
+        f"{scene.course.name} on"
+    )
+
+
+def _starts(scene: Scene, level: str) -> Array:
+    """(n, 3) poses as sensed at the start of the evaluation's episodes."""
+    boats = scene.boats_at(level)(len(scene.seeds), ("north",))
+    try:
+        boats.reset(options={"episodes": scene.seeds})
+        return boats.sensed_pose.copy()
+    finally:
+        boats.close()

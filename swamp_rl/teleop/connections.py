@@ -1,0 +1,76 @@
+"""Connections of the recorder's server: how many there are at most, and how long an idle one is kept."""
+
+import asyncio
+import logging
+import time
+from typing import Any
+
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from swamp_rl.teleop.allowance import Allowance
+
+MOST = 256
+"Connections; the one that has been silent the longest makes room for another."
+SILENT = 10.0  # s that a connection may take for the headers of its first request
+LONGEST = 60.0  # s that a connection lasts that does not become a WebSocket
+PING = 20.0  # s between two pings of a WebSocket, and until it is closed that answers none
+LINES, MORE_LINES = 50.0, 1.0  # of the log in a burst, and a second
+
+
+class BoundedProtocol(H11Protocol):
+    """HTTP on a connection that is aborted when it is silent, lasts too long, or is one too many."""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """As asyncio has it."""
+        super().connection_made(transport)
+        self.begun = self.loop.time()
+        self._end = self.loop.call_later(SILENT, self._end_if_silent)
+        if len(self.connections) > MOST:
+            waiting = (other for other in self.connections if isinstance(other, BoundedProtocol))
+            min((other for other in waiting if other.silent), key=lambda other: other.begun).abort()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """As asyncio has it."""
+        self._end.cancel()
+        super().connection_lost(exc)
+
+    def handle_websocket_upgrade(self, event: Any) -> None:
+        """Hand the connection over to the WebSocket's protocol, whose pings end it."""
+        self._end.cancel()
+        super().handle_websocket_upgrade(event)
+
+    @property
+    def silent(self) -> bool:
+        """Whether it has not yet sent the headers of a request."""
+        return self.headers is None
+
+    def abort(self) -> None:
+        """End the connection at once."""
+        self._end.cancel()
+        self.connections.discard(self)
+        self.transport.abort()
+
+    def _end_if_silent(self) -> None:
+        if self.silent:
+            self.abort()
+        else:
+            self._end = self.loop.call_later(LONGEST - SILENT, self.abort)
+
+
+class Sparing(logging.Filter):
+    """Lets so many lines into a log, errors apart from warnings; the next line says how many it kept out."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._allowances = {True: Allowance(MORE_LINES, LINES), False: Allowance(MORE_LINES, LINES)}
+        self._kept_out = 0
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """As `logging` has it."""
+        if not self._allowances[record.levelno >= logging.ERROR].spend(time.monotonic()):
+            self._kept_out += 1
+            return False
+        if self._kept_out:
+            record.msg, record.args = f"{record.getMessage()} ({self._kept_out} lines were left out)", ()
+            self._kept_out = 0
+        return True
