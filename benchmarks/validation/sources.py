@@ -67,6 +67,19 @@ def worst_table(rows: Sequence[Row]) -> str:
     return table(["number", "source", "printed", "mismatch"], cells)
 
 
+def count_table(rows: Sequence[Row]) -> str:
+    """How many printed numbers there are, and how many of them some reading meets within `LARGE`."""
+    best: dict[str, float] = {}
+    for row in rows:
+        number_of = row.reading_of or f"{row.what}, {row.source}"
+        best[number_of] = min(best.get(number_of, math.inf), abs(row.mismatch))
+    met = sum(mismatch <= LARGE for mismatch in best.values())
+    return table(
+        ["printed numbers", "within 10 %", "readings", "within 10 %"],
+        [[str(len(best)), str(met), str(len(rows)), str(sum(abs(row.mismatch) <= LARGE for row in rows))]],
+    )
+
+
 def swamp_parts() -> dict[str, str]:
     """The tables about SWAMP by their marks."""
     speeds, turns, forces = speed_rows(), turning_rows(), force_rows()
@@ -75,6 +88,7 @@ def swamp_parts() -> dict[str, str]:
     bollard = [[number(error) for error in thrust_errors()]]
     deduction = [[str(percent), number(speed), number(factor)] for percent, speed, factor in deduction_rows()]
     return {
+        "count": count_table([*speeds, *turns, *forces]),
         "largest mismatches": worst_table([*speeds, *turns, *forces]),
         "speeds": row_table(speeds),
         "turns": row_table(turns),

@@ -15,11 +15,12 @@ from swamp_rl.identification.motion import motions_of
 from swamp_rl.identification.yaw_model import NAMES, PUBLISHED, YawModel, by_pseudo_inverse, by_rollout
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
 from swamp_rl.manoeuvres.analysis.figure import Result
+from swamp_rl.manoeuvres.captive import captive_point, self_propulsion
 from swamp_rl.manoeuvres.controller import Trial
 from swamp_rl.manoeuvres.execute import execute
 from swamp_rl.manoeuvres.record import run_of_trial
 from swamp_rl.physics.resistance import surge_resistance, towing
-from swamp_rl.physics.thrusters import bollard_thrust, thrust_deduction_factor
+from swamp_rl.physics.thrusters import bollard_thrust
 from swamp_rl.runs import Run
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.state import SURGE
@@ -42,6 +43,7 @@ class Row:
     """A printed number: where it stands and what it says; the simulator's for 58 kg and for 48 kg.
 
     comparable: which of the two the source is about; limit: printed as one, so that less is no mismatch.
+    reading_of: the printed number that this is one of several readings of; else the row's own.
     """
 
     what: str
@@ -52,6 +54,7 @@ class Row:
     light: float
     comparable: str
     limit: bool = False
+    reading_of: str = ""
 
     @property
     def mismatch(self) -> float:
@@ -144,7 +147,7 @@ def turning_rows() -> list[Row]:
         results = [trial(boat, "zig-zag", 20.0, throttle) for boat in (FULL, LIGHT)]
         full, light = (result.figures["first_overshoot"].value for result in results)
         source = "8.1.4, their simulator, RPM not told"
-        found.append(Row(name, source, "almost 10°", 10.0, full, light, FULL))
+        found.append(Row(name, source, "almost 10°", 10.0, full, light, FULL, reading_of="zig-zag"))
     return found
 
 
@@ -159,7 +162,8 @@ def circle_rows(angle: int, diameter: tuple[str, float, bool], speed: tuple[str,
     ):
         full, light = (result.figures[figure].value for result in results)
         what = f"circle at ±{angle}°, 60 %: {name}"
-        found.append(Row(what, "7.3.5", printed, value, full, light, LIGHT, limit))
+        reading_of = f"diameter at {angle}°" if "diameter" in name else ""
+        found.append(Row(what, "7.3.5", printed, value, full, light, LIGHT, limit, reading_of))
     return found
 
 
@@ -208,10 +212,13 @@ def resistance_in(boat: Boat, speed: float, depth_over_draught: float) -> float:
 
 def force_rows() -> list[Row]:
     """Resistances and thrusts that the text prints beside its tables."""
-    towed = load_boat(FULL).model_copy(update={"water_density": TANK_DENSITY})
-    record = parameters(load_boat(FULL))[0]
-    nan = math.nan
-    factor = float(thrust_deduction_factor(0.7, record))
+    boat = load_boat(FULL)
+    towed = boat.model_copy(update={"water_density": TANK_DENSITY})
+    record = parameters(boat)[0]
+    nan, four, bow = math.nan, boat.thruster_names, ("bs", "bp")
+    factor = captive_point(towed, 1.0, 0.7, bow).thrust_factor
+    pulls = [captive_point(boat, 0.0, throttle, four).thrust for throttle in (0.6, 1.0)]
+    required = 1.2 * resistance_at(towed, 1.5) / 4.0
     rows = [
         ("resistance at 1 m/s, deep", "7.3.4", "about 12.4 N", 12.4, resistance_at(towed, 1.0)),
         ("resistance at 1.5 m/s, deep", "4.4.1", "49 N", 49.0, resistance_at(towed, 1.5)),
@@ -224,7 +231,17 @@ def force_rows() -> list[Row]:
             12.3,
             float(bollard_thrust(1.0, 0, record)),
         ),
+        ("four jets on a bollard, 60 %", "7.3.4", "17.6 N", 17.6, pulls[0]),
+        ("four jets on a bollard, 100 %", "7.3.4", "48.8 N", 48.8, pulls[1]),
+        ("design thrust of a jet, 1.2 R / 4 at 1.5 m/s", "5.2, figure 5.14", "12.3 N", 12.3, required),
         ("1 − t, two thrusters at 70 %, 1 m/s", "7.3.4, tank", "0.68", 0.68, factor),
+        (
+            "two stern jets hold 1 m/s, %",
+            "7.3.4, tank",
+            "85 %",
+            85.0,
+            100.0 * self_propulsion(towed, 1.0, ("ss", "sp")),
+        ),
     ]
     return [
         Row(what, source, printed, value, model, nan, FULL) for what, source, printed, value, model in rows
