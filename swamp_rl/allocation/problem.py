@@ -47,14 +47,18 @@ class Solution:
 
 
 @lru_cache(maxsize=1)
-def solver_settings() -> Any:
-    """Clarabel's settings: silent, and exact enough for a force to be met to a micronewton."""
+def solver_settings(scaled: bool = True) -> Any:
+    """Clarabel's settings: silent, and exact enough for a force to be met to a micronewton.
+
+    scaled: whether it scales rows and columns first.
+    """
     import clarabel
 
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-9
     settings.max_threads = 1
+    settings.equilibrate_enable = scaled
     return settings
 
 
@@ -210,8 +214,12 @@ class Program:
         r, c, v = zip(*entries, strict=True)
         A = csc_matrix((v, (r, c)), shape=(len(self.rows), n))
         b = np.array([right for _, right in self.rows])
-        answer = clarabel.DefaultSolver(P, q, A, b, self.cones, solver_settings()).solve()
         good = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
+        stuck = (clarabel.SolverStatus.InsufficientProgress, clarabel.SolverStatus.NumericalError)
+        for scaled in (True, False):  # the scaling itself stops a few problems short of their answer
+            answer = clarabel.DefaultSolver(P, q, A, b, self.cones, solver_settings(scaled)).solve()
+            if answer.status not in stuck:
+                break
         return np.array(answer.x) if answer.status in good else None
 
     def cost_of(self, x: Array) -> float:

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.numerical
 
 Array = NDArray[np.float64]
 
-BOAT = load_boat("swamp")
+BOAT = load_boat("swamp-thesis")  # thrust deduction, and jets that turn once either way
 JETS = jets_of(BOAT)
 TURN = {"azimuth_min": -2.0 * math.pi, "azimuth_max": 2.0 * math.pi}
 STOPPED = jets_of(
@@ -292,3 +292,15 @@ def test_deduction_makes_two_jets_cheaper_than_four_in_thrust_but_not_in_power()
     )
     assert sum(two) < sum(four)
     assert sum(np.power(two, 1.5)) > sum(np.power(four, 1.5))
+
+
+def test_two_jets_that_can_hardly_turn_still_have_a_nearest_force() -> None:
+    """The solver's own scaling stopped short of it, once in a simulated night of station keeping."""
+    turned = np.array([0.0, 0.0, 18.41978091670886, 4.2773670916144023])
+    before = np.array([[0.0, 0.0], [0.0, 0.0], [1.45200992, -0.71458901], [-0.48024437, -0.73069447]])
+    jets, wish = (
+        jets_of(load_boat("swamp"), failed=("bs", "bp")),
+        Wish(cost="effort", change=0.05, moment=5.0),
+    )
+    found = allocate(jets, np.array([-5.46405663, 4.77926115, 0.17922798]), turned, 0.2, wish, before)
+    assert np.all(np.isfinite(found.achieved))
