@@ -200,11 +200,11 @@ def test_a_wound_up_azimuth_turns_back_rather_than_past_its_end() -> None:
 
 
 def test_an_azimuth_without_end_goes_the_short_way_round_however_often_it_turned() -> None:
-    turned = 3.0 * 2.0 * math.pi - 0.1
+    endless, turned = jets_of(load_boat("swamp")), 3.0 * 2.0 * math.pi - 0.1
     wanted = np.array([0.0, 8.0, 0.0])  # to starboard: a quarter turn on
     now = np.full(4, turned)
     for _ in range(12):
-        now = allocate(JETS, wanted, now, 0.1).azimuth
+        now = allocate(endless, wanted, now, 0.1).azimuth
     assert now == pytest.approx(np.full(4, 3.0 * 2.0 * math.pi + math.pi / 2), abs=0.1)
 
 
