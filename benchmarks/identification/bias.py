@@ -31,7 +31,7 @@ IMPLIED_HEAD.append("its time constant, s")
 def interval_rows() -> list[list[str]]:
     """One seed's estimates with their own intervals, at full noise."""
     rng = np.random.default_rng(1)
-    boat = load_boat("swamp")
+    boat = load_boat("swamp-thesis")
     yaw = by_pseudo_inverse(own_motion(1.0, 1), PUBLISHED.inertia)[1]
     ahead = identify_surge(motion_of(record_run(TRUE, ahead_by_steps(TRUE, DT), DT, NOISE, rng), TRUE), boat)
     spot = identify_yaw(motion_of(record_run(TRUE, on_the_spot(TRUE, DT), DT, NOISE, rng), TRUE), boat)

@@ -19,7 +19,7 @@ LEVELS = {"none": 0.0, "a third": 1 / 3, "full": 1.0}
 
 def with_effects(*given: dict[str, object]) -> Boat:
     """SWAMP with these effects."""
-    boat = load_boat("swamp")
+    boat = load_boat("swamp-thesis")
     entries = parse_effects(list(given), "benchmark", boat.thruster_names)
     return boat.model_copy(update={"effects": tuple(entries)})
 

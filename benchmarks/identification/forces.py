@@ -44,7 +44,7 @@ def reference_drag(run: Run, axis: int) -> float:
 
 def elementary_rows() -> list[list[str]]:
     """Mass and drag in surge, inertia and drag in yaw, by regression and by rollout."""
-    boat = load_boat("swamp")
+    boat = load_boat("swamp-thesis")
     rows = []
     motions = (("surge", 0, ahead_by_steps, identify_surge), ("yaw", 2, on_the_spot, identify_yaw))
     for name, axis, commands, identify in motions:
@@ -68,7 +68,7 @@ def elementary_rows() -> list[list[str]]:
 
 def by_rollout_of(run: Run, axis: int, reference: float) -> tuple[float, float]:
     """Mass or inertia with the water's, and drag, of the simulator fitted to the run."""
-    boat = load_boat("swamp")
+    boat = load_boat("swamp-thesis")
     if axis == 0:
         fit = fitted([run], boat, ("mass", "resistance"))
         mass, scale = fit["mass"][0], fit["resistance"][0]
@@ -80,7 +80,7 @@ def by_rollout_of(run: Run, axis: int, reference: float) -> tuple[float, float]:
 
 def true_factor(throttle: float) -> float:
     """1 - t [1] of the weak boat."""
-    given = load_boat("swamp").thrust_deduction
+    given = load_boat("swamp-thesis").thrust_deduction
     assert given is not None
     ends = [given.throttle_low, given.throttle_high], [given.factor_low, given.factor_high]
     return 0.9 * float(np.interp(throttle, *ends))
@@ -88,7 +88,7 @@ def true_factor(throttle: float) -> float:
 
 def deduction_rows() -> list[list[str]]:
     """1 - t by eq. 7.3, of one direction and of both, and by rollout with a current to be found."""
-    boat = load_boat("swamp")
+    boat = load_boat("swamp-thesis")
     found: dict[tuple[float, str], list[float]] = {}
     for seed in range(SEEDS):
         for throttle in THROTTLES:
