@@ -36,7 +36,10 @@ evaluation: {levels: [standard], episodes: 260, seed: 1, shown: 2}
 pytestmark = pytest.mark.slow
 
 VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-RUN = "from swamp_rl.experiments.run import run_experiment; run_experiment('threads.yaml', out='results')"
+RUN = """
+from swamp_rl.experiments.studies.run import run_experiment
+run_experiment('threads.yaml', out='results')
+"""
 
 
 def results_on(count: int, folder: Path) -> dict[str, Any]:

@@ -23,7 +23,6 @@ ROOT = "MINARI_DATASETS_PATH"
 COPIES = "swamp_rl_copies"
 
 
-@apart
 def write_minari(dataset: Dataset, folder: Path, name: str, copies: Mapping[str, bytes]) -> str:
     """Write it into `folder`, for Minari a root of datasets, and return its id there, NAME-v0.
 
@@ -34,10 +33,18 @@ def write_minari(dataset: Dataset, folder: Path, name: str, copies: Mapping[str,
     course under `swamp_rl_copies`. UserError without minari.
     """
     try:
-        from gymnasium.spaces import Box
-        from minari import MinariDataset, create_dataset_from_buffers
+        import h5py  # noqa: F401
+        import minari  # noqa: F401
     except ImportError as error:
         raise UserError("Minari needs minari and h5py; pip install 'swamp-rl[exchange]'") from error
+    return _written(dataset, folder, name, copies)
+
+
+@apart
+def _written(dataset: Dataset, folder: Path, name: str, copies: Mapping[str, bytes]) -> str:
+    from gymnasium.spaces import Box
+    from minari import MinariDataset, create_dataset_from_buffers
+
     split = split_columns(dataset)
     identity = f"{re.sub(r'[^a-z0-9]+', '-', name.lower()).strip('-') or 'runs'}-v0"
     low, high = ((0.0, -1.0), (1.0, 1.0)) if split.action == LEVERS else (-np.inf, np.inf)

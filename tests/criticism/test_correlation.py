@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 
 def test_it_is_that_of_the_information_in_the_order_of_the_causes_asked_for() -> None:
-    found = trials([{"effect": "thrust_scale", "scale": 1.1}])
+    found = trials([{"effect": "thrust_scale", "scale": 1.1}], name="swamp-thesis")
     problem = Shooting(found, weights(found, noise_levels(found)), 10.0)
     known = by_label(candidates(found.boat, SECONDS))
     hypothesis = Hypothesis(tuple(known[name] for name in ("thrust_scale", "current", "resistance")))

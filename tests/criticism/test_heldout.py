@@ -33,7 +33,9 @@ def test_of_few_runs_halves_are_held_out_and_of_one_run_each_window() -> None:
 
 @pytest.mark.parametrize("moment", [2.5, 6.0])
 def test_a_hull_that_turns_by_itself_is_fitted_though_windows_run_away(moment: float) -> None:
-    found = trials([{"effect": "hull_asymmetry", "yaw_moment": moment}], velocities=False)
+    found = trials(
+        [{"effect": "hull_asymmetry", "yaw_moment": moment}], velocities=False, name="swamp-thesis"
+    )
     ladder = ladder_of(found, weights(found, noise_levels(found)))
     nothing = ladder.fit(0, Hypothesis(), np.zeros(0))
     atom = next(one for one in candidates(found.boat, SECONDS) if one.label == "hull_asymmetry")

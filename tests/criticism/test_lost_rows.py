@@ -21,7 +21,7 @@ ROW = 150
 def test_a_tap_between_two_equal_rows_is_found_where_it_was() -> None:
     given = np.stack([commands(0), commands(2)])
     given[1, ROW, :4] += 1.2
-    sailed = driven([], given, 0.0, seed=11)
+    sailed = driven([], given, 0.0, seed=11, name="swamp-thesis")
     read, measured = given.copy(), sailed.measured.copy()
     read[1, ROW], measured[1, [ROW, 260]] = given[1, ROW - 1], np.nan
     found = replace(sailed, commands=read, measured=measured)

@@ -17,7 +17,7 @@ PILOT_SEEDS, EPISODES = (0, 1), np.arange(1_500_000, 1_500_100)
 
 
 def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
-    return GatesVectorEnv(n, disturbances="standard", observation=senses)
+    return GatesVectorEnv(n, "swamp-thesis", disturbances="standard", observation=senses)
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def logged() -> list[Run]:
     pilot = ScriptedPilot(0)
     pilot.reset(16)
     seeds = 2**31 + np.arange(16)
-    runs = drive_episodes(boats(16, pilot.senses), pilot, load_boat("swamp"), seeds, 0.1)
+    runs = drive_episodes(boats(16, pilot.senses), pilot, load_boat("swamp-thesis"), seeds, 0.1)
     return [run for run in runs if run.meta.outcome == "success"]
 
 

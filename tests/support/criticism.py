@@ -40,10 +40,12 @@ def commands(run: int) -> np.ndarray:
     return rows
 
 
-def trials(effects: list[dict[str, Any]], seed: int = 0, velocities: bool = True) -> Trials:
+def trials(
+    effects: list[dict[str, Any]], seed: int = 0, velocities: bool = True, name: str = "swamp"
+) -> Trials:
     """Three runs of 40 s with noise, of a boat that has those effects."""
     rng = np.random.default_rng(seed)
-    boat = load_boat("swamp")
+    boat = load_boat(name)
     record = parameters(boat, 3)
     apply_effects(record, parse_effects(effects, "test", boat.thruster_names), boat.thruster_names)
     given = np.array([commands(run) for run in range(3)])
@@ -63,9 +65,11 @@ def searched(found: Trials, *effects: str) -> Any:
     return search(ladder_of(found, weight), every, None if effects else hull_nuisance())
 
 
-def driven(effects: list[dict[str, Any]], commands: np.ndarray, surge: float, seed: int) -> Trials:
+def driven(
+    effects: list[dict[str, Any]], commands: np.ndarray, surge: float, seed: int, name: str = "swamp"
+) -> Trials:
     """Runs under commands (R, T, 8), with noise, begun at a surge [m/s], of a boat that has those effects."""
-    boat, runs = load_boat("swamp"), len(commands)
+    boat, runs = load_boat(name), len(commands)
     record = parameters(boat, runs)
     apply_effects(record, parse_effects(effects, "test", boat.thruster_names), boat.thruster_names)
     pose = np.array([[0.0, 0.0, 0.5], [5.0, -3.0, 2.5], [-4.0, 8.0, -2.0]])[:runs]
