@@ -7,7 +7,7 @@ from pathlib import Path
 
 from gymnasium.envs.registration import register, registry
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _checkout = Path(__file__).resolve().parents[1]
 if not (
