@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from swamp_rl.experiments.artifacts.provenance import CONFIG, EXPERIMENT, TRAINED, kept_config, same_configs
@@ -17,20 +18,23 @@ CHANGEABLE = ("evaluation", "targets")
 
 
 def evaluate_folders(
-    folders: Sequence[Path],
-    changes: Mapping[str, Any],
+    folders: Sequence[Path | str],
+    changes: Mapping[str, Any] = MappingProxyType({}),
     overrides: Iterable[str] = (),
-    out: Path | None = None,
+    out: Path | str | None = None,
     experiment: str | None = None,
 ) -> Path:
     """Try pilots in the same episodes and write a folder of results.
 
-    folders: one that was made by training or running an experiment, whose pilots are evaluated; or several of
-    these and of stored pilots, all evaluated together. changes: keys of `evaluation`. experiment: the one
-    whose boat, course, data and evaluation are taken; by default the first folder's. UserError where a folder
-    holds no pilot, where none keeps an experiment and none is given, or where `overrides` ask for what would
-    need training.
+    folders: a list of one that was made by training or running an experiment, whose pilots are evaluated; or
+    several of these and of stored pilots, all evaluated together. changes: keys of `evaluation`, such as
+    `episodes`, `levels` and `seed`. overrides: dotted keys as `key=value`. out: the folder of results, by
+    default the one folder itself, or results/evaluation. experiment: the one whose boat, course, data and
+    evaluation are taken; by default the first folder's. UserError where a folder holds no pilot, where none
+    keeps an experiment and none is given, or where `overrides` ask for what would need training.
     """
+    folders = [Path(folder) for folder in folders]
+    out = None if out is None else Path(out)
     for folder in folders:
         if not folder.is_dir():
             raise UserError(f"{folder}: no such folder; name one of results, or of a stored pilot")
