@@ -33,16 +33,16 @@ def evaluate_folders(
     evaluation are taken; by default the first folder's. UserError where a folder holds no pilot, where none
     keeps an experiment and none is given, or where `overrides` ask for what would need training.
     """
-    folders = [Path(folder) for folder in folders]
+    places = [Path(folder) for folder in folders]
     out = None if out is None else Path(out)
-    for folder in folders:
+    for folder in places:
         if not folder.is_dir():
             raise UserError(f"{folder}: no such folder; name one of results, or of a stored pilot")
     asked = {"evaluation": dict(changes)}
-    home = _home(folders[0])
-    if len(folders) == 1 and experiment is None and home is not None and not _is_pilot(folders[0]):
+    home = _home(places[0])
+    if len(places) == 1 and experiment is None and home is not None and not _is_pilot(places[0]):
         return _of_results(home, asked, overrides, out)
-    return _of_pilots(folders, experiment, asked, overrides, out or Path("results") / "evaluation")
+    return _of_pilots(places, experiment, asked, overrides, out or Path("results") / "evaluation")
 
 
 def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], out: Path | None) -> Path:
