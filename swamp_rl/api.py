@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.effects.entries import is_number
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.files import validated
@@ -25,6 +26,8 @@ from swamp_rl.runs import Dataset, Run, read_dataset
 from swamp_rl.simulator.replay import replay
 
 Model = Literal["yaw-model", "elementary", "thrust-deduction"]
+LISTED = ("throttle", "rpm", "angle_deg", "heading_deg")
+"Keys of a trial that are lists; a lone number is a list of one."
 NOISELESS = np.zeros(6)
 NEEDED = {
     "elementary": "runs straight ahead, or turns on the spot, with steps of thrust",
@@ -67,10 +70,11 @@ def trial(
     """Carry out a sea trial in closed loop; the run and its figures, for each angle and throttle.
 
     manoeuvre: turning-circle, zig-zag, spiral, reverse-spiral, pull-out, stopping or straight. entry: keys of
-    an entry of a plan file, such as throttle=[0.6] (share of full), angle_deg=[30] (degrees, + first to
+    an entry of a plan file, such as throttle=0.6 (share of full), angle_deg=[20, 30] (degrees, + first to
     starboard). boat: the name or path of its file. Figures have a unit, a value and a 95 % interval.
     UserError where a key is wrong or the boat cannot do the manoeuvre.
     """
+    entry = {key: [value] if key in LISTED and is_number(value) else value for key, value in entry.items()}
     data = {"name": "asked", "boat": str(boat), "seed": seed, "trials": [{"manoeuvre": manoeuvre, **entry}]}
     plan = validated("trial", Plan, data)
     vessel = load_boat(boat)

@@ -91,6 +91,12 @@ def test_a_wrong_key_of_a_trial_is_one_line() -> None:
         swamp_rl.trial("turning-circle", throtle=[0.6], angle_deg=[30])
 
 
+@pytest.mark.parametrize(("folders", "part"), [("nowhere", "nowhere: no such folder"), ([], "no folder")])
+def test_there_must_be_folders_to_evaluate(folders: object, part: str) -> None:
+    with pytest.raises(UserError, match=part):
+        swamp_rl.evaluate(folders)
+
+
 def test_identified_thrust_deduction_is_the_boat_files(tmp_path: Path) -> None:
     runs = [
         Run(name, swamp_rl.simulate(BOAT, straight_ahead(900, throttle)).columns)

@@ -18,7 +18,7 @@ CHANGEABLE = ("evaluation", "targets")
 
 
 def evaluate_folders(
-    folders: Sequence[Path | str],
+    folders: Sequence[Path | str] | Path | str,
     changes: Mapping[str, Any] = MappingProxyType({}),
     overrides: Iterable[str] = (),
     out: Path | str | None = None,
@@ -26,14 +26,16 @@ def evaluate_folders(
 ) -> Path:
     """Try pilots in the same episodes and write a folder of results.
 
-    folders: a list of one that was made by training or running an experiment, whose pilots are evaluated; or
-    several of these and of stored pilots, all evaluated together. changes: keys of `evaluation`, such as
+    folders: one that was made by training or running an experiment, whose pilots are evaluated; or several
+    of these and of stored pilots, all evaluated together. changes: keys of `evaluation`, such as
     `episodes`, `levels` and `seed`. overrides: dotted keys as `key=value`. out: the folder of results, by
     default the one folder itself, or results/evaluation. experiment: the one whose boat, course, data and
     evaluation are taken; by default the first folder's. UserError where a folder holds no pilot, where none
     keeps an experiment and none is given, or where `overrides` ask for what would need training.
     """
-    places = [Path(folder) for folder in folders]
+    places = [Path(folder) for folder in ([folders] if isinstance(folders, str | Path) else folders)]
+    if not places:
+        raise UserError("no folder to evaluate; name one of results, or of a stored pilot")
     out = None if out is None else Path(out)
     for folder in places:
         if not folder.is_dir():
