@@ -118,7 +118,7 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
         return given
     found = _configs() / kind / f"{given}.yaml"
     if not is_file(found):
-        near = difflib.get_close_matches(clipped(given), _names(kind), 1)
+        near = difflib.get_close_matches(clipped(given), config_names(kind), 1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise UserError(
             f"no {kind} file named {clipped(given)!r}; {hint}give a path or one of {_known(kind)}"
@@ -150,12 +150,13 @@ def _configs() -> Path:
     return inside_wheel if inside_wheel.is_dir() else Path(__file__).parents[1] / "configs"
 
 
-def _names(kind: str) -> list[str]:
+def config_names(kind: str) -> list[str]:
+    """Bare names of the shipped files of one of CONFIG_KINDS, sorted."""
     return sorted(file.stem for file in (_configs() / kind).glob("*.yaml"))
 
 
 def _known(kind: str) -> str:
-    return ", ".join(_names(kind)) or f"(none in {_configs() / kind})"
+    return ", ".join(config_names(kind)) or f"(none in {_configs() / kind})"
 
 
 def read_yaml(path: Path | str) -> dict[str, Any]:

@@ -29,7 +29,7 @@ FLOORS = (
     {"runs", "simulator"},
     {"allocation", "guidance", "navigation", "manoeuvres", "identification", "pilots"},
     {"criticism", "evaluation", "export"},
-    {"teleop", "demo"},
+    {"teleop", "demo", "api"},
     {"envs"},
     {"experiments.config"},
     {"experiments.artifacts", "experiments.synthetic"},

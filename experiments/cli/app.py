@@ -8,6 +8,7 @@ from typing import Annotated
 import swamp_rl.experiments.cli.runs_exchange
 import swamp_rl.experiments.cli.trial_captive  # noqa: F401  it adds its verbs to `trial`
 import typer
+from swamp_rl.experiments.cli.catalogue import boats, courses, effects, pilots
 from swamp_rl.experiments.cli.compare import compare
 from swamp_rl.experiments.cli.demo import demo
 from swamp_rl.experiments.cli.diagnose import diagnose, disturbances
@@ -46,6 +47,8 @@ app.command()(demo)
 app.command()(export)
 app.command()(record)
 app.command()(sweep)
+for catalogue in (effects, boats, courses, pilots):
+    app.command()(catalogue)
 
 BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
 

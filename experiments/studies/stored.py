@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from swamp_rl.experiments.artifacts.provenance import CONFIG, EXPERIMENT, TRAINED, kept_config, same_configs
@@ -17,28 +18,33 @@ CHANGEABLE = ("evaluation", "targets")
 
 
 def evaluate_folders(
-    folders: Sequence[Path],
-    changes: Mapping[str, Any],
+    folders: Sequence[Path | str] | Path | str,
+    changes: Mapping[str, Any] = MappingProxyType({}),
     overrides: Iterable[str] = (),
-    out: Path | None = None,
+    out: Path | str | None = None,
     experiment: str | None = None,
 ) -> Path:
     """Try pilots in the same episodes and write a folder of results.
 
-    folders: one that was made by training or running an experiment, whose pilots are evaluated; or several of
-    these and of stored pilots, all evaluated together. changes: keys of `evaluation`. experiment: the one
-    whose boat, course, data and evaluation are taken; by default the first folder's. UserError where a folder
-    holds no pilot, where none keeps an experiment and none is given, or where `overrides` ask for what would
-    need training.
+    folders: one that was made by training or running an experiment, whose pilots are evaluated; or several
+    of these and of stored pilots, all evaluated together. changes: keys of `evaluation`, such as
+    `episodes`, `levels` and `seed`. overrides: dotted keys as `key=value`. out: the folder of results, by
+    default the one folder itself, or results/evaluation. experiment: the one whose boat, course, data and
+    evaluation are taken; by default the first folder's. UserError where a folder holds no pilot, where none
+    keeps an experiment and none is given, or where `overrides` ask for what would need training.
     """
-    for folder in folders:
+    places = [Path(folder) for folder in ([folders] if isinstance(folders, str | Path) else folders)]
+    if not places:
+        raise UserError("no folder to evaluate; name one of results, or of a stored pilot")
+    out = None if out is None else Path(out)
+    for folder in places:
         if not folder.is_dir():
             raise UserError(f"{folder}: no such folder; name one of results, or of a stored pilot")
     asked = {"evaluation": dict(changes)}
-    home = _home(folders[0])
-    if len(folders) == 1 and experiment is None and home is not None and not _is_pilot(folders[0]):
+    home = _home(places[0])
+    if len(places) == 1 and experiment is None and home is not None and not _is_pilot(places[0]):
         return _of_results(home, asked, overrides, out)
-    return _of_pilots(folders, experiment, asked, overrides, out or Path("results") / "evaluation")
+    return _of_pilots(places, experiment, asked, overrides, out or Path("results") / "evaluation")
 
 
 def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], out: Path | None) -> Path:

@@ -1,5 +1,6 @@
 """Which values the trials of a sweep try: the whole grid, or draws by Optuna, however many workers."""
 
+import importlib.util
 import itertools
 from collections.abc import Mapping
 from typing import Any
@@ -8,12 +9,22 @@ import numpy as np
 from swamp_rl.experiments.sweep.schema import Parameter, Sweep
 from swamp_rl.experiments.sweep.store import Trial
 
+from swamp_rl.errors import UserError
+
 Values = dict[str, Any]
 
 
 def trials_of(sweep: Sweep) -> int:
     """How many trials there are in all."""
     return sweep.trials or len(_grid(sweep))
+
+
+def refuse_without_optuna(sweep: Sweep) -> None:
+    """UserError where values are to be drawn and Optuna is not installed; a grid needs none."""
+    if sweep.trials is not None and importlib.util.find_spec("optuna") is None:
+        raise UserError(
+            f"sweep {sweep.name}: draws need Optuna; pip install 'swamp-rl[sweep]', or list a grid"
+        )
 
 
 def batches_of(sweep: Sweep) -> list[range]:

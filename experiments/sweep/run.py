@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.schema import Experiment
-from swamp_rl.experiments.sweep.propose import Values, batches_of, propose, trials_of
+from swamp_rl.experiments.sweep.propose import Values, batches_of, propose, refuse_without_optuna, trials_of
 from swamp_rl.experiments.sweep.schema import Objective, Sweep, load_sweep, override
 from swamp_rl.experiments.sweep.store import Store, Trial, opened
 from swamp_rl.experiments.sweep.trial import carry_out, job_of
@@ -53,6 +53,7 @@ def run_sweep(
     from swamp_rl.experiments.sweep.report import write_report
 
     sweep = load_sweep(name_or_path)
+    refuse_without_optuna(sweep)
     fixed = [*(override(key, value) for key, value in sweep.set.items()), *overrides]
     base = checked(sweep, fixed)
     folder = Path(out) if out is not None else Path("results") / "sweeps" / sweep.name

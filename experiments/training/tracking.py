@@ -1,12 +1,16 @@
-"""Trainings as others' tools show them: TensorBoard's event files always, MLflow where it is asked for."""
+"""Trainings as others' tools show them: TensorBoard's event files where the extra `tensorboard` is installed,
+MLflow where it is asked for.
+"""
 
 import os
 import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+from swamp_rl.experiments.artifacts.job import say
 from swamp_rl.experiments.artifacts.results import Tables
 from swamp_rl.experiments.config.schema import Experiment
 
@@ -55,19 +59,31 @@ def track_success(experiment: Experiment, tables: Tables) -> None:
 
 
 def _event_files(folder: Path, stack: ExitStack) -> Log:
-    """Made at the first point, for many kinds of pilots log none."""
+    """Made at the first point, for many kinds of pilots log none; no file without TensorBoard."""
     writers: list[Any] = []
 
     def log(step: int, values: Mapping[str, float]) -> None:
+        write = _summary_writer()
+        if write is None:
+            return
         if not writers:
-            from torch.utils.tensorboard import SummaryWriter
-
-            writers.append(SummaryWriter(str(folder)))
+            writers.append(write(str(folder)))
             stack.callback(writers[0].close)
         for name, value in values.items():
             writers[0].add_scalar(name, value, step)
 
     return log
+
+
+@cache
+def _summary_writer() -> Any:
+    """The class that writes event files; None, said once a process, where TensorBoard is not installed."""
+    try:
+        from torch.utils.tensorboard import SummaryWriter
+    except ImportError:
+        say("no TensorBoard event files are written: pip install 'swamp-rl[tensorboard]'")
+        return None
+    return SummaryWriter
 
 
 @contextmanager

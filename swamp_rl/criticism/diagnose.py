@@ -45,13 +45,14 @@ LISTED = 20  # candidates in the report
 
 
 def diagnose(
-    dataset: Path, boat: str | Path, out: Path, holdout: Path | None = None, seed: int = 0
+    dataset: Path | str, boat: str | Path, out: Path | str, holdout: Path | str | None = None, seed: int = 0
 ) -> Diagnosis:
     """Diagnose a folder of runs against a boat file; writes diagnosis.json and extended_boat.yaml into `out`.
 
     holdout: a folder of runs that the gain is measured on, the runs themselves held out in turn where there
     is none. UserError for data that cannot carry a diagnosis.
     """
+    dataset, out, holdout = Path(dataset), Path(out), Path(holdout) if holdout is not None else None
     model = load_boat(boat)
     refuse_sources_inside(out, [Path(one) for one in (dataset, holdout, boat) if one and Path(one).exists()])
     trials = read_trials(dataset, model, boat)

@@ -58,6 +58,14 @@ def run_of_trial(executed: Executed, boat: Boat, name: str, seed: int) -> Run:
     return Run(name, run.columns, meta)
 
 
+def runs_of_trials(executed: Sequence[Executed], boat: Boat, seed: int) -> list[Run]:
+    """The runs of trials that were executed with that seed, named by their number."""
+    return [
+        run_of_trial(one, boat, trial_name(number + 1, one.trial), seed + number)
+        for number, one in enumerate(executed)
+    ]
+
+
 def record_trials(
     out: Path | str, boat_name: str, trials: Sequence[Trial], area: Area | None = None, seed: int = 0
 ) -> list[Executed]:
@@ -77,9 +85,5 @@ def record_trials(
     )
     with dataset_beside(out, meta) as part:
         executed = execute(boat, trials, area, seed)
-        runs = [
-            run_of_trial(one, boat, trial_name(number + 1, one.trial), seed + number)
-            for number, one in enumerate(executed)
-        ]
-        append_runs(part, runs)
+        append_runs(part, runs_of_trials(executed, boat, seed))
     return executed

@@ -1,7 +1,10 @@
-"""What is installed works on its own: the wheel carries the YAML and the command."""
+"""What is installed works on its own: the wheel carries YAML and command, and works beside strangers."""
 
+import os
 import subprocess
 import sys
+import sysconfig
+import venv
 import zipfile
 from pathlib import Path
 
@@ -13,16 +16,63 @@ CHECKOUT = Path(__file__).parents[3]
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the unpacked wheel of this checkout."""
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel of this checkout."""
     pytest.importorskip("hatchling")
     made = tmp_path_factory.mktemp("wheel")
     build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(made)]
     subprocess.run(build, cwd=CHECKOUT, check=True, capture_output=True, timeout=120)
-    (wheel,) = made.glob("*.whl")
+    (found,) = made.glob("*.whl")
+    return found
+
+
+@pytest.fixture(scope="module")
+def installed(wheel: Path) -> Path:
+    """A folder with the unpacked wheel."""
     with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(made / "site")
-    return made / "site"
+        archive.extractall(wheel.parent / "site")
+    return wheel.parent / "site"
+
+
+class Stranger:
+    """Somebody's folder with `envs` and `experiments` of their own, and an environment with the wheel in it.
+
+    The environment is new and pip installs the wheel into it, but not its dependencies, which are gigabytes:
+    a path file lends those of the tests' interpreter, behind the environment's own packages. Path files in
+    there, such as that of an editable checkout, are not read. What the dependencies' own installation would
+    break is not seen.
+    """
+
+    def __init__(self, folder: Path, wheel: Path) -> None:
+        self.home, self.bin = folder / "home", folder / "venv" / "bin"
+        venv.create(folder / "venv", with_pip=False)
+        install = ["-m", "pip", "--python", str(self.bin / "python"), "install", "--no-deps", "--no-index"]
+        self._run(sys.executable, *install, "--quiet", str(wheel), cwd=folder)
+        (self.site,) = (folder / "venv").glob("lib/python3*/site-packages")
+        self.own = {path.name for path in self.site.iterdir()}
+        (self.site / "lent.pth").write_text(f"{sysconfig.get_path('purelib')}\n")
+        for package in ("envs", "experiments"):
+            (self.home / package).mkdir(parents=True)
+            (self.home / package / "__init__.py").write_text("raise SystemExit('the stranger is imported')")
+
+    def python(self, program: str) -> str:
+        return self._run(str(self.bin / "python"), "-c", program)
+
+    def swamp_rl(self, *words: str) -> str:
+        return self._run(str(self.bin / "swamp-rl"), *words)
+
+    def _run(self, *words: str, cwd: Path | None = None) -> str:
+        clean = {"PATH": os.environ["PATH"], "HOME": str(self.home), "PYTHONPATH": "."}
+        done = subprocess.run(
+            words, cwd=cwd or self.home, env=clean, capture_output=True, text=True, timeout=600
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+
+@pytest.fixture(scope="module")
+def stranger(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Stranger:
+    return Stranger(tmp_path_factory.mktemp("stranger"), wheel)
 
 
 def test_the_wheel_holds_every_config(installed: Path) -> None:
@@ -59,3 +109,31 @@ def test_an_installed_package_finds_its_configs_by_name(installed: Path, tmp_pat
         timeout=60,
     )
     assert Path(found.stdout.strip()) == installed / "swamp_rl" / "configs" / "boats" / "swamp.yaml"
+
+
+def test_an_environment_gets_one_package_and_no_path_file(stranger: Stranger) -> None:
+    assert {name for name in stranger.own if not name.endswith(".dist-info")} == {"swamp_rl"}
+
+
+def test_beside_a_strangers_packages_the_wheels_own_are_imported(stranger: Stranger) -> None:
+    assert stranger.python("print('started')") == "started\n"
+    found = stranger.python(
+        "import gymnasium, swamp_rl, swamp_rl.experiments.cli as cli\n"
+        "env = gymnasium.make('swamp/Gates-v1')\n"
+        "import swamp_rl.envs.single as single\n"
+        "print(swamp_rl.__file__, cli.__file__, single.__file__, sep='\\n')\n"
+        "print(env.reset(seed=0)[0].shape == env.observation_space.shape)"
+    ).splitlines()
+    assert found[-1] == "True"
+    assert len(found) == 4 and all(Path(file).is_relative_to(stranger.site) for file in found[:3])
+
+
+def test_beside_a_strangers_packages_an_experiment_a_demo_and_a_diagnosis_run(stranger: Stranger) -> None:
+    stranger.swamp_rl("run", "smoke")
+    assert (stranger.home / "results" / "smoke" / "report.md").is_file()
+    stranger.swamp_rl("demo", "results/smoke", "--html", "shown.html")
+    assert (stranger.home / "shown.html").stat().st_size > 10_000
+    stranger.swamp_rl("trial", "zig-zag", "--angle", "20", "--throttle", "0.6", "--out", "sea")
+    told = stranger.swamp_rl("diagnose", "sea", "--boat", "swamp", "--out", "diagnosis")
+    assert told.startswith("verdict: ")
+    assert (stranger.home / "diagnosis" / "report.html").is_file()

@@ -1,5 +1,6 @@
 """A sweep tries every trial once, whatever fails meanwhile and however many work at it."""
 
+import importlib.util
 import json
 import os
 import random
@@ -17,7 +18,7 @@ from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.sweep.local import LocalCrew
 from swamp_rl.experiments.sweep.propose import batches_of, propose
 from swamp_rl.experiments.sweep.report import best_of, write_report
-from swamp_rl.experiments.sweep.run import checked
+from swamp_rl.experiments.sweep.run import checked, run_sweep
 from swamp_rl.experiments.sweep.schema import load_sweep, override
 from swamp_rl.experiments.sweep.store import Trial, opened
 
@@ -182,3 +183,15 @@ def test_a_wrong_sweep_is_refused_in_one_line_before_any_work(message: str, tmp_
         checked(load_sweep(file), [])
     assert "\n" not in str(told.value)
     assert os.listdir(tmp_path) == ["sweep.yaml"]
+
+
+def test_drawn_values_without_optuna_name_the_extra_and_leave_no_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there = importlib.util.find_spec
+    monkeypatch.setattr(
+        "importlib.util.find_spec", lambda name, *more: None if name == "optuna" else there(name, *more)
+    )
+    with pytest.raises(UserError, match=r"swamp-rl\[sweep\]"):
+        run_sweep("reservoir_search", out=tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []

@@ -1,5 +1,6 @@
 """A training's points reach TensorBoard's event files and, where it is asked for, MLflow."""
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.schema import Experiment
+from swamp_rl.experiments.training import tracking
 from swamp_rl.experiments.training.tracking import track_success, tracked
 
 from swamp_rl.errors import UserError
@@ -93,3 +95,17 @@ def test_a_store_that_cannot_be_had_is_told_in_one_line_before_the_training(uri:
     ):
         begun.append(True)
     assert not begun and "\n" not in str(told.value)
+
+
+def test_without_tensorboard_the_training_goes_on_and_the_extra_is_named_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "torch.utils.tensorboard", None)
+    tracking._summary_writer.cache_clear()
+    try:
+        log_points(tmp_path / "ppo", experiment())
+        log_points(tmp_path / "sac", experiment())
+    finally:
+        tracking._summary_writer.cache_clear()
+    assert capsys.readouterr().err.count("pip install 'swamp-rl[tensorboard]'") == 1
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,151 @@
+"""`swamp-rl effects`, `boats`, `courses` and `pilots`: what there is, all of it or one by its name."""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from swamp_rl.errors import UserError
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+    from swamp_rl.effects import Effect, Parameter
+
+COMBINED = {"add": "add up", "multiply": "multiply", "replace": "replace one another"}
+LIMITS = {  # of an option, as annotated-types names them
+    "ge": "at least",
+    "gt": "above",
+    "le": "at most",
+    "lt": "below",
+    "min_length": "entries at least",
+    "max_length": "entries at most",
+}
+
+
+def effects(
+    name: Annotated[str | None, typer.Argument(help="One effect; all of them by default.")] = None,
+) -> None:
+    """List the effects with their parameters, units, bounds and sources."""
+    from swamp_rl.effects import LIBRARY
+
+    _refuse_unknown("effect", name, LIBRARY)
+    for effect in LIBRARY.values() if name is None else [LIBRARY[name]]:
+        typer.echo("\n".join(_effect_lines(effect)))
+
+
+def boats(
+    name: Annotated[str | None, typer.Argument(help="A name in configs/boats, or a boat file.")] = None,
+) -> None:
+    """List the boats; of one, every number with its unit, provenance and source."""
+    from swamp_rl.boat import load_boat
+    from swamp_rl.files import config_names
+
+    if name is None:
+        for known in config_names("boats"):
+            boat = load_boat(known)
+            typer.echo(
+                f"{known:<14} {boat.length:g} m long, {boat.breadth:g} m wide, {boat.mass:g} kg, "
+                f"thrusters {', '.join(boat.thruster_names)}"
+            )
+        return
+    boat = load_boat(name)
+    for key, origin in boat.provenance.items():
+        value = _number(_at(boat, key.split(".")))
+        typer.echo(f"{key} = {value} [{origin.unit}], {origin.provenance}: {origin.source}")
+    for entry in boat.effects:
+        on = f" {entry.thruster}" if entry.thruster else ""
+        given = (f"{p.name} {entry.values[p.name]:g} {p.unit}" for p in entry.effect.parameters)
+        typer.echo(f"effect {entry.effect.name}{on}: {', '.join(given)}")
+
+
+def courses(
+    name: Annotated[str | None, typer.Argument(help="A name in configs/courses, or a course file.")] = None,
+) -> None:
+    """List the courses with their gates, start and bounds (m, deg, s)."""
+    from math import degrees
+
+    from swamp_rl.course import load_course
+    from swamp_rl.files import config_names
+
+    for known in config_names("courses") if name is None else [name]:
+        course = load_course(known)
+        pose, edge = course.start.pose, course.bounds
+        typer.echo(f"{course.name}: {len(course.gates)} gates, time limit {course.time_limit:g} s")
+        for gate in course.gates:
+            typer.echo(
+                f"  gate {gate.name}: north {gate.centre.north:g}, east {gate.centre.east:g} m, "
+                f"width {gate.width:g} m, passed towards {degrees(gate.heading):g} deg"
+            )
+        typer.echo(f"  start: north {pose.north:g}, east {pose.east:g} m, {degrees(pose.heading):g} deg")
+        typer.echo(f"  bounds: north {edge.south:g} to {edge.north:g}, east {edge.west:g} to {edge.east:g} m")
+
+
+def pilots(
+    name: Annotated[str | None, typer.Argument(help="A kind of pilot, as in an experiment's YAML.")] = None,
+) -> None:
+    """List the kinds of pilots; of one, its options with their defaults and bounds."""
+    from swamp_rl.experiments.config.learners import LEARNERS, learner
+
+    _refuse_unknown("kind of pilot", name, LEARNERS)
+    if name is None:
+        for kind in LEARNERS:
+            one = learner(kind)
+            sources = ("recorded runs",) * one.from_runs + ("the simulator",) * one.by_trying
+            typer.echo(
+                f"{kind:<19} {'learns from ' + ' and '.join(sources) if sources else 'is not trained'}"
+            )
+        return
+    for line in _option_lines(learner(name).settings):
+        typer.echo(line)
+
+
+def _refuse_unknown(what: str, name: str | None, known: Iterable[str]) -> None:
+    from swamp_rl.explain import nearest
+
+    if name is not None and name not in (known := list(known)):
+        raise UserError(f"no {what} {name!r}{nearest(name, known)}")
+
+
+def _effect_lines(effect: "Effect") -> list[str]:
+    key = ["  thruster: two names"] if effect.swaps else ["  thruster: a name, or all"] * effect.thruster
+    return [
+        f"{effect.name}: {effect.description}",
+        f"  acts on: {effect.acts_on}; several of it {COMBINED[effect.combine]}; source: {effect.source}",
+        *key,
+        *(f"  {parameter.name}: {_parameter(parameter)}" for parameter in effect.parameters),
+    ]
+
+
+def _parameter(parameter: "Parameter") -> str:
+    neutral = "the boat file's" if parameter.neutral is None else f"{parameter.neutral:g}"
+    return f"{parameter.allowed}; neutral: {neutral}" + ("; must be given" if parameter.required else "")
+
+
+def _option_lines(settings: "type[BaseModel]") -> list[str]:
+    lines = []
+    for key, field in settings.model_fields.items():
+        default = "must be given" if field.is_required() else f"default {field.get_default()!r}"
+        limits = (
+            (getattr(part, name, None), told) for part in field.metadata for name, told in LIMITS.items()
+        )
+        bounds = ", ".join(f"{told} {limit}" for limit, told in limits if limit is not None)
+        told = f": {' '.join(field.description.split())}" if field.description else ""
+        lines.append(f"{key} ({default}{'; ' + bounds if bounds else ''}){told}")
+    return lines
+
+
+def _at(part: Any, path: list[str]) -> Any:
+    """What a boat holds at a key path; items of a list go by their name, else by their number."""
+    for key in path:
+        if isinstance(part, tuple):
+            names = [str(getattr(item, "name", number)) for number, item in enumerate(part)]
+            part = part[names.index(key)]
+        else:
+            part = getattr(part, key)
+    return part
+
+
+def _number(value: Any) -> str:
+    many = isinstance(value, tuple | list)
+    return ", ".join(f"{one:g}" for one in value) if many else f"{value:g}"

@@ -1,0 +1,159 @@
+"""Public functions on top of the library: simulate commands, carry out a manoeuvre, identify a boat."""
+
+import math
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.effects.entries import is_number
+from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
+from swamp_rl.files import validated
+from swamp_rl.identification import elementary, yaw_model
+from swamp_rl.identification.deduction import deduction_points, point_doubt
+from swamp_rl.identification.estimate import Estimate
+from swamp_rl.identification.motion import Motion, motions_of
+from swamp_rl.identification.simulated import record_run
+from swamp_rl.manoeuvres.analysis.analyse import analyse_run
+from swamp_rl.manoeuvres.analysis.figure import Result
+from swamp_rl.manoeuvres.execute import execute
+from swamp_rl.manoeuvres.plan import Plan
+from swamp_rl.manoeuvres.record import runs_of_trials
+from swamp_rl.runs import Dataset, Run, read_dataset
+from swamp_rl.simulator.replay import replay
+
+Model = Literal["yaw-model", "elementary", "thrust-deduction"]
+LISTED = ("throttle", "rpm", "angle_deg", "heading_deg")
+"Keys of a trial that are lists; a lone number is a list of one."
+NOISELESS = np.zeros(6)
+NEEDED = {
+    "elementary": "runs straight ahead, or turns on the spot, with steps of thrust",
+    "thrust-deduction": "straight runs of a steady speed, ahead and astern",
+}
+
+
+class Identified(NamedTuple):
+    """A number of a boat with its 95 % interval; doubt: why the runs do not show it, None where they do."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    unit: str
+    doubt: str | None
+
+
+def simulate(boat: Boat | str | Path, commands: Run | ArrayLike, step: float = 0.1, seed: int = 0) -> Run:
+    """The run that a boat with its effects makes under commands.
+
+    boat: loaded, or the name or path of its file. commands: a run, whose commands are replayed from its first
+    state at its own times; or (T, 2K) for K thrusters in the boat file's order, K azimuths [rad] and then K
+    throttles [1], one row every `step` [s], from rest at the origin heading north. Each row is held until the
+    next. seed: of what is random, such as gusts. The result's columns are those of the run format, (T,) each.
+    UserError where the commands are not this boat's.
+    """
+    vessel = boat if isinstance(boat, Boat) else load_boat(boat)
+    if isinstance(commands, Run):
+        return replay(vessel, commands)
+    rows = _commands(vessel, commands)
+    if not (math.isfinite(step) and 0.0 < step <= 10.0):
+        raise UserError(f"simulate: step must be above 0 and at most 10 s, not {step!r}")
+    return record_run(vessel, rows, step, NOISELESS, np.random.default_rng(seed), "simulated")
+
+
+def trial(
+    manoeuvre: str, boat: str | Path = "swamp", seed: int = 0, **entry: Any
+) -> list[tuple[Run, Result]]:
+    """Carry out a sea trial in closed loop; the run and its figures, for each angle and throttle.
+
+    manoeuvre: turning-circle, zig-zag, spiral, reverse-spiral, pull-out, stopping or straight. entry: keys of
+    an entry of a plan file, such as throttle=0.6 (share of full), angle_deg=[20, 30] (degrees, + first to
+    starboard). boat: the name or path of its file. Figures have a unit, a value and a 95 % interval.
+    UserError where a key is wrong or the boat cannot do the manoeuvre.
+    """
+    entry = {key: [value] if key in LISTED and is_number(value) else value for key, value in entry.items()}
+    data = {"name": "asked", "boat": str(boat), "seed": seed, "trials": [{"manoeuvre": manoeuvre, **entry}]}
+    plan = validated("trial", Plan, data)
+    vessel = load_boat(boat)
+    done = execute(vessel, plan.singly, plan.place, plan.seed)
+    return [(run, analyse_run(run, vessel)) for run in runs_of_trials(done, vessel, plan.seed)]
+
+
+def identify(
+    runs: Dataset | str | Path,
+    model: Model = "yaw-model",
+    boat: str | Path | None = None,
+    smooth: float = 0.0,
+) -> list[Identified]:
+    """Numbers of a boat from recorded runs, by the regressions of the papers (docs/identification.md).
+
+    runs: read, or their folder. model: `yaw-model` (k_r, c_ru, c_rv, b_r), `elementary` (mass and quadratic
+    drag in surge and yaw) or `thrust-deduction` (1 - t at each throttle of straight runs). boat: another one
+    than the dataset's, or that of a plain folder. smooth [s]: span of a quadratic smoother, 0 for none. The
+    intervals hold the scatter of the method, not its bias. UserError where nothing can be identified.
+    """
+    if model not in get_args(Model):
+        raise UserError(f"identify: unknown model {model!r}{nearest(str(model), get_args(Model))}")
+    dataset = runs if isinstance(runs, Dataset) else read_dataset(runs, boat)
+    vessel = load_boat(boat) if boat else dataset.boat
+    motion = motions_of(dataset.runs, vessel, smooth)
+    if model == "yaw-model":
+        _, found = yaw_model.by_pseudo_inverse(motion, vessel.inertia_z)
+        doubts = yaw_model.yaw_model_doubts(motion, found)
+        return [_named(*one) for one in zip(yaw_model.NAMES, found, doubts, strict=True)]
+    named = _deductions(motion, vessel) if model == "thrust-deduction" else _elementary(motion, vessel)
+    if not named:
+        raise UserError(f"identify: {dataset.folder} has no run for {model}; record {NEEDED[model]}")
+    return named
+
+
+def _deductions(motion: Motion, boat: Boat) -> list[Identified]:
+    return [
+        Identified(
+            f"1 - t at throttle {one.throttle:.2f} {'ahead' if one.ahead else 'astern'}",
+            one.factor,
+            one.low,
+            one.high,
+            "1",
+            point_doubt(one, boat),
+        )
+        for one in deduction_points(motion, boat)
+    ]
+
+
+def _elementary(motion: Motion, boat: Boat) -> list[Identified]:
+    axes = {
+        "surge": (elementary.identify_surge, elementary.surge_doubts),
+        "yaw": (elementary.identify_yaw, elementary.yaw_doubts),
+    }
+    named = []
+    for axis, (fit, doubts_of) in axes.items():
+        if elementary.lacking(motion, axis) is None:
+            found = fit(motion, boat)
+            names = [f"{axis} {name}" for name in elementary.NAMES]
+            named += [_named(*one) for one in zip(names, found, doubts_of(motion, found), strict=True)]
+    return named
+
+
+def _named(name: str, one: Estimate, doubt: str | None) -> Identified:
+    return Identified(name, one.value, one.low, one.high, one.unit, doubt)
+
+
+def _commands(boat: Boat, given: ArrayLike) -> NDArray[np.float64]:
+    wanted = 2 * len(boat.thrusters)
+    try:
+        rows = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise UserError(f"simulate: commands are no array of numbers ({error})") from error
+    if rows.ndim != 2 or rows.shape[1] != wanted or len(rows) < 2:
+        raise UserError(
+            f"simulate: commands must be (T, {wanted}), T at least 2, for {boat.name}'s thrusters "
+            f"{', '.join(boat.thruster_names)}; they are {rows.shape}"
+        )
+    if not np.isfinite(rows).all():
+        row, column = np.argwhere(~np.isfinite(rows))[0]
+        raise UserError(f"simulate: commands: row {row}, column {column} is no finite number")
+    return rows

@@ -1,0 +1,139 @@
+"""The public names: found, light to import, told to type checkers, and right where they add something."""
+
+import ast
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swamp_rl
+from swamp_rl.errors import UserError
+from swamp_rl.manoeuvres.captive import resistance_at
+from swamp_rl.runs import Run
+from tests.support.identification import folder_of
+
+ROOT = Path(__file__).parents[1]
+BOAT = swamp_rl.load_boat("swamp-thesis")
+K = len(BOAT.thrusters)
+SIMULATION, DIAGNOSIS, EXPERIMENT = re.findall(
+    r"```python\n(.*?)```", (ROOT / "docs" / "api.md").read_text(), re.DOTALL
+)
+
+
+def straight_ahead(rows: int, throttle: float) -> np.ndarray:
+    return np.hstack([np.zeros((rows, K)), np.full((rows, K), throttle)])
+
+
+def test_every_public_name_is_documented_and_told_to_type_checkers() -> None:
+    assert all(getattr(swamp_rl, name).__doc__ for name in swamp_rl.PUBLIC)
+    stub = ast.parse((ROOT / "swamp_rl" / "__init__.pyi").read_text())
+    told = {
+        alias.asname: f"{node.module}:{alias.name}"
+        for node in stub.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    packages = {"swamp_rl:course": "swamp_rl.course", "swamp_rl:effects": "swamp_rl.effects"}
+    assert {name: packages.get(place, place) for name, place in told.items()} == swamp_rl.PUBLIC
+    assert set(swamp_rl.PUBLIC) <= set(dir(swamp_rl))
+
+
+def test_a_name_that_there_is_not_is_refused_as_python_does() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'simulat'"):
+        swamp_rl.simulat  # noqa: B018
+
+
+def test_the_steady_speed_is_where_thrust_and_resistance_are_equal() -> None:
+    run = swamp_rl.simulate(BOAT, straight_ahead(1200, 0.7))
+    thrust = 4 * 12.2 * 0.7**2 * (0.30 + (0.7 - 0.3) / 0.7 * 0.45)  # thesis table 5.5 and 7.3.5
+    assert resistance_at(BOAT, run.columns["surge"][-1]) == pytest.approx(thrust, rel=0.01)
+    assert run.columns["north"].shape == (1200,)
+    assert run.columns["east"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_run_replayed_is_the_run() -> None:
+    commands = straight_ahead(100, 0.5)
+    commands[40:, : K // 2] = 0.3
+    run = swamp_rl.simulate(BOAT, commands)
+    again = swamp_rl.simulate("swamp-thesis", run)
+    for name in ("north", "east", "surge", "yaw_rate"):
+        assert again.columns[name] == pytest.approx(run.columns[name], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("commands", "step", "part"),
+    [
+        (np.zeros((5, 3)), 0.1, "must be (T, 8)"),
+        (np.zeros((1, 8)), 0.1, "T at least 2"),
+        (np.full((5, 8), np.nan), 0.1, "row 0, column 0"),
+        ("full ahead", 0.1, "no array of numbers"),
+        (np.zeros((5, 8)), 0.0, "step must be above 0"),
+        (np.zeros((5, 8)), math.nan, "step must be above 0"),
+    ],
+)
+def test_commands_of_another_boat_are_refused(commands: object, step: float, part: str) -> None:
+    with pytest.raises(UserError, match=re.escape(part)):
+        swamp_rl.simulate(BOAT, commands, step)
+
+
+def test_circles_to_either_side_are_mirror_images() -> None:
+    done = swamp_rl.trial("turning-circle", "swamp", throttle=[0.6], angle_deg=[30, -30], turns=2)
+    starboard, port = (result.figures["steady_diameter"].value for _, result in done)
+    assert starboard == pytest.approx(port, rel=1e-3)
+    (first, _), (second, _) = done
+    assert first.name != second.name
+
+
+def test_a_wrong_key_of_a_trial_is_one_line() -> None:
+    with pytest.raises(UserError, match="did you mean 'throttle'"):
+        swamp_rl.trial("turning-circle", throtle=[0.6], angle_deg=[30])
+
+
+@pytest.mark.parametrize(("folders", "part"), [("nowhere", "nowhere: no such folder"), ([], "no folder")])
+def test_there_must_be_folders_to_evaluate(folders: object, part: str) -> None:
+    with pytest.raises(UserError, match=part):
+        swamp_rl.evaluate(folders)
+
+
+def test_identified_thrust_deduction_is_the_boat_files(tmp_path: Path) -> None:
+    runs = [
+        Run(name, swamp_rl.simulate(BOAT, straight_ahead(900, throttle)).columns)
+        for name, throttle in (("slow", 0.4), ("fast", 1.0))
+    ]
+    found = swamp_rl.identify(folder_of(tmp_path / "straight", BOAT, runs), "thrust-deduction")
+    assert [one.value for one in found] == pytest.approx([0.3 + 0.1 / 0.7 * 0.45, 0.75], abs=0.01)
+    assert all(one.low <= one.value <= one.high and one.unit == "1" for one in found)
+
+
+def test_what_no_run_can_identify_says_what_to_record(folder: Path) -> None:
+    """The folder's runs are 3 s of a circle."""
+    for model in ("elementary", "thrust-deduction"):
+        with pytest.raises(UserError, match="; record "):
+            swamp_rl.identify(folder, model)
+    with pytest.raises(UserError, match="did you mean 'yaw-model'"):
+        swamp_rl.identify(folder, "yaw_model")
+
+
+def test_the_documents_simulation_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    exec(SIMULATION, {})
+    said = capsys.readouterr().out
+    assert "['green', 'red']" in said and "m/s after 60 s" in said
+
+
+@pytest.mark.slow
+def test_the_documents_diagnosis_names_the_weak_thruster(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    exec(DIAGNOSIS, {})
+    assert "thruster_gain bp {'gain': 0.7}" in capsys.readouterr().out
+    assert (tmp_path / "results" / "diagnosis" / "report.html").is_file()
+
+
+@pytest.mark.slow
+def test_the_documents_experiment_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    exec(EXPERIMENT, {})
+    assert (tmp_path / "results" / "again" / "results.json").is_file()
