@@ -52,8 +52,9 @@ def method(results: Results) -> str:
         f"time from another random choice of {plan['few']} runs ({drawn}) and another training seed, and "
         f"tried in the same {results['episodes']} seeded episodes.{first} The hypotheses and the smallest "
         "effects that count stand in the experiment's file. The effect is the mean over trainings and "
-        "episodes; its 95 % interval is from a bootstrap over both. p is one-sided, from flipping the signs "
-        "of the trainings' mean distances from the bound, corrected by Holm over all hypotheses. "
+        "episodes; its 95 % interval is from a bootstrap over both and is not corrected for the number of "
+        "hypotheses. p is one-sided, from flipping the signs of the trainings' mean distances from the "
+        "bound, and is corrected by Holm over all hypotheses. "
         "*Supported*: the interval lies wholly beyond the bound and p is below 0.05. *Not supported*: it "
         "lies wholly short of it. Else *undecided*. A claim is supported where all hypotheses that decide it "
         "are, and not supported where one of them is not. The last column is the data's own pilot in the "
@@ -74,7 +75,7 @@ def hypotheses(found: Results) -> str:
         text = one["text"] if one["decides"] else f"*{one['text']}* (does not decide)"
         reference = "–" if one["reference"] is None else shown(one["shown"], one["reference"])
         rows.append([text, effect(one), p_value(one["p_corrected"]), f"**{one['verdict']}**", reference])
-    return table(["hypothesis", "effect", "p, corrected", "verdict", "data's pilot"], rows)
+    return table(["hypothesis", "effect (95 %, uncorrected)", "p (Holm)", "verdict", "data's pilot"], rows)
 
 
 NOTES = {
