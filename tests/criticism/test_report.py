@@ -5,9 +5,18 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data import Trials
-from swamp_rl.criticism.leftover import motion_variables
-from swamp_rl.criticism.report.figures import DEGREES, labelled
-from swamp_rl.criticism.report.page import gain_rows, gained, lacking, left_over, named, table, told_apart
+from swamp_rl.criticism.leftover import Forces, motion_variables
+from swamp_rl.criticism.report.figures import DEGREES, accused_thrusters, labelled, shown_variables
+from swamp_rl.criticism.report.page import (
+    details,
+    gain_rows,
+    gained,
+    lacking,
+    left_over,
+    named,
+    table,
+    told_apart,
+)
 from swamp_rl.criticism.report.words import (
     cause_rows,
     gain_sentence,
@@ -124,6 +133,23 @@ def test_the_shape_of_a_missing_force_is_shown_beside_what_it_was_told_beside() 
 )
 def test_what_forces_are_drawn_against_has_its_unit(variable: str, label: str, factor: float) -> None:
     assert labelled(variable) == (label, factor)
+
+
+@pytest.mark.parametrize(
+    ("found", "drawn"), [([], "bp"), ([OFFSET], "bs"), ([LAG], "bp")], ids=["nothing", "bs", "all thrusters"]
+)
+def test_forces_are_drawn_against_the_thruster_that_is_accused(found: list[Cause], drawn: str) -> None:
+    time = np.linspace(0.0, 1.0, 5)
+    every = {f"{what} {name}": time for what in ("azimuth", "throttle") for name in ("bs", "bp")}
+    every |= {"azimuth bp": 2.0 * time, "throttle bp": 2.0 * time}  # used most
+    forces = Forces(np.zeros((5, 5)), np.zeros((5, 5)), np.zeros(5, int), every)
+    accused = accused_thrusters(diagnosis("cause", causes=found))
+    assert list(shown_variables(trials(), forces, accused)) == [f"throttle {drawn}", f"azimuth {drawn}"]
+
+
+def test_data_without_noise_are_not_said_to_have_some() -> None:
+    text = details(diagnosis("nothing_wrong", noise={"north": 2e-3, "heading": 0.01}), trials())
+    assert ">below 0.00200</td>" in text and ">0.573</td>" in text
 
 
 def test_every_variable_that_a_force_may_go_with_can_be_drawn() -> None:

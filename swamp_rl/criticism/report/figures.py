@@ -1,7 +1,7 @@
 """The misfit as pictures: tracks, errors by horizon, and the forces that the model lacks."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -214,7 +214,7 @@ def _plain_ticks(axes: Any, horizons: list[float]) -> None:
 def draw_forces(figure: Any, misfit: Misfit) -> None:
     """Surge and sway force and yaw moment that the model lacks, against what the boat did."""
     before = missing_forces(misfit.trials, misfit.weight, Hypothesis(), np.zeros(0))
-    chosen = shown_variables(misfit.trials, before)
+    chosen = shown_variables(misfit.trials, before, accused_thrusters(misfit.diagnosis))
     figure.set_size_inches(10.5, 6.3)
     axes = figure.subplots(3, len(chosen), squeeze=False, sharey="row", sharex="col")
     titles = ("surge force [N]", "sway force [N]", "yaw moment [N m]")
@@ -235,11 +235,21 @@ def draw_forces(figure: Any, misfit: Misfit) -> None:
     _legend(figure, lines + [(AFTER, 1.5, "still missing with what was found")] * misfit.extended)
 
 
-def shown_variables(trials: Trials, forces: Forces) -> dict[str, tuple[str, float]]:
-    """Label and factor by name of the variables to draw against: the boat's motion, the thruster that was
-    used most, the heading, where causes fixed to the earth show, and time.
+def accused_thrusters(found: Diagnosis) -> list[str]:
+    """The thrusters that causes or missing forces are found on."""
+    named = [cause.thruster for cause in found.causes if cause.thruster not in (None, "all")]
+    of_forces = [one.force.removeprefix("thrust of ") for one in found.leftover if "thrust of" in one.force]
+    return [name for one in named for name in ([one] if isinstance(one, str) else one or [])] + of_forces
+
+
+def shown_variables(
+    trials: Trials, forces: Forces, accused: Sequence[str] = ()
+) -> dict[str, tuple[str, float]]:
+    """Label and factor by name of the variables to draw against: the boat's motion, azimuth and throttle of
+    the first thruster accused, else of those used most, the heading, where causes fixed to the earth show,
+    and time.
     """
-    names = trials.boat.thruster_names
+    names = [name for name in trials.boat.thruster_names if name in accused[:1]] or trials.boat.thruster_names
     swings = [np.ptp(forces.variables.get(f"azimuth {name}", np.zeros(1))) for name in names]
     works = [np.ptp(forces.variables.get(f"throttle {name}", np.zeros(1))) for name in names]
     turning, working = names[int(np.argmax(swings))], names[int(np.argmax(works))]

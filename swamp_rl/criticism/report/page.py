@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from swamp_rl.criticism.data import CHANNELS, UNITS, Trials
 from swamp_rl.criticism.gain import QUANTITIES
+from swamp_rl.criticism.noise import FLOOR
 from swamp_rl.criticism.report.figures import DEGREES, SHOWN
 from swamp_rl.criticism.report.words import (
     GAINED_ON,
@@ -283,7 +284,9 @@ def details(found: Diagnosis, trials: Trials) -> str:
     for name, unit in zip(CHANNELS, UNITS, strict=True):
         if name in found.noise:
             factor, shown = (DEGREES, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
-            rows.append((name.replace("_", " "), rounded(factor * found.noise[name]), shown))
+            level, least = found.noise[name], FLOOR[CHANNELS.index(name)]
+            below = "below " if level <= least else ""
+            rows.append((name.replace("_", " "), below + rounded(factor * max(level, least)), shown))
     tried = [
         (
             spoken(c.effect),
@@ -296,7 +299,9 @@ def details(found: Diagnosis, trials: Trials) -> str:
     extended = "with what was found" if found.causes else "as it is, since nothing was found to add"
     heads = ("explanation", "misfit a sample [χ²], 1 is noise", "gain [χ²]", "95 % interval")
     return (
-        "<h2>Details</h2><p>Noise of the sensors, estimated from the data alone:</p>"
+        "<h2>Details</h2><p>White measurement noise, estimated from third differences of the data. Data "
+        "with less than the level after “below” are taken to have that much, the error of the "
+        "integration:</p>"
         + table(("channel", "standard deviation", "unit"), rows, numbers=(1,))
         + (f"<p>{wandering_sentence(found)}</p>" if found.wandering else "")
         + "<details><summary>The explanations that were tried, best first, scored on runs held "
