@@ -44,17 +44,17 @@ def diagnose(
         found = examine(dataset, boat, out, holdout)
     typer.echo(f"verdict: {found.verdict}")
     if found.verdict == "indistinguishable":
-        typer.echo("  the one that fits best:")
+        typer.echo("  the one with the lowest chi2:")
     for cause in found.causes:
         on = f" {cause.thruster}" if cause.thruster else ""
         numbers = ", ".join(_number(name, p) for name, p in cause.parameters.items())
         typer.echo(f"  {cause.effect}{on}: {numbers}")
     for names in found.indistinguishable:
-        typer.echo(f"  cannot be told apart: {'; '.join(names)}")
+        typer.echo(f"  cannot be distinguished: {'; '.join(names)}")
     if found.separating_trial:
         trial = found.separating_trial
         typer.echo(
-            f"  would tell them apart: {trial.manoeuvre} ({trial.separation:.1f} standard errors apart)"
+            f"  separating manoeuvre: {trial.manoeuvre} ({trial.separation:.1f} standard errors apart)"
         )
     for left in found.leftover[:1]:
         typer.echo(

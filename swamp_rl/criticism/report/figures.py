@@ -1,4 +1,4 @@
-"""The misfit as pictures: tracks, errors by horizon, and the forces that the model lacks."""
+"""Figures of the prediction error: tracks, errors by horizon, and missing forces."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -51,7 +51,7 @@ SHOWN = {
 
 @dataclass(frozen=True)
 class Misfit:
-    """What the pictures are drawn from: the trials, and the boat file without and with what was found."""
+    """What the figures are drawn from: the runs, and the boat file without and with the causes."""
 
     diagnosis: Diagnosis
     trials: Trials
@@ -107,7 +107,7 @@ def draw_tracks(figure: Any, misfit: Misfit) -> None:
     for axes in grid[runs:]:
         axes.remove()
     legend = [(MEASURED, 4, "measured"), (BEFORE, 1.5, "predicted by the boat file")]
-    legend += [(AFTER, 1.5, "predicted with what was found")] * misfit.extended
+    legend += [(AFTER, 1.5, "predicted by the extended boat")] * misfit.extended
     _legend(figure, legend, f"restart, every {seconds:.3g} s", cloud=rough)
 
 
@@ -127,9 +127,9 @@ def _legend(
     if dot:
         handles.append(Line2D([], [], color="#222222", marker=".", ls="", ms=6, label=dot))
     if perfect:
-        handles.append(Line2D([], [], color="#555555", ls="--", lw=1.2, label="a perfect simulation"))
+        handles.append(Line2D([], [], color="#555555", ls="--", lw=1.2, label="perfect model"))
     if noise:
-        handles.append(Line2D([], [], color="#555555", ls=":", lw=1.2, label="sensor noise"))
+        handles.append(Line2D([], [], color="#555555", ls=":", lw=1.2, label="measurement noise"))
     figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
 
 
@@ -155,7 +155,7 @@ def draw_errors(figure: Any, misfit: Misfit) -> None:
         _plain_ticks(axes, horizons)
         axes.set(title=title, xlabel="seconds ahead")
         axes.set_ylabel(f"error [{unit}]")
-    lines = [(BEFORE, 1.5, "boat file")] + [(AFTER, 1.5, "with what was found")] * misfit.extended
+    lines = [(BEFORE, 1.5, "boat file")] + [(AFTER, 1.5, "extended boat")] * misfit.extended
     _legend(figure, lines, noise=True, perfect=own)
 
 
@@ -232,7 +232,7 @@ def draw_forces(figure: Any, misfit: Misfit) -> None:
                 ax.set_xlabel(label)
         axes[row, 0].set_ylabel(title)
     lines = [(BEFORE, 1.5, "missing from the boat file")]
-    _legend(figure, lines + [(AFTER, 1.5, "still missing with what was found")] * misfit.extended)
+    _legend(figure, lines + [(AFTER, 1.5, "missing from the extended boat")] * misfit.extended)
 
 
 def accused_thrusters(found: Diagnosis) -> list[str]:
@@ -264,7 +264,7 @@ def labelled(variable: str) -> tuple[str, float]:
 
 
 def draw_missing(figure: Any, misfit: Misfit) -> None:
-    """Each missing force against what it goes with, as the data tell it, with its 95 % interval."""
+    """Each missing force against its variable, with its 95 % interval."""
     told = [one for one in misfit.diagnosis.leftover if one.curve]
     figure.set_size_inches(10.5, 3.2)
     axes = figure.subplots(1, max(3, len(told)), squeeze=False)[0]
