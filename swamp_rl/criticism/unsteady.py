@@ -1,6 +1,4 @@
-"""Does what is left over move the boat, or only its receiver? Forces that come and go against errors of
-position that wander, each by its likelihood.
-"""
+"""Process noise against measurement noise: the likelihoods of Gauss-Markov forces and position errors."""
 
 from dataclasses import dataclass
 

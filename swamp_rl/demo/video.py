@@ -183,15 +183,20 @@ def _fleet(axes: Any, scene: DemoScene, group: str | None, times: Array) -> Iter
     yield axes, tracks, lambda i: tracks.set_segments([way[: i + 1] for way in ways])
     yield axes, boats, lambda i: boats.set_verts([outline[i] for outline in outlines])
     if scene.few:
-        yield from _names(axes, scene, [item for _, item in shown], np.stack(ways, axis=1))
+        yield from _names(axes, scene, [item for _, item in shown], colours, np.stack(ways, axis=1))
 
 
-def _names(axes: Any, scene: DemoScene, shown: list[Shown], ways: Array) -> Iterator[tuple[Any, Any, Any]]:
+def _names(
+    axes: Any, scene: DemoScene, shown: list[Shown], colours: list[Any], ways: Array
+) -> Iterator[tuple[Any, Any, Any]]:
     """The boats' names at ways (T, N, 2), moved apart where boats meet."""
     from matplotlib.transforms import IdentityTransform
 
     style = {"transform": IdentityTransform(), "va": "bottom", "animated": True, "parse_math": False}
-    names = [axes.text(0, 0, scene.called(item), **style) for item in shown]
+    names = [
+        axes.text(0, 0, scene.called(item), color=colour, weight="bold", **style)
+        for item, colour in zip(shown, colours, strict=True)
+    ]
     boxes = [name.get_window_extent() for name in names]
     sizes = np.array([[box.width, box.height] for box in boxes])
 
