@@ -48,10 +48,10 @@ def method(results: Results) -> str:
             f" The scripted pilot drives for the first {results['takeover']:g} s, as someone did at Camogli."
         )
     return (
-        f"## Method\n\nThe pilot `{plan['pilot']}` ({results['kind']}) was trained {plan['draws']} times, each "
-        f"time from another random choice of {plan['few']} runs ({drawn}) and another training seed, and "
-        f"tried in the same {results['episodes']} seeded episodes.{first} The hypotheses and the smallest "
-        "effects that count are in the experiment's file. The effect is the mean over trainings and "
+        f"## Method\n\nThe pilot `{plan['pilot']}` ({results['kind']}) was trained {plan['draws']} times, "
+        f"each time from another random choice of {plan['few']} runs ({drawn}) and another training seed, "
+        f"and tried in the same {results['episodes']} seeded episodes.{first} The hypotheses and the "
+        "smallest effects that count are in the experiment's file. The effect is the mean over trainings and "
         "episodes; its 95 % interval is from a bootstrap over both and is not corrected for the number of "
         "hypotheses. p is one-sided, from flipping the signs of the trainings' mean distances from the "
         "bound, and is corrected by Holm over all hypotheses. "
