@@ -14,6 +14,7 @@ from swamp_rl.experiments.cli.demo import demo
 from swamp_rl.experiments.cli.diagnose import diagnose, disturbances
 from swamp_rl.experiments.cli.experiment import evaluate, run, train
 from swamp_rl.experiments.cli.export import export
+from swamp_rl.experiments.cli.help import add_help
 from swamp_rl.experiments.cli.identify import identify_app
 from swamp_rl.experiments.cli.record import record
 from swamp_rl.experiments.cli.runs import runs_app
@@ -109,7 +110,7 @@ def record_scripted_runs(
     ] = 0,
     seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Another seed, other runs.")] = 0,
 ) -> None:
-    """Record runs of the scripted pilot, which drives the way people do."""
+    """Record runs of the scripted pilot, a model of human drivers."""
     from swamp_rl.envs.batched import GatesVectorEnv
 
     from swamp_rl.pilots.record import record_scripted
@@ -130,12 +131,15 @@ def record_scripted_runs(
 def bench(
     out: Annotated[Path, typer.Option(help="The JSON file to write.")] = Path("bench.json"),
 ) -> None:
-    """Measure speed, as ratios against Gymnasium's Pendulum-v1."""
+    """Measure speed relative to Gymnasium's Pendulum-v1."""
     from swamp_rl.experiments.studies.speed import run_bench
 
     for name, value in run_bench(out).items():
         typer.echo(f"{name:<42} {value:>16,.4g}")
     typer.echo(f"written to {out}")
+
+
+add_help(app)
 
 
 def main() -> None:

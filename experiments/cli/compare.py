@@ -27,7 +27,7 @@ def compare(
         int, typer.Option(min=0, max=2**31 - 1, help="Of the bootstrap and the permutations.")
     ] = 0,
 ) -> None:
-    """Compare pilots on the same episodes, with intervals and corrected p-values, or rank them on a page."""
+    """Compare pilots on the same episodes, with intervals and p-values (Holm), or rank them on a page."""
     from swamp_rl.files import write_beside
 
     if (leaderboard is None) == (not results):
@@ -62,10 +62,10 @@ def print_comparison(found: dict[str, Any]) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
-    from swamp_rl.experiments.reports.comparison import difference, heads, p_value, rows
+    from swamp_rl.experiments.reports.comparison import DIFFERENCE_HEADS, difference, heads, p_value, rows
 
     console = Console()
-    table = Table(title="success [%]", box=SIMPLE_HEAD)
+    table = Table(title="success [%], 95 % intervals", box=SIMPLE_HEAD)
     for head in ("pilot", "seeds", "level", "success"):
         table.add_column(head, justify="right" if head in ("seeds", "success") else "left")
     for row in rows(found):
@@ -73,8 +73,10 @@ def print_comparison(found: dict[str, Any]) -> None:
             table.add_row(*row[:2], level, rate)
     console.print(table)
     table = Table(title="success, paired differences [%]", box=SIMPLE_HEAD)
-    for head in ("difference", "level", "mean", "p, corrected"):
-        table.add_column(head, justify="right" if head in ("mean", "p, corrected") else "left")
+    for head in ("difference", "level"):
+        table.add_column(head)
+    for head in DIFFERENCE_HEADS:
+        table.add_column(head, justify="right")
     for row in found["differences"]:
         if row["quantity"] == "success":
             pair = f"{row['a']} − {row['b']}"

@@ -1,4 +1,4 @@
-"""`swamp-rl diagnose` and `simulate --window`: what a simulated boat gets wrong about measured runs."""
+"""`swamp-rl diagnose` and `simulate --window`: a simulated boat against measured runs."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -25,8 +25,10 @@ def diagnose(
         typer.Option(help="Of figures: groups to fit to, joined by commas; once for each stage."),
     ] = None,
 ) -> None:
-    """Name what the simulation gets wrong, extend the boat by it, and measure the gain."""
-    from swamp_rl.criticism.diagnose import diagnose as examine
+    """Find the causes of a model's error in measured runs, extend the boat by them, and measure the gain."""
+    typer.echo(f"diagnosing {dataset} against boat {boat}")
+    from swamp_rl.experiments.cli.progress import progress
+
     from swamp_rl.criticism.figures.schema import is_figures_file
 
     if is_figures_file(dataset):
@@ -35,28 +37,38 @@ def diagnose(
     if fit:
         raise UserError(f"--fit: {dataset} holds runs, which have no groups; leave it out")
 
-    found = examine(dataset, boat, out, holdout)
+    from swamp_rl.criticism.diagnose import diagnose as examine
+    from swamp_rl.criticism.progress import LOG
+
+    with progress(LOG):
+        found = examine(dataset, boat, out, holdout)
     typer.echo(f"verdict: {found.verdict}")
     if found.verdict == "indistinguishable":
-        typer.echo("  the one that fits best:")
+        typer.echo("  the one with the lowest chi2:")
     for cause in found.causes:
         on = f" {cause.thruster}" if cause.thruster else ""
         numbers = ", ".join(_number(name, p) for name, p in cause.parameters.items())
         typer.echo(f"  {cause.effect}{on}: {numbers}")
     for names in found.indistinguishable:
-        typer.echo(f"  cannot be told apart: {'; '.join(names)}")
+        typer.echo(f"  cannot be distinguished: {'; '.join(names)}")
     if found.separating_trial:
         trial = found.separating_trial
-        typer.echo(f"  would tell them apart: {trial.manoeuvre} ({trial.separation:.1f} standard errors)")
+        typer.echo(
+            f"  separating manoeuvre: {trial.manoeuvre} ({trial.separation:.1f} standard errors apart)"
+        )
     for left in found.leftover[:1]:
         typer.echo(
-            f"  unexplained: {left.force}, which goes with {left.variable} ({left.explained:.0%} of it)"
+            f"  unexplained: {left.force}, a function of {left.variable} "
+            f"({left.explained:.0%} of its variance on held-out runs)"
         )
     for gain in found.gain:
         if gain.horizon_s == 10.0 and gain.position_rmse_m:
             missed = gain.position_rmse_m
-            extended = f", with it by {missed.after:.3g} m" if found.causes else ""
-            typer.echo(f"  position 10 s ahead is off by {missed.before:.3g} m{extended}")
+            extended = f", {missed.after:.3g} m with the extended boat" if found.causes else ""
+            typer.echo(
+                f"  position error 10 s ahead (root mean square): {missed.before:.3g} m with the boat file"
+                f"{extended}"
+            )
     for lack in found.missing_motion:
         typer.echo(f"  the runs lack {lack}")
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
@@ -100,9 +112,11 @@ def _diagnose_figures(path: Path, boat: str, out: Path, holdout: Path | None, fi
 
 def _number(name: str, found: "Estimate") -> str:
     """A parameter as one reads it."""
-    doubt = "(at the edge of what is tried)" if found.at_bound else f"± {found.standard_error:.2g}"
-    limit = f"{found.limit.replace('_', ' ')} " if found.limit else ""
-    return f"{name} {limit}{found.value:.4g} {doubt}{'' if found.unit == '1' else ' ' + found.unit}"
+    from swamp_rl.criticism.report.words import number_cells
+
+    value, interval, unit = number_cells(found)
+    spread = f"({interval})" if found.at_bound else f"(95 % interval {interval})"
+    return " ".join(part for part in (name.replace("_", " "), value, unit, spread) if part)
 
 
 def disturbances(
@@ -113,7 +127,7 @@ def disturbances(
         typer.Option(help="A name in configs/disturbances, or a file, whose other effects are kept."),
     ] = None,
 ) -> None:
-    """Write what a diagnosis found, with its doubt, as disturbances to train pilots among."""
+    """Write a diagnosis as disturbances, with its standard errors, to train pilots in."""
     from swamp_rl.criticism.posterior import write_posterior
 
     level = write_posterior(diagnosis, out, among)
@@ -121,7 +135,7 @@ def disturbances(
 
 
 def simulate_windows(commands: Path, out: Path, boat: str, seconds: float) -> None:
-    """`simulate --window`: the replay restarted every `seconds`, and by how much it missed at their ends."""
+    """`simulate --window`: the replay restarted every `seconds`, and the error at their ends."""
     import numpy as np
 
     from swamp_rl.boat import load_boat

@@ -10,7 +10,7 @@ def export(
     pilot: Annotated[Path, typer.Argument(help="The folder of a pilot, such as results/camogli/pilots/ppo.")],
     out: Annotated[Path, typer.Option(help="The ONNX file to write.")] = Path("pilot.onnx"),
 ) -> None:
-    """Write a pilot's step as ONNX, and tell how near it is to the step in NumPy and how long each takes."""
+    """Write a pilot's step as ONNX, and measure its difference from the step in NumPy and both times."""
     import numpy as np
 
     from swamp_rl.export import OnnxPilot, greatest_difference, write_onnx

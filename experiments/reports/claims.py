@@ -39,7 +39,7 @@ def summary(results: Results) -> str:
 
 
 def method(results: Results) -> str:
-    """How it was tested."""
+    """Method of the tests."""
     plan, data = results["plan"], results["data"]
     drawn = "no two of which share a run" if data["disjoint"] else "which share runs, for there are too few"
     first = ""
@@ -48,12 +48,13 @@ def method(results: Results) -> str:
             f" The scripted pilot drives for the first {results['takeover']:g} s, as someone did at Camogli."
         )
     return (
-        f"## How\n\nThe pilot `{plan['pilot']}` ({results['kind']}) was trained {plan['draws']} times, each "
-        f"time from another random choice of {plan['few']} runs ({drawn}) and another training seed, and "
-        f"tried in the same {results['episodes']} seeded episodes.{first} The hypotheses and the smallest "
-        "effects that count stand in the experiment's file. The effect is the mean over trainings and "
-        "episodes; its 95 % interval is from a bootstrap over both. p is one-sided, from flipping the signs "
-        "of the trainings' mean distances from the bound, corrected by Holm over all hypotheses. "
+        f"## Method\n\nThe pilot `{plan['pilot']}` ({results['kind']}) was trained {plan['draws']} times, "
+        f"each time from another random choice of {plan['few']} runs ({drawn}) and another training seed, "
+        f"and tried in the same {results['episodes']} seeded episodes.{first} The hypotheses and the "
+        "smallest effects that count are in the experiment's file. The effect is the mean over trainings and "
+        "episodes; its 95 % interval is from a bootstrap over both and is not corrected for the number of "
+        "hypotheses. p is one-sided, from flipping the signs of the trainings' mean distances from the "
+        "bound, and is corrected by Holm over all hypotheses. "
         "*Supported*: the interval lies wholly beyond the bound and p is below 0.05. *Not supported*: it "
         "lies wholly short of it. Else *undecided*. A claim is supported where all hypotheses that decide it "
         "are, and not supported where one of them is not. The last column is the data's own pilot in the "
@@ -74,7 +75,7 @@ def hypotheses(found: Results) -> str:
         text = one["text"] if one["decides"] else f"*{one['text']}* (does not decide)"
         reference = "–" if one["reference"] is None else shown(one["shown"], one["reference"])
         rows.append([text, effect(one), p_value(one["p_corrected"]), f"**{one['verdict']}**", reference])
-    return table(["hypothesis", "effect", "p, corrected", "verdict", "data's pilot"], rows)
+    return table(["hypothesis", "effect (95 %, uncorrected)", "p (Holm)", "verdict", "data's pilot"], rows)
 
 
 NOTES = {
@@ -84,7 +85,7 @@ NOTES = {
     "elsewhere": "\n\nOnly starts outside the convex hull of all tracks that the pilot learned from count.",
     "disturbed": "\n\nWhere the data were recorded among the same disturbances, this does not show that the "
     "pilot stands new ones.",
-    "smoother": "\n\nMeans of logarithms over episodes in which both arrived, told as shares saved. The "
+    "smoother": "\n\nMeans of logarithms over episodes in which both succeeded, given as shares saved. The "
     "power is what the jets leave in the water; see `swamp_rl/evaluation/metrics.py`.",
 }
 

@@ -7,6 +7,9 @@ from typing import Any
 from swamp_rl.experiments.reports.experiment import rate, table
 from swamp_rl.experiments.reports.figures import success_rates
 
+from swamp_rl.criticism.report.words import number_cells
+from swamp_rl.criticism.result import Estimate
+
 Results = Mapping[str, Any]
 
 
@@ -50,9 +53,8 @@ def causes(results: Results) -> str:
     for cause in results["diagnosis"]["causes"]:
         on = cause["thruster"] if isinstance(cause["thruster"], str) else " ".join(cause["thruster"] or ())
         for name, p in cause["parameters"].items():
-            value = f"{p['value']:.4g} ± {p['standard_error']:.2g} {p['unit']}"
-            rows.append([f"{cause['effect']} {on}".strip(), name, value])
-    return table(["cause", "parameter", "value and standard error"], rows)
+            rows.append([f"{cause['effect']} {on}".strip(), name, *number_cells(Estimate.model_validate(p))])
+    return table(["cause", "parameter", "value", "95 % interval", "unit"], rows)
 
 
 def found(results: Results) -> str:
@@ -60,8 +62,8 @@ def found(results: Results) -> str:
     logs, diagnosis = results["hidden"]["logs"], results["diagnosis"]
     verdict = diagnosis["verdict"].replace("_", " ")
     text = (
-        f"## What the logs told\n\n{logs['runs']} runs of the scripted pilot through the gates, logged with "
-        f"sensor noise ({logs['position_noise']} m, {logs['heading_noise']} rad, "
+        f"## Diagnosis of the logs\n\n{logs['runs']} runs of the scripted pilot through the gates, "
+        f"logged with sensor noise ({logs['position_noise']} m, {logs['heading_noise']} rad, "
         f"{logs['velocity_noise']} m/s, {logs['yaw_rate_noise']} rad/s). Verdict: **{verdict}**."
     )
     return f"{text}\n\n{causes(results)}" if diagnosis["causes"] else text

@@ -1,4 +1,4 @@
-"""`compare.md` and the table on the screen: a comparison told in words and tables."""
+"""`compare.md` and the table on the screen: a comparison as text and tables."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -6,6 +6,8 @@ from typing import Any
 from swamp_rl.experiments.reports.experiment import COST_NAMES, table
 
 Found = Mapping[str, Any]
+
+DIFFERENCE_HEADS = ("mean (95 %, uncorrected)", "p (Holm)")
 
 
 def report(found: Found) -> str:
@@ -16,8 +18,8 @@ def report(found: Found) -> str:
         f"# Pilots compared\n\nBoat `{found['boat']}` on the course `{found['course']}`, in the same "
         f"episodes: {levels}.{notes}",
         success(found),
-        differences(found, ("success",), "How often they arrive, pilot against pilot"),
-        differences(found, tuple(COST_NAMES), "What it costs, pilot against pilot"),
+        differences(found, ("success",), "Success rate, paired differences"),
+        differences(found, tuple(COST_NAMES), "Costs, paired differences"),
         improvement(found),
         "Results: " + ", ".join(f"`{folder}`" for folder in found["folders"]) + f". Seed {found['seed']}.",
     ]
@@ -45,7 +47,7 @@ def heads(found: Found) -> list[str]:
 def success(found: Found) -> str:
     """The table of success rates."""
     return (
-        "## How often they arrive\n\n"
+        "## Success rate\n\n"
         "Percent. With one training seed: Wilson's 95 % interval over the episodes, of this one trained "
         "pilot. With several: the interquartile mean over them and its 95 % bootstrap interval, of the way "
         "of training. Fewer than about five seeds make that interval too narrow.\n\n" + success_table(found)
@@ -68,10 +70,12 @@ def differences(found: Found, quantities: Sequence[str], title: str) -> str:
     if not lines:
         return ""
     return (
-        f"## {title}\n\nPaired over the episodes, costs over those in which both arrived, with 95 % "
-        "bootstrap intervals; p from flipping the signs of the differences, corrected by Holm over all "
-        f"{found['comparisons']} comparisons of this report. They hold for these trained pilots.\n\n"
-        + table(["difference", "of", "mean", "episodes", "p, corrected"], lines)
+        f"## {title}\n\nPaired over the episodes, costs over those in which both succeeded. Each interval "
+        "covers its own difference with 95 % (bootstrap) and is not corrected for the number of "
+        "comparisons. p is from a sign-flip test and is corrected by Holm over all "
+        f"{found['comparisons']} comparisons of this report, so an interval may exclude zero where p is "
+        "above 0.05: decide by p. Both hold for these trained pilots.\n\n"
+        + table(["difference", "of", *DIFFERENCE_HEADS[:1], "episodes", *DIFFERENCE_HEADS[1:]], lines)
     )
 
 
@@ -80,7 +84,7 @@ def improvement(found: Found) -> str:
     if not any(pilot["seeds"] > 1 for pilot in found["pilots"]) or not found["improvement"]:
         return ""
     return (
-        "## Would another training beat the other?\n\n"
+        "## Probability of improvement\n\n"
         "Probability of improvement in success over the training seeds, averaged over the levels, in "
         "percent; 50 is no difference. Agarwal and others (2021).\n\n" + improvement_table(found)
     )

@@ -1,4 +1,4 @@
-"""The report of an experiment: `results.json` told in words, tables and pictures."""
+"""The report of an experiment: `results.json` as text, tables and figures."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
@@ -21,7 +21,7 @@ TARGETS: dict[str, tuple[str, Callable[[float], str]]] = {
 
 def report(results: Results) -> str:
     """The report as Markdown; its pictures lie in `figures/` beside it."""
-    parts = [_opening, _success, _targets, _training, _tracks, _commands, _costs, _differences, _again]
+    parts = [_opening, success, _targets, _training, _tracks, _commands, _costs, _differences, _again]
     return "\n\n".join(part(results) for part in parts) + "\n"
 
 
@@ -42,26 +42,33 @@ def _levels(results: Results) -> list[str]:
 
 
 def _opening(results: Results) -> str:
-    data, reached = results["data"], sum(target["reached"] for target in results["targets"])
+    data = results["data"]
     return (
-        f"# {results['name']}: what the pilots learned\n\n"
+        f"# {results['name']}: success and costs of the pilots\n\n"
         f"Boat `{results['boat']}` on the course `{results['course']}`. There were {data['successful']} "
         f"successful runs to learn from ({data['source']}, {data['minutes']:.0f} minutes). Then every pilot "
         f"was tried in the same {results['evaluation']['episodes']} seeded episodes at each level of "
-        "disturbance. "
-        f"**{reached} of {len(results['targets'])} targets were reached.**"
+        f"disturbance. **{targets_reached(results['targets'])}**"
     )
 
 
-def _success(results: Results) -> str:
+def targets_reached(targets: Sequence[Mapping[str, Any]]) -> str:
+    """How many of an experiment's targets were reached, as a sentence."""
+    if not targets:
+        return "The experiment sets no targets."
+    return f"{sum(target['reached'] for target in targets)} of {len(targets)} targets were reached."
+
+
+def success(results: Results) -> str:
+    """Success rates by pilot and level, and what counts as success."""
     rows = [
         [name, *(rate(pilot["levels"][level]) for level in _levels(results))]
         for name, pilot in results["pilots"].items()
     ]
     return (
-        "## How often they arrive\n\n"
-        "Both gates passed in the right direction, no buoy touched, within the bounds and the time limit. "
-        "Percent, with Wilson's 95 % interval.\n\n"
+        "## Success rate\n\n"
+        "All gates passed in their order and direction, no buoy touched, within the bounds and the time "
+        "limit. Percent, with Wilson's 95 % interval.\n\n"
         + table(["pilot", *_levels(results)], rows)
         + "\n\n![Success rates](figures/success.png)"
     )
@@ -69,11 +76,11 @@ def _success(results: Results) -> str:
 
 def _targets(results: Results) -> str:
     if not results["targets"]:
-        return "## Targets\n\nThe experiment sets none."
+        return "## Targets\n\nNone."
     rows = []
     for target in results["targets"]:
         asked, form = TARGETS[target["what"]]
-        measured = "never arrived" if target["measured"] is None else form(target["measured"])
+        measured = "no success" if target["measured"] is None else form(target["measured"])
         needed = asked.format(form(target["needed"]))
         verdict = "reached" if target["reached"] else "**not reached**"
         rows.append([f"{target['pilot']}, {target['level']}", needed, measured, verdict])
@@ -89,7 +96,7 @@ def _training(results: Results) -> str:
     ]
     failed = data["runs"] - data["successful"]
     return (
-        "## What they learned from\n\n"
+        "## Training data\n\n"
         f"There are {data['runs']} runs, {failed} of which failed. Failed runs are kept and marked; a "
         "pilot learns from them only where that is said here.\n\n"
         + "\n".join(learners)
@@ -99,7 +106,7 @@ def _training(results: Results) -> str:
 
 def _tracks(results: Results) -> str:
     return (
-        "## Where they went\n\n"
+        "## Tracks\n\n"
         f"The first {results['evaluation']['shown']} episodes of each pilot at each level.\n\n"
         "![Tracks](figures/tracks.png)"
     )
@@ -112,11 +119,11 @@ def _commands(results: Results) -> str:
         changes = [pilot["levels"][level]["mean_of_successes"]["command_change"] for level in levels]
         rows.append([name, *(_number("command_change", change) for change in changes)])
     return (
-        "## How they hold the levers\n\n"
+        "## Commands\n\n"
         f"Above, a run of the data ({data['source']}); below it, each learned pilot in one episode at the "
         f"level `{results['race']['level']}`, the same for all.\n\n![Commands](figures/commands.png)\n\n"
-        f"In the data the levers change by **{data['command_change']:.4f}** a step (throttle and angle "
-        "together, each as a share of full lever; a still hand would have 0). In the successful episodes it "
+        f"In the data the command changes by **{data['command_change']:.4f}** a step (throttle and angle "
+        "together, each as a share of its range; 0 for a constant command). In the successful episodes it "
         "is:\n\n" + table(["pilot", *levels], rows)
     )
 
@@ -128,8 +135,8 @@ def _costs(results: Results) -> str:
             costs = pilot["levels"][level]["mean_of_successes"]
             rows.append([f"{name}, {level}", *(_number(cost, costs[cost]) for cost in COSTS)])
     return (
-        "## What it costs to arrive\n\n"
-        "Means over the successful episodes. The energy is what the jets leave in the water as motion, about "
+        "## Costs of successful episodes\n\n"
+        "Means over the successful episodes. The energy is the kinetic energy of the jets' wake, about "
         "a quarter of what the motors draw.\n\n"
         + table(["pilot, level", *(COST_NAMES[cost][0] for cost in COSTS)], rows)
     )
@@ -142,9 +149,10 @@ def _differences(results: Results) -> str:
         spans = [_span(what, found[what]) for what in ("success", *shown)]
         rows.append([f"{found['a']} − {found['b']}, {found['level']}", *spans])
     return (
-        "## Pilot against pilot\n\n"
-        "Paired over the shared episodes, with 95 % bootstrap intervals: success over all episodes, costs "
-        "over those in which both arrived. `results.json` has path and energy too.\n\n"
+        "## Paired differences\n\n"
+        "Paired over the shared episodes, each with its own 95 % bootstrap interval, not corrected for the "
+        "number of comparisons: success over all episodes, costs over those in which both succeeded. "
+        "`results.json` has path and energy too.\n\n"
         + table(["difference", "success [%]", *(COST_NAMES[cost][0] for cost in shown)], rows)
     )
 
@@ -152,14 +160,14 @@ def _differences(results: Results) -> str:
 def _again(results: Results) -> str:
     measured = results["measured"]
     return (
-        "## To look at, and to do again\n\n"
+        "## Files, and how to repeat this\n\n"
         "* `rerun demo.rrd` shows the run of the data and the learned pilots racing each other; "
         "`swamp-rl demo` on this folder shows these and any other runs of `data/` and `driven/`.\n"
         "* `episodes.parquet` has a row for each episode of each pilot.\n"
         "* `pilots/` holds the pilots, `config/` the experiment with every option written out and copies of "
         "the files it names, `versions.json` the versions; `sha256sum -c data.sha256` checks the runs.\n"
         "* `swamp-rl run` on this folder does it again, with the same numbers on the same machine.\n\n"
-        "## Where the time went\n\n" + time_table(measured)
+        "## Wall-clock time\n\n" + time_table(measured)
     )
 
 

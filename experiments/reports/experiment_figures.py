@@ -30,13 +30,11 @@ def draw_figures(
     good = dataset.successful
     failed = [run for run in dataset.runs if run not in good]
     panels = [(f"{len(good)} successful runs", good), (f"{len(failed)} failed runs", failed)]
-    figures.tracks(folder / "training_tracks.png", scene.course, [panels], "The runs to learn from")
-    rows = [
-        [(f"{name}, {level}", tried.shown[name, level]) for level in scene.levels]
-        for name in scene.experiment.pilots
-    ]
-    figures.tracks(folder / "tracks.png", scene.course, rows, "The pilots, without and with disturbances")
-    figures.commands(folder / "commands.png", race.runs, "The levers")
+    figures.tracks(folder / "training_tracks.png", scene.course, [panels], "Training runs")
+    names = list(scene.experiment.pilots)
+    rows = [[(f"{name}, {level}", tried.shown[name, level]) for level in scene.levels] for name in names]
+    figures.tracks(folder / "tracks.png", scene.course, rows, "Tracks by pilot and level", names)
+    figures.commands(folder / "commands.png", race.runs, "Commands")
     rates = {name: pilot["levels"] for name, pilot in results["pilots"].items()}
     asked = scene.experiment.targets.success
     figures.success_rates(folder / "success.png", rates, asked, "Success, with Wilson's 95 % interval")

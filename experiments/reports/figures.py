@@ -9,6 +9,7 @@ import numpy as np
 from swamp_rl.experiments.training.curves import Curve
 
 from swamp_rl.course import Course
+from swamp_rl.demo.colours import driver_colours, fractions
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import common_steps, curve_band
 from swamp_rl.figure_style import sheet
@@ -49,32 +50,40 @@ def draw_course(axes: Any, course: Course) -> None:
     axes.set(xlim=(bounds.west, bounds.east), ylim=(bounds.south, bounds.north), aspect="equal")
 
 
-def tracks(path: Path, course: Course, rows: Sequence[Sequence[Panel]], title: str) -> None:
-    """PNG of a grid of charts; successful runs are drawn blue, failed ones red and dashed."""
+def tracks(
+    path: Path,
+    course: Course,
+    rows: Sequence[Sequence[Panel]],
+    title: str,
+    drivers: Sequence[str] | None = None,
+) -> None:
+    """PNG of a grid of charts: successful runs in the colour of the row's driver, failed ones dashed red."""
+    shades = driver_colours(drivers or ())
     with sheet(path, 3.0 * len(rows[0]), 3.2 * len(rows) + 0.9) as figure:
         grid = figure.subplots(len(rows), len(rows[0]), squeeze=False, sharex=True, sharey=True)
         for i, row in enumerate(rows):
             for j, (label, runs) in enumerate(row):
                 axes = grid[i][j]
-                _draw_tracks(axes, runs)
+                _draw_tracks(axes, runs, fractions(shades[drivers[i]]) if drivers else DRIVEN)
                 draw_course(axes, course)
                 axes.set_title(label)
                 if i == len(rows) - 1:
                     axes.set_xlabel("east [m]")
                 if j == 0:
                     axes.set_ylabel("north [m]")
-        _track_legend(figure)
+        _track_legend(figure, "#555555" if drivers else DRIVEN)
         figure.suptitle(title, fontsize=11, fontweight="bold")
 
 
 def commands(path: Path, runs: Mapping[str, Run], title: str) -> None:
-    """PNG of the levers over time: one row for each pilot, throttle to the left, angle to the right."""
+    """PNG of the commands over time: one row for each pilot, throttle to the left, angle to the right."""
     arrived = [run for run in runs.values() if run.meta.outcome == "success"]
+    shades = driver_colours(runs)
     end = max(run.duration for run in arrived or runs.values())
     with sheet(path, 9.0, 1.45 * len(runs) + 1.0) as figure:
         grid = figure.subplots(len(runs), 2, squeeze=False, sharex=True)
         for i, (name, run) in enumerate(runs.items()):
-            colour = "#555555" if i == 0 else DRIVEN
+            colour = fractions(shades[name])
             for axes, column, ends in zip(
                 grid[i], ("joy_thrust", "joy_angle"), ((0, 1), (-1, 1)), strict=True
             ):
@@ -99,7 +108,7 @@ def success_rates(
 
     targets: the rates that were to be reached, likewise, where there are any.
     """
-    levels = list(next(iter(rates.values())))
+    levels, shades = list(next(iter(rates.values()))), driver_colours(rates)
     with sheet(path, 8.0, 3.4) as figure:
         axes = figure.subplots()
         for i, (pilot, by_level) in enumerate(rates.items()):
@@ -113,7 +122,8 @@ def success_rates(
             ]
             asked = [100 * targets.get(pilot, {}).get(level, math.nan) for level in levels]
             axes.plot(at, asked, "_", color="#222222", ms=13, mew=1.2, label="_" if i else "target", zorder=1)
-            axes.errorbar(at, value, yerr=error, fmt="o", ms=5, capsize=3, lw=1.4, label=pilot)
+            shade = fractions(shades[pilot])
+            axes.errorbar(at, value, yerr=error, fmt="o", ms=5, capsize=3, lw=1.4, label=pilot, color=shade)
         axes.set(xticks=range(len(levels)), ylabel="success [%]", ylim=(0, 104))
         axes.set_xticklabels(levels)
         axes.grid(axis="x", visible=False)
@@ -147,7 +157,7 @@ def learning_curves(
         figure.suptitle(title, fontsize=11, fontweight="bold")
 
 
-def _draw_tracks(axes: Any, runs: Iterable[Run]) -> None:
+def _draw_tracks(axes: Any, runs: Iterable[Run], colour: Any) -> None:
     runs = list(runs)
     alpha = 0.75 if len(runs) <= 12 else 0.4
     for run in runs:
@@ -155,7 +165,7 @@ def _draw_tracks(axes: Any, runs: Iterable[Run]) -> None:
         axes.plot(
             run.columns["east"],
             run.columns["north"],
-            color=DRIVEN if good else FAILED,
+            color=colour if good else FAILED,
             ls="-" if good else (0, (4, 2)),
             lw=0.9,
             alpha=alpha,
@@ -163,12 +173,12 @@ def _draw_tracks(axes: Any, runs: Iterable[Run]) -> None:
         )
 
 
-def _track_legend(figure: Any) -> None:
+def _track_legend(figure: Any, colour: str) -> None:
     from matplotlib.lines import Line2D
 
     figure.legend(
         handles=[
-            Line2D([], [], color=DRIVEN, label="successful"),
+            Line2D([], [], color=colour, label="successful"),
             Line2D([], [], color=FAILED, ls="--", label="failed"),
             Line2D([], [], color="k", marker="+", ls="", ms=8, label="start"),
         ],

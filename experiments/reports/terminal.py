@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from swamp_rl.experiments.reports.claims import print_claims
-from swamp_rl.experiments.reports.experiment import rate
+from swamp_rl.experiments.reports.experiment import rate, targets_reached
 
 from swamp_rl.files import write_beside
 
@@ -44,10 +44,8 @@ def print_results(results: Mapping[str, Any], folder: Path) -> None:
         table.add_row(name, *(rate(pilot["levels"][level]) for level in levels))
     console = Console()
     console.print(table)
-    missed = [target for target in results["targets"] if not target["reached"]]
-    reached = len(results["targets"]) - len(missed)
-    console.print(f"{reached} of {len(results['targets'])} targets reached")
-    for target in missed:
+    console.print(targets_reached(results["targets"]))
+    for target in (one for one in results["targets"] if not one["reached"]):
         console.print(f"  not: {target['what']} of {target['pilot']}, {target['level']}")
     measured = results["measured"]
     console.print(

@@ -114,7 +114,8 @@ def report(
     parts = [
         f"# Trials of {boat.name}\n\n{len(results)} runs, {dataset.meta.source}; L = {boat.length:g} m. "
         "Angles in deg, positive to starboard; rates in deg/s, times in s, speeds in m/s. In brackets the "
-        "95 % bootstrap interval of the value before them, ± the standard deviation over turns or executes."
+        "95 % bootstrap interval of the value before them; left out where it is narrower than "
+        "the last digit. sd: standard deviation over the turns or executes."
     ]
     for kind in COLUMNS:
         some = [result for result in results if result.kind == kind]
@@ -125,9 +126,9 @@ def report(
     judged = imo_table(results)
     if judged:
         parts.append(f"## IMO MSC.137(76)\n\n{judged}")
-    told = [f"* {r.run}: {note}" for r in results for note in r.notes] + [f"* {line}" for line in refused]
-    if told:
-        parts.append("## What went not as asked for\n\n" + "\n".join(told))
+    remarks = [f"* {r.run}: {note}" for r in results for note in r.notes] + [f"* {line}" for line in refused]
+    if remarks:
+        parts.append("## Deviations from the plan\n\n" + "\n".join(remarks))
     parts += [f"![{name}]({name})" for name in pictures]
     return "\n\n".join(parts) + "\n"
 
@@ -166,32 +167,33 @@ def _unit(results: Sequence[Result], name: str) -> str:
 
 
 def cell(figure: Figure | None, length: float) -> str:
-    """A figure for a table: its value [its interval] ± its standard deviation, lengths in place of metres."""
+    """A figure for a table: value [95 % interval], sd of its repetitions; lengths in place of metres."""
     if figure is None or not math.isfinite(figure.value):
         return "–"
     scale = 1.0 / length if figure.unit == "m" else 100.0 if figure.unit == "1" else 1.0
     text = f"{figure.value * scale:.2f}"
-    if math.isfinite(figure.low):
-        text += f" [{figure.low * scale:.2f}, {figure.high * scale:.2f}]"
-    return text + (f" ± {figure.sd * scale:.2f}" if math.isfinite(figure.sd) else "")
+    low, high = (f"{end * scale:.2f}" for end in (figure.low, figure.high))
+    if math.isfinite(figure.low) and low != high:
+        text += f" [{low}, {high}]"
+    return text + (f", sd {figure.sd * scale:.2f}" if math.isfinite(figure.sd) else "")
 
 
 def imo_table(results: Sequence[Result]) -> str:
-    """Every limit that a run could be held against."""
+    """Every limit that applies to a run."""
     rows = [
-        [result.run, c.name, f"{c.value:.2f} {c.unit}", f"{c.limit:.2f}", _passed(c.passed), c.remark]
+        [result.run, c.name, f"{c.value:.2f} {c.unit}", f"{c.limit:.2f}", _passed(c.passed)]
         for result in results
         for c in result.criteria
     ]
-    return table(["run", "limit", "value", "at most", "", "remark"], rows) if rows else ""
+    return table(["run", "limit", "value", "at most", "result"], rows) if rows else ""
 
 
 def _passed(passed: bool | None) -> str:
-    return {True: "pass", False: "fail", None: "not told"}[passed]
+    return {True: "pass", False: "fail", None: "no value"}[passed]
 
 
 def pair_lines(both: Sequence[Pair]) -> list[str]:
-    """What pairs of circles tell, one line each."""
+    """Verdicts on pairs of circles, one line each."""
     return [
         f"{pair.angle:g} deg at {100 * pair.throttle:.3g} %: "
         + "; ".join(f"{name.replace('_', ' ')} {text}" for name, text in pair.verdicts.items())

@@ -1,4 +1,4 @@
-"""Is what is left over sensor noise? White noise of the estimated size has no slow part beyond its share."""
+"""Whiteness test of the residuals: white noise of the estimated size has no excess at low frequencies."""
 
 from dataclasses import dataclass
 

@@ -31,6 +31,7 @@ from swamp_rl.criticism.leftover import missing_forces
 from swamp_rl.criticism.motion import missing_motion
 from swamp_rl.criticism.noise import noise_levels, weights
 from swamp_rl.criticism.pointing import leftovers
+from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.refusals import refuse_other_vehicle, refuse_sources_inside
 from swamp_rl.criticism.result import Candidate, Cause, Diagnosis, Gain, HeldOut, Verdict, Wandering
 from swamp_rl.criticism.rivals import contrast, separating_trial
@@ -53,6 +54,7 @@ def diagnose(
     is none. UserError for data that cannot carry a diagnosis.
     """
     dataset, out, holdout = Path(dataset), Path(out), Path(holdout) if holdout is not None else None
+    LOG.info("reading %s", dataset)
     model = load_boat(boat)
     refuse_sources_inside(out, [Path(one) for one in (dataset, holdout, boat) if one and Path(one).exists()])
     trials = read_trials(dataset, model, boat)
@@ -67,24 +69,30 @@ def diagnose(
         finding = examine(trials, other, np.random.default_rng(seed))
         winner = finding.search.winner
         write_extended(folder / "extended_boat.yaml", boat, winner.hypothesis, winner.x)
+        LOG.info("drawing the report")
         write_report(folder, finding)
         (folder / RESULT).write_text(finding.diagnosis.model_dump_json(indent=2) + "\n", encoding="utf-8")
     return finding.diagnosis
 
 
-@np.errstate(over="ignore", invalid="ignore")  # of a hypothesis whose boat runs away, which is its answer
+@np.errstate(over="ignore", invalid="ignore")  # of a hypothesis under which the boat diverges
 def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> Finding:
     """The diagnosis of trials in memory; `other`: trials to measure the gain on."""
     began = time.perf_counter()
+    LOG.info(
+        "%d runs, %.1f min: noise and candidates", len(trials.lengths), trials.lengths.sum() * trials.dt / 60
+    )
     sigmas = noise_levels(trials)
     weight = weights(trials, sigmas)
     duration = float(trials.lengths.max() * trials.dt)
     coloured, ladder, found = searched(trials, weight, candidates(trials.boat, duration), hull_nuisance())
     trials = replace(trials, commands=coloured.commands)  # as the boat obeyed them
+    LOG.info("the best hypothesis is %s; adequacy and missing forces", found.winner.hypothesis.label)
     judged = ladder.problems[found.rung]
     measure = adequacy(judged, in_noise(found.winner, judged, weight))
     forces = missing_forces(trials, weight, found.winner.hypothesis, found.winner.x)
 
+    LOG.info("confirmation on held-out runs, prediction errors")
     every, sound = confirmed_causes(ladder.problems[found.rung], found)
     found = found if sound else replace(found, adequate=False)
     alone = all(cause.effect == NUISANCE for cause in every)

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.fit import Fit, inverse, normal_equations
-from swamp_rl.criticism.pushes import push_slopes, pushes_of
+from swamp_rl.criticism.fit import Fit, inverse
+from swamp_rl.criticism.pushes import push_normal, pushes_of
 from swamp_rl.criticism.shooting import Shooting
 
 Array = NDArray[np.float64]
@@ -23,8 +23,8 @@ def wave_starts(problem: Shooting, at: Fit, by_x: Array) -> list[Array]:
     information is put together from what short pushes do (superposition), at every frequency anew.
     """
     pushes = pushes_of(problem, PIECE)
-    slopes = push_slopes(problem, at.hypothesis, at.x, at.states, pushes, (0, 1))
-    normal = normal_equations(at.states_jacobian, np.concatenate([by_x, slopes], axis=2), at.residual)
+    where = (problem, at.hypothesis, at.x, at.states, pushes, (0, 1))
+    normal = push_normal(*where, at.states_jacobian, at.residual, beside=by_x)
     p = by_x.shape[2]
     turns = _turns(problem, at, pushes.block, pushes.count)
     start = problem.windows.first[:, None] * problem.dt

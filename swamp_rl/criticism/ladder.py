@@ -10,6 +10,7 @@ from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Gap, Trials
 from swamp_rl.criticism.fit import Fit, fit, settle
 from swamp_rl.criticism.gaps import reread, resolved, without_harmless
+from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.shooting import Shooting
 from swamp_rl.criticism.unseen_commands import tapped
 
@@ -55,6 +56,7 @@ class Ladder:
         steps = PATIENCE if good else STEPS[rung]
         made = fit(self.problems[rung], hypothesis, x, states, steps, fresh=rung >= LAST)
         self.fits[key] = made
+        LOG.debug("segments of %g s: %s, chi2 %.0f", RUNGS[min(rung, LAST)], hypothesis.label, made.chi2)
         return made
 
     def stuck(self, made: Fit, before: float, promised: float) -> bool:

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import Trials
-from swamp_rl.criticism.fit import normal_equations, settle
-from swamp_rl.criticism.pushes import AXES, Pushes, push_slopes, pushes_of
+from swamp_rl.criticism.fit import settle
+from swamp_rl.criticism.pushes import AXES, Pushes, push_normal, pushes_of
 from swamp_rl.criticism.shooting import Shooting, wrap
 
 Array = NDArray[np.float64]
@@ -95,8 +95,9 @@ def followed(problem: Shooting, hypothesis: Hypothesis, x: Array, pushes: Pushes
         acting = force.reshape(-1, pushes.count, AXES)
         push: Array = acting / pushes.inertia
         by_state = problem.state_jacobian(hypothesis, x, states, track, push, pushes.block)
-        by_force = push_slopes(problem, hypothesis, x, states, pushes, (0, 1, 2), acting)
-        normal = normal_equations(by_state, by_force, residual, damping[:, None])
+        normal = push_normal(
+            problem, hypothesis, x, states, pushes, (0, 1, 2), by_state, residual, acting, damping=damping
+        )
         H = normal.information + np.diag(prior)
         covariance = np.asarray(np.linalg.inv(H))
         H = H + (damping[:, None] * np.einsum("wii->wi", H))[..., None] * np.eye(H.shape[1])

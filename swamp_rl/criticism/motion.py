@@ -1,4 +1,4 @@
-"""Which motions the runs lack: what a diagnosis of better data could tell that one of these cannot."""
+"""Excitation that the runs lack: motions without which some causes are not identifiable."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ SHARE = 0.05  # of the time that a motion must last to be there at all
 RUNNING = 0.02  # of the most that a thruster was ever asked for
 TURNED = 0.1  # rad that an azimuth or a rudder must move
 QUADRANTS = 4  # of the compass
+FULL_TURN = 2.0 * np.pi  # rad
 
 
 def missing_motion(trials: Trials, held_out: bool = False) -> list[str]:
@@ -41,7 +42,7 @@ def missing_motion(trials: Trials, held_out: bool = False) -> list[str]:
         lacks.append(f"turns to {' and to '.join(sides)}: sail circles or zig-zags")
     if np.ptp(turn) < TURNING and not sides:
         lacks.append("turns of another rate: sail circles of two sizes")
-    if len(_quadrants(heading[moving])) < QUADRANTS:
+    if not _full_circle(trials) and len(_quadrants(heading[moving])) < QUADRANTS:
         lacks.append("courses all round the compass, without which wind, current and a heading bias hide")
     lacks += _idle(trials)
     lacks += _standing(trials)
@@ -78,6 +79,15 @@ def _two_speeds(speed: Array) -> bool:
 def _quadrants(heading: Array) -> set[int]:
     places = np.floor(np.mod(heading, 2.0 * np.pi) / (2.0 * np.pi / QUADRANTS)).astype(int)
     return {int(place) for place in np.unique(places) if _often(places == place)}
+
+
+def _full_circle(trials: Trials) -> bool:
+    """Whether a run turns once all round under way, however long the others keep one course."""
+    return any(
+        bool(np.ptp(heading[speed > MOVING]) >= FULL_TURN)
+        for speed, _, heading in _read(trials)
+        if (speed > MOVING).any()
+    )
 
 
 def _standing(trials: Trials) -> list[str]:

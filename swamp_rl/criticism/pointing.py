@@ -16,10 +16,9 @@ from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.colour import OTHERS
 from swamp_rl.criticism.cost import cost
 from swamp_rl.criticism.data import Trials
-from swamp_rl.criticism.fit import normal_equations
 from swamp_rl.criticism.kernel import roll_actuators
 from swamp_rl.criticism.leftover import followed, motion_variables
-from swamp_rl.criticism.pushes import AXES, Pushes, push_slopes, pushes_of
+from swamp_rl.criticism.pushes import AXES, Pushes, push_normal, pushes_of
 from swamp_rl.criticism.result import Leftover, Point
 from swamp_rl.criticism.shooting import Shooting, wrap
 from swamp_rl.criticism.unsteady import random_forces
@@ -102,10 +101,10 @@ def responses(trials: Trials, weight: Array, hypothesis: Hypothesis, x: Array) -
     found = followed(problem, hypothesis, x, coarse)
     fine = Pushes(block, finer * coarse.count, coarse.inertia)
     force = np.repeat(found.force, finer, axis=1)
-    slopes = push_slopes(problem, hypothesis, x, found.states, fine, (0, 1, 2), force)
     push = force / fine.inertia
     by_state = problem.state_jacobian(hypothesis, x, found.states, found.track, push, block)
-    normal = normal_equations(by_state, slopes, problem.residuals(found.track))
+    residual = problem.residuals(found.track)
+    normal = push_normal(problem, hypothesis, x, found.states, fine, (0, 1, 2), by_state, residual, force)
     f = force.reshape(len(force), -1)
     win = problem.windows
     rows, ways = _courses(problem, found.track, block * fine.count)

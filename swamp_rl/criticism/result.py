@@ -90,11 +90,11 @@ class Point(Part):
 
 
 class Leftover(Part):
-    """Where structure remains: a residual force, and the variable that it is a function of.
+    """A residual force, and the variable that it is a function of.
 
-    force: surge, sway, yaw, north, east, or `thrust of` a thruster; explained: share of its power that the
-    function foretells on runs that it was not fitted to; curve: the function as all runs tell it, straight
-    between its points; beside: the causes that the boat file was extended by when it was told.
+    force: surge, sway, yaw, north, east, or `thrust of` a thruster; explained: share of its variance
+    that the function explains on held-out runs; curve: the function estimated from all runs, linear between
+    its points; beside: the causes that the boat file was extended by for this estimate.
     """
 
     force: str

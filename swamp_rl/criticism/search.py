@@ -12,6 +12,7 @@ from swamp_rl.criticism.cost import needed, score
 from swamp_rl.criticism.faint import with_faint
 from swamp_rl.criticism.fit import Fit, fit
 from swamp_rl.criticism.ladder import Ladder
+from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.score import Prospect, prospects
 from swamp_rl.criticism.shooting import Shooting
 
@@ -57,6 +58,7 @@ def search(
         tried[best.hypothesis.label] = ladder.fit(0, best.hypothesis, best.x)
     beam = [ladder.fit(0, Hypothesis(), np.zeros(0))]
     for depth in range(MOST):
+        LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
         if ladder.rolled > patience or (depth > 0 and _is_enough(ladder, best, every)):
             break
         if depth == 1 and misread is not None and misread(ladder, best) is not None:

@@ -1,14 +1,12 @@
-"""Does what is left over move the boat, or only its receiver? Forces that come and go against errors of
-position that wander, each by its likelihood.
-"""
+"""Process noise against measurement noise: the likelihoods of Gauss-Markov forces and position errors."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.fit import Fit, normal_equations
-from swamp_rl.criticism.pushes import AXES, push_slopes, pushes_of
+from swamp_rl.criticism.fit import Fit
+from swamp_rl.criticism.pushes import AXES, push_normal, pushes_of
 from swamp_rl.criticism.shooting import Shooting
 
 Array = NDArray[np.float64]
@@ -56,8 +54,8 @@ def random_forces(information: Array, gradient: Array, piece: float, lasting: fl
 def gain_of_forces(problem: Shooting, at: Fit) -> float:
     """Twice the log-likelihood that forces which come and go add to a fit, its numbers as they are."""
     pushes = pushes_of(problem, max(PIECE, (problem.windows.rows - 1) * problem.dt / MOST_PIECES))
-    slopes = push_slopes(problem, at.hypothesis, at.x, at.states, pushes, (0, 1, 2))
-    normal = normal_equations(at.states_jacobian, slopes, at.residual)
+    where = (problem, at.hypothesis, at.x, at.states, pushes, (0, 1, 2))
+    normal = push_normal(*where, at.states_jacobian, at.residual)
     piece = pushes.block * problem.dt
     return max(random_forces(normal.information, normal.gradient, piece, lasting).gain for lasting in LASTING)
 

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.demo.clock import Array, poses_at, values_at
+from swamp_rl.demo.colours import Colour
 from swamp_rl.demo.layout import Layout
-from swamp_rl.demo.scene import Colour, DemoScene, Fleet, Shown, gate_colour
+from swamp_rl.demo.scene import DemoScene, Fleet, Shown, gate_colour
 from swamp_rl.demo.series import CURRENT, WIND, current, series_of, wind
 from swamp_rl.demo.shapes import OUTLINE
 from swamp_rl.files import write_beside

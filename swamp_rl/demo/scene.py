@@ -9,22 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.course import Course, buoy_table
+from swamp_rl.demo.colours import PALETTE, PEOPLE, Colour, driver_colours
 from swamp_rl.runs import Run
 
 Align = Literal["gate", "start"]
-Colour = tuple[int, int, int]
-
-PEOPLE = ("human", "scripted", "measured")
-"""Who is named first, and drawn in the first colour."""
-PALETTE: tuple[Colour, ...] = (
-    (255, 140, 0),
-    (66, 146, 230),
-    (170, 120, 220),
-    (23, 190, 207),
-    (227, 119, 194),
-    (188, 189, 34),
-    (140, 140, 140),
-)
 GATE_COLOURS: dict[str, Colour] = {"green": (44, 160, 44), "red": (214, 39, 40)}
 OTHER_GATE: Colour = (255, 187, 60)
 FEW = 8
@@ -92,10 +80,8 @@ class DemoScene:
                 for item, colour in zip(self.shown, PALETTE, strict=False)
             ]
         return [
-            Fleet(
-                (group,), PALETTE[i % len(PALETTE)], tuple(item for item in self.shown if item.group == group)
-            )
-            for i, group in enumerate(groups)
+            Fleet((group,), colour, tuple(item for item in self.shown if item.group == group))
+            for group, colour in driver_colours(groups).items()
         ]
 
     @property

@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.demo.clock import Array, poses_at, values_at
+from swamp_rl.demo.colours import Colour, fractions
+from swamp_rl.demo.labels import apart
 from swamp_rl.demo.layout import Layout
-from swamp_rl.demo.scene import Colour, DemoScene, Shown, gate_colour
+from swamp_rl.demo.scene import DemoScene, Shown, gate_colour
 from swamp_rl.demo.series import CURRENT, WIND, series_of
 from swamp_rl.demo.shapes import corners
 from swamp_rl.errors import UserError
@@ -21,6 +23,7 @@ SIZES = {".mp4": (1280, 720, 25.0), ".gif": (800, 450, 12.5)}
 MOST_FRAMES = 10_000
 DPI = 100
 WATER = "#eaf3f9"
+NAME_AT = np.array([9.0, -22.0])  # pixels from a boat to the lower left corner of its name
 
 
 def write_video(path: Path | str, scene: DemoScene, layout: Layout = "overlay", speed: float = 4.0) -> int:
@@ -114,14 +117,9 @@ def _legend(figure: Any, scene: DemoScene) -> None:
     for fleet in scene.fleets:
         alone = scene.called(fleet.shown[0]) if len(fleet.shown) == 1 else None
         label = alone or f"{len(fleet.shown)} {fleet.path[0]}"
-        handles.append(Line2D([], [], color=_rgb(fleet.colour), lw=4, label=label))
+        handles.append(Line2D([], [], color=fractions(fleet.colour), lw=4, label=label))
     columns = min(len(handles), 4)
     figure.legend(handles=handles, loc="upper center", ncols=columns, frameon=False, fontsize="small")
-
-
-def _rgb(colour: Colour) -> tuple[float, float, float]:
-    red, green, blue = colour
-    return red / 255.0, green / 255.0, blue / 255.0
 
 
 def _charts(figure: Any, place: Any, scene: DemoScene, groups: list[Any]) -> list[tuple[Any, str | None]]:
@@ -143,7 +141,7 @@ def _charts(figure: Any, place: Any, scene: DemoScene, groups: list[Any]) -> lis
         if group is not None:
             axes.set_title(group, loc="left", parse_math=False)
         for gate in scene.course.gates if scene.course else ():
-            colour, (port, starboard) = _rgb(gate_colour(gate.name)), gate.buoys
+            colour, (port, starboard) = fractions(gate_colour(gate.name)), gate.buoys
             axes.plot([port.east, starboard.east], [port.north, starboard.north], ":", color=colour, lw=1.2)
             for buoy in gate.buoys:
                 axes.add_patch(Circle((buoy.east, buoy.north), 0.3, color=colour))
@@ -162,12 +160,12 @@ def _fleet(axes: Any, scene: DemoScene, group: str | None, times: Array) -> Iter
     shown = [
         (fleet.colour, item) for fleet in scene.fleets for item in fleet.shown if group in (None, item.group)
     ]
-    colours = [_rgb(colour) for colour, _ in shown]
+    colours = [fractions(colour) for colour, _ in shown]
     for colour, item in shown:
         axes.plot(
             item.run.columns["east"],
             item.run.columns["north"],
-            color=_rgb(colour),
+            color=fractions(colour),
             lw=0.7,
             alpha=0.3,
             zorder=1,
@@ -184,19 +182,33 @@ def _fleet(axes: Any, scene: DemoScene, group: str | None, times: Array) -> Iter
         axes.add_collection(artist, autolim=False)
     yield axes, tracks, lambda i: tracks.set_segments([way[: i + 1] for way in ways])
     yield axes, boats, lambda i: boats.set_verts([outline[i] for outline in outlines])
-    for (_, item), way in zip(shown, ways, strict=True) if scene.few else ():
-        yield axes, *_name(axes, scene, item, way)
+    if scene.few:
+        yield from _names(axes, scene, [item for _, item in shown], colours, np.stack(ways, axis=1))
 
 
-def _name(axes: Any, scene: DemoScene, item: Shown, way: Array) -> tuple[Any, Any]:
-    name = axes.annotate(
-        scene.called(item), (0, 0), (9, -12), textcoords="offset points", animated=True, parse_math=False
-    )
+def _names(
+    axes: Any, scene: DemoScene, shown: list[Shown], colours: list[Any], ways: Array
+) -> Iterator[tuple[Any, Any, Any]]:
+    """The boats' names at ways (T, N, 2), moved apart where boats meet."""
+    from matplotlib.transforms import IdentityTransform
 
-    def move(i: int) -> None:
-        name.xy = tuple(way[i])
+    style = {"transform": IdentityTransform(), "va": "bottom", "animated": True, "parse_math": False}
+    names = [
+        axes.text(0, 0, scene.called(item), color=colour, weight="bold", **style)
+        for item, colour in zip(shown, colours, strict=True)
+    ]
+    boxes = [name.get_window_extent() for name in names]
+    sizes = np.array([[box.width, box.height] for box in boxes])
 
-    return name, move
+    def mover(number: int) -> Any:
+        def move(i: int) -> None:
+            places = apart(axes.transData.transform(ways[i]), sizes, NAME_AT)
+            names[number].set_position(places[number])
+
+        return move
+
+    for number, name in enumerate(names):
+        yield axes, name, mover(number)
 
 
 def _plots(figure: Any, place: Any, scene: DemoScene) -> list[Any]:
@@ -214,7 +226,7 @@ def _plots(figure: Any, place: Any, scene: DemoScene) -> list[Any]:
         for colour, item, values in drawn:
             at = item.start + item.run.time - item.run.time[0]
             style: dict[str, Any] = {"lw": 1.3, "alpha": 0.9} if scene.few else {"lw": 0.6, "alpha": 0.3}
-            axes.plot(at, values_at(item, values, at), color=_rgb(colour), **style)
+            axes.plot(at, values_at(item, values, at), color=fractions(colour), **style)
         axes.set_title(
             panel if i else f"{panel} over time [s]", loc="left", size="medium", pad=3, parse_math=False
         )

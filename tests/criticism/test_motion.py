@@ -53,6 +53,14 @@ def test_straight_one_sided_and_even_runs_say_what_to_sail(
         assert told.startswith(start)
 
 
+def test_two_full_circles_hold_all_courses_however_long_the_straight_runs_are() -> None:
+    straight = sailed(1.0, BOTH_WAYS * 0.1, STEPPED, runs=30)
+    circles = 4.0 * np.pi / 60.0 * (TIME < 60.0)
+    straight.measured[0] = sailed(1.0, circles, STEPPED, runs=1).measured[0]
+    assert not any(told.startswith("courses") for told in missing_motion(straight))
+    assert any(told.startswith("courses") for told in missing_motion(straight.subset([1, 2])))
+
+
 def test_a_thruster_that_never_runs_and_a_lonely_run_are_named() -> None:
     trials = sailed(1.0, BOTH_WAYS, STEPPED, runs=1)
     trials.commands[..., 6:] = 0.0

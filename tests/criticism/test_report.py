@@ -5,9 +5,18 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data import Trials
-from swamp_rl.criticism.leftover import motion_variables
-from swamp_rl.criticism.report.figures import DEGREES, labelled
-from swamp_rl.criticism.report.page import gain_rows, gained, lacking, left_over, named, table, told_apart
+from swamp_rl.criticism.leftover import Forces, motion_variables
+from swamp_rl.criticism.report.figures import DEGREES, accused_thrusters, labelled, shown_variables
+from swamp_rl.criticism.report.page import (
+    details,
+    gain_rows,
+    gained,
+    lacking,
+    left_over,
+    named,
+    table,
+    told_apart,
+)
 from swamp_rl.criticism.report.words import (
     cause_rows,
     gain_sentence,
@@ -55,16 +64,20 @@ def test_labels_are_spoken_with_their_thrusters() -> None:
 @pytest.mark.parametrize(
     ("verdict", "changes", "told"),
     [
-        ("nothing_wrong", {}, "as right as these sensors can tell"),
-        ("cause", {"causes": [OFFSET]}, "misses one thing: azimuth offset (bs)"),
-        ("cause", {"causes": [OFFSET, LAG]}, "misses 2 things: azimuth offset (bs) and azimuth lag"),
-        ("indistinguishable", {"indistinguishable": [["mass", "linear_drag"]]}, "tell mass from linear drag"),
+        ("nothing_wrong", {}, "residuals are measurement noise"),
+        ("cause", {"causes": [OFFSET]}, "lacks one effect: azimuth offset (bs)"),
+        ("cause", {"causes": [OFFSET, LAG]}, "lacks 2 effects: azimuth offset (bs) and azimuth lag"),
+        (
+            "indistinguishable",
+            {"indistinguishable": [["mass", "linear_drag"]]},
+            "to one effect: mass or linear drag",
+        ),
         (
             "indistinguishable",
             {"indistinguishable": [["mass", "wind", "current"]]},
-            "tell which of 3 it is: mass, wind or current",
+            "to one of 3 effects: mass, wind or current",
         ),
-        ("unexplained", {}, "no known effect explains"),
+        ("unexplained", {}, "not explained by any effect"),
     ],
 )
 def test_every_verdict_is_a_sentence(verdict: str, changes: dict[str, object], told: str) -> None:
@@ -78,16 +91,16 @@ def test_a_cause_has_its_interval_in_degrees_beside_what_the_boat_file_has() -> 
     assert rows[1][2:] == ("time constant", "0.612", "0.588 to 0.636", "s", "0.1")
 
 
-def test_a_number_at_the_edge_of_what_is_tried_has_no_interval() -> None:
+def test_a_number_at_a_bound_of_the_fit_has_no_interval() -> None:
     slow = Estimate(value=4.0, standard_error=0.2, unit="s", at_bound=True, limit="at_least")
     turned = Estimate(value=-1.6, standard_error=0.1, unit="rad", at_bound=True, limit="at_most")
     cause = Cause(effect="pump_lag", parameters={"time_constant": slow})
-    assert "may stand in for another" in meaning(diagnosis("cause", causes=[cause]))
-    assert "may stand in" not in meaning(diagnosis("cause", causes=[OFFSET, LAG]))
+    assert "may be a substitute for another" in meaning(diagnosis("cause", causes=[cause]))
+    assert "substitute" not in meaning(diagnosis("cause", causes=[OFFSET, LAG]))
     either = Estimate(value=0.5, standard_error=0.1, unit="1", at_bound=True)
-    assert number_cells(slow) == ("4", "at the edge of what is tried: at least 4", "s")
-    assert number_cells(turned) == ("−91.7", "at the edge of what is tried: at most −91.7", "degrees")
-    assert number_cells(either)[1] == "at the edge of what is tried, no interval"
+    assert number_cells(slow) == ("4", "at the bound of the fit: at least 4", "s")
+    assert number_cells(turned) == ("−91.7", "at the bound of the fit: at most −91.7", "degrees")
+    assert number_cells(either)[1] == "at the bound of the fit, no interval"
 
 
 def test_the_gain_is_in_degrees_with_as_many_digits_as_the_error_and_no_negative_zero() -> None:
@@ -99,18 +112,18 @@ def test_the_gain_is_in_degrees_with_as_many_digits_as_the_error_and_no_negative
 def test_what_is_left_is_said_with_its_force_and_variable() -> None:
     left = [Leftover(force="yaw", variable="heading", explained=0.62)]
     said = leftover_sentence(diagnosis("unexplained", leftover=left))
-    assert "yaw moment that goes with heading" in said and "62%" in said
+    assert "yaw moment as a function of heading" in said and "62%" in said
 
 
 def test_the_shape_of_a_missing_force_is_shown_beside_what_it_was_told_beside() -> None:
     curve = [Point(at=0.0, force=-1.0, standard_error=0.1), Point(at=0.5, force=0.0, standard_error=0.1)]
     left = [Leftover(force="yaw", variable="yaw rate", explained=0.6, curve=curve, beside=["sway_drag"])]
     shown = left_over(diagnosis("unexplained", leftover=left), {"missing": "aGk="})
-    assert "what the boat file with sway drag lacks" in shown and 'base64,aGk="' in shown
+    assert "that the boat file with sway drag lacks" in shown and 'base64,aGk="' in shown
     plain = left_over(
         diagnosis("unexplained", leftover=[Leftover(force="yaw", variable="time", explained=1)]), {}
     )
-    assert "shapes" not in plain
+    assert "Estimates from all runs" not in plain
 
 
 @pytest.mark.parametrize(
@@ -124,6 +137,23 @@ def test_the_shape_of_a_missing_force_is_shown_beside_what_it_was_told_beside() 
 )
 def test_what_forces_are_drawn_against_has_its_unit(variable: str, label: str, factor: float) -> None:
     assert labelled(variable) == (label, factor)
+
+
+@pytest.mark.parametrize(
+    ("found", "drawn"), [([], "bp"), ([OFFSET], "bs"), ([LAG], "bp")], ids=["nothing", "bs", "all thrusters"]
+)
+def test_forces_are_drawn_against_the_thruster_that_is_accused(found: list[Cause], drawn: str) -> None:
+    time = np.linspace(0.0, 1.0, 5)
+    every = {f"{what} {name}": time for what in ("azimuth", "throttle") for name in ("bs", "bp")}
+    every |= {"azimuth bp": 2.0 * time, "throttle bp": 2.0 * time}  # used most
+    forces = Forces(np.zeros((5, 5)), np.zeros((5, 5)), np.zeros(5, int), every)
+    accused = accused_thrusters(diagnosis("cause", causes=found))
+    assert list(shown_variables(trials(), forces, accused)) == [f"throttle {drawn}", f"azimuth {drawn}"]
+
+
+def test_data_without_noise_are_not_said_to_have_some() -> None:
+    text = details(diagnosis("nothing_wrong", noise={"north": 2e-3, "heading": 0.01}), trials())
+    assert ">below 0.00200</td>" in text and ">0.573</td>" in text
 
 
 def test_every_variable_that_a_force_may_go_with_can_be_drawn() -> None:
@@ -153,10 +183,10 @@ def test_the_page_says_what_was_held_out_and_what_to_record() -> None:
     found = diagnosis(
         "cause", causes=[LAG], gain=[gain], gain_on="same_run", missing_motion=["turns to port"]
     )
-    assert "since there is no other: they flatter" in gained(found)
+    assert "since there is no other: they are optimistic" in gained(found)
     assert "<li>turns to port</li>" in lacking(found, trials())
     best = diagnosis("indistinguishable", causes=[LAG], indistinguishable=[["mass", "azimuth_lag"]])
-    assert "The one of them that fits best" in named(best, trials())
+    assert "The explanation with the lowest χ²" in named(best, trials())
 
 
 def trials() -> Trials:
@@ -168,15 +198,15 @@ def trials() -> Trials:
 
 def test_an_unexplained_rest_is_told_with_a_variable_or_said_to_go_with_none() -> None:
     left = [Leftover(force="yaw", variable="heading", explained=0.62)]
-    assert "goes with heading" in left_over(diagnosis("unexplained", leftover=left), {})
-    assert "stands below" in meaning(diagnosis("unexplained", leftover=left))
+    assert "function of heading" in left_over(diagnosis("unexplained", leftover=left), {})
+    assert "are given below" in meaning(diagnosis("unexplained", leftover=left))
     assert "No single variable" in left_over(diagnosis("unexplained"), {})
-    assert "stands below" not in meaning(diagnosis("unexplained"))
+    assert "are given below" not in meaning(diagnosis("unexplained"))
     assert left_over(diagnosis("nothing_wrong"), {}) == ""
 
 
 @pytest.mark.parametrize(
-    ("ci95", "said"), [((0.1, 0.3), ""), ((-0.1, 0.3), "within chance"), ((-0.4, -0.1), "predicted worse")]
+    ("ci95", "said"), [((0.1, 0.3), ""), ((-0.1, 0.3), "not significant"), ((-0.4, -0.1), "10 s ahead worse")]
 )
 def test_a_gain_that_is_none_is_called_so(ci95: tuple[float, float], said: str) -> None:
     paired = Paired(before=1.0, after=0.9, ci95=ci95)
@@ -191,11 +221,11 @@ def test_units_are_written_as_one_does_and_stay_on_one_line() -> None:
 
 def test_errors_that_last_are_a_receivers_or_the_models_own() -> None:
     lasting = {"standard_deviation": 0.5, "time_constant_s": 21.0}
-    assert "positions wander (standard deviation): north 0.500 m; such errors fade over 21 s" in (
+    assert "Gauss-Markov part (standard deviation): north 0.500 m; time constant 21 s" in (
         wandering_sentence(diagnosis("cause", wandering={"north": lasting}))
     )
     told = wandering_sentence(diagnosis("unexplained", wandering={"heading": lasting}))
-    assert "the simulation itself is off" in told and "heading 28.6 degrees" in told
+    assert "correlated in time" in told and "heading 28.6 degrees" in told
     assert wandering_sentence(diagnosis("cause")) == ""
 
 

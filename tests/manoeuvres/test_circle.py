@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from swamp_rl.boat import load_boat
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
 from swamp_rl.manoeuvres.analysis.figure import Result
+from swamp_rl.manoeuvres.analysis.imo import criteria
 from swamp_rl.manoeuvres.analysis.pairs import pairs
 from swamp_rl.runs import Run
 from tests.support.trial_runs import circle_run
@@ -132,7 +133,12 @@ def test_a_pair_of_circles_names_the_side_that_it_turns_tighter_to() -> None:
     assert pair.verdicts["bias"].startswith("to port")
 
 
-def test_the_standards_limits_are_judged_in_lengths() -> None:
+@pytest.mark.parametrize(
+    ("angle", "verdicts"), [(35.0, {"advance": True, "tactical diameter": False}), (30.0, {}), (-35.6, {})]
+)
+def test_the_standards_limits_are_applied_to_circles_at_35_degrees_only(
+    angle: float, verdicts: dict[str, bool]
+) -> None:
     wide = analysed(circle_run(5.3 * BOAT.length, 0.0))
-    assert {c.name: c.passed for c in wide.criteria} == {"advance": True, "tactical diameter": False}
-    assert "35 deg" in wide.criteria[0].remark
+    wide.setting["angle"] = math.radians(angle)
+    assert {c.name: c.passed for c in criteria(wide, BOAT.length)} == verdicts

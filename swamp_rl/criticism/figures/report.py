@@ -83,7 +83,8 @@ def _stage(number: int, stage: StageFound, boat: Boat) -> str:
     for one in stage.rivals:
         answer = "These tell the two apart" if one.told_apart else "These do not tell the two apart either"
         said += (
-            f"<p>Not told from the first by these figures: <b>{html.escape(spoken(one.effect))}</b>, "
+            f"<p>Not distinguished from the first by these figures: "
+            f"<b>{html.escape(spoken(one.effect))}</b>, "
             f"{one.evidence:.1f} above. χ² of the figures that judge it: {one.held_out_chi2:.1f}, of the "
             f"first {one.of_the_first:.1f}. {answer}.</p>" + _numbers(one.causes, boat)
         )

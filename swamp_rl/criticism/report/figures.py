@@ -1,7 +1,7 @@
-"""The misfit as pictures: tracks, errors by horizon, and the forces that the model lacks."""
+"""Figures of the prediction error: tracks, errors by horizon, and missing forces."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -51,7 +51,7 @@ SHOWN = {
 
 @dataclass(frozen=True)
 class Misfit:
-    """What the pictures are drawn from: the trials, and the boat file without and with what was found."""
+    """What the figures are drawn from: the runs, and the boat file without and with the causes."""
 
     diagnosis: Diagnosis
     trials: Trials
@@ -107,7 +107,7 @@ def draw_tracks(figure: Any, misfit: Misfit) -> None:
     for axes in grid[runs:]:
         axes.remove()
     legend = [(MEASURED, 4, "measured"), (BEFORE, 1.5, "predicted by the boat file")]
-    legend += [(AFTER, 1.5, "predicted with what was found")] * misfit.extended
+    legend += [(AFTER, 1.5, "predicted by the extended boat")] * misfit.extended
     _legend(figure, legend, f"restart, every {seconds:.3g} s", cloud=rough)
 
 
@@ -127,9 +127,9 @@ def _legend(
     if dot:
         handles.append(Line2D([], [], color="#222222", marker=".", ls="", ms=6, label=dot))
     if perfect:
-        handles.append(Line2D([], [], color="#555555", ls="--", lw=1.2, label="a perfect simulation"))
+        handles.append(Line2D([], [], color="#555555", ls="--", lw=1.2, label="perfect model"))
     if noise:
-        handles.append(Line2D([], [], color="#555555", ls=":", lw=1.2, label="sensor noise"))
+        handles.append(Line2D([], [], color="#555555", ls=":", lw=1.2, label="measurement noise"))
     figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
 
 
@@ -155,7 +155,7 @@ def draw_errors(figure: Any, misfit: Misfit) -> None:
         _plain_ticks(axes, horizons)
         axes.set(title=title, xlabel="seconds ahead")
         axes.set_ylabel(f"error [{unit}]")
-    lines = [(BEFORE, 1.5, "boat file")] + [(AFTER, 1.5, "with what was found")] * misfit.extended
+    lines = [(BEFORE, 1.5, "boat file")] + [(AFTER, 1.5, "extended boat")] * misfit.extended
     _legend(figure, lines, noise=True, perfect=own)
 
 
@@ -214,7 +214,7 @@ def _plain_ticks(axes: Any, horizons: list[float]) -> None:
 def draw_forces(figure: Any, misfit: Misfit) -> None:
     """Surge and sway force and yaw moment that the model lacks, against what the boat did."""
     before = missing_forces(misfit.trials, misfit.weight, Hypothesis(), np.zeros(0))
-    chosen = shown_variables(misfit.trials, before)
+    chosen = shown_variables(misfit.trials, before, accused_thrusters(misfit.diagnosis))
     figure.set_size_inches(10.5, 6.3)
     axes = figure.subplots(3, len(chosen), squeeze=False, sharey="row", sharex="col")
     titles = ("surge force [N]", "sway force [N]", "yaw moment [N m]")
@@ -232,14 +232,24 @@ def draw_forces(figure: Any, misfit: Misfit) -> None:
                 ax.set_xlabel(label)
         axes[row, 0].set_ylabel(title)
     lines = [(BEFORE, 1.5, "missing from the boat file")]
-    _legend(figure, lines + [(AFTER, 1.5, "still missing with what was found")] * misfit.extended)
+    _legend(figure, lines + [(AFTER, 1.5, "missing from the extended boat")] * misfit.extended)
 
 
-def shown_variables(trials: Trials, forces: Forces) -> dict[str, tuple[str, float]]:
-    """Label and factor by name of the variables to draw against: the boat's motion, the thruster that was
-    used most, the heading, where causes fixed to the earth show, and time.
+def accused_thrusters(found: Diagnosis) -> list[str]:
+    """The thrusters that causes or missing forces are found on."""
+    named = [cause.thruster for cause in found.causes if cause.thruster not in (None, "all")]
+    of_forces = [one.force.removeprefix("thrust of ") for one in found.leftover if "thrust of" in one.force]
+    return [name for one in named for name in ([one] if isinstance(one, str) else one or [])] + of_forces
+
+
+def shown_variables(
+    trials: Trials, forces: Forces, accused: Sequence[str] = ()
+) -> dict[str, tuple[str, float]]:
+    """Label and factor by name of the variables to draw against: the boat's motion, azimuth and throttle of
+    the first thruster accused, else of those used most, the heading, where causes fixed to the earth show,
+    and time.
     """
-    names = trials.boat.thruster_names
+    names = [name for name in trials.boat.thruster_names if name in accused[:1]] or trials.boat.thruster_names
     swings = [np.ptp(forces.variables.get(f"azimuth {name}", np.zeros(1))) for name in names]
     works = [np.ptp(forces.variables.get(f"throttle {name}", np.zeros(1))) for name in names]
     turning, working = names[int(np.argmax(swings))], names[int(np.argmax(works))]
@@ -254,7 +264,7 @@ def labelled(variable: str) -> tuple[str, float]:
 
 
 def draw_missing(figure: Any, misfit: Misfit) -> None:
-    """Each missing force against what it goes with, as the data tell it, with its 95 % interval."""
+    """Each missing force against its variable, with its 95 % interval."""
     told = [one for one in misfit.diagnosis.leftover if one.curve]
     figure.set_size_inches(10.5, 3.2)
     axes = figure.subplots(1, max(3, len(told)), squeeze=False)[0]

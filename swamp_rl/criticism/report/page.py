@@ -1,10 +1,11 @@
-"""The page itself: sentences, tables and figures as one HTML file."""
+"""The report as one HTML page: sentences, tables and figures."""
 
 import html
 from collections.abc import Mapping, Sequence
 
 from swamp_rl.criticism.data import CHANNELS, UNITS, Trials
 from swamp_rl.criticism.gain import QUANTITIES
+from swamp_rl.criticism.noise import FLOOR
 from swamp_rl.criticism.report.figures import DEGREES, SHOWN
 from swamp_rl.criticism.report.words import (
     GAINED_ON,
@@ -49,7 +50,7 @@ img{width:100%;height:auto;margin:.4rem 0}summary{cursor:pointer;color:var(--sof
 """
 
 
-CHI2 = "χ² is the squared error in units of the sensors' variance, summed: noise alone makes 1 a sample."
+CHI2 = "χ² is the sum of squared errors over the measurement noise's variance: 1 a sample for noise alone."
 
 
 def page(found: Diagnosis, trials: Trials, images: Mapping[str, str]) -> str:
@@ -64,14 +65,14 @@ def page(found: Diagnosis, trials: Trials, images: Mapping[str, str]) -> str:
         lacking(found, trials),
         details(found, trials),
     ]
-    title = f"What the simulation of {trials.boat.name} gets wrong"
+    title = f"Diagnosis of the model of {trials.boat.name}"
     head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
     head += f"<title>{html.escape(title)}</title><style>{STYLE}</style>"
     return f'<!doctype html><html lang="en"><head>{head}</head><body>{"".join(parts)}</body></html>\n'
 
 
 def opening(found: Diagnosis, trials: Trials) -> str:
-    """The verdict, what it means, and the few numbers to remember."""
+    """The verdict, its meaning, and the data."""
     minutes = float(trials.lengths.sum()) * trials.dt / 60.0
     said = found.verdict.replace("_", " ")
     return (
@@ -107,24 +108,23 @@ def seen(found: Diagnosis, images: Mapping[str, str]) -> str:
     """The misfit, before any number."""
     noise = ""
     if found.verdict == "nothing_wrong":
-        noise = " Here they are no more than what noise makes of none."
+        noise = " Here they are not distinguishable from the effect of noise."
     perfect = (
-        " Even a perfect simulation leaves the sensors' noise behind with time, since it starts from a state "
-        "that is known only to within it: the dashed line. What lies above that line is wrong in the "
-        "simulation."
+        " The dashed line is the error of a perfect model, which starts from a state that is known only to "
+        "within the measurement noise. An error above it is a model error."
     )
     if found.gain_on == "other_runs":
-        perfect = " These are the runs held out; the tracks above are of those diagnosed."
+        perfect = " These are the held-out runs; the tracks above are those diagnosed."
     return (
-        "<h2>The misfit</h2><p>The simulation is started from the measured state again and again. Where it "
-        "is right, its lines lie on the measured track.</p>"
+        "<h2>Prediction error</h2><p>Simulations restarted at regular intervals from the measured state, and "
+        "the measured track.</p>"
         + image(images["tracks"], "Measured and predicted tracks")
-        + f"<p>How far a prediction is off (root mean square), by how far ahead it looks.{perfect}</p>"
+        + f"<p>Prediction error (root mean square) against the horizon.{perfect}</p>"
         + image(images["errors"], "Prediction error by horizon")
-        + "<p>The forces that the simulation lacks, told from how the measured motion bends away from it, "
-        "against what the boat did. What hangs on the heading is fixed to the earth (wind, current); what "
-        "hangs on thrust or azimuth sits in the thrusters; what hangs on speed or yaw rate sits in the hull. "
-        f"Dots are moments, lines are means with their standard errors.{noise}</p>"
+        + "<p>Missing forces: those that, added to the model, reproduce the measured motion, against the "
+        "boat's motion and commands. A dependence on heading indicates a cause fixed to the earth (wind, "
+        "current), one on throttle or azimuth the thrusters, one on speed or yaw rate the hull. Dots are "
+        f"single estimates, lines are means of bins with one standard error.{noise}</p>"
         + image(images["forces"], "Missing forces")
     )
 
@@ -139,28 +139,28 @@ def named(found: Diagnosis, trials: Trials) -> str:
     if not found.causes:
         return ""
     titles = {
-        "unexplained": "Part of the cause at most",
-        "indistinguishable": "The one of them that fits best",
+        "unexplained": "Partial causes",
+        "indistinguishable": "The explanation with the lowest χ²",
     }
-    title = titles.get(found.verdict, "What was found")
-    heads = ("effect", "what it is", "parameter", "value", "95 % interval", "unit", "boat file")
+    title = titles.get(found.verdict, "Causes")
+    heads = ("effect", "description", "parameter", "value", "95 % interval", "unit", "boat file")
     rows = cause_rows(found.causes, trials.boat)
     note = ""
     if found.nuisance:
         note = (
-            "<p>The hull's linear coefficients were fitted beside it, since no file has them exactly; "
-            "<code>diagnosis.json</code> has them as <code>nuisance</code>.</p>"
+            "<p>The hull's linear coefficients were fitted together with it, with a prior about the boat "
+            "file; <code>diagnosis.json</code> has them as <code>nuisance</code>.</p>"
         )
     if found.verdict == "unexplained":
         note += (
-            "<p>These explain some of the misfit and leave structure behind. They may stand in for "
-            "something that is not in the library: do not take them for the cause.</p>"
+            "<p>These explain a part of the model error. They may be substitutes for an effect that is not "
+            "in the library: do not take them for the cause.</p>"
         )
     return f"<h2>{title}</h2>{note}" + table(heads, rows, numbers=(3, 4, 6))
 
 
 def told_apart(found: Diagnosis, trials: Trials) -> str:
-    """The explanations that fit alike, why, and the trial that would tell."""
+    """The explanations that cannot be distinguished, why, and the manoeuvre that separates them."""
     if not found.indistinguishable:
         return ""
     rows = [
@@ -172,10 +172,10 @@ def told_apart(found: Diagnosis, trials: Trials) -> str:
         )
         for one in found.contrasts
     ]
-    heads = ("explanations", "angle between what they change", "fits worse by [χ²]", "left after refit [χ²]")
+    heads = ("explanations", "angle between sensitivities", "worse by [χ²]", "remaining after refit [χ²]")
     return (
-        "<h2>Why they cannot be told apart</h2><p>Each explanation moves the predictions in some direction. "
-        "The smaller the angle between two directions, the better one can stand in for the other. "
+        "<h2>Why they cannot be distinguished</h2><p>The angle is that between the sensitivities of the "
+        "predictions to two explanations: the smaller, the better one substitutes the other. "
         f"{html.escape(closeness(found.verdict))} {CHI2}</p>"
         + table(heads, rows, numbers=(1, 2, 3), raw=True)
         + rivals_numbers(found, trials)
@@ -184,7 +184,7 @@ def told_apart(found: Diagnosis, trials: Trials) -> str:
 
 
 def rivals_numbers(found: Diagnosis, trials: Trials) -> str:
-    """What every explanation beside the best has for numbers."""
+    """The parameters of every explanation but the best."""
     rows: list[tuple[str, ...]] = []
     for one in found.contrasts:
         title = spoken(one.effects[-1])
@@ -194,33 +194,33 @@ def rivals_numbers(found: Diagnosis, trials: Trials) -> str:
     if not rows:
         return ""
     heads = ("explanation", "effect", "parameter", "value", "95 % interval", "unit", "boat file")
-    return "<p>The others with their numbers:</p>" + table(heads, rows, numbers=(3, 4, 6))
+    return "<p>Parameters of the others:</p>" + table(heads, rows, numbers=(3, 4, 6))
 
 
 def deciding_trial(found: Diagnosis, trials: Trials) -> str:
-    """What to sail so that one of the explanations stands out."""
+    """The manoeuvre that separates the explanations."""
     trial = found.separating_trial
     if trial is None:
         return ""
     apart = f"{trial.separation:.1f}" if trial.separation < 100.0 else "100"
-    enough = "Three are enough to decide."
+    enough = "Three are enough to decide between them."
     if trial.separation < 3.0:
-        enough = "That is less than the three that would decide: repeat it several times."
+        enough = "Three are needed: repeat it several times."
     return (
-        "<h2>The trial that would tell</h2><p>Of what this boat can do: "
+        "<h2>Separating manoeuvre</h2><p>Of the manoeuvres that this boat can sail: "
         f"<b>{html.escape(trial_words(trial.manoeuvre, trials.boat))}</b>, for {trial.duration_s:.0f} s with "
-        f"the same sensors. The one that fits best would then stand {apart} standard errors or more from "
-        f"each of the others. {enough}</p>"
+        f"the same sensors. The explanation with the lowest χ² would then differ by {apart} standard errors "
+        f"or more from each of the others. {enough}</p>"
     )
 
 
 def left_over(found: Diagnosis, images: Mapping[str, str]) -> str:
-    """Where structure remains."""
+    """The residual forces and the variables that they depend on."""
     if found.verdict != "unexplained":
         return ""
     rows = [(force_name(one.force), one.variable, f"{one.explained:.0%}") for one in found.leftover]
-    heads = ("what is missing", "goes with", "of its power foretold, on other runs")
-    said = f"<h2>Where the rest lives</h2><p>{html.escape(rest_sentence(found))}</p>"
+    heads = ("residual force", "function of", "variance explained on held-out runs")
+    said = f"<h2>Residual forces</h2><p>{html.escape(rest_sentence(found))}</p>"
     said += table(heads, rows, numbers=(2,)) if rows else ""
     if "missing" in images:
         said += f"<p>{html.escape(shape_sentence(found))}</p>" + image(images["missing"], "Missing force")
@@ -234,12 +234,20 @@ def gained(found: Diagnosis) -> str:
     if not found.causes:
         rows = [(*row[:3], row[5]) for row in rows]
         heads: tuple[str, ...] = ("seconds ahead (restarts)", "error", "boat file", "unit")
-        return "<h2>How well it predicts</h2>" + cards(found) + table(heads, rows, numbers=(0, 2))
-    heads = ("seconds ahead (restarts)", "error", "boat file", "with it", "less by (95 % interval)", "unit")
+        return "<h2>Prediction errors</h2>" + cards(found) + table(heads, rows, numbers=(0, 2))
+    heads = (
+        "seconds ahead (restarts)",
+        "error",
+        "boat file",
+        "extended",
+        "reduction (95 % interval)",
+        "unit",
+    )
     return (
-        f"<h2>What it gains</h2>{cards(found)}<p>Root mean square errors {GAINED_ON[found.gain_on]}. The "
-        "interval is of the difference, restart by restart on the same data, resampled by "
-        f"{' and '.join(blocks)}; where it lies above zero, the gain is more than chance. "
+        f"<h2>Prediction errors, boat file and extended boat</h2>{cards(found)}"
+        f"<p>Root mean square errors {GAINED_ON[found.gain_on]}. The "
+        "interval is that of the paired difference, bootstrapped by "
+        f"{' and '.join(blocks)}; where it lies above zero, the reduction is significant. "
         f"<b>{gain_sentence(found)}</b></p>" + table(heads, rows, numbers=(0, 2, 3, 4))
     )
 
@@ -264,26 +272,28 @@ def gain_rows(gain: Gain) -> list[tuple[str, ...]]:
 
 
 def lacking(found: Diagnosis, trials: Trials) -> str:
-    """What the data cannot show, and what to record so that they would."""
+    """Effects that are not identifiable from the data, and what to record so that they would be."""
     unseen = html.escape(unseen_of(found, trials.boat))
     if not unseen and not found.missing_motion:
         return ""
-    hidden = f"<p>These data cannot show, and the report does not claim: {unseen}.</p>" if unseen else ""
+    hidden = f"<p>Not identifiable from these data: {unseen}.</p>" if unseen else ""
     wanted = "".join(f"<li>{html.escape(one)}</li>" for one in found.missing_motion)
     return (
-        "<h2>What these runs cannot tell</h2>"
+        "<h2>Limits of these data</h2>"
         + hidden
-        + (f"<p>What they lack, to be recorded next time:</p><ul>{wanted}</ul>" if wanted else "")
+        + (f"<p>Missing in them, to be recorded next time:</p><ul>{wanted}</ul>" if wanted else "")
     )
 
 
 def details(found: Diagnosis, trials: Trials) -> str:
-    """Noise, and what was tried."""
+    """Measurement noise, and the hypotheses that were fitted."""
     rows = []
     for name, unit in zip(CHANNELS, UNITS, strict=True):
         if name in found.noise:
             factor, shown = (DEGREES, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
-            rows.append((name.replace("_", " "), rounded(factor * found.noise[name]), shown))
+            level, least = found.noise[name], FLOOR[CHANNELS.index(name)]
+            below = "below " if level <= least else ""
+            rows.append((name.replace("_", " "), below + rounded(factor * max(level, least)), shown))
     tried = [
         (
             spoken(c.effect),
@@ -293,14 +303,16 @@ def details(found: Diagnosis, trials: Trials) -> str:
         )
         for c in found.candidates
     ]
-    extended = "with what was found" if found.causes else "as it is, since nothing was found to add"
-    heads = ("explanation", "misfit a sample [χ²], 1 is noise", "gain [χ²]", "95 % interval")
+    extended = "with the causes found" if found.causes else "unchanged, since no cause was found"
+    heads = ("hypothesis", "χ² a sample (noise alone: 1)", "reduction [χ²]", "95 % interval")
     return (
-        "<h2>Details</h2><p>Noise of the sensors, estimated from the data alone:</p>"
+        "<h2>Details</h2><p>White measurement noise, estimated from third differences of the data. Data "
+        "with less than the level after “below” are taken to have that much, the error of the "
+        "integration:</p>"
         + table(("channel", "standard deviation", "unit"), rows, numbers=(1,))
         + (f"<p>{wandering_sentence(found)}</p>" if found.wandering else "")
-        + "<details><summary>The explanations that were tried, best first, scored on runs held "
-        f"out</summary><p>{CHI2}</p>{table(heads, tried, numbers=(1, 2, 3))}</details>"
+        + "<details><summary>Hypotheses that were fitted, lowest χ² on held-out runs "
+        f"first</summary><p>{CHI2}</p>{table(heads, tried, numbers=(1, 2, 3))}</details>"
         + f'<p class="soft">Found in {found.elapsed_s:.0f} s. <code>diagnosis.json</code> holds every '
         f"number, <code>extended_boat.yaml</code> is the boat file {extended}. "
         f"{html.escape(names_of(found))}</p>"

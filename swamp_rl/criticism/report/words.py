@@ -1,4 +1,4 @@
-"""A diagnosis in words that need no knowledge of the code."""
+"""Sentences of the diagnosis report."""
 
 import math
 from collections.abc import Sequence
@@ -36,20 +36,19 @@ def causes(found: Diagnosis) -> str:
 def headline(found: Diagnosis) -> str:
     """The verdict as one sentence."""
     if found.verdict == "nothing_wrong":
-        return "The simulation is as right as these sensors can tell."
+        return "No model error is detectable: the residuals are measurement noise."
     if found.verdict == "cause":
         return (
-            f"The simulation misses one thing: {causes(found)}."
+            f"The model lacks one effect: {causes(found)}."
             if len(found.causes) == 1
-            else (f"The simulation misses {len(found.causes)} things: {causes(found)}.")
+            else (f"The model lacks {len(found.causes)} effects: {causes(found)}.")
         )
     if found.verdict == "indistinguishable":
         names = [spoken(name) for name in found.indistinguishable[0]] if found.indistinguishable else []
         if len(names) > 2:
-            which = f"which of {len(names)} it is: {either(names)}"
-            return f"The misfit is real, but these data cannot tell {which}."
-        return f"The misfit is real, but these data cannot tell {' from '.join(names)}."
-    return "Something is at work that no known effect explains." + partly(found)
+            return f"The model error is not attributable to one of {len(names)} effects: {either(names)}."
+        return f"The model error is not attributable to one effect: {' or '.join(names)}."
+    return "The model error is not explained by any effect of the library." + partly(found)
 
 
 def either(names: Sequence[str]) -> str:
@@ -60,44 +59,45 @@ def either(names: Sequence[str]) -> str:
 
 
 def partly(found: Diagnosis) -> str:
-    """What stands out from a misfit that stays unexplained, and what would do as well."""
+    """The causes found in an unexplained model error, and their alternatives."""
     if not found.causes:
         return ""
     others = [spoken(name) for group in found.indistinguishable for name in group[1:]]
-    instead = f", or just as well {others[0]}" if others else ""
+    instead = f", or equally {others[0]}" if others else ""
     if len(others) > 1:
-        instead = f", or one of {len(others)} others that predict as well (see below)"
-    return f" Part of the misfit is {causes(found)}{instead}."
+        instead = f", or equally one of {len(others)} others (see below)"
+    return f" Part of it is explained by {causes(found)}{instead}."
 
 
 def meaning(found: Diagnosis) -> str:
-    """What the verdict means for whoever has the boat."""
+    """The meaning of the verdict, and what may be done with it."""
     if found.verdict == "nothing_wrong":
         return (
-            "What its predictions miss is what the sensors' noise makes of a perfect simulation. Nothing "
-            "need be added to the boat file. What these data could not show is listed below."
+            "The prediction errors are those of a perfect model under the estimated measurement noise. The "
+            "boat file needs no addition. Effects that these data cannot identify are listed below."
         )
     if found.verdict == "cause":
         added = "it" if len(found.causes) == 1 else "them"
         told = (
-            f"With {added}, what remains is sensor noise. The numbers below are fitted and can be used at "
-            "once: extended_boat.yaml is the boat file with them."
+            f"With {added}, the residuals are measurement noise. extended_boat.yaml is the boat file with "
+            "the values below."
         )
         if any(one.at_bound for cause in found.causes for one in cause.parameters.values()):
             told += (
-                " One ended at the edge of what is tried, so its effect may stand in for another: look twice."
+                " One value ended at a bound of the fit, so its effect may be a substitute for another "
+                "cause: check it."
             )
         return told
     if found.verdict == "indistinguishable":
         return (
-            "Each of these explanations brings the misfit down to sensor noise, so choosing one would be a "
-            "guess. extended_boat.yaml holds the one that fits best; predictions of runs like these are safe "
-            "with it, others are not. A trial that would decide is named below."
+            "Each of these explanations leaves only measurement noise. extended_boat.yaml holds the one with "
+            "the lowest χ²: it is valid for motions like those of these runs, not beyond. A manoeuvre that "
+            "separates them is proposed below."
         )
-    tried = "Every effect of the library was tried, alone and beside others, and more than noise remains. "
+    tried = "All effects of the library were fitted, alone and combined; the residuals exceed the noise. "
     if not found.leftover:
-        return tried + "Nor does what is missing go with any one thing that was recorded."
-    return tried + "Which force is missing, and what it goes with, stands below: look there on the real boat."
+        return tried + "The residual force is not a function of any single recorded variable."
+    return tried + "The residual force and the variable that it depends on are given below."
 
 
 def force_name(force: str) -> str:
@@ -106,39 +106,39 @@ def force_name(force: str) -> str:
 
 
 def leftover_sentence(found: Diagnosis) -> str:
-    """Where the largest of what remains lives."""
+    """The largest residual force and its variable."""
     first = found.leftover[0]
-    what = "a lack or an excess of " if first.force.startswith("thrust of") else "a "
+    what = "an error of the " if first.force.startswith("thrust of") else "a "
     return (
-        f"Most of it is {what}{force_name(first.force)} that goes with {first.variable}: on runs that this "
-        f"was not told from, {first.variable} foretells {first.explained:.0%} of its power."
+        f"The largest residual is {what}{force_name(first.force)} as a function of {first.variable}, which "
+        f"explains {first.explained:.0%} of the residual force's variance on held-out runs."
     )
 
 
 def rest_sentence(found: Diagnosis) -> str:
-    """Where what remains lives, or that it is not to be told."""
+    """The residual force and its variable, or that none is found."""
     if found.leftover:
         return leftover_sentence(found)
     return (
-        "No single variable explains a share of the missing forces worth naming on runs that this was not "
-        "told from. It may be somebody's hand, a place, or two things at once: look at the missing forces "
-        "above."
+        "No single variable explains a significant share of the residual forces' variance on held-out runs. "
+        "An external action, a dependence on place, or two causes at once are possible: see the missing "
+        "forces above."
     )
 
 
 def shape_sentence(found: Diagnosis) -> str:
-    """What the pictures of missing forces show."""
+    """Caption of the missing forces."""
     beside = found.leftover[0].beside
     file = f"the boat file with {spoken(' + '.join(beside))}" if beside else "the boat file"
     return (
-        f"Their shapes, as all runs tell them: what {file} lacks, counted positive ahead, to starboard, to "
-        "the north or to the east, and of a moment that turns to starboard. The band is the 95 % interval if "
-        "nothing else is missing. A step, a kink or a slope here is what the missing effect should have."
+        f"Estimates from all runs of the force that {file} lacks, positive ahead, to starboard, to the north "
+        "or to the east; of a moment, positive to starboard. The band is the 95 % interval if nothing else "
+        "is missing. The missing effect should have the same steps, kinks and slopes."
     )
 
 
 def gain_sentence(found: Diagnosis) -> str:
-    """That what was found predicts no better, where that is so."""
+    """A sentence where the extended boat predicts no better."""
     gain = next((one for one in found.gain if one.horizon_s == 10.0 and one.position_rmse_m), None)
     if gain is None or gain.position_rmse_m is None or not found.causes:
         return ""
@@ -146,12 +146,14 @@ def gain_sentence(found: Diagnosis) -> str:
     if low > 0.0:
         return ""
     if high < 0.0:
-        return "With it positions 10 s ahead are predicted worse: do not predict with extended_boat.yaml. "
-    return "Of positions 10 s ahead the change is within chance. "
+        return (
+            "The extended boat predicts positions 10 s ahead worse: do not predict with extended_boat.yaml. "
+        )
+    return "The change of the position error 10 s ahead is not significant. "
 
 
 def wandering_sentence(found: Diagnosis) -> str:
-    """Errors that last, where some were found: a receiver's, or the model's own."""
+    """Gauss-Markov errors, where some were found: of the receiver, or of the model."""
     if not found.wandering:
         return ""
     parts = []
@@ -161,24 +163,23 @@ def wandering_sentence(found: Diagnosis) -> str:
         parts.append(f"{name.replace('_', ' ')} {rounded(factor * one.standard_deviation)} {shown}")
     seconds = max(one.time_constant_s for one in found.wandering.values())
     whose = (
-        "Beside that noise positions wander"
+        "In addition the position noise has a Gauss-Markov part"
         if set(found.wandering) <= {"north", "east"}
-        else "Beside that noise the simulation itself is off, for seconds at a time"
+        else "In addition the model has errors that are correlated in time"
     )
-    return f"{whose} (standard deviation): {', '.join(parts)}; such errors fade over {seconds:.2g} s."
+    return f"{whose} (standard deviation): {', '.join(parts)}; time constant {seconds:.2g} s."
 
 
 def closeness(verdict: str) -> str:
-    """What the columns of the table of explanations say."""
+    """The reading of the table of explanations."""
     if verdict == "unexplained":
         return (
-            "None of these explains all, so none is judged by how well it fits: they are here because "
-            "windows that they were not fitted to are predicted no worse by one than by another, but for "
-            "chance."
+            "None of these explains the whole error. They are listed because their prediction errors on "
+            "held-out segments do not differ significantly."
         )
     return (
-        "The last column is what remains when each is fitted to clean data made with the other; next to "
-        "noise, less than about 9 does not show."
+        "The last column is the χ² that remains when each is fitted to noise-free data simulated with the "
+        "other; less than about 9 is not detectable in noise."
     )
 
 
@@ -195,7 +196,7 @@ OTHERS = {
 
 
 def trial_words(name: str, boat: Boat) -> str:
-    """What a manoeuvre is, where its name does not say it: a rudder that cannot go round is put hard over."""
+    """Description of a manoeuvre; a rudder that cannot turn all the way is put hard over."""
     from swamp_rl.simulator import parameters
 
     if name not in TRIALS:
@@ -208,9 +209,9 @@ def trial_words(name: str, boat: Boat) -> str:
 
 
 GAINED_ON = {
-    "each_run_in_turn": "on each run in turn, with numbers fitted to the other runs alone",
-    "other_runs": "on the runs held out, which had no part in the fit",
-    "same_run": "on the very run that the numbers were fitted to, since there is no other: they flatter",
+    "each_run_in_turn": "on each run in turn, with values fitted to the other runs alone (leave-one-run-out)",
+    "other_runs": "on the held-out runs",
+    "same_run": "on the run that the values were fitted to, since there is no other: they are optimistic",
 }
 
 
@@ -247,7 +248,7 @@ def cause_rows(causes: Sequence[Cause], boat: Boat) -> list[tuple[str, ...]]:
 
 
 def number_cells(estimate: Estimate) -> tuple[str, str, str]:
-    """Value, 95 % interval and unit, angles in degrees; at the edge of what is tried there is no interval."""
+    """Value, 95 % interval and unit, angles in degrees; at a bound of the fit there is no interval."""
     factor, unit = (180.0 / math.pi, "degrees") if estimate.unit == "rad" else (1.0, estimate.unit)
     if estimate.at_bound:
         ended = plain(factor * estimate.value)
@@ -265,9 +266,9 @@ def written(unit: str) -> str:
 
 
 def edge(limit: Limit | None, value: str) -> str:
-    """What to make of a number that ended at the edge of what is tried."""
+    """The cell of a value that ended at a bound of the fit."""
     way = f": {limit.replace('_', ' ')} {value}" if limit else ", no interval"
-    return f"at the edge of what is tried{way}"
+    return f"at the bound of the fit{way}"
 
 
 def plain(value: float) -> str:

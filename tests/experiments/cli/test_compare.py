@@ -23,7 +23,17 @@ def test_two_folders_become_a_table_and_two_files(tmp_path: Path) -> None:
     assert [pilot["name"] for pilot in found["pilots"]] == ["reservoir", "ppo"]
     text = (out / "compare.md").read_text()
     assert "| reservoir − ppo, calm | success [%] | +50.0" in text
-    assert "Would another training" not in text  # there is one of each
+    assert "Probability of improvement" not in text  # there is one of each
+
+
+def test_each_interval_and_p_value_says_whether_it_is_corrected(tmp_path: Path) -> None:
+    folders = [
+        folder_of(tmp_path / name, {name: np.arange(50) < n}) for name, n in (("ppo", 45), ("reservoir", 20))
+    ]
+    out = tmp_path / "out"
+    run = CliRunner().invoke(app, ["compare", *map(str, folders), "--out", str(out)])
+    for text in (run.output, (out / "compare.md").read_text()):
+        assert "mean (95 %, uncorrected)" in text and "p (Holm)" in text
 
 
 def test_a_folder_of_results_becomes_a_page(tmp_path: Path) -> None:

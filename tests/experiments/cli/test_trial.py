@@ -11,10 +11,10 @@ from tests.support.command_line import Call, assert_complains
 
 
 def test_a_verb_writes_runs_figures_tables_and_json(call: Call) -> None:
-    words = ["trial", "turning-circle", "--angle", "40", "--throttle", "0.6", "--turns", "2", "--out", "a"]
+    words = ["trial", "turning-circle", "--angle", "35", "--throttle", "0.6", "--turns", "2", "--out", "a"]
     code, out, error = call(*words)
     assert (code, error) == (0, "")
-    assert "01-turning-circle-s40-60pc: advance " in out
+    assert "01-turning-circle-s35-60pc: advance " in out
     assert "IMO: " in out
     assert len(read_dataset("a").runs) == 1
     found = json.loads(Path("a/analysis/analysis.json").read_text())

@@ -1,0 +1,42 @@
+"""One colour for each driver, the same in films, recordings, pages and figures."""
+
+import zlib
+from collections.abc import Iterable
+
+Colour = tuple[int, int, int]
+
+PEOPLE = ("human", "scripted", "measured")
+"""Who is named first."""
+DRIVERS: dict[str, Colour] = {
+    "human": (255, 140, 0),
+    "measured": (255, 140, 0),
+    "scripted": (120, 130, 140),
+    "reservoir": (66, 146, 230),
+    "cloning": (170, 120, 220),
+    "gru": (23, 190, 207),
+    "dagger": (150, 100, 60),
+    "ppo": (227, 119, 194),
+    "sac": (188, 189, 34),
+}
+PALETTE: tuple[Colour, ...] = tuple(dict.fromkeys(DRIVERS.values()))
+
+
+def driver_colours(drivers: Iterable[str]) -> dict[str, Colour]:
+    """The colour of each driver, in RGB of 0 to 255.
+
+    Drivers of `DRIVERS` (`human Anna` too) keep theirs whoever else is shown. Any other has one by a hash of
+    its name, or the next that is free; where none is, colours repeat.
+    """
+    names = list(dict.fromkeys(drivers))
+    found = {name: DRIVERS[name.split(" ")[0]] for name in names if name.split(" ")[0] in DRIVERS}
+    for name in sorted(set(names) - set(found)):
+        first = zlib.crc32(name.encode()) % len(PALETTE)
+        ahead = PALETTE[first:] + PALETTE[:first]
+        found[name] = next((one for one in ahead if one not in found.values()), ahead[0])
+    return {name: found[name] for name in names}
+
+
+def fractions(colour: Colour) -> tuple[float, float, float]:
+    """RGB of 0 to 1, as matplotlib has it."""
+    red, green, blue = colour
+    return red / 255.0, green / 255.0, blue / 255.0

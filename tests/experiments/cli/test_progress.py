@@ -1,0 +1,26 @@
+"""A long verb shows what it does, from its first second."""
+
+import logging
+
+import pytest
+from swamp_rl.experiments.cli.progress import progress
+
+from swamp_rl.criticism.progress import LOG
+from tests.support.command_line import Call
+
+
+def test_a_diagnosis_says_what_it_reads_before_anything_else(call: Call) -> None:
+    _, out, error = call("diagnose", "nowhere", "--out", "a")
+    assert out.splitlines()[:2] == ["diagnosing nowhere against boat swamp", "    0 s  reading nowhere"]
+    assert len(error.splitlines()) == 1
+
+
+def test_stages_are_printed_with_the_time_and_single_fits_only_on_a_terminal(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with progress(LOG):
+        LOG.info("hypotheses of %d effects [sic]", 2)
+        LOG.debug("segments of 5 s: wind")
+    LOG.info("afterwards")
+    assert capsys.readouterr().out == "    0 s  hypotheses of 2 effects [sic]\n"
+    assert LOG.level == logging.NOTSET and not LOG.handlers
