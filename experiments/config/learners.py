@@ -2,6 +2,7 @@
 
 A new kind is one more entry of LEARNERS, and its class in `swamp_rl.pilots.store.KINDS` to be loaded by. An
 entry is a function, so that what one kind needs is imported only where an experiment asks for that kind.
+`module:Class` is a researcher's own, see `swamp_rl.pilots.own`.
 """
 
 from collections.abc import Callable, Mapping
@@ -92,8 +93,18 @@ class Learner:
 
 
 def learner(kind: str) -> Learner:
-    """The learner of a kind, one of LEARNERS."""
-    return LEARNERS[kind]()
+    """The learner of a kind: one of LEARNERS, or a class of one's own, which is imported.
+
+    UserError where there is none.
+    """
+    if kind in LEARNERS:
+        return LEARNERS[kind]()
+    from swamp_rl.pilots.own import is_code, own_kinds
+
+    if not is_code(kind) and kind not in own_kinds():
+        known = [*LEARNERS, *own_kinds()]
+        raise UserError(f"{kind!r} is no kind of pilot{nearest(kind, known)}, or module:Class of your own")
+    return _own(kind)
 
 
 def needed(plan: PilotPlan) -> list[str]:
@@ -263,6 +274,19 @@ def _stored() -> Learner:
         told=lambda plan: f"as it was stored in `{plan.options['folder']}`",
         fitted_on=lambda training: describe_pilot(training.settings.folder).fitted_on,
     )
+
+
+def _own(kind: str) -> Learner:
+    from swamp_rl.pilots.own import OwnPilot, own_class, settings_of
+
+    found = own_class(kind)
+
+    def train(training: Training) -> "Pilot":
+        return OwnPilot(kind, found.train(training), training.settings)
+
+    from_runs = getattr(found, "from_runs", True)
+    told = _runs_told if from_runs else lambda plan: f"as `{plan.kind}` was trained"
+    return Learner(settings_of(found), train, told, from_runs=from_runs, by_trying=True)
 
 
 LEARNERS: dict[str, Callable[[], Learner]] = {

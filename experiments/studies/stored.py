@@ -10,6 +10,7 @@ from swamp_rl.experiments.config.schema import Experiment, Targets
 from swamp_rl.experiments.studies.run import evaluated
 
 from swamp_rl.errors import UserError
+from swamp_rl.pilots.arguments import asked_pilot
 from swamp_rl.pilots.store import DESCRIPTION, load_pilot
 
 CHANGEABLE = ("evaluation", "targets")
@@ -17,7 +18,7 @@ CHANGEABLE = ("evaluation", "targets")
 
 
 def evaluate_folders(
-    folders: Sequence[Path],
+    sources: Sequence[Path | str],
     changes: Mapping[str, Any],
     overrides: Iterable[str] = (),
     out: Path | None = None,
@@ -25,20 +26,26 @@ def evaluate_folders(
 ) -> Path:
     """Try pilots in the same episodes and write a folder of results.
 
-    folders: one that was made by training or running an experiment, whose pilots are evaluated; or several of
-    these and of stored pilots, all evaluated together. changes: keys of `evaluation`. experiment: the one
+    sources: a folder that was made by training or running an experiment, whose pilots are evaluated; or
+    several of these, of stored pilots and of others (see `asked_pilot`), all evaluated together. changes: keys of `evaluation`. experiment: the one
     whose boat, course, data and evaluation are taken; by default the first folder's. UserError where a folder
     holds no pilot, where none keeps an experiment and none is given, or where `overrides` ask for what would
     need training.
     """
+    pilots = [asked_pilot(str(source)) for source in sources]
+    folders = [pilot.folder for pilot in pilots if pilot.folder is not None]
     for folder in folders:
         if not folder.is_dir():
             raise UserError(f"{folder}: no such folder; name one of results, or of a stored pilot")
     asked = {"evaluation": dict(changes)}
-    home = _home(folders[0])
-    if len(folders) == 1 and experiment is None and home is not None and not _is_pilot(folders[0]):
+    home = _home(folders[0]) if folders else None
+    if len(pilots) == 1 and experiment is None and home is not None and not _is_pilot(folders[0]):
         return _of_results(home, asked, overrides, out)
-    return _of_pilots(folders, experiment, asked, overrides, out or Path("results") / "evaluation")
+    others = {
+        pilot.name: {"kind": pilot.kind, "options": pilot.options} for pilot in pilots if not pilot.folder
+    }
+    place = out or Path("results") / "evaluation"
+    return _of_pilots(folders, others, experiment, asked, overrides, place)
 
 
 def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], out: Path | None) -> Path:
@@ -60,17 +67,26 @@ def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], 
 
 
 def _of_pilots(
-    folders: Sequence[Path], name: str | None, asked: Mapping[str, Any], overrides: Iterable[str], out: Path
+    folders: Sequence[Path],
+    others: Mapping[str, Mapping[str, Any]],
+    name: str | None,
+    asked: Mapping[str, Any],
+    overrides: Iterable[str],
+    out: Path,
 ) -> Path:
-    """All pilots of all folders, as kind `stored`, in the scene of one experiment."""
+    """All pilots of all folders, as kind `stored`, and the plans `others`, in the scene of one experiment."""
     plans = {
         pilot: {"kind": "stored", "options": {"folder": str(folder)}}
         for pilot, folder in _pilots_in(folders).items()
     }
+    for other in others:
+        if other in plans:
+            raise UserError(f"another pilot is called {other} as well; rename its file or folder")
+    plans |= others
     homes = [home for folder in folders if (home := _home(folder)) is not None]
     if name is None and not homes:
         raise UserError(
-            f"{folders[0]}: keeps no {CONFIG}/{EXPERIMENT} that says which boat, course and levels; name an "
+            f"{[*folders, *others][0]}: keeps no {CONFIG}/{EXPERIMENT} that says which boat, course and levels; name an "
             "experiment with --experiment"
         )
     home = homes[0] if name is None else None
