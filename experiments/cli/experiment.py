@@ -43,7 +43,7 @@ def evaluate(
         list[str],
         typer.Argument(
             help="Folders of trained experiments or of single pilots in them, sb3:MODEL.zip, "
-            "onnx:PILOT.onnx, MODULE:CLASS, or MODULE:CLASS=FOLDER for a folder with pilots of your own class."
+            "onnx:PILOT.onnx, MODULE:CLASS, or MODULE:CLASS=FOLDER for a folder of pilots of your own class."
         ),
     ],
     level: Annotated[

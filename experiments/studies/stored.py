@@ -27,10 +27,10 @@ def evaluate_folders(
     """Try pilots in the same episodes and write a folder of results.
 
     sources: a folder that was made by training or running an experiment, whose pilots are evaluated; or
-    several of these, of stored pilots and of others (see `asked_pilot`), all evaluated together. changes: keys of `evaluation`. experiment: the one
-    whose boat, course, data and evaluation are taken; by default the first folder's. UserError where a folder
-    holds no pilot, where none keeps an experiment and none is given, or where `overrides` ask for what would
-    need training.
+    several of these, of stored pilots and of others (see `asked_pilot`), all evaluated together. changes:
+    keys of `evaluation`. experiment: the one whose boat, course, data and evaluation are taken; by default
+    the first folder's. UserError where a folder holds no pilot, where none keeps an experiment and none is
+    given, or where `overrides` ask for what would need training.
     """
     pilots = [asked_pilot(str(source)) for source in sources]
     folders = [pilot.folder for pilot in pilots if pilot.folder is not None]
@@ -86,8 +86,8 @@ def _of_pilots(
     homes = [home for folder in folders if (home := _home(folder)) is not None]
     if name is None and not homes:
         raise UserError(
-            f"{[*folders, *others][0]}: keeps no {CONFIG}/{EXPERIMENT} that says which boat, course and levels; name an "
-            "experiment with --experiment"
+            f"{[*folders, *others][0]}: keeps no {CONFIG}/{EXPERIMENT} that says which boat, course and "
+            "levels; name an experiment with --experiment"
         )
     home = homes[0] if name is None else None
     with same_configs(None if home is None else home / CONFIG):

@@ -96,7 +96,7 @@ def is_named(kind: str) -> bool:
 
 
 def known_class(kind: str) -> type[Any]:
-    """The class of a stored pilot's kind; UserError where it is code that nobody has named in this process."""
+    """The class of a stored pilot's kind; UserError where it is code that was not named in this process."""
     if is_code(kind) and kind not in _named:
         raise UserError(
             f"the pilot is of the class {kind}, which is code; if it is yours, name it: {kind}=FOLDER"

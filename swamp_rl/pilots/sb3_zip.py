@@ -1,4 +1,4 @@
-"""A model of stable-baselines3 as a pilot, read from its zip by the library's own loader, which unpickles it."""
+"""A model of stable-baselines3 as a pilot, read by the library's own loader, which unpickles it."""
 
 import json
 import zipfile
@@ -72,8 +72,8 @@ class SB3Zip:
         content = (folder / MODEL).read_bytes()
         if not is_known_model(content):
             raise UserError(
-                "the pilot is a model of stable-baselines3, which can run code; if it is yours, name its zip: "
-                f"sb3:{Path(settings.file).name}"
+                "the pilot is a model of stable-baselines3, which can run code; if it is yours, name its "
+                f"zip: sb3:{Path(settings.file).name}"
             )
         return cls(content, settings.senses)
 

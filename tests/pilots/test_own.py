@@ -30,7 +30,7 @@ DOCUMENT = Path(__file__).parents[2] / "docs" / "own_pilot.md"
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with the document's example as `my_pilot.py`, on the path of a process that has named nothing."""
+    """A folder with the document's `my_pilot.py`, on the path of a process that has named nothing."""
     found = re.search(r"```python\n(.*?)```", DOCUMENT.read_text(), re.DOTALL)
     assert found is not None
     (tmp_path / "my_pilot.py").write_text(found[1])
@@ -196,7 +196,7 @@ def test_what_is_no_model_and_a_model_that_was_changed_are_refused(place: Path) 
     (place / "model.zip").write_bytes(b"nothing")
     with pytest.raises(UserError, match="no model of stable-baselines3"):
         opened(asked_pilot(f"sb3:{place}/model.zip"))
-    with pytest.raises(UserError, match="nowhere.zip: No such file"):
+    with pytest.raises(UserError, match=r"nowhere\.zip: No such file"):
         asked_pilot("sb3:nowhere.zip")
     other = hashlib.sha256(b"another").hexdigest()
     with pytest.raises(UserError, match="is no longer the model"):
