@@ -75,6 +75,7 @@ def _pilot(plan: Schema, kind: str, learns: Learner) -> Schema:
     without = {
         "runs": not learns.from_runs,
         "outcomes": not learns.from_runs,
+        "skill": not learns.from_runs,
         "disturbances": not learns.by_trying,
         "takeover": kind == "scripted",
     }

@@ -17,6 +17,7 @@ from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.pilots.callbacks import Log, Tick
+from swamp_rl.pilots.scripted import Skill
 from swamp_rl.pilots.settings import Settings
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class Training:
     def _chosen(self) -> "list[Run]":
         from swamp_rl.pilots.demonstrations import choose_runs
 
-        return choose_runs(self.dataset.runs, self.plan.runs, self.plan.outcomes)
+        return choose_runs(self.dataset.runs, self.plan.runs, self.plan.outcomes, self.plan.skill)
 
     def boats(self, n: int, senses: tuple[str, ...]) -> "GatesVectorEnv":
         """Boats to try in, among the disturbances it trains in; a boat that has ended starts anew at once."""
@@ -136,16 +137,18 @@ def in_order(plans: Mapping[str, PilotPlan], wanted: list[str] | None = None) ->
 
 
 class ScriptedSettings(Settings):
-    """Of the scripted pilot: another seed, other habits and slips."""
+    """Of the scripted pilot. seed: another one, other habits and slips; skill: what these are drawn from."""
 
     seed: Annotated[int, Field(ge=0, lt=2**31)] = 0
+    skill: Skill = "usual"
 
 
 def _runs_told(plan: PilotPlan) -> str:
     count = "all" if plan.runs is None else f"the first {plan.runs}"
+    driver = "" if plan.skill is None else f" of the {plan.skill} driver"
     if plan.outcomes == ("success",):
-        return f"{count} successful runs"
-    return f"{count} runs that ended in {' or '.join(plan.outcomes)}"
+        return f"{count} successful runs{driver}"
+    return f"{count} runs{driver} that ended in {' or '.join(plan.outcomes)}"
 
 
 def _tries_told(plan: PilotPlan) -> str:
@@ -154,16 +157,24 @@ def _tries_told(plan: PilotPlan) -> str:
 
 
 def _scripted() -> Learner:
-    from swamp_rl.pilots.scripted import Habits, ScriptedPilot
+    from swamp_rl.pilots.scripted import ScriptedPilot, habits_of
 
     def train(training: Training) -> "Pilot":
         return ScriptedPilot(
             training.settings.seed,
-            Habits(boat_length=training.scene.boat.length),
+            habits_of(training.settings.skill, training.scene.boat.length),
             training.scene.experiment.step,
         )
 
     return Learner(ScriptedSettings, train, told=lambda plan: "")
+
+
+def _line_of_sight() -> Learner:
+    from swamp_rl.pilots.line_of_sight import LineOfSightPilot, LineOfSightSettings
+
+    return Learner(
+        LineOfSightSettings, lambda training: LineOfSightPilot(training.settings), told=lambda plan: ""
+    )
 
 
 def _reservoir() -> Learner:
@@ -291,6 +302,7 @@ def _own(kind: str) -> Learner:
 
 LEARNERS: dict[str, Callable[[], Learner]] = {
     "scripted": _scripted,
+    "line-of-sight": _line_of_sight,
     "reservoir": _reservoir,
     "reservoir-searched": _searched_reservoir,
     "cloning": _cloning,

@@ -84,6 +84,8 @@ def _check_keys_of_kind(where: str, plan: PilotPlan) -> None:
         raise UserError(f"{where}.kind: {error}") from error
     if plan.runs is not None and not learns.from_runs:
         raise UserError(f"{where}.runs: {plan.kind} does not learn from runs; drop the key")
+    if plan.skill is not None and not learns.from_runs:
+        raise UserError(f"{where}.skill: {plan.kind} does not learn from runs; drop the key")
     if plan.outcomes != ("success",) and not learns.from_runs:
         raise UserError(f"{where}.outcomes: {plan.kind} does not learn from runs; drop the key")
     if plan.disturbances is not None and not learns.by_trying:

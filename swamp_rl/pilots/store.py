@@ -14,6 +14,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.description import Description, FittedOn, described_arrays, sealed, unsealed
 from swamp_rl.pilots.gru import GRUPilot
+from swamp_rl.pilots.line_of_sight import LineOfSightPilot
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.own import OwnPilot, is_code, own_kinds
 from swamp_rl.pilots.pilot import Pilot
@@ -25,6 +26,7 @@ from swamp_rl.unfinished import folder_beside
 DESCRIPTION, WEIGHTS = "pilot.json", "weights.safetensors"
 KINDS: dict[str, Any] = {
     "scripted": ScriptedPilot,
+    "line-of-sight": LineOfSightPilot,
     "reservoir": ReservoirPilot,
     "cloning": NetworkPilot,
     "gru": GRUPilot,
