@@ -75,7 +75,7 @@ def _of_pilots(
     out: Path,
 ) -> Path:
     """All pilots of all folders, as kind `stored`, and the plans `others`, in the scene of one experiment."""
-    plans = {
+    plans: dict[str, Mapping[str, Any]] = {
         pilot: {"kind": "stored", "options": {"folder": str(folder)}}
         for pilot, folder in _pilots_in(folders).items()
     }

@@ -16,11 +16,11 @@ class LineOfSightSettings(Settings):
     `benchmarks.learners.line_of_sight`, on episodes that no shipped experiment evaluates.
     """
 
-    gain: NotNegative = 2.0
+    gain: NotNegative = 4.0
     "Of the bearing [1/rad]."
-    damping: NotNegative = 1.0
+    damping: NotNegative = 0.5
     "Of the yaw rate [s/rad]."
-    lead: Share = 0.0
+    lead: Share = 0.6
     "The point lies this share of the way that is left before the gate; 0 is the gate itself."
     beyond: NotNegative = 0.0
     "The point lies so far [m] behind that."

@@ -156,7 +156,7 @@ class OwnPilot:
 
     def _begin(self, n: int) -> None:
         self._seen = np.zeros((n, len(self.senses)))
-        self._places = np.arange(n)
+        self._places: Array = np.arange(n)
 
     def settings(self) -> dict[str, Any]:
         """Its kind and options."""

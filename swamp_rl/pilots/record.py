@@ -1,6 +1,6 @@
 """Record runs of the scripted pilot as a dataset, by the writer that any other driven run goes through."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, Protocol
@@ -136,7 +136,7 @@ def _fill(
     seed: int,
     format: Literal["parquet", "csv"],
     tick: Callable[[int], None],
-    named: tuple[dict[str, str], str],
+    named: tuple[Mapping[str, str], str],
 ) -> None:
     """Append runs until there are `wanted` good and failed ones. named: their skill, and what begins
     their names."""
