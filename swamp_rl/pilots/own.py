@@ -115,6 +115,9 @@ class OwnPilot:
     Boats that have ended stay in the batch that the pilot sees, so that it needs no `keep`.
     """
 
+    _seen: Array
+    _places: Array
+
     def __init__(self, kind: str, pilot: Any, options: BaseModel) -> None:
         """kind: under which `own_class` knows its class; options: those it was trained with."""
         self.kind, self.pilot, self.options = kind, pilot, options
@@ -156,7 +159,7 @@ class OwnPilot:
 
     def _begin(self, n: int) -> None:
         self._seen = np.zeros((n, len(self.senses)))
-        self._places: Array = np.arange(n)
+        self._places = np.arange(n)
 
     def settings(self) -> dict[str, Any]:
         """Its kind and options."""
