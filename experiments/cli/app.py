@@ -3,7 +3,7 @@
 import os
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import swamp_rl.experiments.cli.runs_exchange
 import swamp_rl.experiments.cli.trial_captive  # noqa: F401  it adds its verbs to `trial`
@@ -109,6 +109,9 @@ def record_scripted_runs(
         int, typer.Option(min=0, max=100_000, help="How many failed ones at least, kept and marked.")
     ] = 0,
     seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Another seed, other runs.")] = 0,
+    skill: Annotated[
+        Literal["novice", "usual", "expert"], typer.Option(help="How quickly and how cleanly it drives.")
+    ] = "usual",
 ) -> None:
     """Record runs of the scripted pilot, a model of human drivers."""
     from swamp_rl.envs.batched import GatesVectorEnv
@@ -122,7 +125,9 @@ def record_scripted_runs(
     def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
         return GatesVectorEnv(n, boat, course, disturbances, senses)
 
-    record_scripted(boats, out, boat=boat, course=course, count=count, failed=failed, seed=seed)
+    record_scripted(
+        boats, out, boat=boat, course=course, count=count, failed=failed, seed=seed, skills=[skill]
+    )
     recorded = read_dataset(out)
     typer.echo(f"{out}: {len(recorded.runs)} runs, {len(recorded.successful)} of them successful")
 

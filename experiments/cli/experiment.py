@@ -39,8 +39,12 @@ def train(
 
 
 def evaluate(
-    folders: Annotated[
-        list[Path], typer.Argument(help="Folders of trained experiments, or of single pilots in them.")
+    sources: Annotated[
+        list[str],
+        typer.Argument(
+            help="Folders of trained experiments or of single pilots in them, sb3:MODEL.zip, "
+            "onnx:PILOT.onnx, MODULE:CLASS, or MODULE:CLASS=FOLDER for a folder of pilots of your own class."
+        ),
     ],
     level: Annotated[
         list[str] | None, typer.Option(help="A level of disturbance in place of the file's; may be repeated.")
@@ -62,4 +66,4 @@ def evaluate(
 
     asked = {"levels": level, "episodes": episodes, "seed": seed}
     changes = {key: value for key, value in asked.items() if value not in (None, [])}
-    evaluate_folders(folders, changes, set_ or [], out, experiment)
+    evaluate_folders(sources, changes, set_ or [], out, experiment)

@@ -33,8 +33,13 @@ def record(
         str, typer.Option(help="The first level: a name in configs/disturbances, or a file.")
     ] = "calm",
     pilot: Annotated[
-        list[Path] | None,
-        typer.Option("--pilot", metavar="MODEL", help="A trained pilot's folder; may be repeated."),
+        list[str] | None,
+        typer.Option(
+            "--pilot",
+            metavar="MODEL",
+            help="A trained pilot's folder, sb3:MODEL.zip, onnx:PILOT.onnx or MODULE:CLASS[=FOLDER]; may be "
+            "repeated.",
+        ),
     ] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any free one.")] = 8000,
     host: Annotated[str, typer.Option(help="Another address lets others connect, and needs --token.")] = (
@@ -49,7 +54,7 @@ def record(
     import numpy as np
 
     from swamp_rl.errors import UserError
-    from swamp_rl.pilots.store import load_pilot
+    from swamp_rl.pilots.arguments import asked_pilot, opened
     from swamp_rl.teleop.guard import Guard
 
     try:
@@ -61,8 +66,9 @@ def record(
 
     guard = Guard(host, token)
     source = "scripted" if scripted else "human"
-    folders = pilot or []
-    pilots = dict(zip(_names(folders), map(load_pilot, folders), strict=True))
+    asked_for = [asked_pilot(text) for text in pilot or []]
+    names = _names(one.folder or Path(one.name) for one in asked_for)
+    pilots = dict(zip(names, map(opened, asked_for), strict=True))
     boats = boat or list(BOATS)
     berths: dict[str, Berth] = {}
     for name, asked in zip(_names(map(Path, boats)), boats, strict=True):

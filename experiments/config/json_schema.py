@@ -15,7 +15,9 @@ from swamp_rl.experiments.config.learners import LEARNERS, Learner, learner
 from swamp_rl.experiments.config.schema import Experiment
 
 from swamp_rl.files import write_beside
+from swamp_rl.pilots.own import SHIPPED
 
+OWN = r"^[A-Za-z_][\w.]*:[A-Za-z_]\w*$"
 Schema = dict[str, Any]
 REF = "#/$defs/{model}"
 
@@ -32,6 +34,7 @@ def schema() -> Schema:
         part.pop("required", None)
     parts |= {f"{kind} options": _options(kind, parts) for kind in LEARNERS}
     parts |= {f"{kind} pilot": _pilot(plan, kind, learner(kind)) for kind in LEARNERS}
+    parts["own pilot"] = {**plan, "title": "own pilot"}
     parts["any pilot"] = _pilot_that_extends(plan)
     parts["pilot"] = _pilot_by_kind()
     pilots = whole["properties"]["pilots"]
@@ -72,6 +75,7 @@ def _pilot(plan: Schema, kind: str, learns: Learner) -> Schema:
     without = {
         "runs": not learns.from_runs,
         "outcomes": not learns.from_runs,
+        "skill": not learns.from_runs,
         "disturbances": not learns.by_trying,
         "takeover": kind == "scripted",
     }
@@ -100,11 +104,19 @@ def _pilot_by_kind() -> Schema:
         }
         for kind in LEARNERS
     ]
+    own = {
+        "if": {"properties": {"kind": {"not": {"enum": list(LEARNERS)}}}, "required": ["kind"]},
+        "then": _ref("own pilot"),
+    }
     untold = {"if": {"not": {"required": ["kind"]}}, "then": _ref("any pilot")}
+    own_kind = {
+        "anyOf": [{"enum": sorted(SHIPPED)}, {"pattern": OWN}],
+        "description": "A class of your own, module:Class; a model's file.",
+    }
     return {
         "type": "object",
-        "properties": {"kind": {"enum": list(LEARNERS)}},
-        "allOf": [*branches, untold],
+        "properties": {"kind": {"anyOf": [{"enum": list(LEARNERS)}, own_kind]}},
+        "allOf": [*branches, own, untold],
     }
 
 

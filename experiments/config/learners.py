@@ -2,6 +2,7 @@
 
 A new kind is one more entry of LEARNERS, and its class in `swamp_rl.pilots.store.KINDS` to be loaded by. An
 entry is a function, so that what one kind needs is imported only where an experiment asks for that kind.
+`module:Class` is a researcher's own, see `swamp_rl.pilots.own`.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,6 +17,7 @@ from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.pilots.callbacks import Log, Tick
+from swamp_rl.pilots.scripted import Skill
 from swamp_rl.pilots.settings import Settings
 
 if TYPE_CHECKING:
@@ -66,7 +68,7 @@ class Training:
     def _chosen(self) -> "list[Run]":
         from swamp_rl.pilots.demonstrations import choose_runs
 
-        return choose_runs(self.dataset.runs, self.plan.runs, self.plan.outcomes)
+        return choose_runs(self.dataset.runs, self.plan.runs, self.plan.outcomes, self.plan.skill)
 
     def boats(self, n: int, senses: tuple[str, ...]) -> "GatesVectorEnv":
         """Boats to try in, among the disturbances it trains in; a boat that has ended starts anew at once."""
@@ -92,8 +94,18 @@ class Learner:
 
 
 def learner(kind: str) -> Learner:
-    """The learner of a kind, one of LEARNERS."""
-    return LEARNERS[kind]()
+    """The learner of a kind: one of LEARNERS, or a class of one's own, which is imported.
+
+    UserError where there is none.
+    """
+    if kind in LEARNERS:
+        return LEARNERS[kind]()
+    from swamp_rl.pilots.own import is_code, own_kinds
+
+    if not is_code(kind) and kind not in own_kinds():
+        known = [*LEARNERS, *own_kinds()]
+        raise UserError(f"{kind!r} is no kind of pilot{nearest(kind, known)}, or module:Class of your own")
+    return _own(kind)
 
 
 def needed(plan: PilotPlan) -> list[str]:
@@ -125,16 +137,18 @@ def in_order(plans: Mapping[str, PilotPlan], wanted: list[str] | None = None) ->
 
 
 class ScriptedSettings(Settings):
-    """Of the scripted pilot: another seed, other habits and slips."""
+    """Of the scripted pilot. seed: another one, other habits and slips; skill: what these are drawn from."""
 
     seed: Annotated[int, Field(ge=0, lt=2**31)] = 0
+    skill: Skill = "usual"
 
 
 def _runs_told(plan: PilotPlan) -> str:
     count = "all" if plan.runs is None else f"the first {plan.runs}"
+    driver = "" if plan.skill is None else f" of the {plan.skill} driver"
     if plan.outcomes == ("success",):
-        return f"{count} successful runs"
-    return f"{count} runs that ended in {' or '.join(plan.outcomes)}"
+        return f"{count} successful runs{driver}"
+    return f"{count} runs{driver} that ended in {' or '.join(plan.outcomes)}"
 
 
 def _tries_told(plan: PilotPlan) -> str:
@@ -143,16 +157,24 @@ def _tries_told(plan: PilotPlan) -> str:
 
 
 def _scripted() -> Learner:
-    from swamp_rl.pilots.scripted import Habits, ScriptedPilot
+    from swamp_rl.pilots.scripted import ScriptedPilot, habits_of
 
     def train(training: Training) -> "Pilot":
         return ScriptedPilot(
             training.settings.seed,
-            Habits(boat_length=training.scene.boat.length),
+            habits_of(training.settings.skill, training.scene.boat.length),
             training.scene.experiment.step,
         )
 
     return Learner(ScriptedSettings, train, told=lambda plan: "")
+
+
+def _line_of_sight() -> Learner:
+    from swamp_rl.pilots.line_of_sight import LineOfSightPilot, LineOfSightSettings
+
+    return Learner(
+        LineOfSightSettings, lambda training: LineOfSightPilot(training.settings), told=lambda plan: ""
+    )
 
 
 def _reservoir() -> Learner:
@@ -265,8 +287,22 @@ def _stored() -> Learner:
     )
 
 
+def _own(kind: str) -> Learner:
+    from swamp_rl.pilots.own import OwnPilot, own_class, settings_of
+
+    found = own_class(kind)
+
+    def train(training: Training) -> "Pilot":
+        return OwnPilot(kind, found.train(training), training.settings)
+
+    from_runs = getattr(found, "from_runs", True)
+    told = _runs_told if from_runs else lambda plan: f"as `{plan.kind}` was trained"
+    return Learner(settings_of(found), train, told, from_runs=from_runs, by_trying=True)
+
+
 LEARNERS: dict[str, Callable[[], Learner]] = {
     "scripted": _scripted,
+    "line-of-sight": _line_of_sight,
     "reservoir": _reservoir,
     "reservoir-searched": _searched_reservoir,
     "cloning": _cloning,

@@ -1,21 +1,24 @@
 """Experiment files read strictly, with `extends:` and with overrides from the command line."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import yaml
-from swamp_rl.experiments.config.learners import LEARNERS, in_order, learner
+from swamp_rl.experiments.config.learners import in_order, learner
 from swamp_rl.experiments.config.schema import Experiment, PilotPlan
 from swamp_rl.experiments.config.smoke import shrunk
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
-from swamp_rl.explain import nearest
 from swamp_rl.files import find_config, is_file, read_yaml, validated
+from swamp_rl.pilots.own import is_code, is_named, runs_code
 from swamp_rl.pilots.settings import settings_from
 from swamp_rl.yaml_text import DEEPEST, parsed
+
+KEPT = "experiment.yaml"
+"The name of the configuration that a folder of results keeps."
 
 
 def load_experiment(name_or_path: str | Path, overrides: Iterable[str] = ()) -> Experiment:
@@ -24,8 +27,9 @@ def load_experiment(name_or_path: str | Path, overrides: Iterable[str] = ()) -> 
     An `extends:` in the file names another whose keys it overrides; `overrides` are `key=value` with a dotted
     key and a YAML value, and come last. UserError names the file and the key of the first fault.
     """
-    path = _file_of(name_or_path)
-    return _read(path, _extended(path, ()), overrides)
+    path, overrides = _file_of(name_or_path), tuple(overrides)
+    allowed = {override.partition("=")[2].strip() for override in overrides}
+    return _read(path, _extended(path, (), allowed), overrides)
 
 
 def overridden(
@@ -44,7 +48,7 @@ def _read(where: str | Path, data: dict[str, Any], overrides: Iterable[str]) -> 
 def _file_of(name_or_path: str | Path) -> Path:
     """The file meant; a folder of results means the one in its `config`, where there is one."""
     given = Path(name_or_path)
-    for file in (given / "config" / "experiment.yaml", given / "experiment.yaml"):
+    for file in (given / "config" / KEPT, given / KEPT):
         if is_file(file):
             return file
     try:
@@ -74,11 +78,14 @@ def _with_all_options(path: str | Path, experiment: Experiment) -> Experiment:
 
 def _check_keys_of_kind(where: str, plan: PilotPlan) -> None:
     """UserError where the kind is unknown, or where a key has no meaning for it."""
-    if plan.kind not in LEARNERS:
-        raise UserError(f"{where}.kind: {plan.kind!r} is no kind of pilot{nearest(plan.kind, LEARNERS)}")
-    learns = learner(plan.kind)
+    try:
+        learns = learner(plan.kind)
+    except UserError as error:
+        raise UserError(f"{where}.kind: {error}") from error
     if plan.runs is not None and not learns.from_runs:
         raise UserError(f"{where}.runs: {plan.kind} does not learn from runs; drop the key")
+    if plan.skill is not None and not learns.from_runs:
+        raise UserError(f"{where}.skill: {plan.kind} does not learn from runs; drop the key")
     if plan.outcomes != ("success",) and not learns.from_runs:
         raise UserError(f"{where}.outcomes: {plan.kind} does not learn from runs; drop the key")
     if plan.disturbances is not None and not learns.by_trying:
@@ -98,10 +105,12 @@ def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]
     return result
 
 
-def _extended(path: Path, seen: tuple[Path, ...]) -> dict[str, Any]:
+def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> dict[str, Any]:
     if path.resolve() in seen:
         raise UserError(f"{path}: extends itself by way of {seen[-1].name}; end the circle")
     data = read_yaml(path)
+    if path.name == KEPT:
+        _refuse_code(path, data, allowed)
     base = data.pop("extends", None)
     if base is None:
         return data
@@ -113,7 +122,20 @@ def _extended(path: Path, seen: tuple[Path, ...]) -> dict[str, Any]:
         if beside.suffix in (".yaml", ".yml") and beside.is_file()
         else find_config("experiments", base)
     )
-    return merged(_extended(found, (*seen, path.resolve())), data)
+    return merged(_extended(found, (*seen, path.resolve()), allowed), data)
+
+
+def _refuse_code(path: Path, data: dict[str, Any], allowed: Collection[str]) -> None:
+    """UserError where a folder of results asks for code that its reader has not named."""
+    pilots = data.get("pilots")
+    for name, plan in pilots.items() if isinstance(pilots, Mapping) else ():
+        kind = plan.get("kind") if isinstance(plan, Mapping) else None
+        if isinstance(kind, str) and runs_code(kind) and kind not in allowed and not is_named(kind):
+            argument = f"{kind}=FOLDER" if is_code(kind) else "sb3:MODEL.zip"
+            raise UserError(
+                f"{path}: pilots.{name}.kind: {kind} runs code, which a folder of results may not ask for; "
+                f"if it is yours, name it: run with --set pilots.{name}.kind={kind}, evaluate with {argument}"
+            )
 
 
 def _parsed(override: str) -> dict[str, Any]:

@@ -4,10 +4,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from swamp_rl.experiments.config.claims import Claims
 
 from swamp_rl.explain import nearest
+from swamp_rl.pilots.scripted import Skill
 
 MOST_PILOTS = 100
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
@@ -25,6 +26,15 @@ def _few(given: Any) -> Any:
     return given
 
 
+def _once(skills: tuple[str, ...]) -> tuple[str, ...]:
+    if len(set(skills)) < len(skills):
+        raise ValueError("one is named twice; name each once")
+    return skills
+
+
+Skills = Annotated[tuple[Skill, ...], Field(strict=False, min_length=1), AfterValidator(_once)]
+
+
 class Part(BaseModel):
     """A strict, frozen section of an experiment file."""
 
@@ -36,13 +46,15 @@ class Part(BaseModel):
 class Record(Part):
     """Runs of the scripted pilot to be recorded: `good` ones, and all that fail meanwhile, `failed` or more.
 
-    disturbances: the level they are driven at, None for none.
+    disturbances: the level they are driven at, None for none. skills: of the drivers, each of whom drives as
+    many runs, in the same episodes.
     """
 
     good: Count = 40
     failed: Annotated[int, Field(ge=0, le=100_000)] = 0
     disturbances: str | None = None
     seed: Seed = 0
+    skills: Skills = ("usual",)
 
 
 class Data(Part):
@@ -81,7 +93,8 @@ class Hidden(Part):
 class PilotPlan(Part):
     """A pilot to be trained and evaluated.
 
-    runs: how many of the runs with one of `outcomes` it learns from (None is all). takeover: for so long [s]
+    runs: how many of the runs with one of `outcomes` it learns from (None is all). skill: only of those that
+    the driver of that skill drove, where `data.record.skills` has several. takeover: for so long [s]
     the scripted pilot drives before it. disturbances: the level it trains in. options: of its training, by
     the names that its kind gives them; once loaded, every one of them.
     """
@@ -89,6 +102,7 @@ class PilotPlan(Part):
     kind: str
     runs: Count | None = None
     outcomes: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] = ("success",)
+    skill: Skill | None = None
     takeover: Annotated[float, Field(ge=0.0, le=3600.0)] = 0.0
     disturbances: str | None = None
     options: dict[str, Any] = {}
@@ -154,6 +168,13 @@ class Experiment(Part):
     def _records_the_runs_that_are_asked_for(self) -> Self:
         recorded = None if self.data.folder is not None else self.data.record.good
         for name, plan in self.pilots.items():
+            several = self.data.record.skills if len(self.data.record.skills) > 1 else ()
+            if self.data.folder is None and plan.skill is not None and plan.skill not in several:
+                raise ValueError(
+                    f"pilots.{name}.skill: data.record.skills must name {plan.skill} and another; add them"
+                )
+            if plan.skill is None:
+                recorded = None if recorded is None else recorded * max(len(several), 1)
             if recorded is not None and (plan.runs or 0) > recorded and plan.outcomes == ("success",):
                 raise ValueError(
                     f"pilots.{name}.runs: {plan.runs} runs are asked for, data.record.good is {recorded}; "

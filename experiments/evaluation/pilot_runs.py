@@ -21,7 +21,7 @@ def write_driven(scene: Scene, tried: Tried, folder: Path) -> None:
             draught=scene.boat.draught,
             water_density=scene.boat.water_density,
             sample_rate=1.0 / scene.experiment.step,
-            source="scripted" if plan.kind == "scripted" else "learned",
+            source="scripted" if plan.kind in ("scripted", "line-of-sight") else "learned",
             course=scene.experiment.course,
             notes=NOTES,
         )

@@ -11,6 +11,7 @@ from swamp_rl.experiments.config.schema import Experiment, Targets
 from swamp_rl.experiments.studies.run import evaluated
 
 from swamp_rl.errors import UserError
+from swamp_rl.pilots.arguments import asked_pilot
 from swamp_rl.pilots.store import DESCRIPTION, load_pilot
 
 CHANGEABLE = ("evaluation", "targets")
@@ -18,7 +19,7 @@ CHANGEABLE = ("evaluation", "targets")
 
 
 def evaluate_folders(
-    folders: Sequence[Path | str] | Path | str,
+    sources: Sequence[Path | str] | Path | str,
     changes: Mapping[str, Any] = MappingProxyType({}),
     overrides: Iterable[str] = (),
     out: Path | str | None = None,
@@ -26,25 +27,31 @@ def evaluate_folders(
 ) -> Path:
     """Try pilots in the same episodes and write a folder of results.
 
-    folders: one that was made by training or running an experiment, whose pilots are evaluated; or several
-    of these and of stored pilots, all evaluated together. changes: keys of `evaluation`, such as
-    `episodes`, `levels` and `seed`. overrides: dotted keys as `key=value`. out: the folder of results, by
-    default the one folder itself, or results/evaluation. experiment: the one whose boat, course, data and
-    evaluation are taken; by default the first folder's. UserError where a folder holds no pilot, where none
-    keeps an experiment and none is given, or where `overrides` ask for what would need training.
+    sources: a folder that was made by training or running an experiment, whose pilots are evaluated; or
+    several of these, of stored pilots and of others (see `asked_pilot`), all evaluated together. changes:
+    keys of `evaluation`, such as `episodes`, `levels` and `seed`. overrides: dotted keys as `key=value`. out:
+    the folder of results, by default the one folder itself, or results/evaluation. experiment: the one whose
+    boat, course, data and evaluation are taken; by default the first folder's. UserError where a folder holds
+    no pilot, where none keeps an experiment and none is given, or where `overrides` ask for what would need
+    training.
     """
-    places = [Path(folder) for folder in ([folders] if isinstance(folders, str | Path) else folders)]
-    if not places:
+    pilots = [asked_pilot(str(one)) for one in ([sources] if isinstance(sources, str | Path) else sources)]
+    if not pilots:
         raise UserError("no folder to evaluate; name one of results, or of a stored pilot")
     out = None if out is None else Path(out)
-    for folder in places:
+    folders = [pilot.folder for pilot in pilots if pilot.folder is not None]
+    for folder in folders:
         if not folder.is_dir():
             raise UserError(f"{folder}: no such folder; name one of results, or of a stored pilot")
     asked = {"evaluation": dict(changes)}
-    home = _home(places[0])
-    if len(places) == 1 and experiment is None and home is not None and not _is_pilot(places[0]):
+    home = _home(folders[0]) if folders else None
+    if len(pilots) == 1 and experiment is None and home is not None and not _is_pilot(folders[0]):
         return _of_results(home, asked, overrides, out)
-    return _of_pilots(places, experiment, asked, overrides, out or Path("results") / "evaluation")
+    others = {
+        pilot.name: {"kind": pilot.kind, "options": pilot.options} for pilot in pilots if not pilot.folder
+    }
+    place = out or Path("results") / "evaluation"
+    return _of_pilots(folders, others, experiment, asked, overrides, place)
 
 
 def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], out: Path | None) -> Path:
@@ -66,18 +73,27 @@ def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], 
 
 
 def _of_pilots(
-    folders: Sequence[Path], name: str | None, asked: Mapping[str, Any], overrides: Iterable[str], out: Path
+    folders: Sequence[Path],
+    others: Mapping[str, Mapping[str, Any]],
+    name: str | None,
+    asked: Mapping[str, Any],
+    overrides: Iterable[str],
+    out: Path,
 ) -> Path:
-    """All pilots of all folders, as kind `stored`, in the scene of one experiment."""
-    plans = {
+    """All pilots of all folders, as kind `stored`, and the plans `others`, in the scene of one experiment."""
+    plans: dict[str, Mapping[str, Any]] = {
         pilot: {"kind": "stored", "options": {"folder": str(folder)}}
         for pilot, folder in _pilots_in(folders).items()
     }
+    for other in others:
+        if other in plans:
+            raise UserError(f"another pilot is called {other} as well; rename its file or folder")
+    plans |= others
     homes = [home for folder in folders if (home := _home(folder)) is not None]
     if name is None and not homes:
         raise UserError(
-            f"{folders[0]}: keeps no {CONFIG}/{EXPERIMENT} that says which boat, course and levels; name an "
-            "experiment with --experiment"
+            f"{[*folders, *others][0]}: keeps no {CONFIG}/{EXPERIMENT} that says which boat, course and "
+            "levels; name an experiment with --experiment"
         )
     home = homes[0] if name is None else None
     with same_configs(None if home is None else home / CONFIG):

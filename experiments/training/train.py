@@ -34,7 +34,7 @@ def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:
     """
     plan = scene.experiment.data
     if plan.folder is None and not (folder / "data").exists():
-        with progress.stage("record runs", plan.record.good) as tick:
+        with progress.stage("record runs", plan.record.good * len(plan.record.skills)) as tick:
             record(scene, folder / "data", tick)
     named = scene.experiment.boat, scene.experiment.course  # for a plain folder, which does not tell
     dataset = read_dataset(folder / "data" if plan.folder is None else plan.folder, *named)
@@ -58,6 +58,7 @@ def record(scene: Scene, folder: Path, tick: Tick) -> None:
         count=plan.good,
         failed=plan.failed,
         seed=plan.seed,
+        skills=plan.skills,
         step=scene.experiment.step,
         tick=tick,
     )
@@ -96,7 +97,7 @@ def _train_into(
     curve: list[dict[str, float]] = []
     # With a takeover another pilot drives at the start.
     if learner(plan.kind).from_runs and plan.takeover == 0.0:
-        outside = warning(scene, name, choose_runs(dataset.runs, plan.runs, plan.outcomes))
+        outside = warning(scene, name, choose_runs(dataset.runs, plan.runs, plan.outcomes, plan.skill))
         if outside is not None:
             say(outside)
     events = folder.parent / TENSORBOARD / name

@@ -17,14 +17,19 @@ PERSON = 0.0
 
 
 def choose_runs(
-    runs: Sequence[Run], count: int | None = None, outcomes: Sequence[str] = ("success",)
+    runs: Sequence[Run],
+    count: int | None = None,
+    outcomes: Sequence[str] = ("success",),
+    skill: str | None = None,
 ) -> list[Run]:
-    """The first `count` runs (None: all) that ended in one of `outcomes`.
+    """The first `count` runs (None: all) that ended in one of `outcomes`, of a driver of that skill if given.
 
     UserError where there are none, or fewer than `count`.
     """
+    if skill is not None:
+        runs = [run for run in runs if (run.meta.model_extra or {}).get("skill") == skill]
     chosen = [run for run in runs if run.meta.outcome in outcomes]
-    wanted = " or ".join(outcomes)
+    wanted = " or ".join(outcomes) + ("" if skill is None else f" and the skill {skill}")
     if not chosen:
         raise UserError(
             f"none of {len(runs)} runs has the outcome {wanted}; record some, or allow another outcome"

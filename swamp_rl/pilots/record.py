@@ -1,6 +1,7 @@
 """Record runs of the scripted pilot as a dataset, by the writer that any other driven run goes through."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -9,7 +10,7 @@ import numpy as np
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
-from swamp_rl.pilots.scripted import SWAMP_LENGTH, Habits, ScriptedPilot
+from swamp_rl.pilots.scripted import SWAMP_LENGTH, Habits, ScriptedPilot, Skill, habits_of
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, dataset_beside
 
 AT_ONCE = 64
@@ -87,13 +88,16 @@ def record_scripted(
     seed: int = 0,
     step: float = 0.1,
     habits: Habits | None = None,
+    skills: Sequence[Skill] = ("usual",),
     format: Literal["parquet", "csv"] = "parquet",
     tick: Callable[[int], None] = lambda good: None,
 ) -> None:
     """Write `count` successful runs into the dataset `out`, and the failed ones on the way, `failed` or more.
 
     make_boats: builds boats of `boat` on `course` at `step` [s], disturbed as the runs are to be. Each run
-    holds the seed, the initial state and the disturbances of its episode. `tick` hears how many succeeded.
+    holds the seed, the initial state and the disturbances of its episode. habits: in place of those of
+    `skills`, of each of which there will be so many runs, in the same episodes, that say whose they are where
+    there are several. `tick` hears how many succeeded.
     UserError where the folder holds something else than such runs, or the pilot hardly ever succeeds.
     """
     vehicle = load_boat(boat)
@@ -107,13 +111,20 @@ def record_scripted(
         course=course,
         notes=NOTES,
     )
-    pilot = ScriptedPilot(seed, habits or Habits(boat_length=vehicle.length), step)
-    boats = make_boats(AT_ONCE, pilot.senses)
+    boats = make_boats(AT_ONCE, ScriptedPilot.senses)
     try:
         with dataset_beside(out, meta) as part:
-            _fill(part, boats, pilot, vehicle, (count, failed), seed, format, tick)
+            for number, skill in enumerate(skills):
+                pilot = ScriptedPilot(seed, habits or habits_of(skill, vehicle.length), step)
+                told, done = ({"skill": skill}, f"{skill}-") if len(skills) > 1 else ({}, "")
+                hear = partial(_after, tick, number * count)
+                _fill(part, boats, pilot, vehicle, (count, failed), seed, format, hear, (told, done))
     finally:
         boats.close()
+
+
+def _after(tick: Callable[[int], None], before: int, good: int) -> None:
+    tick(before + good)
 
 
 def _fill(
@@ -125,8 +136,10 @@ def _fill(
     seed: int,
     format: Literal["parquet", "csv"],
     tick: Callable[[int], None],
+    named: tuple[Mapping[str, str], str],
 ) -> None:
-    """Append runs until there are `wanted` good and failed ones."""
+    """Append runs until there are `wanted` good and failed ones. named: their skill, and what begins
+    their names."""
     # Above any seed of an evaluation, so that no pilot is tried on what it learned from.
     episodes = np.random.default_rng(seed)
     good = bad = 0
@@ -139,7 +152,8 @@ def _fill(
             if succeeded and good == wanted[0]:
                 continue
             number, good, bad = good + bad + 1, good + succeeded, bad + (not succeeded)
-            append_run(folder, Run(f"run-{number:03d}", run.columns, run.meta), format)
+            meta = run.meta.model_copy(update=named[0])
+            append_run(folder, Run(f"{named[1]}run-{number:03d}", run.columns, meta), format)
             tick(good)
             if good == wanted[0] and bad >= wanted[1]:
                 return

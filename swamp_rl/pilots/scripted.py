@@ -4,7 +4,7 @@ Full throttle nearly always, steering almost only at nought or at its ends, a re
 hesitation, wrong guesses, and now and then a messy run. It is a programme: what it records is `scripted`.
 """
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -52,6 +52,42 @@ class Habits(Settings):
     messy_guess_interval: Positive = 5.0
     boat_length: Positive = SWAMP_LENGTH
     "Of the boat driven: distances and the times of its turning are those of SWAMP, scaled by Froude's law."
+
+
+SKILLS = {
+    "novice": Habits(
+        reaction=(0.35, 0.55),
+        dead_band=(0.12, 0.3),
+        anticipation=(0.2, 0.6),
+        drift_seen=(0.0, 0.5),
+        aim_spread=0.5,
+        gentle=0.0,
+        guess_interval=8.0,
+        guess_duration=(0.5, 1.0),
+        hesitation_interval=12.0,
+        messy=0.4,
+        messy_reaction=(0.5, 0.8),
+    ),
+    "usual": Habits(),
+    "expert": Habits(
+        reaction=(0.15, 0.25),
+        dead_band=(0.04, 0.08),
+        anticipation=(0.7, 0.9),
+        drift_seen=(0.8, 1.0),
+        aim_spread=0.1,
+        gentle=0.0,
+        guess_interval=120.0,
+        hesitation_interval=120.0,
+        messy=0.0,
+    ),
+}
+"Drivers who differ in reaction, foresight, slips and messiness; chosen and not measured, as `Habits` are."
+Skill = Literal["novice", "usual", "expert"]
+
+
+def habits_of(skill: Skill, boat_length: float) -> Habits:
+    """The habits of a driver of that skill on a boat of that length [m]."""
+    return SKILLS[skill].model_copy(update={"boat_length": boat_length})
 
 
 SCHEDULE = 32

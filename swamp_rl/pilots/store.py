@@ -1,6 +1,7 @@
 """Pilots on the disk: `pilot.json` says what it is, `weights.safetensors` holds what it learned.
 
-Nothing in either is ever executed: a kind is looked up in `KINDS`, and arrays are numbers.
+Nothing in either is ever executed: a kind is looked up in `KINDS`, and arrays are numbers. A researcher's own
+class is used only where the user has named it (`own.known_class`).
 """
 
 import hashlib
@@ -13,7 +14,9 @@ from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.description import Description, FittedOn, described_arrays, sealed, unsealed
 from swamp_rl.pilots.gru import GRUPilot
+from swamp_rl.pilots.line_of_sight import LineOfSightPilot
 from swamp_rl.pilots.network import NetworkPilot
+from swamp_rl.pilots.own import OwnPilot, is_code, own_kinds
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.reservoir import ReservoirPilot
 from swamp_rl.pilots.scripted import ScriptedPilot
@@ -23,6 +26,7 @@ from swamp_rl.unfinished import folder_beside
 DESCRIPTION, WEIGHTS = "pilot.json", "weights.safetensors"
 KINDS: dict[str, Any] = {
     "scripted": ScriptedPilot,
+    "line-of-sight": LineOfSightPilot,
     "reservoir": ReservoirPilot,
     "cloning": NetworkPilot,
     "gru": GRUPilot,
@@ -34,10 +38,12 @@ KINDS: dict[str, Any] = {
 def save_pilot(pilot: Pilot, folder: Path | str, fitted_on: FittedOn | None = None) -> None:
     """Write the pilot into `folder`, whole or not at all, over an earlier one; UserError if it cannot.
 
-    fitted_on: the runs it learned from; None where it learned from none.
+    fitted_on: the runs it learned from; None where it learned from none. UserError for a kind that
+    `load_pilot` could not read.
     """
     from safetensors.numpy import save
 
+    _check_kind(pilot)
     arrays = {name: np.ascontiguousarray(array) for name, array in pilot.weights().items()}
     stored = save(arrays)
     description = Description(
@@ -102,9 +108,24 @@ def _build(kind: str, settings: dict[str, Any], weights: dict[str, Array]) -> Pi
             for name in ("first", "then")
         )
         return TakeoverPilot(first, then, settings["seconds"], settings["step"])
+    if is_code(kind) or kind in own_kinds():
+        if settings["kind"] != kind:
+            raise ValueError(f"its settings are of the kind {settings['kind']!r}, not {kind!r}")
+        return OwnPilot.build(settings, weights)
     if kind not in KINDS:
         raise ValueError(f"kind {kind!r} is none of {', '.join(KINDS)}, {TakeoverPilot.kind}")
     return KINDS[kind].build(settings, weights)
+
+
+def _check_kind(pilot: Any) -> None:
+    if isinstance(pilot, TakeoverPilot):
+        _check_kind(pilot.first)
+        _check_kind(pilot.then)
+    elif not isinstance(pilot, OwnPilot | KINDS.get(pilot.kind, OwnPilot)):
+        raise UserError(
+            f"a pilot of the class {type(pilot).__name__} and kind {pilot.kind!r} could not be loaded again; "
+            "wrap your own in swamp_rl.pilots.own.OwnPilot"
+        )
 
 
 def _of(name: str, weights: dict[str, Array]) -> dict[str, Array]:

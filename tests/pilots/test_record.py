@@ -9,6 +9,7 @@ from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.errors import UserError
+from swamp_rl.pilots.demonstrations import choose_runs
 from swamp_rl.pilots.record import record_scripted
 from swamp_rl.pilots.scripted import Habits
 from swamp_rl.runs import Dataset, check_dataset, read_dataset
@@ -40,6 +41,23 @@ def test_as_many_good_runs_as_asked_are_kept_and_the_failed_ones_are_marked(reco
     assert set(outcomes) <= {"success", "buoy", "out_of_bounds", "timeout"}
     assert recorded.meta.source == "scripted"
     assert "no person" in str(recorded.meta.notes)
+
+
+def test_drivers_of_several_skills_drive_the_same_episodes_and_their_runs_say_whose_they_are(
+    recorded: Dataset, tmp_path: Path
+) -> None:
+    record_scripted(
+        boats_at("standard"), tmp_path / "data", count=3, seed=4, skills=("usual", "novice", "expert")
+    )
+    runs = read_dataset(tmp_path / "data").runs
+    by_skill = {skill: choose_runs(runs, None, skill=skill) for skill in ("usual", "novice", "expert")}
+    assert [len(chosen) for chosen in by_skill.values()] == [3, 3, 3]
+    for ours, alone in zip(by_skill["usual"], recorded.successful[:3], strict=True):
+        np.testing.assert_array_equal(ours.joypad, alone.joypad)
+    first = {runs_of[0].meta.seed for runs_of in by_skill.values()}
+    assert len(first) < 3
+    with pytest.raises(UserError, match="skill champion"):
+        choose_runs(runs, None, skill="champion")
 
 
 def test_no_failed_run_need_be_asked_for(tmp_path: Path) -> None:

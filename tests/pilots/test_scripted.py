@@ -7,7 +7,7 @@ import pytest
 from swamp_rl.envs.batched import GatesVectorEnv
 
 from swamp_rl.evaluation.rollout import Rollout, drive
-from swamp_rl.pilots.scripted import Habits, ScriptedPilot
+from swamp_rl.pilots.scripted import SKILLS, Habits, ScriptedPilot
 
 SENSES = ScriptedPilot(0).senses
 STEADY = Habits(aim_spread=0.0, guess_interval=1e9, hesitation_interval=1e9, messy=0.0, gentle=0.0)
@@ -34,6 +34,12 @@ def calm() -> Rollout:
 def test_most_runs_succeed_in_calm_water_and_some_fail_when_it_is_severe(calm: Rollout) -> None:
     assert np.mean(calm.outcome == "success") > 0.9
     assert 0.2 < np.mean(driven("severe").outcome == "success") < 0.9
+
+
+def test_the_more_skilled_the_driver_the_more_runs_succeed() -> None:
+    rates = [np.mean(driven("severe", SKILLS[skill], 200).outcome == "success") for skill in SKILLS]
+    assert list(SKILLS) == ["novice", "usual", "expert"]
+    assert rates[0] + 0.05 < rates[1] < rates[2] - 0.05
 
 
 def test_full_throttle_and_the_ends_of_the_steering_lever_are_what_it_uses(calm: Rollout) -> None:

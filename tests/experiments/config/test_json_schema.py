@@ -102,6 +102,11 @@ def test_what_the_command_refuses_the_schema_refuses_as_well(tmp_path: Path, pat
     assert refused(tmp_path, wrong)
 
 
+def test_a_pilot_of_ones_own_fits_with_whatever_options_it_has() -> None:
+    assert fits(changed(SOUND, ("pilots", "net"), {"kind": "mine.pilot:Mine", "options": {"any": 1}}))
+    assert fits(changed(SOUND, ("pilots", "net"), {"kind": "sb3", "options": {"file": "model.zip"}}))
+
+
 def test_a_file_that_extends_another_may_leave_out_what_that_one_has() -> None:
     assert fits({"extends": "camogli", "pilots": {"ppo": {"options": {"decisions": 5}}}})
     assert fits({"extends": "camogli", "evaluation": {"episodes": 5}})

@@ -1,0 +1,70 @@
+"""Line-of-sight steering to the next gate: a baseline that learned nothing (Fossen 2011, 10.3.2)."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.demonstrations import GATE
+from swamp_rl.pilots.settings import NotNegative, Settings, Share
+
+
+class LineOfSightSettings(Settings):
+    """angle = clip(gain · bearing − damping · yaw rate, −1, 1), throttle held.
+
+    The point aimed at lies on the gate's middle line. The defaults were tuned at `severe` by
+    `benchmarks.learners.line_of_sight`, on episodes that no shipped experiment evaluates.
+    """
+
+    gain: NotNegative = 4.0
+    "Of the bearing [1/rad]."
+    damping: NotNegative = 0.5
+    "Of the yaw rate [s/rad]."
+    lead: Share = 0.6
+    "The point lies this share of the way that is left before the gate; 0 is the gate itself."
+    beyond: NotNegative = 0.0
+    "The point lies so far [m] behind that."
+    throttle: Share = 1.0
+
+
+class LineOfSightPilot:
+    """Proportional to the bearing of a point, damped by the yaw rate; it remembers nothing."""
+
+    kind: ClassVar[str] = "line-of-sight"
+    senses: tuple[str, ...] = (*GATE, "yaw_rate")
+
+    def __init__(self, settings: LineOfSightSettings | None = None) -> None:
+        """settings: gains and the point aimed at."""
+        self.options = settings or LineOfSightSettings()
+
+    def reset(self, n: int) -> None:
+        """Nothing is remembered."""
+
+    def reset_boats(self, mask: Array) -> None:
+        """Nothing is remembered."""
+
+    def keep(self, boats: Array) -> None:
+        """Nothing is remembered."""
+
+    def act(self, observation: Array) -> Array:
+        """Levers (n, 2), throttle and angle, from the observation (n, 5) in the order of `senses`."""
+        o = self.options
+        ahead, starboard, cos, sin, yaw_rate = np.asarray(observation, dtype=np.float64).T
+        to_go = np.maximum(ahead * cos + starboard * sin, 0.0)
+        shift = o.beyond - o.lead * to_go
+        bearing = np.arctan2(starboard + shift * sin, ahead + shift * cos)
+        angle = o.gain * bearing - o.damping * yaw_rate
+        return np.clip(np.stack([np.full(len(angle), o.throttle), angle], axis=1), LOWEST, HIGHEST)
+
+    def settings(self) -> dict[str, Any]:
+        """Its options."""
+        return self.options.model_dump(mode="json")
+
+    def weights(self) -> dict[str, Array]:
+        """Nothing was learned."""
+        return {}
+
+    @classmethod
+    def build(cls, settings: dict[str, Any], weights: dict[str, Array]) -> "LineOfSightPilot":
+        """The pilot of `settings()`."""
+        return cls(LineOfSightSettings(**settings))

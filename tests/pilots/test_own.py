@@ -1,0 +1,203 @@
+"""A researcher's own pilot, and a model of stable-baselines3, are trained and evaluated as the others are."""
+
+import hashlib
+import json
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+import yaml
+from stable_baselines3 import PPO, SAC
+from swamp_rl.experiments.config.load import load_experiment
+from swamp_rl.experiments.studies.run import run_experiment
+from swamp_rl.experiments.studies.stored import evaluate_folders
+
+from swamp_rl.errors import UserError
+from swamp_rl.export import write_onnx
+from swamp_rl.pilots import own
+from swamp_rl.pilots.arguments import asked_pilot, opened
+from swamp_rl.pilots.own import OwnPilot
+from swamp_rl.pilots.settings import Settings
+from swamp_rl.pilots.store import load_pilot, save_pilot
+from tests.support.tiny_experiment import write_tiny
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "own_pilot.md"
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with the document's `my_pilot.py`, on the path of a process that has named nothing."""
+    found = re.search(r"```python\n(.*?)```", DOCUMENT.read_text(), re.DOTALL)
+    assert found is not None
+    (tmp_path / "my_pilot.py").write_text(found[1])
+    monkeypatch.syspath_prepend(str(tmp_path))
+    forget(monkeypatch)
+    return tmp_path
+
+
+def forget(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in a new process: no class and no model has been named."""
+    monkeypatch.setattr(own, "_named", {})
+    monkeypatch.setattr(own, "_models", set())
+    sys.modules.pop("my_pilot", None)
+
+
+def experiment(folder: Path, **plan: Any) -> Path:
+    """The tiny experiment with the scripted pilot and `mine`."""
+    file = write_tiny(folder, "scripted")
+    data = yaml.safe_load(file.read_text())
+    data["pilots"]["mine"] = {"kind": "my_pilot:MyPilot", **plan}
+    file.write_text(yaml.safe_dump(data))
+    return file
+
+
+def rates(folder: Path) -> dict[str, Any]:
+    """What results.json tells of each pilot."""
+    return json.loads((folder / "results.json").read_text())["pilots"]
+
+
+@pytest.mark.slow
+def test_the_documents_example_is_trained_and_evaluated_beside_the_others(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = run_experiment(experiment(place, takeover=1.0, options={"epochs": 30}), out=place / "out")
+    assert set(rates(out)) == {"scripted", "mine"}
+    assert "| mine |" in (out / "report.md").read_text()
+    assert (out / "pilots" / "mine" / "curve.jsonl").read_text().count("loss") == 30
+
+    forget(monkeypatch)
+    for refused in (
+        lambda: load_pilot(out / "pilots" / "mine"),
+        lambda: evaluate_folders([out], {}, out=place / "no"),
+        lambda: evaluate_folders([out / "pilots" / "mine"], {}, out=place / "no"),
+        lambda: run_experiment(out, out=place / "no"),
+    ):
+        with pytest.raises(UserError, match="my_pilot:MyPilot"):
+            refused()
+        assert "my_pilot" not in sys.modules and not (place / "no").exists()
+    again = evaluate_folders([f"my_pilot:MyPilot={out}"], {"seed": 9}, out=place / "again")
+    assert set(rates(again)) == {"scripted", "mine"}
+
+
+def test_its_stored_copy_steers_as_it_did(place: Path) -> None:
+    pilot = opened(asked_pilot("my_pilot:MyPilot"))
+    save_pilot(pilot, place / "stored")
+    seen = np.random.default_rng(0).normal(size=(4, 5))
+    np.testing.assert_array_equal(load_pilot(place / "stored").act(seen), pilot.act(seen))
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "told"),
+    [
+        ("my_pilot:Nobody", {}, "Nobody"),
+        ("no_such_module:MyPilot", {}, "no_such_module"),
+        ("my_pilot:Options", {}, "has no train"),
+        ("my_pilot:np", {}, "is no class"),
+        ("my_pilot:MyPilot", {"epoch": 3}, "epochs"),
+        ("my_pilott", {}, "no kind of pilot"),
+    ],
+)
+def test_a_wrong_class_or_option_is_refused_by_key(
+    place: Path, kind: str, options: dict[str, int], told: str
+) -> None:
+    with pytest.raises(UserError, match=rf"pilots\.mine\.(kind|options).*{told}"):
+        load_experiment(experiment(place, kind=kind, options=options))
+
+
+class Counting:
+    """Steers by the number of decisions it has made for each boat."""
+
+    senses = ("surge",)
+
+    def reset(self, n: int) -> None:
+        """All begin."""
+        self.count = np.zeros(n)
+
+    def reset_boats(self, mask: np.ndarray) -> None:
+        """Some begin."""
+        self.count[mask] = 0
+
+    def act(self, observation: np.ndarray) -> np.ndarray:
+        """Throttle 0.1 a decision."""
+        self.count += 1
+        return np.stack([0.1 * self.count, observation[:, 0]], axis=1)
+
+
+def test_boats_that_have_ended_may_be_dropped_and_others_begin_anew_with_the_memory_of_each_kept() -> None:
+    pilot = OwnPilot("a:B", Counting(), Settings())
+    pilot.reset(3)
+    pilot.act(np.zeros((3, 1)))
+    pilot.keep(np.array([2, 1]))
+    pilot.reset_boats(np.array([True, False]))
+    np.testing.assert_allclose(pilot.act(np.array([[0.5], [-3.0]])), [[0.1, 0.5], [0.2, -1.0]])
+
+
+@pytest.mark.parametrize(
+    ("levers", "told"), [(np.zeros((3, 3)), "shape"), (np.full((3, 2), np.nan), "finite")]
+)
+def test_levers_that_are_none_are_told(levers: np.ndarray, told: str) -> None:
+    steering = Counting()
+    steering.act = lambda observation: levers  # type: ignore[method-assign]
+    with pytest.raises(UserError, match=rf"a:B\.act: .*{told}"):
+        OwnPilot("a:B", steering, Settings()).act(np.zeros((3, 1)))
+
+
+def test_a_pilot_that_could_not_be_loaded_again_is_refused_at_saving(tmp_path: Path) -> None:
+    stranger: Any = Counting()
+    stranger.kind = "stranger"
+    with pytest.raises(UserError, match="Counting"):
+        save_pilot(stranger, tmp_path / "stored")
+    stranger.kind = "cloning"
+    with pytest.raises(UserError, match="Counting"):
+        save_pilot(stranger, tmp_path / "stored")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_models_of_sb3_and_onnx_files_are_evaluated_in_the_same_table(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = PPO("MlpPolicy", gymnasium.make("swamp/Gates-v1"), n_steps=64, batch_size=64)
+    model.learn(64)
+    model.save(place / "learned.zip")
+    run = run_experiment(write_tiny(place, "net"), out=place / "run")
+    write_onnx(load_pilot(run / "pilots" / "net"), place / "exported.onnx")
+
+    out = evaluate_folders(
+        [run, f"sb3:{place}/learned.zip", f"onnx:{place}/exported.onnx"], {}, out=place / "out"
+    )
+    found = rates(out)
+    assert set(found) == {"net", "learned", "exported"}
+    assert found["exported"]["levels"] == found["net"]["levels"]
+
+    forget(monkeypatch)
+    with pytest.raises(UserError, match=r"sb3:learned\.zip"):
+        load_pilot(out / "pilots" / "learned")
+    load_pilot(out / "pilots" / "exported")
+
+
+@pytest.mark.parametrize("algorithm", [PPO, SAC])
+def test_a_model_of_sb3_gives_the_levers_that_its_library_predicts(
+    place: Path, algorithm: type[PPO | SAC]
+) -> None:
+    model = algorithm("MlpPolicy", gymnasium.make("swamp/Gates-v1"))
+    model.save(place / "model.zip")
+    seen = np.random.default_rng(1).normal(size=(5, 12))
+    expected, _ = model.predict(seen.astype(np.float32), deterministic=True)
+    pilot = opened(asked_pilot(f"sb3:{place}/model.zip"))
+    np.testing.assert_allclose(pilot.act(seen), expected, atol=1e-6)
+
+
+def test_what_is_no_model_and_a_model_that_was_changed_are_refused(place: Path) -> None:
+    (place / "model.zip").write_bytes(b"nothing")
+    with pytest.raises(UserError, match="no model of stable-baselines3"):
+        opened(asked_pilot(f"sb3:{place}/model.zip"))
+    with pytest.raises(UserError, match=r"nowhere\.zip: No such file"):
+        asked_pilot("sb3:nowhere.zip")
+    other = hashlib.sha256(b"another").hexdigest()
+    with pytest.raises(UserError, match="is no longer the model"):
+        own.model_file(str(place / "model.zip"), other)
