@@ -17,7 +17,7 @@ Six = tuple[float, float, float, float, float, float]
 
 @compiled
 def current_at(time: float, p: Any) -> tuple[float, float]:
-    """Current north and east [m/s] at `time` [s]; it drifts linearly."""
+    """Current north and east [m/s] at `time` t [s]: V_0 + V' t."""
     return p.current_north + p.current_north_rate * time, p.current_east + p.current_east_rate * time
 
 
@@ -36,7 +36,7 @@ def water_velocity(time: float, p: Any) -> tuple[float, float]:
 
 @compiled
 def wave_push(time: float, p: Any) -> float:
-    """Push [N] of one harmonic wave at `time` [s], towards where it goes."""
+    """Push [N] of one harmonic wave at `time` t [s], towards where it goes: F sin(2π f t + φ)."""
     return p.wave_force * math.sin(2.0 * math.pi * p.wave_frequency * time + p.wave_phase)
 
 

@@ -35,7 +35,7 @@ def open_water_thrust(n: float, inflow: float, k: int, p: Any) -> float:
 
 @compiled
 def astern_thrust(n: float, u: float, k: int, p: Any) -> float:
-    """Thrust [N], negative, of a propeller turning astern (Hachii); n < 0."""
+    """Thrust [N], negative, of a propeller turning astern (Hachii): ρ n² D⁴ C(J_s), J_s = u/(n D); n < 0."""
     j_s = u / (n * p.propeller_diameter[k])
     c = p.astern_thrust[k]
     factor = c[1] + c[2] * j_s if j_s >= c[3] else c[0]

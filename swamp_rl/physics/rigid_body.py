@@ -24,8 +24,10 @@ def inverse_inertia(p: Any) -> Inverse:
 def accelerations(
     u: float, v: float, r: float, surge: float, sway: float, yaw: float, inverse: Inverse, p: Any
 ) -> tuple[float, float, float]:
-    """u', v' [m/s^2] and r' [rad/s^2] from the forces [N] and the moment [N m] about midship.
+    """u', v' [m/s^2] and r' [rad/s^2] from the forces [N] and the moment [N m] about midship (8.14).
 
+    u' = [X + M (v r + x_G r²)] / (M − X_u̇),  r' = [A (N − M x_G u r) − B (Y − M u r)] / (A D − B²),
+    v' = [Y − M u r − B r'] / A
     inverse: `inverse_inertia(p)`. Velocities relative to the water: with the added mass on these, motion in
     a uniform current is exactly the motion in still water, carried along.
     """

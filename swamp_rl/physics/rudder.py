@@ -32,7 +32,7 @@ def inflow_ahead(n: float, u: float, wake: float, thrust: float, k: int, p: Any)
 
 @compiled
 def inflow_across(v: float, r: float, k: int, p: Any) -> float:
-    """v_R [m/s], the flow across at the rudder, to starboard, straightened by the hull."""
+    """v_R [m/s], the flow across at the rudder, to starboard: −γ_R (v + l'_R L r), straightened by the hull."""
     gamma = p.rudder_gamma_p[k] if v + p.thruster_x[k] * r >= 0.0 else p.rudder_gamma_n[k]
     return -gamma * (v + p.rudder_flow_lever[k] * p.length * r)
 
@@ -41,7 +41,11 @@ def inflow_across(v: float, r: float, k: int, p: Any) -> float:
 def rudder_forces(
     angle: float, u_rudder: float, v_rudder: float, k: int, p: Any
 ) -> tuple[float, float, float]:
-    """Surge, sway force [N] and yaw moment [N m] of the rudder at `angle` [rad] in that flow [m/s]."""
+    """Surge, sway force [N] and yaw moment [N m] of the rudder at `angle` δ [rad] in that flow [m/s].
+
+    X = −(1 − t_R) F_N sin δ,  Y = −(1 + a_H) F_N cos δ,  N = −(x_R + a_H x_H) F_N cos δ, with
+    F_N = ½ ρ A_R U_R² 6.13 Λ/(2.25 + Λ) sin(δ − atan2(v_R, u_R))
+    """
     attack = angle - math.atan2(v_rudder, u_rudder)
     aspect = p.rudder_aspect_ratio[k]
     pressure = 0.5 * p.water_density * (u_rudder * u_rudder + v_rudder * v_rudder)

@@ -33,7 +33,7 @@ def azimuth_after(angle: float, command: float, time_constant: float, rate: floa
 
 @compiled
 def throttle_after(throttle: float, command: float, time_constant: float, time: float) -> float:
-    """Throttle [1] of a pump after `time` [s] of a held command, first order."""
+    """Throttle [1] of a pump after `time` t [s] of a held command c: c + (p_0 − c) e^(−t/T), first order."""
     if time_constant <= 0.0:
         return command
     return command + (throttle - command) * math.exp(-time / time_constant)
@@ -41,7 +41,10 @@ def throttle_after(throttle: float, command: float, time_constant: float, time: 
 
 @compiled
 def bollard_thrust(throttle: float, k: int, p: Any) -> float:
-    """Thrust [N] of thruster k at rest, negative astern (Table 5.5: 12.2 N at full RPM, with its square)."""
+    """Thrust [N] of thruster k at rest, negative astern: T = (a + b p) p ahead, (a' − b' p) p astern.
+
+    Table 5.5: a = 0, b = 12.2 N.
+    """
     if throttle >= 0.0:
         return (p.thrust_linear[k] + p.thrust_quadratic[k] * throttle) * throttle
     return (p.astern_linear[k] - p.astern_quadratic[k] * throttle) * throttle
@@ -49,7 +52,7 @@ def bollard_thrust(throttle: float, k: int, p: Any) -> float:
 
 @compiled
 def thrust_deduction_factor(throttle: float, p: Any) -> float:
-    """(1 - t) [1]: linear in the throttle between two ends, constant outside (7.3.5, figure 7.56)."""
+    """(1 − t) [1] of throttle p: f_0 + s (f_1 − f_0), s = (|p| − p_0)/(p_1 − p_0) within [0, 1] (7.3.5)."""
     low, high = p.deduction_throttle_low, p.deduction_throttle_high
     share = min(max((abs(throttle) - low) / (high - low), 0.0), 1.0)
     return p.deduction_factor_low + share * (p.deduction_factor_high - p.deduction_factor_low)
@@ -57,7 +60,7 @@ def thrust_deduction_factor(throttle: float, p: Any) -> float:
 
 @compiled
 def effective_thrust(throttle: float, k: int, p: Any) -> float:
-    """Thrust [N] of thruster k as it acts on the boat while it is new and the water passes it slowly."""
+    """Thrust [N] of thruster k on a boat at rest: T = scale · gain_k · T_bollard(p) · (1 − t)(p)."""
     if throttle == 0.0:
         return 0.0
     gain = p.thrust_scale * p.thruster_gain[k]
@@ -66,7 +69,7 @@ def effective_thrust(throttle: float, k: int, p: Any) -> float:
 
 @compiled
 def jet_force(azimuth: float, throttle: float, k: int, p: Any) -> tuple[float, float]:
-    """Force [N] of thruster k on the boat along body x and y (5.47)."""
+    """Force [N] of thruster k on the boat: X = T cos(α + α_0), Y = T sin(α + α_0) (5.47)."""
     thrust = effective_thrust(throttle, k, p)
     if thrust == 0.0:
         return 0.0, 0.0
@@ -76,7 +79,7 @@ def jet_force(azimuth: float, throttle: float, k: int, p: Any) -> tuple[float, f
 
 @compiled
 def supply(time: float, p: Any) -> float:
-    """Share of its thrust [1] that the boat's battery still gives after `time` [s]; it sags linearly."""
+    """Share of its thrust [1] that the boat's battery still gives after `time` t [s]: max(1 − s t, 0)."""
     return max(1.0 - p.thrust_sag * time, 0.0)
 
 
