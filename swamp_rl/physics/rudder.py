@@ -32,7 +32,7 @@ def inflow_ahead(n: float, u: float, wake: float, thrust: float, k: int, p: Any)
 
 @compiled
 def inflow_across(v: float, r: float, k: int, p: Any) -> float:
-    """v_R = −γ_R (v + l_R L r) [m/s], the flow across at the rudder, to starboard; γ_R: the hull straightens."""
+    """v_R = −γ_R (v + l_R L r) [m/s]: the flow across at the rudder, straightened by the hull."""
     gamma = p.rudder_gamma_p[k] if v + p.thruster_x[k] * r >= 0.0 else p.rudder_gamma_n[k]
     return -gamma * (v + p.rudder_flow_lever[k] * p.length * r)
 
