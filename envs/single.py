@@ -73,7 +73,7 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         if not self._started:
             raise UserError("step: the episode has not started; call reset first")
         if type(action) is np.ndarray and action.shape == PAIR and action.dtype.kind == "f":
-            self._asked[0] = action  # as nearly always, and in a third of the time
+            self._asked[0] = action  # the usual case, without the copy of `known_levers`
         else:
             self._asked[0] = known_levers(action, PAIR)
         observations = np.empty(self._shape, np.float32)

@@ -19,7 +19,7 @@ NAMES = ("k_r", "c_ru", "c_rv", "b_r")
 WINDOW = 10.0  # s of each rollout
 STEERED = 0.02  # rad by which the steering angle must change
 NEEDED = "zig-zags at several angles and speeds"
-FAR = 1e6  # rad/s at which a rollout that runs away is cut off
+FAR = 1e6  # rad/s at which a diverging rollout is cut off
 
 
 class YawModel(NamedTuple):

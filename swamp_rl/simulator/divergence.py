@@ -51,14 +51,14 @@ def refuse_divergence(name: str, params: NDArray[Any], tank: Array) -> None:
     finest = _velocities(params, tank, start, FINER * steps, SUBSTEP / FINER)
     fine = finest[:, FINER - 1 :: FINER]
     with np.errstate(invalid="ignore", over="ignore"):
-        runaway = ~(np.abs(coarse) < FASTEST * scale)
-        wrong = runaway | ~(np.abs(coarse - fine) < APART * scale)
+        unbounded = ~(np.abs(coarse) < FASTEST * scale)
+        wrong = unbounded | ~(np.abs(coarse - fine) < APART * scale)
     if wrong.any():
         step = int(np.argmax(wrong.any(axis=(0, 2))))
         run = int(np.argmax(wrong[:, step].any(axis=1)))
         quickest = np.argmax(np.nan_to_num(np.abs(finest[run, 0] - start[run]) / scale, nan=np.inf))
         motion, keys = LOOK_AT[quickest]
-        what = "runs away" if runaway.any() else f"changes faster than steps of {SUBSTEP:g} s follow"
+        what = "diverges" if unbounded.any() else f"changes faster than steps of {SUBSTEP:g} s follow"
         raise UserError(
             f"boat {name}: simulated from {f'{speed:.3g} m/s' if run % 2 else 'rest'}, its motion {what} "
             f"within {(step + 1) * SUBSTEP:.1f} s, {motion} first; check {keys}, and their units"

@@ -79,7 +79,7 @@ def unstable(section: str, **changes: float) -> dict[str, Any]:
 
 def test_a_motion_that_runs_away_is_refused_by_the_axis_and_its_numbers(tmp_path: Path) -> None:
     (line,) = refused(written(tmp_path, "twin", **unstable("hull", n_r=9.0)))
-    assert "boat twin: simulated from 1.57 m/s, its motion runs away" in line
+    assert "boat twin: simulated from 1.57 m/s, its motion diverges" in line
     assert "yaw first; check hull.n_v, hull.n_r" in line
 
 
