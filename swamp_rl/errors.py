@@ -1,5 +1,16 @@
 """The one exception whose message is meant for the person at the keyboard."""
 
+from swamp_rl.clipped import clipped
+
+LONGEST = 2000
+"""Characters of a line; some name a file, whose name may be long."""
+
 
 class UserError(Exception):
-    """What is wrong, where (file, row, column or key) and what to do, on one line for each fault."""
+    """What is wrong, where (file, row, column or key) and what to do, on one line for each fault.
+
+    Whatever words of a stranger it quotes, each line prints and is short enough to be read.
+    """
+
+    def __init__(self, told: str) -> None:
+        super().__init__("\n".join(clipped(line, LONGEST) for line in told.split("\n")))

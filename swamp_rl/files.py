@@ -3,7 +3,6 @@
 import difflib
 import errno
 import os
-import stat
 import uuid
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -18,6 +17,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.explain import explain as explain
 from swamp_rl.explain import explanations as explanations
 from swamp_rl.explain import validated as validated
+from swamp_rl.ordinary import ordinary
 from swamp_rl.yaml_text import MOST_BYTES, dumped, parsed
 
 CONFIG_KINDS = ("boats", "courses", "disturbances", "trials", "experiments", "sweeps")
@@ -155,6 +155,11 @@ def config_names(kind: str) -> list[str]:
     return sorted(file.stem for file in (_configs() / kind).glob("*.yaml"))
 
 
+def shipped_folders(kind: str) -> dict[str, Path]:
+    """Folders that come with the package, by name: its stored `pilots`, or its `runs`."""
+    return {path.name: path for path in sorted((_configs() / kind).glob("*")) if path.is_dir()}
+
+
 def _known(kind: str) -> str:
     return ", ".join(config_names(kind)) or f"(none in {_configs() / kind})"
 
@@ -183,9 +188,7 @@ def read_yaml(path: Path | str) -> dict[str, Any]:
 
 def _read_text(path: Path) -> str:
     """Of a file that may be of any kind and size: no more of it than YAML may have."""
-    if not stat.S_ISREG(path.stat().st_mode):
-        raise UserError(f"{path}: is no ordinary file; name a YAML file")
-    with path.open("rb") as file:
+    with ordinary(path, None).open("rb") as file:
         return file.read(MOST_BYTES + 1).decode("utf-8")
 
 
@@ -195,11 +198,16 @@ def _kind_of(data: Any) -> str:
 
 
 def yaml_text(data: Mapping[str, Any]) -> str:
-    """A mapping as YAML; floats keep every bit."""
-    return dumped(data)
+    """A mapping as YAML; floats keep every bit. UserError where it is too much for `read_yaml`."""
+    try:
+        return dumped(data)
+    except (yaml.YAMLError, ValueError) as error:
+        problem = getattr(error, "problem", None) or error
+        raise UserError(f"as it would be written, it {problem}, and could not be read again") from error
 
 
 def write_yaml(path: Path | str, data: Mapping[str, Any]) -> None:
     """Write a mapping as `yaml_text`, beside it first and then renamed."""
+    text = yaml_text(data)
     with write_beside(path) as part:
-        part.write_text(yaml_text(data), encoding="utf-8")
+        part.write_text(text, encoding="utf-8")

@@ -3,6 +3,7 @@
 from collections.abc import Collection
 from pathlib import Path
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 
 LONGEST = 200
@@ -26,6 +27,13 @@ def plain_name(name: str, suffixes: Collection[str] = ("",)) -> str:
     if reason is not None:
         raise ValueError(f"{name[:60]!r} {reason}")
     return name
+
+
+def refuse_odd_label(where: Path | str, name: str) -> None:
+    """UserError for a name of a pilot or level, read at `where`, on which a table or a terminal would act."""
+    if not name or not name.isprintable() or len(name) > LONGEST or set(name) & set("[]|<>`*"):
+        told = f"{clipped(name)!r} is no name of a pilot or a level"
+        raise UserError(f"{where}: {told}; run the experiment again")
 
 
 def file_in(folder: Path, name: str, suffixes: Collection[str]) -> Path:

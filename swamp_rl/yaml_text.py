@@ -11,13 +11,15 @@ from swamp_rl.clipped import clipped
 DEEPEST = 100
 """Levels of nesting."""
 MOST_BYTES = 8 * 2**20
-MOST_NODES = 150_000
+MOST_NODES = 300_000
 """Scalars, lists and mappings, each alias counted as all that it stands for."""
 MOST_ANCHORS = 1_000
 LONGEST_NUMBER = 100
 """Characters of a number."""
 
 _EXPONENT = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$")
+_ACTS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+"""What a terminal acts on, or what turns text round, and half letters."""
 _DIRECTIVE = re.compile("^%", re.MULTILINE)
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _TIMESTAMP = "tag:yaml.org,2002:timestamp"
@@ -61,8 +63,6 @@ def parsed(text: str) -> Any:
     Its parts are counted before any of them is made, since aliases and merge keys stand for more than they
     say (a 'billion laughs'). Tags (`!!bool`) are refused.
     """
-    if len(text) > MOST_BYTES:
-        raise ValueError(f"is longer than {MOST_BYTES // 2**20} MiB")
     if _DIRECTIVE.search(text):
         # The compiled parser compares each with all before it.
         raise ValueError("a line begins with %; directives are not used here")
@@ -71,12 +71,16 @@ def parsed(text: str) -> Any:
 
 
 def dumped(data: Mapping[str, Any]) -> str:
-    """A mapping as YAML; floats keep every bit."""
-    return yaml.dump(dict(data), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+    """A mapping as YAML; floats keep every bit. yaml.YAMLError or ValueError for what `parsed` refuses."""
+    text = yaml.dump(dict(data), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+    _refuse_beyond_limits(text)
+    return text
 
 
 def _refuse_beyond_limits(text: str) -> None:
     """Nodes are counted where they begin; a collection's anchor then stands for those within it."""
+    if len(text) > MOST_BYTES:
+        raise ValueError(f"is longer than {MOST_BYTES // 2**20} MiB")
     sizes: dict[str, int] = {}
     opened: list[tuple[str | None, int]] = []
     count = anchors = 0
@@ -96,6 +100,7 @@ def _refuse_beyond_limits(text: str) -> None:
             if isinstance(event, yaml.CollectionStartEvent):
                 opened.append((event.anchor, count - 1))
             else:
+                _refuse_acting(event)
                 _refuse_long_number(event)
         if len(opened) > DEEPEST:
             # The compiled loader calls itself at each level, and would end the process far deeper down.
@@ -105,6 +110,12 @@ def _refuse_beyond_limits(text: str) -> None:
             raise _problem(event, f"more than {MOST_ANCHORS} anchors and aliases")
         if count > MOST_NODES:
             raise _problem(event, f"holds, with its aliases, more than {MOST_NODES} values")
+
+
+def _refuse_acting(event: yaml.ScalarEvent) -> None:
+    found = _ACTS.search(event.value)
+    if found is not None:
+        raise _problem(event, f"holds the character U+{ord(found[0]):04X}, which does not print")
 
 
 def _refuse_long_number(event: yaml.ScalarEvent) -> None:

@@ -13,7 +13,9 @@ from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
 from tests.support.runs import circling, described
 
 # Compiled functions make a first example slow; the number of examples bounds the time instead.
-settings.register_profile("swamp", deadline=None, max_examples=40)
+# The examples are the same in every run, so that a failure comes again; those of `search` are not.
+settings.register_profile("swamp", deadline=None, max_examples=40, derandomize=True, print_blob=True)
+settings.register_profile("search", deadline=None, max_examples=400, print_blob=True)
 settings.load_profile("swamp")
 
 FLAGS = [

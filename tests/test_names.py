@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 from mcap.writer import Writer
 from swamp_rl.experiments.artifacts.result_folders import Result
@@ -15,31 +15,14 @@ from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.sweep.schema import load_sweep
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import find_config, read_yaml, write_yaml
+from swamp_rl.files import find_config, read_yaml
 from swamp_rl.names import LONGEST, file_in, plain_name
 from swamp_rl.runs import Run, append_run, create_dataset, inspect_dataset, read_dataset, write_run
 from swamp_rl.runs.export_dataset import export_runs
 from swamp_rl.runs.import_dataset import import_runs
 from tests.support.driving import recordings
+from tests.support.hostile_names import EXAMPLES, HOSTILE, SECRET, around, said, victims, written
 from tests.support.runs import circling, described
-
-SECRET = "extends: swamp\nname: secret\n"
-PIECES = st.text("./\\~a-\n\0 é", max_size=12)
-ENDS = st.sampled_from(["", ".yaml", ".yml", ".csv", ".parquet", ".course.yaml"])
-WAYS = st.sampled_from(
-    [
-        "../victim/boat",
-        "../../victim/boat",
-        "{root}/victim/boat",
-        "/etc/passwd",
-        "..",
-        ".",
-        "victim/../../victim/boat",
-    ]
-)
-LONG = st.just("a" * 300)
-HOSTILE = st.builds(str.__add__, PIECES | WAYS | LONG, ENDS)
-EXAMPLES = settings(max_examples=25)
 
 
 @pytest.fixture(scope="module")
@@ -58,18 +41,15 @@ class Place:
         self.root, self.here = root, root / "here"
         self.runs = self.here / "runs"
         shutil.copytree(good, self.runs)
-        (root / "victim").mkdir()
-        for name in ("boat.yaml", "boat.csv", "boat.course.yaml", "boat"):
-            (root / "victim" / name).write_text(SECRET)
+        victims(root)
         self.before = self.outside()
 
     def outside(self) -> dict[str, bytes]:
         """Every file around `here`, by path."""
-        files = (path for path in self.root.rglob("*") if path.is_file() and self.here not in path.parents)
-        return {str(path): path.read_bytes() for path in files}
+        return around(self.here)
 
     def tamper(self, **changes: Any) -> None:
-        write_yaml(self.runs / "dataset.yaml", read_yaml(self.runs / "dataset.yaml") | changes)
+        written(self.runs / "dataset.yaml", read_yaml(self.runs / "dataset.yaml") | changes)
 
     def used(self) -> Iterator[str]:
         """Have the dataset read, exported to all formats and imported; what each of them said."""
@@ -82,16 +62,6 @@ class Place:
         """Whether all around is as it was, and none of it has come into `here`."""
         leaked = (path for path in self.here.rglob("*") if path.is_file() and not path.is_symlink())
         return self.outside() == self.before and not any(b"secret" in path.read_bytes() for path in leaked)
-
-
-def said(act: Any, *given: Any) -> str:
-    """The complaint of an act, in one line; empty if it had none. Anything but UserError fails the test."""
-    try:
-        act(*given)
-    except UserError as error:
-        assert all(line.isprintable() for line in str(error).split("\n"))
-        return str(error)
-    return ""
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +117,7 @@ def test_no_name_in_a_dataset_reaches_out_of_it(places: Any, key: str, name: str
 @example(name="../../victim/boat.yaml")
 def test_no_boat_of_a_dataset_extends_a_file_elsewhere(places: Any, name: str) -> None:
     place = places()
-    write_yaml(place.runs / "own.yaml", {"extends": name.replace("{root}", str(place.root)), "name": "own"})
+    written(place.runs / "own.yaml", {"extends": name.replace("{root}", str(place.root)), "name": "own"})
     place.tamper(vehicle="own.yaml", copies={})
     assert all(place.used())
     assert place.is_confined()
@@ -216,9 +186,9 @@ def test_names_in_an_experiment_and_a_sweep_are_those_of_folders_in_the_results(
     folder = tmp_path_factory.mktemp("yaml")
     experiment = read_yaml(find_config("experiments", "smoke"))
     pilots = {name: next(iter(experiment["pilots"].values()))}
-    write_yaml(folder / "pilots.yaml", experiment | {"pilots": pilots, "targets": {}})
-    write_yaml(folder / "name.yaml", experiment | {"name": name})
-    write_yaml(folder / "sweep.yaml", read_yaml(find_config("sweeps", "reservoir_grid")) | {"name": name})
+    written(folder / "pilots.yaml", experiment | {"pilots": pilots, "targets": {}})
+    written(folder / "name.yaml", experiment | {"name": name})
+    written(folder / "sweep.yaml", read_yaml(find_config("sweeps", "reservoir_grid")) | {"name": name})
     for load, file in ((load_experiment, "pilots"), (load_experiment, "name"), (load_sweep, "sweep")):
         complaint = said(load, folder / f"{file}.yaml")
         assert complaint or (Path(name).name == name and not name.startswith("."))

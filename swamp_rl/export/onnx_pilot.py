@@ -9,6 +9,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.export.graph import NEXT, STATE
 from swamp_rl.export.steps import FIRST_LEVERS
 from swamp_rl.json_text import parsed_json
+from swamp_rl.own_code import refuse_unnamed
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.seal import sealed_file
 
@@ -30,6 +31,7 @@ class OnnxPilot:
             self.senses = tuple(parsed_json(known["senses"]))
         except (TypeError, ValueError) as error:
             raise UserError(f"{path}: does not tell what it senses; export the pilot again") from error
+        refuse_unnamed(self.senses, f"{path}: the pilot observes")
         self.wants_first = FIRST_LEVERS in inputs
         "Whether the levers of whoever drives first are to be given."
         self._states = [given for name, given in inputs.items() if name.startswith(STATE)]

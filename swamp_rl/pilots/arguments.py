@@ -1,4 +1,4 @@
-"""Pilots as a command line names them: a folder, `sb3:model.zip`, `onnx:pilot.onnx` or `module:Class`."""
+"""Pilots as a command line names them: folder, name, `sb3:model.zip`, `onnx:pilot.onnx`, `module:Class`."""
 
 import hashlib
 import re
@@ -9,11 +9,16 @@ from typing import Any
 from pydantic import ValidationError
 
 from swamp_rl.errors import UserError
+from swamp_rl.files import shipped_folders
+from swamp_rl.own_code import own_code
+from swamp_rl.pilots.line_of_sight import LineOfSightPilot
 from swamp_rl.pilots.own import SHIPPED, OwnPilot, model_file, own_class, settings_of
 from swamp_rl.pilots.pilot import Pilot
-from swamp_rl.pilots.store import load_pilot
+from swamp_rl.pilots.store import DESCRIPTION, load_pilot
 
 CLASS = re.compile(r"(?P<kind>[A-Za-z_][\w.]*:[A-Za-z_]\w*)(=(?P<folder>.+))?")
+BUILT_IN = {"line-of-sight": LineOfSightPilot}
+"Kinds that need neither training nor options, by the name that asks for them."
 
 
 @dataclass(frozen=True)
@@ -27,9 +32,11 @@ class Asked:
 
 
 def asked_pilot(text: str) -> Asked:
-    """What an argument asks for. The class of `module:Class` or `module:Class=FOLDER` is imported.
+    """What an argument asks for. The class of `module:Class` or `module:Class=FOLDER` is imported, and so is
+    the function of `module:function=FOLDER`, a term that the folder's pilots observe or are rewarded by.
 
-    UserError where a class or a model's file is not there; a folder is not looked for.
+    A name is that of a folder, else of a built-in pilot, else of one that comes with the package. UserError
+    where code or a model's file is not there; a folder is not looked for.
     """
     kind, colon, file = text.partition(":")
     if colon and kind in SHIPPED:
@@ -37,18 +44,36 @@ def asked_pilot(text: str) -> Asked:
         own_class(kind)
         return Asked(Path(file).stem, kind=kind, options={"file": file, "sha256": sha256})
     named = CLASS.fullmatch(text)
-    if named is None or Path(text).is_dir():
-        return Asked(Path(text).name, Path(text))
-    own_class(named["kind"])
+    if Path(text).is_dir():
+        return Asked(Path(text).resolve().name, Path(text))
+    if text in BUILT_IN:
+        return Asked(text, kind=text)
+    if named is None:
+        return Asked(Path(text).name, shipped_folders("pilots").get(text, Path(text)))
     if named["folder"] is not None:
+        if isinstance(own_code(named["kind"]), type):
+            own_class(named["kind"])
         return Asked(Path(named["folder"]).name, Path(named["folder"]))
+    own_class(named["kind"])
     return Asked(named["kind"].partition(":")[2], kind=named["kind"])
+
+
+def names_pilot(text: str) -> bool:
+    """Whether an argument that may name runs as well names a pilot."""
+    kind, colon, _ = text.partition(":")
+    path = Path(text)
+    if path.exists():
+        return (path / DESCRIPTION).is_file()
+    named = text in BUILT_IN or text in shipped_folders("pilots")
+    return named or (bool(colon) and kind in SHIPPED) or CLASS.fullmatch(text) is not None
 
 
 def opened(asked: Asked) -> Pilot:
     """The pilot, without any training: a class alone is called without arguments. UserError if it cannot."""
     if asked.folder is not None:
         return load_pilot(asked.folder)
+    if asked.kind in BUILT_IN:
+        return BUILT_IN[asked.kind]()
     found = own_class(asked.kind)
     try:
         options = settings_of(found).model_validate(asked.options)

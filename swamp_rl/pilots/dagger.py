@@ -17,6 +17,7 @@ from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.dagger_checkpoint import Rounds, load_rounds, save_rounds
+from swamp_rl.pilots.demonstrations import LAST, last_action
 from swamp_rl.pilots.gru import GRUPilot, GRUSettings, fit_gru
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.pilot import Pilot
@@ -228,5 +229,7 @@ def corrected_runs(
     for i, run in enumerate(driven):
         # The last row, where nothing more was decided, keeps the levers before it.
         thrust, angle = said[np.minimum(np.arange(len(run.time)), len(run.time) - 2), i].T
-        runs.append(Run(run.name, {**run.columns, "joy_thrust": thrust, "joy_angle": angle}, run.meta))
+        driven_by = {name: last_action(run, name) for name in LAST}  # by the driver, who is not the expert
+        levers = {"joy_thrust": thrust, "joy_angle": angle}
+        runs.append(Run(run.name, {**run.columns, **driven_by, **levers}, run.meta))
     return runs

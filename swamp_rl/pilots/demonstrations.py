@@ -1,6 +1,7 @@
 """Logged runs as examples to learn from: what the pilot could see, and what the levers then did."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -12,6 +13,10 @@ POSE = ("north", "east", "cos_heading", "sin_heading")
 MOTION = ("surge", "sway", "yaw_rate")
 GATE = ("gate_ahead", "gate_starboard", "gate_cos", "gate_sin")
 NEXT_GATE = (*GATE, "gates_passed")
+LAST = {"last_throttle": "joy_thrust", "last_angle": "joy_angle"}
+"The action of the row before, by the column that holds those of all rows."
+LOGGED = (*POSE, *MOTION, *NEXT_GATE, *LAST)
+"What every log on a course can tell."
 PERSON = 0.0
 "The person at the helm, in the column `driver` of runs with a pilot aboard."
 
@@ -43,11 +48,29 @@ def choose_runs(
 
 def observed(run: Run, senses: Sequence[str]) -> Array:
     """(T, d) the named observations, as far as a run's columns hold them; UserError for one they do not."""
-    columns = {
+    derived: dict[str, Callable[[], Array]] = {
         "cos_heading": lambda: np.cos(run.columns["heading"]),
         "sin_heading": lambda: np.sin(run.columns["heading"]),
+        **{name: partial(last_action, run, name) for name in LAST},
     }
-    return np.column_stack([columns[n]() if n in columns else run.stacked((n,))[:, 0] for n in senses])
+    told = [name in run.columns or name not in derived for name in senses]
+    columns = [run.stacked((n,))[:, 0] if own else derived[n]() for n, own in zip(senses, told, strict=True)]
+    return np.column_stack(columns)
+
+
+def last_action(run: Run, name: str) -> Array:
+    """(T,) what one of LAST was at each row: the lever of the row before, 0 at the first."""
+    return np.concatenate([[0.0], run.columns[LAST[name]][:-1]])
+
+
+def refuse_unlogged(senses: Sequence[str], columns: Sequence[str] = ()) -> None:
+    """UserError for the first of `senses` that runs with these further columns do not tell."""
+    for name in senses:
+        if name not in LOGGED and name not in columns:
+            raise UserError(
+                f"the runs do not tell {name}, which is learned from them; leave it out, or learn from runs "
+                f"that have a column of that name (all tell {', '.join(LOGGED)})"
+            )
 
 
 def examples(

@@ -35,6 +35,20 @@ class FittedOn(Part):
     runs: tuple[str, ...]
 
 
+class Made(Part):
+    """What a pilot was made with and for.
+
+    package: name and version; boat, course: their names; boat_sha256: `swamp_rl.boat.digest.boat_digest` of
+    the boat; step: time between decisions [s].
+    """
+
+    package: str
+    boat: str
+    boat_sha256: Sha256
+    course: str
+    step: Annotated[float, Field(gt=0.0)]
+
+
 class Arrays(Part):
     """The file of the weights: its SHA-256, the shape and type of each array, and which of them normalise."""
 
@@ -52,6 +66,7 @@ class Description(Part):
     senses: tuple[str, ...]
     settings: dict[str, Any]
     fitted_on: FittedOn | None
+    made: Made | None = None
     weights: Arrays
 
 

@@ -5,9 +5,6 @@ experiment's `kind`, an argument); a stored pilot never imports anything, see `k
 """
 
 import hashlib
-import importlib
-import os
-import sys
 import tempfile
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -18,6 +15,8 @@ from pydantic import BaseModel, ValidationError
 
 from swamp_rl.errors import UserError
 from swamp_rl.names import file_in
+from swamp_rl.ordinary import ordinary
+from swamp_rl.own_code import is_code, own_code
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.settings import Settings
 
@@ -62,11 +61,6 @@ class OwnClass(Protocol):
         """Levers (n, 2), throttle in [0, 1] and angle in [-1, 1], from the observation (n, d), SI units."""
 
 
-def is_code(kind: str) -> bool:
-    """Whether a kind of pilot names a class by its module."""
-    return ":" in kind
-
-
 def runs_code(kind: str) -> bool:
     """Whether loading a pilot of this kind runs code that comes with it."""
     return is_code(kind) or kind == "sb3"
@@ -84,7 +78,7 @@ def own_class(kind: str) -> type[Any]:
     lacks a part of the protocol.
     """
     if kind not in _named:
-        found = _imported(SHIPPED.get(kind, kind)) if is_code(kind) or kind in SHIPPED else _installed(kind)
+        found = own_code(SHIPPED.get(kind, kind)) if is_code(kind) or kind in SHIPPED else _installed(kind)
         _check(kind, found)
         _named[kind] = found
     return _named[kind]
@@ -193,7 +187,7 @@ class OwnPilot:
 def model_file(file: str, sha256: str | None = None) -> bytes:
     """The content of a model's file; UserError where it cannot be read or is not the one of `sha256`."""
     try:
-        content = Path(file).read_bytes()
+        content = ordinary(file).read_bytes()
     except OSError as error:
         raise UserError(f"{file}: {error.strerror}; name the file of a model") from error
     found = hashlib.sha256(content).hexdigest()
@@ -206,19 +200,6 @@ def model_file(file: str, sha256: str | None = None) -> bytes:
 def is_known_model(content: bytes) -> bool:
     """Whether this is the content of a model's file that the user has named in this process."""
     return hashlib.sha256(content).hexdigest() in _models
-
-
-def _imported(name: str) -> Any:
-    module, _, attribute = name.partition(":")
-    if os.getcwd() not in sys.path:
-        sys.path.append(os.getcwd())
-    importlib.invalidate_caches()
-    try:
-        return getattr(importlib.import_module(module), attribute)
-    except (ImportError, TypeError, ValueError) as error:
-        raise UserError(f"{name}: cannot be imported ({error}); put it on PYTHONPATH") from error
-    except AttributeError as error:
-        raise UserError(f"{name}: {error}; name a class of the module") from error
 
 
 def _installed(kind: str) -> Any:

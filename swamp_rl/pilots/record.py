@@ -22,8 +22,20 @@ NOTES = (
 )
 
 
+class Named(Protocol):
+    """A level of disturbance."""
+
+    @property
+    def name(self) -> str:
+        """Of its file, or `none`."""
+
+
 class Fleet(Protocol):
     """What recording asks of the boats behind the environment."""
+
+    @property
+    def level(self) -> Named:
+        """What they are disturbed by."""
 
     def drawn(self, i: int) -> dict[str, Any]:
         """`effects` and `gust_seed` of the episode of boat i."""
@@ -43,6 +55,10 @@ class Boats(Protocol):
     @property
     def velocity(self) -> Array:
         """Surge, sway [m/s], yaw rate [rad/s], (n, 3)."""
+
+    @property
+    def sensed_velocity(self) -> Array:
+        """As `velocity`, but as the boats' sensors report it."""
 
     @property
     def commands(self) -> Array:
@@ -173,12 +189,11 @@ def drive_episodes(boats: Boats, pilot: Driver, vehicle: Boat, seeds: Array, ste
     keeps the levers before it.
     """
     observation, _ = boats.reset(options={"episodes": seeds})
-    drawn = [boats.fleet.drawn(i) for i in range(len(seeds))]
-    start = np.hstack([boats.pose, boats.velocity])
+    began = [replayable(boats, i) for i in range(len(seeds))]
     rows: list[list[Array]] = []
     runs: dict[int, Run] = {}
     while len(runs) < len(seeds):
-        before = [boats.sensed_pose.copy(), boats.velocity.copy(), boats.applied.copy()]
+        before = [boats.sensed_pose.copy(), boats.sensed_velocity.copy(), boats.applied.copy()]
         levers = pilot.act(observation)
         observation, _, terminated, truncated, info = boats.step(levers)
         rows.append([*before, levers, boats.commands.copy()])
@@ -186,15 +201,13 @@ def drive_episodes(boats: Boats, pilot: Driver, vehicle: Boat, seeds: Array, ste
             if i not in runs:
                 last = [
                     boats.sensed_pose[i],
-                    boats.velocity[i],
+                    boats.sensed_velocity[i],
                     boats.applied[i],
                     levers[i],
                     boats.commands[i],
                 ]
                 parts = [np.array([*(row[j][i] for row in rows), last[j]]) for j in range(5)]
-                meta = RunMeta(
-                    seed=int(seeds[i]), outcome=str(info["outcome"][i]), **_replayable(start[i], drawn[i])
-                )
+                meta = RunMeta(seed=int(seeds[i]), outcome=str(info["outcome"][i]), **began[i])
                 runs[i] = Run(f"episode-{seeds[i]}", _columns(parts, vehicle, step), meta)
     return [runs[i] for i in range(len(seeds))]
 
@@ -222,11 +235,16 @@ def _columns(parts: list[Array], vehicle: Boat, step: float) -> dict[str, Array]
     return named | {f"applied_{channel}": applied[:, j] for j, channel in channels}
 
 
-def _replayable(start: Array, drawn: dict[str, Any]) -> dict[str, Any]:
-    """What, beside the commands, a run is replayed from: its first state (6,) and what disturbed it."""
+def replayable(boats: Boats, i: int) -> dict[str, Any]:
+    """What, beside the commands, the run that boat i begins is replayed from: its first state and what
+    disturbs it."""
     names = ("north", "east", "heading", "surge", "sway", "yaw_rate")
+    drawn = boats.fleet.drawn(i)
     return {
-        "initial_state": dict(zip(names, start.tolist(), strict=True)),
+        "initial_state": dict(
+            zip(names, [*boats.pose[i].tolist(), *boats.velocity[i].tolist()], strict=True)
+        ),
         "disturbances": drawn["effects"],
         "gust_seed": drawn["gust_seed"],
+        "level": boats.fleet.level.name,
     }

@@ -1,7 +1,7 @@
 """Pilots on the disk: `pilot.json` says what it is, `weights.safetensors` holds what it learned.
 
 Nothing in either is ever executed: a kind is looked up in `KINDS`, and arrays are numbers. A researcher's own
-class is used only where the user has named it (`own.known_class`).
+class, or term of the observation, is used only where the user has named it (`own.known_class`, `own_code`).
 """
 
 import hashlib
@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.errors import UserError
+from swamp_rl.ordinary import ordinary
+from swamp_rl.own_code import is_code, refuse_unnamed
 from swamp_rl.pilots.arrays import Array
-from swamp_rl.pilots.description import Description, FittedOn, described_arrays, sealed, unsealed
+from swamp_rl.pilots.description import Description, FittedOn, Made, described_arrays, sealed, unsealed
 from swamp_rl.pilots.gru import GRUPilot
 from swamp_rl.pilots.line_of_sight import LineOfSightPilot
 from swamp_rl.pilots.network import NetworkPilot
-from swamp_rl.pilots.own import OwnPilot, is_code, own_kinds
+from swamp_rl.pilots.own import OwnPilot, own_kinds
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.reservoir import ReservoirPilot
 from swamp_rl.pilots.scripted import ScriptedPilot
@@ -35,11 +37,13 @@ KINDS: dict[str, Any] = {
 }
 
 
-def save_pilot(pilot: Pilot, folder: Path | str, fitted_on: FittedOn | None = None) -> None:
+def save_pilot(
+    pilot: Pilot, folder: Path | str, fitted_on: FittedOn | None = None, made: Made | None = None
+) -> None:
     """Write the pilot into `folder`, whole or not at all, over an earlier one; UserError if it cannot.
 
-    fitted_on: the runs it learned from; None where it learned from none. UserError for a kind that
-    `load_pilot` could not read.
+    fitted_on: the runs it learned from; None where it learned from none. made: with what and for which boat,
+    None where that is not known. UserError for a kind that `load_pilot` could not read.
     """
     from safetensors.numpy import save
 
@@ -51,6 +55,7 @@ def save_pilot(pilot: Pilot, folder: Path | str, fitted_on: FittedOn | None = No
         senses=tuple(pilot.senses),
         settings=pilot.settings(),
         fitted_on=fitted_on,
+        made=made,
         weights=described_arrays(arrays, stored),
     )
     with folder_beside(folder, replaces=DESCRIPTION) as part:
@@ -63,6 +68,7 @@ def load_pilot(folder: Path | str) -> Pilot:
     """The pilot stored in `folder`, ready to be reset; UserError where it is missing, damaged or changed."""
     folder = Path(folder)
     description = describe_pilot(folder)
+    refuse_unnamed(description.senses, f"{folder}: the pilot observes")
     weights = _read_weights(folder / WEIGHTS, description)
     try:
         pilot = _build(description.kind, description.settings, weights)
@@ -78,7 +84,7 @@ def describe_pilot(folder: Path | str) -> Description:
     """What the pilot stored in `folder` is, without its weights; UserError as for `load_pilot`."""
     path = Path(folder) / DESCRIPTION
     try:
-        return unsealed(path, path.read_bytes())
+        return unsealed(path, ordinary(path).read_bytes())
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; name a folder that holds a pilot") from error
 
@@ -88,7 +94,7 @@ def _read_weights(path: Path, description: Description) -> dict[str, Array]:
     from safetensors.numpy import load
 
     try:
-        stored = path.read_bytes()
+        stored = ordinary(path).read_bytes()
         if hashlib.sha256(stored).hexdigest() != description.weights.sha256:
             raise UserError(f"{path}: is damaged, its SHA-256 is not in {DESCRIPTION}; train the pilot again")
         weights = load(stored)

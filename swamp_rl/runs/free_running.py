@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, PropellerRudder
 from swamp_rl.errors import UserError
+from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.check import check_table
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import RunMeta
-from swamp_rl.runs.table import Table, read_table
+from swamp_rl.runs.table import LONGEST_HEADER, Table, read_table
 
 # Their headings, in SI units already. The pond's x axis takes the place of north and its y axis that of east.
 # The true wind is given by where it comes from in the same frame, as `wind_from` is.
@@ -62,8 +63,8 @@ def import_free_running(path: Path | str, boat: Boat, repair: bool = False) -> R
 
 def is_free_running(path: Path) -> bool:
     """Whether a file names the times of such a table in its first line."""
-    with path.open("rb") as file:
-        return b"t [s]" in file.readline()
+    with ordinary(path, None).open("rb") as file:
+        return b"t [s]" in file.readline(LONGEST_HEADER)
 
 
 def _first_hole(table: Table, index: int) -> str:

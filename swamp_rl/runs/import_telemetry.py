@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
+from swamp_rl.files import os_error
+from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.schema import RunMeta
 from swamp_rl.runs.table import Table
@@ -81,7 +83,9 @@ def _lines(path: Path) -> tuple[list[int], list[list[str]]]:
     """Numbers from 1 and words of the lines that are not empty, each of 40 finite numbers."""
     try:
         # Packets are C strings; a log of them may keep the byte that ends each.
-        text = path.read_bytes().replace(b"\0", b"").decode("ascii")
+        text = ordinary(path).read_bytes().replace(b"\0", b"").decode("ascii")
+    except OSError as error:
+        raise os_error(error, path) from error
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: byte {error.start} is no text; name a file of telemetry lines") from error
     numbers, words = [], []

@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from swamp_rl.errors import UserError
 from swamp_rl.files import explain, write_beside
 from swamp_rl.json_text import parsed_json
+from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.run import Run
@@ -67,7 +68,7 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
     messages: dict[str, list[tuple[int, Any]]] = {}
     others: set[str] = set()
     told: dict[str, dict[str, str]] = {}
-    with path.open("rb") as stream, _reading(path):
+    with _reading(path), ordinary(path, None).open("rb") as stream:
         reader = _mcap("mcap.reader").make_reader(stream, validate_crcs=True)
         summary = reader.get_summary()
         size = sum(chunk.uncompressed_size for chunk in summary.chunk_indexes) if summary else 0

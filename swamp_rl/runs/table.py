@@ -16,9 +16,12 @@ from numpy.typing import NDArray
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
+from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
 
 FORMATS = ("csv", "parquet")
+LARGEST = 2**30
+"""Bytes of a file."""
 LONGEST_HEADER, MOST_COLUMNS = 2**17, 1_000
 MOST_ODD_ROWS = 1_000
 """Rows of another length than the header's after which a file is read no further."""
@@ -46,9 +49,10 @@ def read_table(path: Path) -> Table:
     if path.suffix.lower().lstrip(".") not in FORMATS:
         return _unreadable(path, f"is neither .csv nor .parquet; save it as one of {', '.join(FORMATS)}")
     try:
+        ordinary(path, LARGEST)
         return _read_csv(path) if path.suffix.lower() == ".csv" else _read_parquet(path)
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
-        reason = clipped(" ".join(str(error).split()), 300)
+        reason = clipped(" ".join(str(getattr(error, "strerror", None) or error).split()), 300)
         return _unreadable(path, f"cannot be read and may be cut short ({reason}); copy it again")
 
 
@@ -111,7 +115,9 @@ def _odd_row(row: pa.csv.InvalidRow) -> str:
 
 
 def _ends_with_a_line_end(path: Path) -> bool:
-    return path.read_bytes()[-1:] in (b"\n", b"\r")
+    with path.open("rb") as file:
+        file.seek(max(path.stat().st_size - 1, 0))
+        return file.read() in (b"\n", b"\r")
 
 
 def _numbers(file: str, data: pa.Table, rows: NDArray[np.int64], faults: list[Fault]) -> Table:

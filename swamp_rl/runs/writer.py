@@ -10,7 +10,7 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
-from swamp_rl.files import flush, os_error, write_beside, write_yaml
+from swamp_rl.files import flush, os_error, write_beside, yaml_text
 from swamp_rl.names import file_in
 from swamp_rl.runs.check import check_table
 from swamp_rl.runs.copies import boat_of, standing_alone
@@ -46,7 +46,7 @@ def create_dataset(
     for name, copy in copies.items():
         with write_beside(folder / name) as part:
             part.write_bytes(copy)
-    _write_meta(folder, meta)
+    _write_meta(folder, _as_yaml(folder, meta))
 
 
 def _there(folder: Path, name: str | None) -> str | Path | None:
@@ -86,7 +86,7 @@ def append_runs(
 ) -> list[Path]:
     """As `append_run` for many, with `dataset.yaml` read and written once: its cost grows with its length."""
     paths = [file_in(Path(folder), f"{run.name}.{format}", (f".{format}",)) for run in runs]
-    extended = _listing(Path(folder), paths, runs)
+    extended = _as_yaml(Path(folder), _listing(Path(folder), paths, runs))
     for path, run in zip(paths, runs, strict=True):
         write_table(path, run.columns)
     _write_meta(Path(folder), extended)
@@ -103,7 +103,7 @@ def adopt_run(folder: Path | str, table: Path, run: RunMeta) -> Path:
     read = read_table(table)
     if read.faults:
         raise UserError(f"{table.parent}{os.sep}{read.faults[0]}")
-    extended = _listing(path.parent, [path], [Run(table.stem, read.columns, run)])
+    extended = _as_yaml(path.parent, _listing(path.parent, [path], [Run(table.stem, read.columns, run)]))
     os.replace(table, path)
     flush(path.parent)
     _write_meta(path.parent, extended)
@@ -132,12 +132,21 @@ def write_run(path: Path | str, run: Run) -> None:
     write_table(path, run.columns)
 
 
-def _write_meta(folder: Path, meta: DatasetMeta) -> None:
-    # From now on the folder is no longer as it was exported.
-    (folder / SUMS).unlink(missing_ok=True)
+def _as_yaml(folder: Path, meta: DatasetMeta) -> str:
+    """The text of `dataset.yaml`; UserError where it would be too long to be read."""
     # runs, even where there are none yet: left out, they would be whatever tables lie there
     told = meta.model_dump(exclude_defaults=True)
-    write_yaml(folder / META, told | {"runs": told.get("runs", [])})
+    try:
+        return yaml_text(told | {"runs": told.get("runs", [])})
+    except UserError as error:
+        raise UserError(f"{folder / META}: {error}; put further runs into another folder") from error
+
+
+def _write_meta(folder: Path, text: str) -> None:
+    # From now on the folder is no longer as it was exported.
+    (folder / SUMS).unlink(missing_ok=True)
+    with write_beside(folder / META) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def _refuse_faults(path: Path, run: Run, boat: Boat | None, sample_rate: float | None) -> None:

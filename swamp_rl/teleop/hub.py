@@ -18,6 +18,7 @@ from swamp_rl.teleop.messages import Choose, Command, Message, parse
 from swamp_rl.teleop.session import SAVING, Session
 
 PAUSE = 0.2  # s until a clock that stopped is started again
+STILL = 5.0  # s that the clock may stand still before that is told
 FRAME = 0.02  # s between two frames: 50 a second, and one more whenever the levers move
 RATE, BURST = 150.0, 300.0  # messages a second that a connection may send; a page sends at most 80
 PATIENCE = 2000  # messages beyond that, until the connection is closed
@@ -55,7 +56,7 @@ class Hub:
         self.driver: Client | None = None
         self._commanded = -SILENCE
         self._numbers = 0
-        self._origin = time.monotonic()
+        self._origin = self.beat = time.monotonic()
 
     def now(self) -> float:
         """The clock [s]."""
@@ -84,6 +85,7 @@ class Hub:
 
     def show(self) -> None:
         """Advance the boat to the present and give everyone a frame of it."""
+        self.beat = time.monotonic()
         now = self.now()
         phase = self.session.phase
         self.session.advance(now)

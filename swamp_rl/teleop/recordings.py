@@ -31,7 +31,8 @@ HALF = ".part-????????-*.*"
 
 
 def _no_link(path: str, flags: int) -> int:
-    return os.open(path, flags | os.O_NOFOLLOW, 0o644)
+    """Open neither a link nor, to wait for its other end, a pipe."""
+    return os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
 
 
 class Recordings:
@@ -49,7 +50,7 @@ class Recordings:
             self.unfinished.mkdir(exist_ok=True)
             for path in new:  # else a power cut could take the folder with all that is in it
                 flush(path.parent)
-            self._lock = open(self.unfinished / ".lock", "w", opener=_no_link)  # noqa: SIM115
+            self._lock = open(self.unfinished / ".lock", "a", opener=_no_link)  # noqa: SIM115
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
             raise UserError(f"{folder}: another recorder writes there; stop it or name another") from error
@@ -84,11 +85,12 @@ class Recordings:
                 journal.close()
                 write_description(journal.description, {**about, "accepted": True})
                 self._adopt(journal.table, about)
-        except OSError as error:
-            raise os_error(error, self.folder) from error
-        finally:
+        except BaseException as error:
             with suppress(OSError, UserError):
                 self._called_back(journal.table)
+            if isinstance(error, OSError):
+                raise os_error(error, self.folder) from error
+            raise
         with suppress(OSError):  # else it is removed at the next start
             journal.description.unlink()
         self.count += 1
@@ -132,7 +134,8 @@ class Recordings:
 
     def _left_behind(self) -> list[str]:
         """Names of the runs that an earlier recorder began and neither listed nor removed."""
-        moved = [path.stem for path in self.folder.glob("run-*.csv") if not self._lists(path.name)]
+        listed = self._listed()
+        moved = [path.stem for path in self.folder.glob("run-*.csv") if path.name not in listed]
         return sorted(
             {path.stem for path in self.unfinished.glob("*.json")} | set(filter(NAME.fullmatch, moved))
         )
@@ -164,7 +167,11 @@ class Recordings:
             moved.rename(table)
 
     def _lists(self, file: str) -> bool:
-        return any(run.file == file for run in read_meta(self.folder).runs)
+        return file in self._listed()
+
+    def _listed(self) -> set[str | None]:
+        """Takes a time that grows with the number of runs."""
+        return {run.file for run in read_meta(self.folder).runs}
 
     def _adopt(self, table: Path, about: Mapping[str, Any]) -> None:
         adopt_run(self.folder, table, validated(table.with_suffix(".json"), RunMeta, about))

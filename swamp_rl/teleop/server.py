@@ -22,7 +22,8 @@ from swamp_rl.files import os_error
 from swamp_rl.teleop import view
 from swamp_rl.teleop.connections import PING, BoundedProtocol, Sparing
 from swamp_rl.teleop.guard import COOKIE, LOCKED, Guard, is_loopback
-from swamp_rl.teleop.hub import REFUSED, Hub, log
+from swamp_rl.teleop.heartbeat import heartbeat
+from swamp_rl.teleop.hub import REFUSED, STILL, Hub, log
 
 PAGE = Path(__file__).parent / "page"
 LARGEST_FRAME = 16 * 1024  # bytes; what is larger ends the connection before it is read
@@ -80,7 +81,8 @@ def application(hub: Hub, guard: Guard) -> ASGIApp:
         for logger, spare in logs:
             logger.addFilter(spare)
         try:
-            yield
+            with heartbeat(lambda: hub.beat, STILL):
+                yield
         finally:
             ticking.cancel()
             for logger, spare in logs:

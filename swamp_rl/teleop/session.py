@@ -248,7 +248,11 @@ class Session:
         return round(float(self.boat.now.state[TIME]) - self.gates[0], 6) if self.gates else 0.0
 
     def complaint(self) -> str | None:
-        """What is wrong with the disk, each time once."""
+        """What is wrong with the disk, each time once; also what it refuses after the run has ended."""
+        journal = self.journal
+        if journal is not None and journal.trouble is not None and journal is not self._troubled:
+            self._complaint = f"The run is not on the disk, accepting it tries again: {journal.trouble}"
+            self._troubled = journal
         told, self._complaint = self._complaint, None
         return told
 
@@ -277,9 +281,6 @@ class Session:
             self.phase = ENDED
         else:
             self._decide()
-        if self.journal.trouble is not None and self.journal is not self._troubled:
-            self._complaint = f"The run is not on the disk, accepting it tries again: {self.journal.trouble}"
-            self._troubled = self.journal
 
     def _note_driver(self) -> None:
         self.drivers.add(self.helm)

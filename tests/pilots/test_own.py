@@ -3,6 +3,7 @@
 import hashlib
 import json
 import re
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import gymnasium
 import numpy as np
 import pytest
 import yaml
-from stable_baselines3 import PPO, SAC
+from stable_baselines3 import A2C, PPO, SAC, TD3
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.studies.run import run_experiment
 from swamp_rl.experiments.studies.stored import evaluate_folders
@@ -25,7 +26,7 @@ from swamp_rl.pilots.settings import Settings
 from swamp_rl.pilots.store import load_pilot, save_pilot
 from tests.support.tiny_experiment import write_tiny
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "own_pilot.md"
+DOCUMENT = Path(__file__).parents[2] / "docs" / "tutorials" / "own_pilot_reward_course.md"
 
 
 @pytest.fixture
@@ -108,6 +109,28 @@ def test_a_wrong_class_or_option_is_refused_by_key(
         load_experiment(experiment(place, kind=kind, options=options))
 
 
+@pytest.mark.slow
+def test_an_installed_packages_entry_point_is_a_kind_that_is_trained_stored_and_read_again(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = place / "their_package-1.0.dist-info"
+    told.mkdir()
+    (told / "METADATA").write_text("Metadata-Version: 2.1\nName: their-package\nVersion: 1.0\n")
+    (told / "entry_points.txt").write_text(f"[{own.GROUP}]\nmine = my_pilot:MyPilot\n")
+    assert "mine" in own.own_kinds()
+    out = run_experiment(experiment(place, kind="mine", options={"epochs": 3}), out=place / "out")
+    assert json.loads((out / "results.json").read_text())["pilots"]["mine"]["kind"] == "mine"
+
+    forget(monkeypatch)  # installed, so that nobody has to name it
+    assert load_pilot(out / "pilots" / "mine").kind == "mine"
+    again = evaluate_folders([out / "pilots" / "mine"], {}, out=place / "again")
+    assert rates(again)["mine"]["levels"] == rates(out)["mine"]["levels"]
+    shutil.rmtree(told)
+    forget(monkeypatch)
+    with pytest.raises(UserError, match=r"kind 'mine' is none of"):
+        load_pilot(out / "pilots" / "mine")
+
+
 class Counting:
     """Steers by the number of decisions it has made for each boat."""
 
@@ -172,7 +195,9 @@ def test_models_of_sb3_and_onnx_files_are_evaluated_in_the_same_table(
     )
     found = rates(out)
     assert set(found) == {"net", "learned", "exported"}
-    assert found["exported"]["levels"] == found["net"]["levels"]
+    exported, net = (found[name]["levels"]["calm"] for name in ("exported", "net"))
+    assert exported["outcomes"] == net["outcomes"]
+    assert exported["mean_return"] == pytest.approx(net["mean_return"], rel=1e-6)
 
     forget(monkeypatch)
     with pytest.raises(UserError, match=r"sb3:learned\.zip"):
@@ -180,9 +205,9 @@ def test_models_of_sb3_and_onnx_files_are_evaluated_in_the_same_table(
     load_pilot(out / "pilots" / "exported")
 
 
-@pytest.mark.parametrize("algorithm", [PPO, SAC])
+@pytest.mark.parametrize("algorithm", [PPO, A2C, SAC, TD3])
 def test_a_model_of_sb3_gives_the_levers_that_its_library_predicts(
-    place: Path, algorithm: type[PPO | SAC]
+    place: Path, algorithm: type[PPO | A2C | SAC | TD3]
 ) -> None:
     model = algorithm("MlpPolicy", gymnasium.make("swamp/Gates-v1"))
     model.save(place / "model.zip")

@@ -17,7 +17,7 @@ PILOT_SEEDS, EPISODES = (0, 1), np.arange(1_500_000, 1_500_100)
 
 
 def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
-    return GatesVectorEnv(n, "swamp-thesis", disturbances="standard", observation=senses)
+    return GatesVectorEnv(n, boat="swamp-thesis", disturbances="standard", observation=senses)
 
 
 @pytest.fixture(scope="module")

@@ -122,3 +122,15 @@ def test_a_new_dataset_takes_the_place_of_its_writers_own_alone(folder: Path, tm
     with pytest.raises(UserError, match="holds other runs"), dataset_beside(folder, own):
         pass
     assert sorted(path.name for path in folder.iterdir()) == before
+
+
+def test_a_dataset_that_would_be_too_long_to_read_takes_no_more_runs(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    monkeypatch.setattr("swamp_rl.yaml_text.MOST_NODES", 2000)
+    told = RunMeta.model_validate({"remarks": list(range(2000))})
+    with pytest.raises(UserError, match=r"as it would be written, .* more than 2000 values"):
+        append_run(folder, Run("three", circling(), told))
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    assert check_dataset(folder) == []

@@ -1,15 +1,15 @@
-"""Simulated runs of known truth with noise, and the search for their causes."""
+"""Simulated runs of known causes with noise, and the selection of their causes."""
 
 from typing import Any
 
 import numpy as np
 
 from swamp_rl.boat import load_boat
+from swamp_rl.criticism.beam_search import beam_search
 from swamp_rl.criticism.candidates import candidates, hull_nuisance
-from swamp_rl.criticism.data import Trials
-from swamp_rl.criticism.ladder import ladder_of
-from swamp_rl.criticism.noise import noise_levels, weights
-from swamp_rl.criticism.search import search
+from swamp_rl.criticism.continuation import continuation_of
+from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.sensors import observe
@@ -28,8 +28,8 @@ def commands(run: int) -> np.ndarray:
     time = np.arange(round(SECONDS / DT)) * DT
     rows = np.zeros((len(time), 8))
     if run == 0:
-        swing = 0.5 * np.sign(np.sin(2 * np.pi * time / 9.0))
-        rows[:, :4] = np.outer(swing, [1, 1, -1, -1])
+        azimuth = 0.5 * np.sign(np.sin(2 * np.pi * time / 9.0))
+        rows[:, :4] = np.outer(azimuth, [1, 1, -1, -1])
         rows[:, 4:] = 0.8
     elif run == 1:
         rows[:, :4] = [0.4, 0.4, -0.2, -0.2]
@@ -40,9 +40,9 @@ def commands(run: int) -> np.ndarray:
     return rows
 
 
-def trials(
+def simulated_runs(
     effects: list[dict[str, Any]], seed: int = 0, velocities: bool = True, name: str = "swamp"
-) -> Trials:
+) -> RunSet:
     """Three runs of 40 s with noise, of a boat that has those effects."""
     rng = np.random.default_rng(seed)
     boat = load_boat(name)
@@ -55,19 +55,19 @@ def trials(
     measured = observe(track, record, DT) + SIGMA * rng.standard_normal((3, given.shape[1], 6))
     if not velocities:
         measured[..., 3:5] = np.nan
-    return Trials(boat, DT, ("a", "b", "c"), given, measured, np.full(3, given.shape[1]))
+    return RunSet(boat, DT, ("a", "b", "c"), given, measured, np.full(3, given.shape[1]))
 
 
-def searched(found: Trials, *effects: str) -> Any:
-    """The search over every candidate, or over those effects alone."""
+def select_effects(found: RunSet, *effects: str) -> Any:
+    """The selection from every candidate, or from those effects alone."""
     weight = weights(found, noise_levels(found))
     every = [a for a in candidates(found.boat, SECONDS) if not effects or a.effect.name in effects]
-    return search(ladder_of(found, weight), every, None if effects else hull_nuisance())
+    return beam_search(continuation_of(found, weight), every, None if effects else hull_nuisance(found.boat))
 
 
 def driven(
     effects: list[dict[str, Any]], commands: np.ndarray, surge: float, seed: int, name: str = "swamp"
-) -> Trials:
+) -> RunSet:
     """Runs under commands (R, T, 8), with noise, begun at a surge [m/s], of a boat that has those effects."""
     boat, runs = load_boat(name), len(commands)
     record = parameters(boat, runs)
@@ -79,13 +79,15 @@ def driven(
     track = simulate(record, tank(boat), start, commands[:, :-1].copy(), seeds, DT, 2)
     noise = SIGMA * np.random.default_rng(seed).standard_normal((*commands.shape[:2], 6))
     lengths = np.full(runs, commands.shape[1])
-    return Trials(boat, DT, ("a", "b", "c")[:runs], commands, observe(track, record, DT) + noise, lengths)
+    return RunSet(boat, DT, ("a", "b", "c")[:runs], commands, observe(track, record, DT) + noise, lengths)
 
 
 Array = np.ndarray
 
 
-def wander(rng: np.random.Generator, shape: tuple[int, ...], size: float, seconds: float) -> Array:
+def gauss_markov_noise(
+    rng: np.random.Generator, shape: tuple[int, ...], size: float, seconds: float
+) -> Array:
     """First-order Gauss-Markov along the second axis."""
     keep = np.exp(-DT / seconds)
     found = np.empty(shape)

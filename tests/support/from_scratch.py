@@ -1,8 +1,9 @@
-"""Boats written from nothing: twin fixed thrusters of 15 kg, an azimuth ferry of 1.8 t, a toy of 0.3 m."""
+"""Boats written from nothing: twin fixed thrusters, azimuth ferries of 1.8 and 84 t, a toy of 0.3 m."""
 
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
 Section = dict[str, Any]
@@ -111,7 +112,23 @@ TOY = boat(
     [thruster(name, "azimuth", -0.15, 0.03 * y, 0.2, **turning(6.0, 0.05, **STOPS)) for name, y in SIDES],
     joypad(["port", "starboard"], 0.7),
 )
-BOATS = {"twin": TWIN, "ferry": FERRY, "toy": TOY}
+FROUDE = {"m": 1.0, "m2": 2.0, "kg": 3.0, "kg m2": 5.0, "N": 3.0, "s": 0.5, "rad/s": -0.5}
+
+
+def enlarged(section: Any, ratio: float) -> Any:
+    """A section `ratio` times as long, by Froude's law; what has no length in its unit stays."""
+    if isinstance(section, list):
+        return [enlarged(part, ratio) for part in section]
+    if not isinstance(section, dict):
+        return section
+    if "unit" in section:
+        return section | {
+            "value": np.multiply(section["value"], ratio ** FROUDE.get(section["unit"], 0.0)).tolist()
+        }
+    return {name: enlarged(part, ratio) for name, part in section.items()}
+
+
+BOATS = {"twin": TWIN, "ferry": FERRY, "toy": TOY, "large": enlarged(FERRY, 3.6)}
 
 
 def written(folder: Path, name: str, **changes: Any) -> Path:

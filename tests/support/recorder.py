@@ -1,7 +1,6 @@
 """A recorder that serves from a thread, as the browser's and the safety tests need one."""
 
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +14,7 @@ from swamp_rl.teleop.hub import Hub
 from swamp_rl.teleop.server import address_of, bound, server_of
 from swamp_rl.teleop.session import DEAD_MAN, Session
 from tests.support.driving import berth
+from tests.support.patience import PATIENCE, until
 
 
 @contextmanager
@@ -40,12 +40,11 @@ def serving(
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})
     thread.start()
     try:
-        while not server.started:
-            time.sleep(0.01)
+        until(lambda: server.started or not thread.is_alive(), "the server starts")
         yield address_of(listening, token), hub
     finally:
         server.should_exit = True
-        thread.join(timeout=10)
+        thread.join(PATIENCE)
         session.close()
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from swamp_rl.experiments.synthetic.cases import DT, Case, deviations, measure, voyages
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data import Trials
+from swamp_rl.criticism.data import RunSet
 
 SECTOR = {"what": "sector", "centre": 1.0, "force": 4.0}
 
@@ -17,7 +17,7 @@ DEAD_ZONE = {"what": "dead_zone", "thruster": "ss", "below": 0.55}
 MOORING = {"what": "mooring", "length": 4.0, "stiffness": 2.0}
 
 
-def sailed(outside: dict[str, Any] | None, level: str) -> Trials:
+def sailed(outside: dict[str, Any] | None, level: str) -> RunSet:
     """Five runs of 80 s of every kind with the noise of a level."""
     rng = np.random.default_rng(1)
     found = voyages(Case(level, "outside", [], outside=outside), rng)
@@ -27,4 +27,4 @@ def sailed(outside: dict[str, Any] | None, level: str) -> Trials:
     seen[..., ~np.isfinite(noise)] = np.nan
     commands = np.stack([one.commands for one in found])
     lengths = np.full(len(found), seen.shape[1])
-    return Trials(load_boat("swamp"), DT, tuple("abcde"), commands, seen, lengths)
+    return RunSet(load_boat("swamp"), DT, tuple("abcde"), commands, seen, lengths)

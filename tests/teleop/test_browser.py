@@ -4,7 +4,6 @@ The boat's clock runs faster than real time, on the same path; a programme is at
 `scripted`. Pictures of the page are left in the test's folder.
 """
 
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.recordings import Recordings
 from swamp_rl.teleop.rows import largest_difference
 from tests.support.driving import BOAT, aim, meta
+from tests.support.patience import patient, until
 from tests.support.recorder import GREAT_HASTE, serving
 
 pytestmark = pytest.mark.slow
@@ -32,7 +32,8 @@ PHONE: ViewportSize = {"width": 390, "height": 844}
 PADS = """
 window.pads = [0, 1].map((index) => ({ index, connected: true, mapping: "standard", id: "fake",
   axes: [0, 0, 0, 0], buttons: Array.from({ length: 17 }, () => ({ pressed: false, value: 0 })) }));
-navigator.getGamepads = () => window.pads;
+window.padLooks = 0;
+navigator.getGamepads = () => { window.padLooks += 1; return window.pads; };
 """
 
 # Thumbs on its sticks, by the rule of tests.support.driving.aim; they rest when the run has ended.
@@ -66,7 +67,7 @@ def open_page(browser: Browser) -> Iterator[Callable[..., Page]]:
         # Playwright waits by evaluating text, which the page's own policy forbids.
         context = browser.new_context(bypass_csp=True, viewport={"width": 1280, "height": 800}, **options)
         contexts.append(context)
-        page = context.new_page()
+        page = patient(context.new_page())
         page.on("pageerror", lambda error: wrong.append(str(error)))
         page.on("request", lambda r: None if r.url.startswith(address.split("?")[0]) else wrong.append(r.url))
         if script:
@@ -86,7 +87,7 @@ def frame(page: Page) -> dict[str, Any]:
 
 
 def wait_for_phase(page: Page, phase: str) -> None:
-    page.wait_for_function(f"window.swamp.frame.phase === '{phase}'", timeout=20_000)
+    page.wait_for_function(f"window.swamp.frame.phase === '{phase}'")
 
 
 def home(page: Page, steer: Callable[[float], None], again: Callable[[], None], shot: Path) -> None:
@@ -168,9 +169,7 @@ def test_a_gamepad_drives_left_stick_up_right_stick_across(
         page = open_page(address, PADS + THUMBS)
 
         for _ in range(ATTEMPTS):
-            page.wait_for_function(
-                "swamp.frame.pose[0] > 12 || swamp.frame.phase === 'ended'", timeout=20_000
-            )
+            page.wait_for_function("swamp.frame.pose[0] > 12 || swamp.frame.phase === 'ended'")
             page.screenshot(path=tmp_path / "gamepad.png")
             wait_for_phase(page, "ended")
             if frame(page)["outcome"] == "success":
@@ -186,8 +185,13 @@ def test_a_gamepad_drives_left_stick_up_right_stick_across(
 
 def press_pad(page: Page, button: int) -> None:
     page.evaluate("(b) => { pads[0].buttons[b].pressed = true; }", button)
-    page.wait_for_timeout(120)
+    wait_for_a_look_at_the_pads(page)
     page.evaluate("(b) => { pads[0].buttons[b].pressed = false; }", button)
+    wait_for_a_look_at_the_pads(page)
+
+
+def wait_for_a_look_at_the_pads(page: Page) -> None:
+    page.wait_for_function("(looks) => padLooks > looks + 1", arg=page.evaluate("padLooks"))
 
 
 WAYS = {
@@ -228,7 +232,7 @@ def test_the_boat_is_chosen_on_the_page_and_its_runs_are_its_own(
     light = load_boat("swamp-light")
 
     def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:
-        return GatesEnv("swamp-light", disturbances=level, observation=senses)
+        return GatesEnv(boat="swamp-light", disturbances=level, observation=senses)
 
     def kept() -> Recordings:
         told = meta(vehicle="swamp-light", mass=light.mass, draught=light.draught)
@@ -293,7 +297,7 @@ def test_the_pilot_takes_the_helm_and_gives_it_back_and_the_stern_is_kicked(
         page = open_page(address, PADS)
         keys = Keys(page)
         page.keyboard.press("t")
-        page.wait_for_function("swamp.frame.phase === 'run' && swamp.frame.helm === 'pilot'", timeout=20_000)
+        page.wait_for_function("swamp.frame.phase === 'run' && swamp.frame.helm === 'pilot'")
         # By key, then by the second joypad.
         keys.hold("q")
         page.wait_for_function("swamp.frame.throttle[2] === 1 && swamp.frame.azimuth[2] < -1")
@@ -303,7 +307,7 @@ def test_the_pilot_takes_the_helm_and_gives_it_back_and_the_stern_is_kicked(
         page.evaluate("pads[1].axes[2] = 0")
         page.keyboard.press("t")
         page.wait_for_function("swamp.frame.helm === 'person'")
-        page.wait_for_timeout(250)
+        page.wait_for_function("(then) => swamp.frame.time > then + 0.3", arg=frame(page)["time"])
         page.screenshot(path=tmp_path / "helm.png")
         page.keyboard.press("t")
         wait_for_phase(page, "ended")
@@ -332,11 +336,16 @@ def test_a_page_that_loses_the_focus_or_freezes_stops_the_thrusters(
         keys.hold("ArrowUp")
         page.wait_for_function("swamp.frame.levers[0] === 1")
         # A script that does not come to its end: no command for longer than the dead-man waits.
+        levers, show = list[tuple[float, float]](), hub.show
+
+        def noted() -> None:
+            show()
+            levers.append(hub.session.levers)
+
+        hub.show = noted  # type: ignore[method-assign]
         page.evaluate(FREEZE)
-        until = time.monotonic() + 4.0
-        while hub.session.levers != (0.0, 0.0) and time.monotonic() < until:
-            time.sleep(0.02)
-        assert hub.session.levers == (0.0, 0.0) and hub.session.phase == "run"
+        until(lambda: (0.0, 0.0) in levers, "the thrusters stop")
+        assert hub.session.phase == "run"
         page.wait_for_function("swamp.frame.levers[0] === 1")
         keys.hold()
 
@@ -344,7 +353,7 @@ def test_a_page_that_loses_the_focus_or_freezes_stops_the_thrusters(
 def test_others_watch_and_the_page_works_under_its_own_policy(tmp_path: Path, browser: Browser) -> None:
     with serving(tmp_path / "runs") as (address, _):
         errors: list[str] = []
-        first, second = browser.new_page(), browser.new_page()
+        first, second = patient(browser.new_page()), patient(browser.new_page())
         for page in (first, second):
             page.on(
                 "console", lambda message: errors.append(message.text) if message.type == "error" else None

@@ -13,6 +13,7 @@ from swamp_rl.experiments.training.train import get_data, train
 
 from swamp_rl.evaluation import drive
 from swamp_rl.runs import check_dataset, read_dataset
+from tests.support.patience import patient
 from tests.support.recorder import serving
 
 HASTE = 12.0
@@ -50,11 +51,11 @@ def recorded(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Path
     """A folder of runs, ten of them successful, driven by keys on the page."""
     folder = tmp_path_factory.mktemp("recorded") / "runs"
     with serving(folder, factor=HASTE) as (address, hub):
-        page = browser.new_page(bypass_csp=True)
+        page = patient(browser.new_page(bypass_csp=True))
         page.add_init_script(KEYBOARD)
         page.goto(address)
         for kept in range(1, 3 * RUNS + 1):
-            page.wait_for_function(f"window.swamp?.status.count >= {kept}", timeout=120_000)
+            page.wait_for_function(f"window.swamp?.status.count >= {kept}")
             listed = read_dataset(folder).runs
             if sum(run.meta.outcome == "success" for run in listed) >= RUNS:
                 break

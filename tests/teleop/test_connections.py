@@ -16,12 +16,12 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from swamp_rl.runs import read_dataset
-from swamp_rl.teleop import connections, view
+from swamp_rl.teleop import connections, server, view
 from swamp_rl.teleop.guard import LOCKED, WRONG, Guard
 from tests.support.driving import recordings
+from tests.support.patience import PATIENCE
 from tests.support.recorder import serving
 
-PATIENCE = 20.0  # s for what is to happen; it takes far less, but on a machine that is busy
 TOKEN = "harbour7"
 MANY = 1200
 COMMAND = {"type": "command", "throttle": 0.5, "angle": 0.1}
@@ -305,3 +305,34 @@ def test_a_clock_that_dies_is_started_again_and_its_run_is_kept_as_unfinished(
     recordings(tmp_path / "runs").close()
     names = {run.name for run in read_dataset(tmp_path / "runs").runs if run.meta.outcome == "interrupted"}
     assert "run-0001" in names
+
+
+def test_a_clock_that_hangs_in_a_call_is_told_with_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    hang, told, whole = threading.Event(), threading.Event(), view.frame
+
+    def stuck(*words: Any) -> str:
+        if hang.is_set():
+            told.wait(PATIENCE)
+            hang.clear()
+        return whole(*words)
+
+    class Listening(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            if "has stood still" in record.getMessage():
+                told.set()
+
+    monkeypatch.setattr(view, "frame", stuck)
+    monkeypatch.setattr(server, "STILL", 0.2)
+    listening = Listening()
+    logging.getLogger("swamp_rl.teleop").addHandler(listening)
+    try:
+        with serving(tmp_path / "runs") as (address, _), driving(address) as driver:
+            hear(driver, lambda message: message["type"] == "frame")
+            hang.set()
+            assert told.wait(PATIENCE)
+            hear(driver, lambda message: message["type"] == "frame")
+    finally:
+        logging.getLogger("swamp_rl.teleop").removeHandler(listening)
+    assert "< stuck (" in caplog.text and "test_connections.py" in caplog.text

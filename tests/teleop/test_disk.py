@@ -13,12 +13,13 @@ from typing import Any
 import pytest
 from websockets.sync.client import ClientConnection, connect
 
+from swamp_rl.errors import UserError
 from swamp_rl.runs import check_dataset, read_dataset
 from swamp_rl.teleop.rows import largest_difference
 from tests.support.driving import BOAT, accept, aim, command, drive, recordings, session
+from tests.support.patience import PATIENCE
 from tests.support.recorder import serving
 
-PATIENCE = 30.0  # s for what is to happen; it takes far less, but on a machine that is busy
 HASTE = 10.0
 BETWEEN = 0.01  # s between two commands, as a page's
 
@@ -171,6 +172,9 @@ def test_what_the_disk_refused_at_the_end_is_in_the_dataset_when_it_is_accepted(
         now += 0.04
     full.set()
     drive(game, now)
+    assert game.journal is not None
+    with pytest.raises(UserError):
+        game.journal.sync()
     assert "No space left" in str(game.complaint()) and game.complaint() is None
     rows = game.rows
     full.clear()

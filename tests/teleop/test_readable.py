@@ -12,6 +12,7 @@ from playwright.sync_api import Browser, Page
 
 from swamp_rl.course import load_course
 from swamp_rl.pilots.scripted import ScriptedPilot
+from tests.support.patience import patient
 from tests.support.recorder import GREAT_HASTE, serving
 
 pytestmark = pytest.mark.slow
@@ -70,6 +71,12 @@ def contrasts(page: Page) -> dict[str, float]:
     return found
 
 
+def settle(page: Page) -> None:
+    """Wait until nothing changes its look any more, and that is drawn."""
+    page.wait_for_function("document.getAnimations().length === 0")
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
 @pytest.mark.parametrize("device", SIZES)
 def test_text_is_large_and_clear_and_nothing_lies_over_the_course_when_a_run_has_ended(
     tmp_path: Path, browser: Browser, device: str
@@ -80,15 +87,15 @@ def test_text_is_large_and_clear_and_nothing_lies_over_the_course_when_a_run_has
         where,
         _,
     ):
-        page = browser.new_page(viewport={"width": width, "height": height}, bypass_csp=True)
+        page = patient(browser.new_page(viewport={"width": width, "height": height}, bypass_csp=True))
         page.add_init_script(NOTED)
         page.goto(where)
         page.wait_for_function("window.swamp?.frame && swamp.status.driving")
-        page.wait_for_timeout(300)
+        settle(page)
         seen = contrasts(page)
         page.keyboard.press("t")
-        page.wait_for_function("swamp.frame.phase === 'ended'", timeout=20_000)
-        page.wait_for_timeout(600)
+        page.wait_for_function("swamp.frame.phase === 'ended'")
+        settle(page)
         page.screenshot(path=tmp_path / "ended.png")
         assert page.evaluate(COVERED, buoys) == []
         seen |= contrasts(page)

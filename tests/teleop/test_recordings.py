@@ -18,13 +18,15 @@ from hypothesis import strategies as st
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config
-from swamp_rl.runs import check_dataset, read_dataset
+from swamp_rl.runs import DatasetMeta, Run, append_runs, check_dataset, create_dataset, read_dataset
 from swamp_rl.runs.dataset import read_meta
 from swamp_rl.teleop.journal import write_description
 from swamp_rl.teleop.recordings import Recordings
 from swamp_rl.teleop.rows import largest_difference
 from swamp_rl.teleop.session import RUN, Session
 from tests.support.driving import BOAT, accept, command, drive, meta, recordings, session
+from tests.support.patience import PATIENCE
+from tests.support.runs import circling
 
 KILLS = 12
 
@@ -80,7 +82,7 @@ def killed(tmp_path: Path) -> Iterator[Callable[[Path, float], set[str]]]:
     yield kill
     process.stdin.close()
     process.stdout.close()
-    assert process.wait(timeout=20) == 0
+    assert process.wait(PATIENCE) == 0
 
 
 def test_a_kill_at_any_instant_loses_no_accepted_run_and_marks_the_unfinished_one(
@@ -275,23 +277,6 @@ def test_runs_of_a_boat_whose_file_has_changed_are_not_added(
         Recordings(tmp_path / "runs", meta(vehicle="mine.yaml"), print)
 
 
-def test_links_in_a_folder_of_runs_lead_a_recorder_nowhere(tmp_path: Path) -> None:
-    victim = tmp_path / "victim.csv"
-    victim.write_text("time\n1\n2\n3")
-    recordings(tmp_path / "runs").close()
-    unfinished = tmp_path / "runs" / "unfinished"
-    (unfinished / "run-0001.json").write_text("{}")
-    (unfinished / "run-0001.csv").symlink_to(victim)
-    said: list[str] = []
-    Recordings(tmp_path / "runs", meta(), said.append).close()
-    assert len(said) == 1 and "is a link" in said[0]
-    (unfinished / ".lock").unlink()
-    (unfinished / ".lock").symlink_to(victim)
-    with pytest.raises(UserError):
-        recordings(tmp_path / "runs")
-    assert victim.read_text() == "time\n1\n2\n3"
-
-
 def test_what_a_killed_recorder_had_half_written_is_cleared_away(tmp_path: Path) -> None:
     recordings(tmp_path / "runs").close()
     half = tmp_path / "runs" / ".part-0a1b2c3d-dataset.yaml"
@@ -320,6 +305,41 @@ def test_a_disk_that_fills_is_told_and_the_run_can_be_accepted_once_there_is_roo
     # Room was made: the same run can still be accepted.
     assert accept(game) == "run-0001"
     assert check_dataset(tmp_path / "runs") == []
+
+
+def test_a_full_dataset_is_told_and_the_run_stays_to_be_taken_in_once_there_is_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    game = session(tmp_path / "runs")
+    drive(game)
+    with monkeypatch.context() as full:
+        full.setattr("swamp_rl.yaml_text.MOST_NODES", 2000)
+        full.setattr(game, "about", lambda: {**Session.about(game), "remarks": list(range(2000))})
+        save = game.accept()
+        with pytest.raises(UserError, match="could not be read again"):
+            save()
+    game.not_accepted()
+    assert accept(game) == "run-0001"
+    assert check_dataset(tmp_path / "runs") == []
+
+
+def test_opening_a_dataset_reads_its_description_as_often_however_many_runs_it_has(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reads: list[int] = []
+
+    def counted(folder: Path) -> DatasetMeta:
+        reads[-1] += 1
+        return read_meta(folder)
+
+    monkeypatch.setattr("swamp_rl.teleop.recordings.read_meta", counted)
+    for count in (1, 6):
+        folder = tmp_path / str(count)
+        create_dataset(folder, meta())
+        append_runs(folder, [Run(f"run-{number:04d}", circling()) for number in range(1, count + 1)], "csv")
+        reads.append(0)
+        recordings(folder).close()
+    assert reads[0] == reads[1] > 0
 
 
 def test_names_go_on_from_the_highest_and_nicknames_stay_out_of_them(tmp_path: Path) -> None:

@@ -49,7 +49,7 @@ def driven(folder: Path, boat: str, effects: list[dict[str, Any]], kicks: bool) 
     """A session whose run has ended: commands at odd instants, the helm given away and taken back."""
 
     def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:
-        return GatesEnv(boat, disturbances=effects, observation=senses)
+        return GatesEnv(boat=boat, disturbances=effects, observation=senses)
 
     berth = Berth(make_env, ("set",), lambda: Recordings(folder, described(boat), lambda line: None))
     game = Session({boat: berth}, np.random.default_rng(3), {"ai": ScriptedPilot(2)})

@@ -23,6 +23,7 @@ from swamp_rl.teleop.guard import Guard, is_loopback
 from swamp_rl.teleop.hub import Hub
 from swamp_rl.teleop.messages import LARGEST, clean_nickname, parse
 from swamp_rl.teleop.server import bound
+from tests.support.patience import PATIENCE
 from tests.support.recorder import serving
 
 COMMAND = {"type": "command", "throttle": 0.5, "angle": 0.1}
@@ -44,16 +45,16 @@ def page(address: str, **headers: str) -> AbstractContextManager[ClientConnectio
         f"ws://{host}/socket",
         origin=origin or None,
         additional_headers=headers,
-        open_timeout=10,
+        open_timeout=PATIENCE,
         max_size=None,
     )  # type: ignore[arg-type]
 
 
 def hear(socket: ClientConnection, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
     """The next message that is wanted; what comes before it is skipped."""
-    until = time.monotonic() + 10
+    until = time.monotonic() + PATIENCE
     while time.monotonic() < until:
-        message = json.loads(socket.recv(timeout=10))
+        message = json.loads(socket.recv(timeout=PATIENCE))
         if wanted(message):
             return message
     raise AssertionError("it was never said")
@@ -71,7 +72,7 @@ def get(address: str, path: str = "", **headers: str) -> tuple[int, str]:
     """Status and text of an answer; redirections are followed."""
     request = urllib.request.Request(address.split("?")[0].rstrip("/") + "/" + path, headers=headers)
     try:
-        with urllib.request.urlopen(request, timeout=10) as answer:
+        with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
             return answer.status, answer.read().decode()
     except urllib.error.HTTPError as error:
         return error.code, error.read().decode()
@@ -127,7 +128,7 @@ def test_the_token_leaves_the_address_for_a_cookie_that_no_script_reads(tmp_path
                 return None
 
         with pytest.raises(urllib.error.HTTPError) as moved:
-            urllib.request.build_opener(Stay()).open(address, timeout=10)
+            urllib.request.build_opener(Stay()).open(address, timeout=PATIENCE)
         assert moved.value.code == 303 and moved.value.headers["location"] == "/"
         cookie = moved.value.headers["set-cookie"].lower()
         assert "httponly" in cookie and "samesite=strict" in cookie
@@ -170,7 +171,7 @@ def test_a_huge_message_ends_its_connection_and_no_other(recorder: tuple[str, Hu
         with pytest.raises(ConnectionClosed):
             bad.send("x" * 1_000_000)
             while True:
-                bad.recv(timeout=10)
+                bad.recv(timeout=PATIENCE)
         hear(good, status(watchers=0))
         good.send(json.dumps(COMMAND))
         hear(good, lambda message: message.get("phase") == "run")
@@ -184,7 +185,7 @@ def test_a_flood_is_dropped_and_then_cut_off(
         for _ in range(5000):
             bad.send('{"type": "act", "act": "helm"}')
         while True:
-            bad.recv(timeout=10)
+            bad.recv(timeout=PATIENCE)
     assert "sends too much" in caplog.text
 
 
@@ -250,7 +251,7 @@ def test_no_path_leads_out_of_the_page_or_the_dataset(recorder: tuple[str, Hub],
 
 
 def test_the_page_may_load_nothing_from_elsewhere(recorder: tuple[str, Hub]) -> None:
-    with urllib.request.urlopen(recorder[0], timeout=10) as answer:
+    with urllib.request.urlopen(recorder[0], timeout=PATIENCE) as answer:
         policy = answer.headers["content-security-policy"]
         text = answer.read().decode()
     assert "default-src 'self'" in policy and "unsafe" not in policy

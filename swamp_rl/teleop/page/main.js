@@ -8,6 +8,7 @@ import { Replay } from "./replay.js";
 
 const HEARTBEAT = 50; // ms between commands, though nothing moves: the dead-man waits for 250
 const GAP = 14; // px between what is drawn and the panels
+const SILENT = 3000; // ms without a frame, of which there are fifty a second
 const CHOICES = ["boat", "level", "pilot"]; // of names, before a run
 const by = (id) => document.getElementById(id);
 const chart = new Chart(by("chart"));
@@ -121,6 +122,7 @@ function say(words, good = false) {
 const ENDS = { success: "Both gates!", buoy: "Touched a buoy", out_of_bounds: "Out of bounds", timeout: "Time is up", diverged: "Simulation diverged" };
 function headline() {
   if (document.body.dataset.connected !== "yes" || !frame) return ["Connecting …", ""];
+  if (performance.now() - arrived > SILENT) return ["The recorder does not answer", "Accepted runs are safe. Its screen says more."];
   if (document.body.dataset.replay) return ["", ""];
   if (!status.driving) return ["Watching", status.seat_taken ? "Someone is at the levers." : "The seat is free."];
   const next = scene.course.gates[Math.min(frame.passed, scene.course.gates.length - 1)].name;

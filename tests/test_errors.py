@@ -1,0 +1,16 @@
+"""What a person is told prints and can be read, whatever it quotes."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from swamp_rl.errors import LONGEST, UserError
+
+
+@given(st.text(max_size=30), st.integers(1, 400))
+def test_each_line_of_an_error_prints_and_is_short(text: str, times: int) -> None:
+    for line in str(UserError(text * times)).split("\n"):
+        assert line == "" or (line.isprintable() and len(line) <= LONGEST)
+
+
+def test_a_short_printable_line_is_told_as_it_is() -> None:
+    assert str(UserError("a.yaml: step: must be positive")) == "a.yaml: step: must be positive"
