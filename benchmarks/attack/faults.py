@@ -2,7 +2,7 @@
 
 ENOSPC, EIO, EMFILE, EACCES at the Nth open, write, fsync, rename, close.
 
-python -m benchmarks.attack.faults [--quick] [--only COMMAND]
+python -m benchmarks.attack faults [--only COMMAND] [--count PLACES]
 
 A case is one command with one refusal, once or from then on, in a folder of its own. It is unexplained unless
 the command ends well, or with one line on the error stream and status 2; its inputs are unchanged; what it
@@ -10,25 +10,41 @@ was to write is there as a whole or not at all; and, of the recorder, every acce
 again to the bit.
 """
 
-import argparse
 import errno
 import hashlib
-import json
+import re
 import shutil
 import sys
+from argparse import Namespace
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
+from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks.attack.syscalls import Ended, armed, counts_to, forked, most_counted, scratch, with_shim
+from benchmarks.attack.counts import Count
+from benchmarks.attack.samples import parse_once
+from benchmarks.attack.syscalls import (
+    Ended,
+    armed,
+    counts_to,
+    forked,
+    most_counted,
+    report,
+    scratch,
+    with_shim,
+)
 
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EMFILE, errno.EACCES)
 CALLS = ("open", "write", "fsync", "rename", "close")
 PLACES, QUICK_PLACES = 24, 2  # values of N for each command, call and error; spread over all calls it makes
+SLOW_PLACES = 4  # of commands that take seconds
 SEED = 0
-LIMIT = 120.0  # s for one case
+LIMIT = 900.0  # s for one case, on a machine that is busy with other work
 
 COURSE = """
 name: short
@@ -66,6 +82,9 @@ class Command:
     left: tuple[str, ...] = ()
     "What a command that failed may leave beside `out`, for the next life to go on from."
     check: Callable[[Path, Ended], str | None] = field(default=lambda case, ended: None)
+    places: int = PLACES
+    warmed_by: str | None = None
+    "The command done once in the process that is forked, so that no fork compiles anew; by default itself."
 
 
 def verb(*words: str) -> Callable[[Path], int | None]:
@@ -113,6 +132,23 @@ def record(case: Path) -> int:
     return 0
 
 
+def diagnose(case: Path) -> None:
+    """The verb; its search among runs in memory, which touches no file, is done once for all cases."""
+    module = import_module("swamp_rl.criticism.diagnose")
+    search = module.examine
+
+    def once(*given: Any) -> Any:
+        FOUND.extend([] if FOUND else [search(*given)])
+        return FOUND[0]
+
+    with patch.object(module, "examine", once):
+        verb("diagnose", "{}/inputs/runs", "--out", "{}/out")(case)
+
+
+FOUND: list[Any] = []
+"What the search found."
+
+
 def write_course(case: Path) -> None:
     """The course that `recorder` sails on."""
     (case / "inputs").mkdir(parents=True)
@@ -139,7 +175,7 @@ def recorder(case: Path):
     particulars = {name: getattr(boat, name) for name in ("mass", "draught", "water_density")}
     meta = DatasetMeta(vehicle="swamp", sample_rate=10.0, source="scripted", course=course, **particulars)
     berth = Berth(
-        lambda level, senses: GatesEnv("swamp", course, level, observation=senses),
+        lambda level, senses: GatesEnv(course=course, disturbances=level, observation=senses),
         ("calm",),
         lambda: Recordings(case / "out", meta, lambda line: None),
     )
@@ -198,12 +234,19 @@ COMMANDS = {
     "run": Command(
         verb("run", "{}/inputs/tiny.yaml", "--set", "data.folder={}/inputs/runs", "--out", "{}/out"),
         left=(".part-out",),
+        places=SLOW_PLACES,
+        warmed_by="train",  # rerun, which writes its recordings, is not to be used on both sides of a fork
     ),
     "sweep": Command(
-        verb("sweep", "{}/inputs/sweep.yaml", "--set", "data.folder={}/inputs/runs", "--out", "{}/out"),
+        verb(
+            *("sweep", "{}/inputs/sweep.yaml", "--set", "data.folder={}/inputs/runs"),
+            *("--workers", "1", "--out", "{}/out"),
+        ),
         left=("out",),
+        places=SLOW_PLACES,
+        warmed_by="train",
     ),
-    "diagnose": Command(verb("diagnose", "{}/inputs/runs", "--out", "{}/out")),
+    "diagnose": Command(diagnose),
 }
 
 
@@ -219,7 +262,7 @@ def prepare(inputs: Path) -> None:
     (inputs / "tiny.yaml").write_text(EXPERIMENT % (inputs / "runs"))
     (inputs / "sweep.yaml").write_text(SWEEP % (inputs / "tiny.yaml"))
     record_scripted(
-        lambda n, senses: GatesVectorEnv(n, "swamp", "camogli", "calm", senses, 0.1),
+        lambda n, senses: GatesVectorEnv(n, disturbances="calm", observation=senses),
         inputs / "runs",
         count=2,
         failed=0,
@@ -227,10 +270,14 @@ def prepare(inputs: Path) -> None:
     write_run(inputs / "log.csv", read_dataset(inputs / "runs").runs[0])
 
 
+TIMED = re.compile(r"(?<=tfevents)\..*")
+"What TensorBoard's names tell of the time, the machine and the process."
+
+
 def tree(folder: Path) -> dict[str, str]:
     """Digest of each file by relative path."""
     return {
-        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        TIMED.sub("", path.relative_to(folder).as_posix()): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(folder.rglob("*"))
         if path.is_file()
     }
@@ -301,57 +348,43 @@ class Attack:
         yield from sorted(few)[:most] if most < len(few) else sorted(few)
 
 
-def attack(names: list[str], places: int, said: Callable[[str], None]) -> list[dict[str, object]]:
-    """For each command the cases tried and those that cannot be explained."""
-    counts = []
-    with scratch() as root:
-        prepare(root / "inputs")
-        for name in names:
-            rng, cases, unexplained = np.random.default_rng(SEED), 0, []
-            if name == "record":
-                warm(root / "warm", record)
-            one = Attack(name, root)
-            for kind in CALLS:
-                for error in ERRORS:
-                    for nth in one.places(kind, places, rng):
-                        lasting = bool(rng.integers(2))
-                        cases += 1
-                        wrong = one.tried(kind, error, nth, lasting)
-                        if wrong:
-                            at = f"{kind} {nth} of {one.calls[kind]}" + (" and after" if lasting else "")
-                            unexplained.append(f"{errno.errorcode[error]} at {at}: {wrong}")
-                            said(f"{name}: {unexplained[-1]}")
-            counts.append({"what": f"faults, {name}", "tried": cases, "unexplained": unexplained})
-            said(f"{name}: {cases} cases, {len(unexplained)} unexplained")
-    return counts
+def warmed(name: str, root: Path) -> None:
+    """Do a command once in this process."""
+    case = root / "warm"
+    shutil.copytree(root / "inputs", case / "inputs")
+    with suppress(SystemExit):
+        COMMANDS[COMMANDS[name].warmed_by or name].do(case)
+    shutil.rmtree(case)
 
 
-def run(quick: bool) -> list[dict[str, object]]:
-    """Counts by command, from a process whose calls are in our hand."""
-    done = with_shim("benchmarks.attack.faults", ["--quick"] if quick else [])
-    return json.loads(done.stdout.splitlines()[-1])
+def attacked(name: str, places: int, root: Path) -> Count:
+    """The cases tried of one command and those that cannot be explained."""
+    rng, cases, unexplained = np.random.default_rng(SEED), 0, []
+    warmed(name, root)
+    one = Attack(name, root)
+    for kind in CALLS:
+        for error in ERRORS:
+            for nth in one.places(kind, places, rng):
+                lasting = bool(rng.integers(2))
+                cases += 1
+                wrong = one.tried(kind, error, nth, lasting)
+                if wrong:
+                    at = f"{kind} {nth} of {one.calls[kind]}" + (" and after" if lasting else "")
+                    unexplained.append(f"{errno.errorcode[error]} at {at}: {wrong}")
+                    print(f"{name}: {unexplained[-1]}", file=sys.stderr, flush=True)
+    return Count("faults", name, cases, unexplained, "")
 
 
-def main() -> None:
-    """Within that process: try all cases and print the counts as JSON."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--only", action="append", choices=list(COMMANDS))
-    parser.add_argument("--places", type=int)
-    words = parser.parse_args()
-    places = words.places or (QUICK_PLACES if words.quick else PLACES)
-    counts = attack(
-        words.only or list(COMMANDS), places, lambda line: print(line, file=sys.stderr, flush=True)
-    )
-    print(json.dumps(counts))
+def attack(asked: Namespace) -> Iterator[Count]:
+    """Counts by command, each from a process whose calls are in our hand."""
+    for name in COMMANDS:
+        if asked.only is None or name in asked.only:
+            places = asked.count or (QUICK_PLACES if asked.quick else COMMANDS[name].places)
+            yield from with_shim("benchmarks.attack.faults", [name, str(places)])
 
 
 if __name__ == "__main__":
-    import os
-
-    from benchmarks.attack.syscalls import SHIM
-
-    if SHIM in os.environ:
-        main()
-    else:
-        print(with_shim("benchmarks.attack.faults", sys.argv[1:]).stdout, end="")
+    parse_once()
+    with scratch() as root:
+        prepare(root / "inputs")
+        report(attacked(sys.argv[1], int(sys.argv[2]), root))

@@ -1,12 +1,14 @@
 """One format fuzzed in a process of its own: `python -m benchmarks.attack.fuzz FORMAT OUT INPUTS SEED`.
 
-With atheris (libFuzzer, guided by the coverage of this package's loaders), or, where that is not installed,
-by plain mutations of the good file. Into the folder OUT go `tally.json` and each finding, one for each place.
+With atheris (libFuzzer, guided by the coverage of this package's loaders) and, every second input, by a small
+change of the good file, which gets further into its reader; without atheris by such changes alone. Into the
+folder OUT go `tally.json` and each finding, one for each place.
 """
 
 import json
 import os
 import random
+import re
 import resource
 import signal
 import sys
@@ -19,10 +21,16 @@ from pathlib import Path
 from typing import Any
 
 HANG = 5.0
-"""Seconds that one input may take."""
+"""Seconds of processor time that one input may take."""
 GIVEN_UP = 60
 """Seconds after which one that does not end is stopped."""
 INTERESTING = b"0123456789-+.eE:,{}[]\"'\n\0\xff !&*#%<>|"
+WORD = re.compile(rb"[\w.+-]+")
+NUMBERS = b"0 -1 1 0.5 1e308 1e-320 1e999 nan NaN -inf Infinity 9223372036854775808 0x10 1_0 1e3 007"
+OTHERS = (
+    b"true null ~ [] {} '' [[]] [0] {a:1} off 2024-01-01 ! & * .. ../a /a \\u0000 \\ud800 \xff \x1b[31m =1"
+)
+WORDS = [*NUMBERS.split(), *OTHERS.split(), b"9" * 90, b"a" * 3000, b"[" * 200]
 LOADERS = (
     "swamp_rl.files",
     "swamp_rl.yaml_text",
@@ -47,7 +55,7 @@ LOADERS = (
     "swamp_rl.teleop.messages",
     "swamp_rl.teleop.journal",
     "swamp_rl.experiments.config.load",
-    "swamp_rl.experiments.curves",
+    "swamp_rl.experiments.training.curves",
     "swamp_rl.experiments.sweep.schema",
     "swamp_rl.experiments.sweep.store",
 )
@@ -79,6 +87,12 @@ class Tally:
         self.peak_gb = round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, 3)
         (out / "tally.json").write_text(json.dumps(asdict(self), indent=1))
 
+    @classmethod
+    def read(cls, out: Path, name: str) -> "Tally":
+        """What `write` wrote; an empty one where nothing was written."""
+        path = out / "tally.json"
+        return cls(**json.loads(path.read_text())) if path.is_file() else cls(name, "no input")
+
 
 class Hung(BaseException):
     """Raised by the alarm in an input that does not end."""
@@ -93,9 +107,12 @@ def main(name: str, out: Path, inputs: int, seed: int) -> None:
         atheris = None
     if atheris is None:
         from benchmarks.attack.formats import FORMATS, outcome
+        from benchmarks.attack.samples import parse_once
     else:
         with atheris.instrument_imports(include=list(LOADERS), enable_loader_override=False):
             from benchmarks.attack.formats import FORMATS, outcome
+            from benchmarks.attack.samples import parse_once
+    parse_once()
     format = FORMATS[name]
     place = Path(tempfile.mkdtemp(prefix="swamp-rl-attack-"))
     path = format.make(place)
@@ -109,7 +126,7 @@ def main(name: str, out: Path, inputs: int, seed: int) -> None:
     signal.signal(signal.SIGALRM, alarmed)
 
     def one(data: bytes) -> None:
-        begun = time.perf_counter()
+        begun = time.process_time()  # other work on the machine is not the loader's
         signal.alarm(GIVEN_UP)
         try:
             met = outcome(format, path, data)
@@ -119,7 +136,7 @@ def main(name: str, out: Path, inputs: int, seed: int) -> None:
             tally.find(_place(error), data, out)
         finally:
             signal.alarm(0)
-        took = time.perf_counter() - begun
+        took = time.process_time() - begun
         tally.slowest_s = max(tally.slowest_s, round(took, 3))
         if took > HANG:
             tally.find(f"took {took:.0f} s", data, out)
@@ -145,7 +162,12 @@ def main(name: str, out: Path, inputs: int, seed: int) -> None:
         "-len_control=0",
         "-print_final_stats=0",
     ]
-    atheris.Setup([sys.argv[0], *options, str(corpus)], one)
+
+    def either(data: bytes, longest: int, number: int) -> bytes:
+        chance = random.Random(number)
+        return mutated(good, chance)[:longest] if number % 2 else atheris.Mutate(data, longest)
+
+    atheris.Setup([sys.argv[0], *options, str(corpus)], one, custom_mutator=either)
     atheris.Fuzz()
 
 
@@ -153,8 +175,10 @@ def mutated(data: bytes, chance: random.Random) -> bytes:
     """The bytes with some flipped, replaced, repeated elsewhere or left out."""
     found = bytearray(data)
     for _ in range(chance.choice((1, 1, 2, 5, 20))):
-        at, kind = chance.randrange(len(found) + 1), chance.randrange(4)
-        if kind == 0 and at < len(found):
+        at, kind = chance.randrange(len(found) + 1), chance.randrange(6)
+        if kind > 3 and (word := WORD.search(found, at)):
+            found[slice(*word.span())] = chance.choice(WORDS)
+        elif kind == 0 and at < len(found):
             found[at] ^= 1 << chance.randrange(8)
         elif kind == 1 and at < len(found):
             found[at] = chance.choice(INTERESTING)

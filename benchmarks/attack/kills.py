@@ -1,22 +1,33 @@
 """A recorder killed before any of its system calls: no accepted run is lost, what was not is marked.
 
-python -m benchmarks.attack.kills [--count 1000] [--seed 0]
+python -m benchmarks.attack kills [--count 1000] [--seed 1]
 
 Each case accepts short runs in a dataset that earlier kills left behind, is killed by SIGKILL before
 the Nth call on its files, N drawn anew, and is opened again.
 """
 
-import argparse
-import json
 import os
 import shutil
 import sys
+from argparse import Namespace
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.attack.counts import Count
 from benchmarks.attack.faults import driven, recorder, warm, write_course
-from benchmarks.attack.syscalls import KILL, SHIM, armed, counts_to, forked, most_counted, scratch, with_shim
+from benchmarks.attack.samples import parse_once
+from benchmarks.attack.syscalls import (
+    KILL,
+    armed,
+    counts_to,
+    forked,
+    most_counted,
+    report,
+    scratch,
+    with_shim,
+)
 
 COUNT, QUICK = 1000, 40
 LIVES = 25
@@ -66,7 +77,7 @@ def wrong_after(case: Path, accepted: set[str], kills: int) -> str | None:
     return None
 
 
-def killed(count: int, seed: int) -> dict[str, object]:
+def killed(count: int, seed: int) -> Count:
     """Counts of kills and of what cannot be explained about them."""
     rng = np.random.default_rng(seed)
     unexplained: list[str] = []
@@ -98,7 +109,7 @@ def killed(count: int, seed: int) -> dict[str, object]:
             if wrong:
                 unexplained.append(f"kill {number} before call {nth}: {wrong}")
                 print(unexplained[-1], file=sys.stderr, flush=True)
-    return {"what": "kills of the recorder", "tried": count, "unexplained": unexplained}
+    return Count("kills", "of a recorder, before any system call", count, unexplained, seed=seed)
 
 
 def _calls(case: Path) -> int:
@@ -115,23 +126,12 @@ def _calls(case: Path) -> int:
     return most_counted(file)["any"]
 
 
-def run(quick: bool) -> list[dict[str, object]]:
+def attack(asked: Namespace) -> Iterator[Count]:
     """Counts, from a process whose calls are in our hand."""
-    words = ["--count", str(QUICK if quick else COUNT)]
-    return json.loads(with_shim("benchmarks.attack.kills", words).stdout.splitlines()[-1])
-
-
-def main() -> None:
-    """Within that process: kill and print the counts as JSON."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=COUNT)
-    parser.add_argument("--seed", type=int, default=0)
-    words = parser.parse_args()
-    print(json.dumps([killed(words.count, words.seed)]))
+    count = asked.count or (QUICK if asked.quick else COUNT)
+    yield from with_shim("benchmarks.attack.kills", [str(count), str(asked.seed)])
 
 
 if __name__ == "__main__":
-    if SHIM in os.environ:
-        main()
-    else:
-        print(with_shim("benchmarks.attack.kills", sys.argv[1:]).stdout, end="")
+    parse_once()
+    report(killed(int(sys.argv[1]), int(sys.argv[2])))

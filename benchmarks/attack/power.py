@@ -1,6 +1,6 @@
 """Power cuts: what a recorder had not yet flushed is dropped, reordered or torn; nothing accepted is lost.
 
-python -m benchmarks.attack.power [--count 300] [--seed 0]
+python -m benchmarks.attack power [--count 300] [--seed 1]
 
 The calls of a recorder that accepts and discards short runs are written down once. A cut comes after any of
 them. What is then on the disk: bytes of a file as far as its last fsync, and of later writes any choice, the
@@ -8,20 +8,21 @@ place of one that is missing being zeros, the last one torn; names as far as the
 and of later creations, renames and removals any choice. POSIX promises no more, and file systems differ.
 """
 
-import argparse
-import json
 import os
 import shutil
 import sys
+from argparse import Namespace
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.attack.counts import Count
 from benchmarks.attack.faults import driven, recorder, warm, write_course
 from benchmarks.attack.kills import wrong_after
-from benchmarks.attack.syscalls import SHIM, armed, forked, logged_to, mark, scratch, with_shim
+from benchmarks.attack.samples import parse_once
+from benchmarks.attack.syscalls import armed, forked, logged_to, mark, report, scratch, with_shim
 
 COUNT, QUICK = 300, 40
 SECTOR = 512
@@ -173,7 +174,7 @@ def _parsed(log: bytes) -> Iterator[Call]:
         yield Call(what, path, other, int(number), log[end + 1 : place])
 
 
-def cut(count: int, seed: int) -> dict[str, object]:
+def cut(count: int, seed: int) -> Count:
     """Counts of power cuts and of what cannot be explained about them."""
     rng = np.random.default_rng(seed)
     unexplained: list[str] = []
@@ -201,26 +202,15 @@ def cut(count: int, seed: int) -> dict[str, object]:
             if wrong:
                 unexplained.append(f"cut {number} after call {after} of {len(calls)}: {wrong}")
                 print(unexplained[-1], file=sys.stderr, flush=True)
-    return {"what": "power cuts of the recorder", "tried": count, "unexplained": unexplained}
+    return Count("power", "cuts under a recorder, after any system call", count, unexplained, seed=seed)
 
 
-def run(quick: bool) -> list[dict[str, object]]:
-    """Counts, from a process whose calls are written down."""
-    words = ["--count", str(QUICK if quick else COUNT)]
-    return json.loads(with_shim("benchmarks.attack.power", words).stdout.splitlines()[-1])
-
-
-def main() -> None:
-    """Within that process: cut and print the counts as JSON."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=COUNT)
-    parser.add_argument("--seed", type=int, default=0)
-    words = parser.parse_args()
-    print(json.dumps([cut(words.count, words.seed)]))
+def attack(asked: Namespace) -> Iterator[Count]:
+    """Counts, from a process whose calls are in our hand."""
+    count = asked.count or (QUICK if asked.quick else COUNT)
+    yield from with_shim("benchmarks.attack.power", [str(count), str(asked.seed)])
 
 
 if __name__ == "__main__":
-    if SHIM in os.environ:
-        main()
-    else:
-        print(with_shim("benchmarks.attack.power", sys.argv[1:]).stdout, end="")
+    parse_once()
+    report(cut(int(sys.argv[1]), int(sys.argv[2])))

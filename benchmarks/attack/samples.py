@@ -1,16 +1,30 @@
 """A good file of each format, put into a folder; what an attack then damages."""
 
+import functools
 import json
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from swamp_rl import files, yaml_text
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, create_dataset
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 THRUSTERS = ("bs", "bp", "ss", "sp")
+
+
+def parse_once() -> None:
+    """Have this process parse each YAML text once: most of the time of an attack would go into files that it
+    leaves as they are, and those of boats are long."""
+
+    @functools.lru_cache(maxsize=64)
+    def remembered(text: str) -> bytes:
+        return pickle.dumps(yaml_text.parsed(text))
+
+    files.parsed = lambda text: pickle.loads(remembered(text))
 
 
 def circle(rows: int = 12) -> dict[str, np.ndarray]:

@@ -1,19 +1,20 @@
 """Frames a second that the driver gets while so many silent connections are held open to the recorder.
 
-python -m benchmarks.attack.server [--count 1200]
+python -m benchmarks.attack server [--count 1200]
 """
 
-import argparse
-import json
 import resource
 import socket
 import threading
 import time
+from argparse import Namespace
+from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
 
 from websockets.sync.client import ClientConnection, connect
 
+from benchmarks.attack.counts import Count
 from benchmarks.attack.faults import recorder, write_course
 from benchmarks.attack.syscalls import scratch
 
@@ -33,7 +34,7 @@ def frames_a_second(page: ClientConnection) -> float:
     return FRAMES / (time.monotonic() - begun)
 
 
-def measured(count: int) -> dict[str, object]:
+def measured(count: int) -> Count:
     """Frames a second without and with the connections, each the best of ROUNDS, taken in turn."""
     from swamp_rl.teleop.guard import Guard
     from swamp_rl.teleop.hub import Hub
@@ -64,21 +65,10 @@ def measured(count: int) -> dict[str, object]:
             serving.join()
             session.close()
     slow = max(beside) < LEAST * max(alone)
-    found = f"{max(alone):.1f} frames a second alone, {max(beside):.1f} beside {count} silent connections"
-    return {"what": found, "tried": ROUNDS, "unexplained": [found] if slow else []}
+    found = f"{max(alone):.1f} frames a second without, {max(beside):.1f} with"
+    return Count("server", f"{count:,} silent connections", ROUNDS, [found] if slow else [], found)
 
 
-def run(quick: bool) -> list[dict[str, object]]:
+def attack(asked: Namespace) -> Iterator[Count]:
     """Counts of rounds, unexplained where the driver gets fewer frames."""
-    return [measured(COUNT)]
-
-
-def main() -> None:
-    """Measure and print as JSON."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=COUNT)
-    print(json.dumps([measured(parser.parse_args().count)]))
-
-
-if __name__ == "__main__":
-    main()
+    yield measured(asked.count or COUNT)

@@ -1,6 +1,6 @@
 """A process whose system calls fail, end it, or are written down; and work done in forks of it.
 
-with_shim("benchmarks.attack.faults", words)   starts a module where the calls are in our hand
+with_shim("benchmarks.attack.faults", words)   runs a module where the calls are in our hand
 armed(folder, "write", errno.ENOSPC, 3)         there: the third write to a file in the folder fails
 forked(work)                                    does work in a child; how it ended and what it said
 """
@@ -8,6 +8,7 @@ forked(work)                                    does work in a child; how it end
 import atexit
 import ctypes
 import gc
+import json
 import os
 import shutil
 import signal
@@ -18,8 +19,10 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
+
+from benchmarks.attack.counts import Count
 
 KINDS = ("open", "write", "fsync", "rename", "close", "any")
 "Of calls that are counted, each kind by itself; `any` counts all of them."
@@ -27,12 +30,14 @@ KILL = -1
 "In place of an error number: the process is killed before the call."
 SOURCE = Path(__file__).with_name("syscalls.c")
 SHIM = "SWAMP_ATTACK_SHIM"
+REPORT = "counted: "
+"What a line of a report begins with; all else is what commands say."
 
 
-def with_shim(module: str, words: Sequence[str]) -> subprocess.CompletedProcess[str]:
-    """Run a module, to its end, in a process whose calls are intercepted; its standard output is kept.
+def with_shim(module: str, words: Sequence[str]) -> Iterator[Count]:
+    """What a module reports that runs, to its end, in a process whose calls are intercepted.
 
-    RuntimeError where no C compiler is installed.
+    RuntimeError where no C compiler is installed, and where the process ends otherwise than well.
     """
     compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if compiler is None:
@@ -43,10 +48,21 @@ def with_shim(module: str, words: Sequence[str]) -> subprocess.CompletedProcess[
         subprocess.run([compiler, *flags], check=True)
         # One thread, so that forks of it do not wait for threads that they do not have.
         one = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+        one |= {"NUMBA_THREADING_LAYER": "workqueue"}  # that of OpenMP ends a fork that uses it
         env = os.environ | one | {"LD_PRELOAD": str(shim), SHIM: str(shim)}
-        return subprocess.run(
-            [sys.executable, "-m", module, *words], env=env, stdout=subprocess.PIPE, text=True, check=False
-        )
+        words = [sys.executable, "-m", module, *words]
+        with subprocess.Popen(words, env=env, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None
+            for line in process.stdout:
+                if line.startswith(REPORT):
+                    yield Count(**json.loads(line.removeprefix(REPORT)))
+        if process.returncode != 0:
+            raise RuntimeError(f"{module} ended with {process.returncode}")
+
+
+def report(count: Count) -> None:
+    """Tell the process that started this one `with_shim`."""
+    print(REPORT + json.dumps(asdict(count)), flush=True)
 
 
 def _shim() -> ctypes.CDLL:
@@ -108,6 +124,7 @@ def forked(work: Callable[[], int | None], limit: float = 60.0) -> Ended:
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         sys.stdout.flush()
         sys.stderr.flush()
+        gc.freeze()  # or a fork, at its end, would copy all that the process holds to look through it
         child = os.fork()
         if child == 0:
             code = 70

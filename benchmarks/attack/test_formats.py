@@ -1,16 +1,47 @@
 """Whatever a file of any format holds, only the package's own error, in one line, leaves its loader."""
 
+import os
+import signal
 import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings, strategies
 
 from benchmarks.attack.formats import FORMATS, outcome
+from benchmarks.attack.fuzz import HANG
+from swamp_rl.errors import UserError
 
 CORPUS = Path(__file__).parent / "corpus"
 """Inputs that once left a loader by another way, in a folder for each format."""
 FOUND = sorted(path for path in CORPUS.glob("*/*") if path.is_file())
+
+
+NOT_FILES = {"--set", "message", "trials.sqlite row", "weights, sealed anew", "unfinished.json"}
+"""Formats that come as an argument, by a socket or in a row, or whose readers here read the file before."""
+
+
+class LateError(BaseException):
+    """Nothing handles it."""
+
+
+@contextmanager
+def ends_within(seconds: float) -> Iterator[None]:
+    """Fail what takes longer, be it in a call that waits."""
+
+    def late(*_: Any) -> None:
+        raise LateError(f"still not ended after {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 @strategies.composite
@@ -63,3 +94,33 @@ def test_what_an_attack_once_found_is_found_no_more(found: Path, tmp_path: Path)
     format = FORMATS[found.parent.name]
     path = format.make(tmp_path)
     assert outcome(format, path, found.read_bytes()) in ("accepted", "refused")
+
+
+def a_pipe(path: Path) -> None:
+    os.mkfifo(path)
+
+
+def a_folder(path: Path) -> None:
+    path.mkdir()
+
+
+def a_device(path: Path) -> None:
+    path.symlink_to("/dev/zero")
+
+
+def a_file_of_a_terabyte(path: Path) -> None:
+    with path.open("wb") as file:
+        file.truncate(2**40)  # sparse, so it takes no room
+
+
+@pytest.mark.parametrize("put", [a_pipe, a_folder, a_device, a_file_of_a_terabyte])
+@pytest.mark.parametrize("name", [name for name in FORMATS if name not in NOT_FILES])
+def test_what_is_no_file_of_its_kind_is_refused_at_once(
+    name: str, put: Callable[[Path], None], tmp_path: Path
+) -> None:
+    path = FORMATS[name].make(tmp_path)
+    path.unlink()
+    put(path)
+    with ends_within(HANG), pytest.raises(UserError) as refused:
+        FORMATS[name].read(path)
+    assert str(refused.value).isprintable() and len(str(refused.value)) < 3000
