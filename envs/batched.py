@@ -1,20 +1,17 @@
 """Many boats as a `gymnasium.vector.VectorEnv`, all in one compiled step."""
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
-from swamp_rl.envs.fleet import Disturbances, Fleet
+from swamp_rl.envs.fleet import Fleet
 from swamp_rl.envs.kernel import CUT, RUNNING
-from swamp_rl.envs.observation import observation_space
 from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode, known_seed
+from swamp_rl.envs.task import Task, TaskArguments
 
-from swamp_rl.boat import Boat
-from swamp_rl.course import Course
 from swamp_rl.errors import UserError
 
 Step = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
@@ -40,13 +37,10 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
     def __init__(
         self,
         num_envs: int = 1,
-        boat: str | Path | Boat = "swamp",
-        course: str | Path | Course = "camogli",
-        disturbances: Disturbances = None,
-        observation: Sequence[str] | None = None,
-        step: float = 0.1,
+        *,
         render_mode: str | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        **task: Unpack[TaskArguments],
     ) -> None:
         if isinstance(num_envs, bool) or not isinstance(num_envs, int) or not 1 <= num_envs <= MOST_BOATS:
             raise UserError(f"num_envs: must be a whole number from 1 to {MOST_BOATS}, not {num_envs!r}")
@@ -54,14 +48,15 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         self.render_mode = known_render_mode(render_mode)
         self.autoreset_mode = _known_autoreset(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
-        self.fleet = Fleet(num_envs, boat, course, disturbances, observation, step)
+        self.task = Task.read(**task)
+        self.fleet = Fleet(num_envs, self.task)
         self.single_action_space = joypad_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self.single_observation_space = observation_space(self.fleet.places, len(self.fleet.course.gates))
+        self.single_observation_space = self.task.observation_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._started = self._once = False
         self._ended = np.empty(0, dtype=np.intp)
-        self._shape = (num_envs, len(self.fleet.places))
+        self._shape = (num_envs, *self.single_observation_space.shape)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -164,6 +159,11 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
     def velocity(self) -> NDArray[np.float64]:
         """Surge, sway [m/s over ground] and yaw rate [rad/s], (n, 3), a view."""
         return self.fleet.velocity
+
+    @property
+    def sensed_velocity(self) -> NDArray[np.float64]:
+        """As `velocity`, but as the sensors report it, (n, 3), an array of its own."""
+        return self.fleet.sensed_velocity
 
     @property
     def commands(self) -> NDArray[np.float64]:

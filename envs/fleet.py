@@ -1,8 +1,7 @@
 """n boats on one course: their episodes and their common step."""
 
 import math
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,22 +15,16 @@ from swamp_rl.envs.kernel import (
     sail_all,
     sail_all_parallel,
     sense_all,
-    world_record,
 )
-from swamp_rl.envs.observation import senses
+from swamp_rl.envs.own_step import OwnStep
+from swamp_rl.envs.task import Task
+from swamp_rl.envs.world import world_of
 
-from swamp_rl.boat import Boat, Thruster, load_boat
-from swamp_rl.boat.load import refuse_untested_depth
-from swamp_rl.course import Course, buoy_table, gate_table, load_course
-from swamp_rl.effects import load_disturbances
+from swamp_rl.course import buoy_table, gate_table
 from swamp_rl.errors import UserError
 from swamp_rl.simulator import tank
 from swamp_rl.simulator.state import ACTUATORS, NORTH, SURGE, YAW_RATE
-from swamp_rl.simulator.step import substeps_of
 
-Disturbances = str | Path | Sequence[Mapping[str, Any]] | None
-
-SHORTEST_STEP, LONGEST_STEP = 1e-3, 1.0  # s
 PARALLEL_FROM = 256  # boats; with 128 two cores already gain, when no one else wants them
 
 
@@ -43,37 +36,27 @@ class Fleet:
     boats that have none waiting at once: drawing for one costs almost as much as drawing for a thousand.
     """
 
-    def __init__(
-        self,
-        n: int,
-        boat: str | Path | Boat,
-        course: str | Path | Course,
-        disturbances: Disturbances,
-        observation: Sequence[str] | None,
-        step: float,
-    ) -> None:
-        self.boat = boat if isinstance(boat, Boat) else load_boat(boat)
-        self.course = course if isinstance(course, Course) else load_course(course)
-        self.level = load_disturbances(disturbances, self.boat.thruster_names)
-        drawn = (entry.effect for entry in self.level.entries)
-        refuse_untested_depth(self.boat, drawn, f"disturbances {self.level.name}")
-        self.step = checked_step(step)
-        self.places = senses(observation)
+    def __init__(self, n: int, task: Task) -> None:
+        self.task = task
+        self.boat, self.course, self.level, self.step = task.boat, task.course, task.level, task.step
         self._now = Episodes.empty(n, self.boat, self.level, self.step)
         self._next = Episodes.empty(n, self.boat, self.level, self.step)
         self._waiting = np.zeros(n, dtype=np.bool_)
         self._generators: Generators = ()
         self.boats, self.params = self._now.boats, self._now.params
         self._state = self.boats["state"]
-        self._world = world_of(self.boat, self.course, self.step)
+        self._world = world_of(task)
         self._shared = (
             self._world,
             tank(self.boat),
             gate_table(self.course),
             buoy_table(self.course),
-            self.places,
+            task.observed.places,
         )
         self._sail = sail_all_parallel if n >= PARALLEL_FROM else sail_all
+        self._own = None
+        if task.own_rewards or task.observed.own:
+            self._own = OwnStep(task, self.boats, self.params)
 
     def draw_from(self, generators: Generators) -> None:
         """Take the boats' following episodes from these n generators; what was drawn ahead is forgotten."""
@@ -101,10 +84,14 @@ class Fleet:
     ) -> int:
         """One step of all boats; see `sail_all`. UserError where a lever is not a number, and then that boat
         stays where it is."""
+        if self._own is not None:
+            self._own.note()
         ended = self._sail(self.boats, self.params, asked, self._shared, rewards, observations)
         if ended and (unmoved := self.boats["outcome"] == LEVERS).any():
             self.boats["outcome"][unmoved] = RUNNING
             self.refuse_levers(asked)
+        if self._own is not None:
+            self._own.add(rewards, observations)
         return ended
 
     def refuse_levers(self, asked: NDArray[np.float64]) -> None:
@@ -121,6 +108,8 @@ class Fleet:
     def look(self, chosen: NDArray[np.intp], observations: NDArray[np.float32]) -> None:
         """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""
         look_all(self.boats, self.params, chosen, self._shared, observations)
+        if self._own is not None:
+            self._own.look(chosen, observations)
 
     def hold(self, thrusters: Sequence[str], azimuth: float, throttle: float) -> None:
         """Command thrusters that the levers do not drive, of all boats, from the next step on.
@@ -154,6 +143,11 @@ class Fleet:
         return self._state[:, SURGE : YAW_RATE + 1]
 
     @property
+    def sensed_velocity(self) -> NDArray[np.float64]:
+        """As `velocity`, but as the sensors report it, (n, 3), an array of its own."""
+        return self.velocity + np.outer(self.params["gyro_bias"], [0.0, 0.0, 1.0])
+
+    @property
     def applied(self) -> NDArray[np.float64]:
         """What the actuators did: azimuths [rad], then throttles [1], (n, 2K), a view."""
         return self._state[:, ACTUATORS:]
@@ -180,60 +174,3 @@ class Fleet:
             "effects": self.level.drawn(self._now.uniforms[i, START_DRAWS:]),
             "gust_seed": int(self.boats["gust_seed"][i]),
         }
-
-
-def world_of(boat: Boat, course: Course, step: float) -> NDArray[np.void]:
-    """The `world_record` (1,) of a boat on a course; UserError where the boat does not fit through a gate."""
-    reach = course.buoy_radius + 0.5 * boat.breadth
-    for gate in course.gates:
-        if gate.width <= 2.0 * reach:
-            raise UserError(
-                f"course {course.name}: gate {gate.name} is {gate.width:g} m wide, but boat {boat.name} "
-                f"and the buoys need more than {2.0 * reach:g} m; choose a wider gate or a narrower boat"
-            )
-    world = np.zeros(1, world_record(len(boat.thrusters)))
-    world["step"], world["substeps"] = step, substeps_of(step)
-    world["last_tick"] = math.ceil(course.time_limit / step - 1e-9)
-    world["reach"] = reach
-    for edge in ("south", "north", "west", "east"):
-        world[f"{edge}_edge"] = getattr(course.bounds, edge)
-    low_azimuth, high_azimuth = boat.joypad.azimuth
-    low_throttle, high_throttle = boat.joypad.throttle
-    for k, thruster in enumerate(boat.thrusters):
-        full = thruster.throttle_max  # 1, or the propeller's revolutions
-        world["lever_low"][0, k], world["lever_high"][0, k] = thruster.throttle_min, full
-        if thruster.name not in boat.joypad.thrusters:
-            continue
-        world["lever_idle"][0, k] = low_throttle * full
-        world["lever_gain"][0, k] = (high_throttle - low_throttle) * full
-        if thruster.kind == "fixed":
-            ahead, turn = fixed_lever(thruster)
-            world["lever_middle"][0, k] = thruster.azimuth_min
-            world["lever_idle"][0, k] *= ahead
-            world["lever_gain"][0, k] *= ahead
-            world["lever_turn"][0, k] = turn * high_throttle
-        else:
-            # Aft of midship a jet has to push the other way for the bow to go where the lever goes.
-            side = -1.0 if thruster.kind == "azimuth" and thruster.x < 0.0 else 1.0
-            world["lever_middle"][0, k] = side * 0.5 * (low_azimuth + high_azimuth)
-            world["lever_swing"][0, k] = side * 0.5 * (high_azimuth - low_azimuth)
-    return world
-
-
-def fixed_lever(thruster: Thruster) -> tuple[float, float]:
-    """Signs (ahead, turn) with which a fixed thruster obeys the levers: differential thrust.
-
-    Its throttle is that of the throttle's lever times `ahead`, 0 for one that pushes across, plus the angle's
-    lever times `turn`, which turns the bow the way of the lever.
-    """
-    cos, sin = math.cos(thruster.azimuth_min), math.sin(thruster.azimuth_min)
-    moment = thruster.x * sin - thruster.y * cos
-    return float(np.sign(round(cos, 6))), float(np.sign(round(moment, 6)))
-
-
-def checked_step(step: float) -> float:
-    """`step` [s] if it is one that can be sailed; UserError otherwise."""
-    number = isinstance(step, int | float) and not isinstance(step, bool)
-    if not number or not SHORTEST_STEP <= step <= LONGEST_STEP:
-        raise UserError(f"step: must be a time from {SHORTEST_STEP:g} to {LONGEST_STEP:g} s, not {step!r}")
-    return float(step)

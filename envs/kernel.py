@@ -4,37 +4,41 @@ A boat's arithmetic is the same whatever the batch, so it gives the same bits al
 """
 
 import math
-from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numba
 import numpy as np
-from swamp_rl.envs.observation import OBSERVATION, look
+from swamp_rl.envs.observation import NAMES, SENSES, look, look_further
 from swamp_rl.envs.past import arrived_command, keep_pose, sensed_pose
-from swamp_rl.envs.reward import reward
+from swamp_rl.envs.reward import further_costs, reward
 
 from swamp_rl.course.geometry import crosses_gate, outside, touches_buoy
 from swamp_rl.course.progress import distance_to_go
 from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_HALF_WIDTH, GATE_NORTH, GATE_SIN
 from swamp_rl.physics.compile import compiled
-from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE, state_size
-from swamp_rl.simulator.step import step_boat
+from swamp_rl.physics.motion import current_at
+from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE, state_size
+from swamp_rl.simulator.step import step_boat, wind_now
 
 OUTCOMES = ("running", "success", "buoy", "out_of_bounds", "timeout", "levers", "diverged")
 RUNNING, SUCCESS, BUOY, OUT_OF_BOUNDS, TIMEOUT, LEVERS, DIVERGED = range(len(OUTCOMES))
 CUT = (TIMEOUT, DIVERGED)
 """Outcomes that truncate an episode: no state of the task brought them about."""
 LARGEST = 1e6  # m, rad, m/s or rad/s: what no boat's motion reaches before it has diverged
-SENSED = len(OBSERVATION)
+SENSED = len(SENSES)
+SENSED_YAW_RATE = NAMES.index("yaw_rate")
 CHUNK = (
     64  # boats that one task of the parallel loop takes, so that scratch memory is made once for all of them
 )
 
 
-def boat_record(thrusters: int, past: Sequence[tuple[Any, ...]] = ()) -> np.dtype[np.void]:
+@lru_cache(maxsize=64)
+def boat_record(thrusters: int, past: tuple[tuple[Any, ...], ...] = ()) -> np.dtype[np.void]:
     """What the environment keeps of each boat; K thrusters. past: `swamp_rl.envs.past.past_fields`.
 
-    These come first: numba takes a record that begins like another for one of its kind.
+    These come first: numba takes a record that begins like another for one of its kind. Equal records are one
+    object, as in `swamp_rl.simulator.parameters.record_of`.
     """
     return np.dtype(
         [
@@ -49,21 +53,6 @@ def boat_record(thrusters: int, past: Sequence[tuple[Any, ...]] = ()) -> np.dtyp
             ("gust_seed", np.uint64),
         ],
         align=True,
-    )
-
-
-LEVER_COLUMNS = ("middle", "swing", "idle", "gain", "turn", "low", "high")
-
-
-def world_record(thrusters: int) -> np.dtype[np.void]:
-    """What is the same for all boats; K thrusters."""
-    numbers = ("step", "reach", "south_edge", "north_edge", "west_edge", "east_edge")  # s, then m
-    return np.dtype(
-        [(name, np.float64) for name in numbers]
-        + [("substeps", np.int64), ("last_tick", np.int64)]
-        # A thruster's azimuth [rad] is middle + swing times the angle's lever, its throttle idle + gain times
-        # the other + turn times the angle's, within low and high.
-        + [(f"lever_{name}", np.float64, (thrusters,)) for name in LEVER_COLUMNS]
     )
 
 
@@ -140,8 +129,18 @@ def sail(
     boat.passed += passes
     boat.outcome = judge(boat, north0, east0, gates.shape[0], buoys, world)
     way_made = to_go - distance_to_go(north, east, boat.passed, gates)
-    failed = boat.outcome == BUOY or boat.outcome == OUT_OF_BOUNDS
-    return reward(way_made, int(passes), failed, throttle, throttle_rate, angle_rate, world.step)
+    succeeded, failed = boat.outcome == SUCCESS, boat.outcome == BUOY or boat.outcome == OUT_OF_BOUNDS
+    paid = reward(world, way_made, int(passes), succeeded, failed, throttle, throttle_rate, angle_rate)
+    return paid - further_costs(world, boat.state, gate) if world.costs_further else paid
+
+
+@compiled
+def sense(boat: Any, p: Any, world: Any, gates: Any, everything: Any) -> None:
+    """Fill `everything` (SENSED,) with what the boat senses now."""
+    look(sensed_pose(boat, p, world.step), boat.state, boat.passed, gates, everything)
+    everything[SENSED_YAW_RATE] += p.gyro_bias
+    if world.looks_further:
+        look_further(boat, p, world, everything)
 
 
 @compiled
@@ -168,7 +167,7 @@ def sail_range(
             rewards[i] = sail(boat, p, asked[i], world[0], tank, gates, buoys, jets, room)
         boat.fresh = False
         ended += boat.outcome != RUNNING
-        look(sensed_pose(boat, p, world[0].step), boat.state, boat.passed, gates, everything)
+        sense(boat, p, world[0], gates, everything)
         for j in range(places.shape[0]):
             observations[i, j] = everything[places[j]]
     return ended
@@ -204,8 +203,7 @@ def look_all(boats: Any, params: Any, chosen: Any, shared: Any, observations: An
     world, _, gates, _, places = shared
     everything = np.empty(SENSED)
     for i in chosen:
-        boat = boats[i]
-        look(sensed_pose(boat, params[i], world[0].step), boat.state, boat.passed, gates, everything)
+        sense(boats[i], params[i], world[0], gates, everything)
         for j in range(places.shape[0]):
             observations[i, j] = everything[places[j]]
 
@@ -215,3 +213,15 @@ def sense_all(boats: Any, params: Any, step: float, poses: Any) -> None:
     """Fill poses (n, 3) with what the sensors of n boats report now."""
     for i in range(boats.shape[0]):
         poses[i, 0], poses[i, 1], poses[i, 2] = sensed_pose(boats[i], params[i], step)
+
+
+@compiled
+def survey(boats: Any, params: Any, gates: Any, to_go: Any, wind: Any, current: Any) -> None:
+    """Fill the distance to go (n,) [m], and the true velocity of the air and of the current (n, 2), north and
+    east [m/s], of n boats."""
+    for i in range(boats.shape[0]):
+        state = boats[i].state
+        to_go[i] = distance_to_go(state[NORTH], state[EAST], boats[i].passed, gates)
+        from_north, from_east = wind_now(state, params[i])
+        wind[i, 0], wind[i, 1] = -from_north, -from_east
+        current[i, 0], current[i, 1] = current_at(state[TIME], params[i])

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.effects import Effect
-from swamp_rl.effects.library import LONGEST_DELAY
+from swamp_rl.effects.limits import LONGEST_DELAY
 from swamp_rl.physics.compile import by_field, compiled
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.sensors.live import keep_position, reported_pose
@@ -20,7 +20,7 @@ from swamp_rl.simulator.state import EAST, HEADING, NORTH
 COMMANDS, POSITIONS = "past_commands", "past_positions"
 
 
-def past_fields(effects: Iterable[Effect], thrusters: int, step: float) -> list[tuple[Any, ...]]:
+def past_fields(effects: Iterable[Effect], thrusters: int, step: float) -> tuple[tuple[Any, ...], ...]:
     """Fields of a boat's record that those effects call for; K thrusters, step [s]. Rings, by tick."""
     rows = math.ceil(LONGEST_DELAY / step) + 2
     effects = list(effects)
@@ -29,7 +29,7 @@ def past_fields(effects: Iterable[Effect], thrusters: int, step: float) -> list[
         fields.append((COMMANDS, np.float64, (rows, 2 * thrusters)))
     if any(effect.acts_on == "sensor" for effect in effects):
         fields.append((POSITIONS, np.float64, (rows, 2)))  # of the antenna: north, east [m]
-    return fields
+    return tuple(fields)
 
 
 @compiled

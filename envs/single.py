@@ -1,19 +1,15 @@
 """One boat as a `gymnasium.Env`."""
 
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
-from swamp_rl.envs.fleet import Disturbances, Fleet
+from swamp_rl.envs.fleet import Fleet
 from swamp_rl.envs.kernel import CUT
-from swamp_rl.envs.observation import observation_space
 from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode, known_seed
+from swamp_rl.envs.task import Task, TaskArguments
 
-from swamp_rl.boat import Boat
-from swamp_rl.course import Course
 from swamp_rl.errors import UserError
 
 ONLY = np.zeros(1, dtype=np.intp)
@@ -25,35 +21,29 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
 
     Action: throttle in [0, 1] and angle in [-1, 1], held for `step` seconds; what is beyond is brought back
     to the end of the lever's way. What is not two numbers is a UserError that leaves the episode as it was.
-    Observation: the names in `envs.observation.OBSERVATION`, or those of them given as `observation`; SI
-    units. Reward: see `envs.reward`. The run ends in success when the gates are passed in order, each from
-    behind; as a failure when the boat touches a buoy or leaves the bounds; it is truncated at the course's
-    time limit, and where the simulated motion diverges, with the last finite observation. The last `info`
-    holds `outcome` (success, buoy, out_of_bounds, timeout or diverged) and `time` [s].
-    `reset(seed=s)` gives the same episode, bit for bit, as boat i of a batch reset with seed s - i.
+    Observation: `envs.observation.OBSERVATION`, or the names given as `observation`; SI units. Reward: see
+    `envs.reward`. The run ends in success when the gates are passed in order, each from behind; as a failure
+    when the boat touches a buoy or leaves the bounds; it is truncated at the time limit, and where the
+    simulated motion diverges, with the last finite observation. The last `info` holds `outcome` (success,
+    buoy, out_of_bounds, timeout or diverged) and `time` [s]. `reset(seed=s)` gives the same episode, bit for
+    bit, as boat i of a batch reset with seed s - i.
 
-    boat, course, disturbances: a name in `configs`, a path, or the thing itself (a list of effects for
-    disturbances, None for none). UserError for what cannot be read or does not fit.
+    Arguments by name: `envs.task.TaskArguments`. UserError for what is unknown, cannot be read or does not
+    fit. docs/environment.md has the whole.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012  as Gymnasium
 
-    def __init__(
-        self,
-        boat: str | Path | Boat = "swamp",
-        course: str | Path | Course = "camogli",
-        disturbances: Disturbances = None,
-        observation: Sequence[str] | None = None,
-        step: float = 0.1,
-        render_mode: str | None = None,
-    ) -> None:
+    def __init__(self, *, render_mode: str | None = None, **task: Unpack[TaskArguments]) -> None:
         self.render_mode = known_render_mode(render_mode)
-        self.fleet = Fleet(1, boat, course, disturbances, observation, step)
+        self.task = Task.read(**task)
+        self.fleet = Fleet(1, self.task)
         self.action_space = joypad_space()
-        self.observation_space = observation_space(self.fleet.places, len(self.fleet.course.gates))
+        self.observation_space = self.task.observation_space
         self._started = False
         self._asked, self._reward = np.zeros((1, 2)), np.zeros(1)
-        self._shape = (1, len(self.fleet.places))
+        self._seen = np.empty((1, *self.observation_space.shape), np.float32)
+        self._row = self._seen[0]
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -64,9 +54,8 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self.fleet.draw_from([self.np_random])
         self.fleet.begin(ONLY)
         self._started = True
-        observations = np.empty(self._shape, np.float32)
-        self.fleet.look(ONLY, observations)
-        return observations[0], {}
+        self.fleet.look(ONLY, self._seen)
+        return self._row.copy(), {}
 
     def step(self, action: NDArray[Any]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Sail for one step; observation (d,), reward, terminated, truncated, info."""
@@ -76,12 +65,11 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             self._asked[0] = action  # the usual case, without the copy of `known_levers`
         else:
             self._asked[0] = known_levers(action, PAIR)
-        observations = np.empty(self._shape, np.float32)
-        if not self.fleet.sail(self._asked, self._reward, observations):
-            return observations[0], self._reward.item(), False, False, {}
+        if not self.fleet.sail(self._asked, self._reward, self._seen):
+            return self._row.copy(), self._reward.item(), False, False, {}
         truncated = self.fleet.boats["outcome"].item() in CUT
         info = {"outcome": self.fleet.outcomes(ONLY)[0], "time": self.fleet.time.item()}
-        return observations[0], self._reward.item(), not truncated, truncated, info
+        return self._row.copy(), self._reward.item(), not truncated, truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """The course from above, north up, (H, W, 3); None unless the render mode is `rgb_array`."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from swamp_rl.envs.reward import CHANGE, EFFORT, FAILURE, GATE, PROGRESS, TIME
+from swamp_rl.envs.reward import DEFAULTS
 from swamp_rl.envs.single import GatesEnv
 
 from swamp_rl.course import Course, Gate, Point, Pose, Start, gate_table, load_course
@@ -96,12 +96,13 @@ def test_the_reward_of_a_whole_run_depends_on_its_ends_its_gates_its_levers_and_
         float(seen[-1][0]), float(seen[-1][1]), passed, gates
     )
     levers = np.array([(0.0, 0.0), *(hand(0.1 * j) for j in range(len(rewards)))])
-    effort = EFFORT * 0.1 * np.sum(levers[1:, 0] ** 2)
-    change = CHANGE / 0.1 * np.sum(np.diff(levers, axis=0) ** 2)
-    failure = FAILURE if info["outcome"] in ("buoy", "out_of_bounds") else 0.0
-    spent = effort + change + TIME * info["time"]
+    effort = DEFAULTS["effort"] * 0.1 * np.sum(levers[1:, 0] ** 2)
+    change = DEFAULTS["change"] / 0.1 * np.sum(np.diff(levers, axis=0) ** 2)
+    failure = DEFAULTS["failure"] if info["outcome"] in ("buoy", "out_of_bounds") else 0.0
+    spent = effort + change + DEFAULTS["time"] * info["time"]
     assert passed == 1
-    assert sum(rewards) == pytest.approx(PROGRESS * way + GATE * passed - spent - failure, abs=1e-5)
+    gained = DEFAULTS["progress"] * way + DEFAULTS["gate"] * passed
+    assert sum(rewards) == pytest.approx(gained - spent - failure, abs=1e-5)
 
 
 def test_the_mirrored_course_with_mirrored_levers_gives_the_mirrored_run() -> None:

@@ -24,12 +24,16 @@ SENSORS = [
     {"effect": "heading_bias", "bias": 0.1},
     {"effect": "position_delay", "delay": 0.44},
     {"effect": "position_lever_arm", "x": 0.3, "y": -0.2},
+    {"effect": "heading_drift", "rate": 0.01},
+    {"effect": "gyro_bias", "bias": -0.05},
 ]
 DRAWN = [
     {"effect": "command_delay", "delay": {"uniform": [0.0, 2.0]}, "probability": 0.7},
     {"effect": "heading_bias", "bias": {"uniform": [-0.2, 0.2]}},
     {"effect": "position_delay", "delay": {"uniform": [0.0, 2.0]}, "probability": 0.7},
     {"effect": "position_lever_arm", "x": {"uniform": [-0.5, 0.5]}, "y": {"uniform": [-0.5, 0.5]}},
+    {"effect": "gyro_bias", "bias": {"uniform": [-0.05, 0.05]}},
+    {"effect": "heading_drift", "rate": {"uniform": [-0.01, 0.01]}},
     {"effect": "current", "disc": 0.2},
 ]
 STEPS = 80

@@ -1,0 +1,109 @@
+"""What an environment is made of, single or batched: its arguments, read and found to fit together."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Self, TypedDict, Unpack
+
+from gymnasium.spaces import Box
+from swamp_rl.envs.observation import Observed, observation_space, observed
+from swamp_rl.envs.own_terms import OwnTerm, own_term
+from swamp_rl.envs.reward import DEFAULTS, weights_of
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.load import refuse_untested_depth
+from swamp_rl.course import Course, limited, load_course
+from swamp_rl.effects import Level, load_disturbances
+from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
+
+Disturbances = str | Path | Sequence[Mapping[str, Any]] | None
+
+SHORTEST_STEP, LONGEST_STEP = 1e-3, 1.0  # s
+MOST_STEPS = 10**9
+
+
+class TaskArguments(TypedDict, total=False):
+    """Arguments that both environments take, by name; each may be left out."""
+
+    boat: str | Path | Boat
+    "A name in `configs/boats`, a path, or the thing itself; `swamp`."
+    course: str | Path | Course
+    "As `boat`; `camogli`."
+    disturbances: Disturbances
+    "A level by name or path, or a list of effects; none."
+    observation: Sequence[str] | None
+    "Names of `envs.observation.SENSES`, or `module:function`; the first twelve."
+    reward: Mapping[str, float] | None
+    "Weights by name of `envs.reward.REWARD`, or `module:function`; others stay as they are."
+    time_limit: float | None
+    "In place of the course's [s]."
+    bounds: Mapping[str, float] | None
+    "Edges in place of the course's [m]: `south`, `north`, `west`, `east`, or some of them."
+    step: float
+    "Time of a step [s]; 0.1."
+    max_episode_steps: int | None
+    "A time limit in steps, as `gymnasium.make` has it; the earlier of the two holds."
+
+
+@dataclass(frozen=True)
+class Task:
+    """The arguments, read."""
+
+    boat: Boat
+    course: Course
+    "With the limits of the episode."
+    level: Level
+    observed: Observed
+    weights: Mapping[str, float]
+    "Of the built-in terms of the reward."
+    step: float
+    max_episode_steps: int | None
+    own_rewards: tuple[tuple[float, OwnTerm], ...] = field(default=())
+    "Terms of one's own with their weights."
+
+    @property
+    def observation_space(self) -> Box:
+        """Of one boat."""
+        return observation_space(self.observed, len(self.course.gates), self.course.time_limit)
+
+    @classmethod
+    def read(cls, **given: Unpack[TaskArguments]) -> Self:
+        """UserError for an unknown argument, for what cannot be read, and for what does not fit."""
+        for name in given:
+            if name not in TaskArguments.__annotations__:
+                raise UserError(f"unknown argument {name!r}{nearest(name, TaskArguments.__annotations__)}")
+        boat, course = given.get("boat", "swamp"), given.get("course", "camogli")
+        boat = boat if isinstance(boat, Boat) else load_boat(boat)
+        course = course if isinstance(course, Course) else load_course(course)
+        level = load_disturbances(given.get("disturbances"), boat.thruster_names)
+        drawn = (entry.effect for entry in level.entries)
+        refuse_untested_depth(boat, drawn, f"disturbances {level.name}")
+        weights = weights_of(given.get("reward"))
+        return cls(
+            boat=boat,
+            course=limited(course, given.get("time_limit"), given.get("bounds")),
+            level=level,
+            observed=observed(given.get("observation")),
+            weights={name: weights[name] for name in DEFAULTS},
+            step=_checked_step(given.get("step", 0.1)),
+            max_episode_steps=_checked_steps(given.get("max_episode_steps")),
+            own_rewards=tuple(
+                (weight, own_term("reward", name)) for name, weight in weights.items() if name not in DEFAULTS
+            ),
+        )
+
+
+def _checked_step(step: Any) -> float:
+    number = isinstance(step, int | float) and not isinstance(step, bool)
+    if not number or not SHORTEST_STEP <= step <= LONGEST_STEP:
+        raise UserError(f"step: must be a time from {SHORTEST_STEP:g} to {LONGEST_STEP:g} s, not {step!r}")
+    return float(step)
+
+
+def _checked_steps(steps: Any) -> int | None:
+    if steps is None:
+        return None
+    if isinstance(steps, bool) or not isinstance(steps, int) or not 1 <= steps <= MOST_STEPS:
+        raise UserError(f"max_episode_steps: must be a whole number of at least 1, not {steps!r}")
+    return steps
