@@ -14,4 +14,6 @@ NAME = Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")
 class Part(BaseModel):
     """A strict, frozen section of a boat file."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )

@@ -14,24 +14,33 @@ Coefficients = Annotated[tuple[float, ...], FROM_LIST, Unit("1")]
 
 
 class Propeller(Part):
-    """A propeller of fixed pitch.
+    """A propeller of fixed pitch (Miyauchi et al. 2022, after Hachii and Ueno; `swamp_rl.physics.propeller`).
 
-    k_t: thrust coefficients (3) in powers of J. wake_zero, wake_tau, wake_c_p: w_P0, τ and C_P of the wake,
-    felt at x_wake lengths forward of midship. astern_thrust: C0 to C3 (4) of Hachii; side_force,
-    yaw_moment: A0 to A7 and B0 to B7 (8), Hachii's astern and Ueno's for sternway.
+    J is the advance ratio u (1 − w)/(n D), J_s is u/(n D).
     """
 
     diameter: Annotated[float, POSITIVE, Unit("m")]
+    "D."
     pitch_ratio: Annotated[float, POSITIVE, Unit("1")]
+    "Pitch over diameter."
     thrust_deduction: Annotated[float, NOT_NEGATIVE, BELOW_ONE, Unit("1")]
+    "t_P: share of the thrust that the hull loses, for a propeller turning ahead."
     wake_zero: Annotated[float, NOT_NEGATIVE, BELOW_ONE, Unit("1")]
+    "w_P0 of the wake w_P0 − τ |b| − C_P b², b = (v + x'_P L r)/U: in straight motion."
     wake_tau: Annotated[float, Unit("1")]
+    "τ of the wake."
     wake_c_p: Annotated[float, Unit("1")]
+    "C_P of the wake."
     x_wake: Annotated[float, Unit("1")]
+    "x'_P of b, lengths forward of midship."
     k_t: Coefficients
+    "Three coefficients of K_T(J) = k_0 + k_1 J + k_2 J²."
     astern_thrust: Coefficients
+    "C0 to C3 of Hachii: turning astern, K_T = C1 + C2 J_s where J_s ≥ C3, else C0."
     side_force: Coefficients
+    "A0 to A4 of Hachii, turning astern; A5 to A7 of Ueno, turning ahead in sternway."
     yaw_moment: Coefficients
+    "B0 to B7: the same for the yaw moment."
 
     @model_validator(mode="after")
     def _coefficients_are_whole(self) -> Self:
@@ -45,26 +54,37 @@ class Propeller(Part):
 
 
 class Rudder(Part):
-    """A rudder at x forward of midship [m].
+    """A rudder in the propeller's race (Miyauchi et al. 2022, after Yoshimura and Kitagawa).
 
-    a_h, x_h: how much of its force the hull repeats, and where [lengths forward of midship]; flow_lever
-    (l'_R), gamma_p and gamma_n (stern moving to starboard, to port): of the flow straightened by the hull;
-    epsilon, k_x, k_x_astern, c_pr: of the propeller's race, the last two for one that turns astern.
+    `swamp_rl.physics.rudder` has the equations.
     """
 
     x: Annotated[float, Unit("m")]
+    "x_R, forward of midship."
     area: Annotated[float, POSITIVE, Unit("m2")]
+    "A_R."
     aspect_ratio: Annotated[float, POSITIVE, Unit("1")]
+    "Λ: height squared over area."
     thrust_deduction: Annotated[float, NOT_NEGATIVE, BELOW_ONE, Unit("1")]
+    "t_R: share of the rudder's surge force that is lost."
     a_h: Annotated[float, Unit("1")]
+    "a_H: lateral force that the rudder induces on the hull, as a share of its own."
     x_h: Annotated[float, Unit("1")]
+    "x'_H: where that force acts, lengths forward of midship."
     flow_lever: Annotated[float, Unit("1")]
+    "l'_R of v_R = −γ_R (v + l'_R L r)."
     gamma_p: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    "γ_R where the stern moves to starboard."
     gamma_n: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    "γ_R where the stern moves to port."
     epsilon: Annotated[float, POSITIVE, Unit("1")]
+    "ε: wake at the rudder over wake at the propeller, 1 − w_R = ε (1 − w_P)."
     k_x: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    "k_x: acceleration of the flow by the propeller, turning ahead."
     k_x_astern: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    "The same where the propeller does not drive the boat ahead (Kitagawa)."
     c_pr: Annotated[float, Unit("1")]
+    "C_PR of C_PR u², added to u_R² where the propeller does not drive the boat ahead (Kitagawa)."
 
 
 class PropellerRudder(Part):
@@ -75,15 +95,25 @@ class PropellerRudder(Part):
     """
 
     name: Annotated[str, NAME]
+    "By which runs, effects and the joypad refer to it."
     kind: Literal["propeller_rudder"]
+    "A propeller with its rudder."
     rudder_max: Annotated[float, RUDDER_ANGLE, Unit("rad")]
+    "Greatest rudder angle to either side."
     rudder_rate: Annotated[float, POSITIVE, Unit("rad/s")]
+    "Greatest rate of the rudder."
     rudder_time_constant: Annotated[float, NOT_NEGATIVE, Unit("s")]
+    "First-order lag of the rudder; 0: none."
     revolutions_max: Annotated[float, POSITIVE, Unit("rps")]
+    "Greatest revolutions ahead."
     revolutions_max_astern: Annotated[float, NOT_NEGATIVE, Unit("rps")]
+    "Greatest revolutions astern; 0: it does not turn astern."
     revolutions_time_constant: Annotated[float, NOT_NEGATIVE, Unit("s")]
+    "First-order lag of the revolutions; 0: none."
     propeller: Propeller
+    "The propeller."
     rudder: Rudder
+    "The rudder."
 
     @property
     def x(self) -> float:

@@ -15,8 +15,11 @@ class ResistanceCurve(Part):
     """Resistance [N] against speed [m/s], as towed at one ratio of water depth to draught."""
 
     h_over_t: Annotated[float, POSITIVE, Unit("1")]
+    "Ratio of water depth to draught at which it was towed."
     speed: Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, Unit("m/s")]
+    "Through the water, increasing."
     resistance: Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, Unit("N")]
+    "At each of these speeds."
 
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
@@ -31,8 +34,11 @@ class TankResistance(Part):
     """The towing tank's results, with the mass [kg] and water density [kg/m³] they hold for."""
 
     reference_mass: Annotated[float, POSITIVE, Unit("kg")]
+    "Of the model as towed; the resistance is scaled from it to the boat's `mass`."
     reference_density: Annotated[float, POSITIVE, Unit("kg/m3")]
+    "Of the tank's water; the resistance is scaled from it to `water_density`."
     table: Annotated[tuple[ResistanceCurve, ...], Field(strict=False, min_length=1)]
+    "Curves by increasing `h_over_t`."
 
     @field_validator("table")
     @classmethod
@@ -46,7 +52,9 @@ class DriftResistance(Part):
     """X'_0 ahead and astern, between them linear in the drift angle: ½ρLd X'_0 u U [N], in deep water."""
 
     x_0_ahead: Annotated[float, NOT_POSITIVE, Unit("1")]
+    "X'_0F: surge force in straight motion ahead."
     x_0_astern: Annotated[float, NOT_POSITIVE, Unit("1")]
+    "X'_0A: surge force in straight motion astern."
 
 
 def kind(given: Any) -> str:

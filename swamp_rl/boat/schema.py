@@ -15,22 +15,26 @@ JET, PROPELLER = "a jet", "a propeller with its rudder"  # tags of the two kinds
 
 
 class Hull(Part):
-    """Nondimensional coefficients of the hull forces (thesis 8.16).
-
-    c_d: of the cross flow; in the file also `yoshimura`, for his regression on length over draught.
-    spacing: between the centre planes of two demihulls, each of which meets its own surge speed; 0 for one
-    hull, whose resistance acts at midship.
-    """
+    """Nondimensional coefficients of the hull forces (thesis 8.16)."""
 
     x_vr: Annotated[float, Unit("1")]
+    "X'_vr + m'_y: surge force with v r."
     y_v: Annotated[float, Unit("1")]
+    "Y'_v: sway force with v |u|."
     y_r: Annotated[float, Unit("1")]
+    "Y'_r − m'_x: sway force with r u."
     n_v: Annotated[float, Unit("1")]
+    "N'_v: yaw moment with v u."
     n_r: Annotated[float, Unit("1")]
+    "N'_r: yaw moment with r |u|."
     c_d: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    "Drag coefficient of the cross flow; `yoshimura` in the file: his regression on length over draught."
     c_ry: Annotated[float, Unit("1")]
+    "C_rY: factor of the yaw rate in the cross flow of the sway force."
     c_rn: Annotated[float, Unit("1")]
+    "C_rN: the same for the yaw moment."
     spacing: Annotated[float, NOT_NEGATIVE, Unit("m")] = 0.0
+    "Between the centre planes of two demihulls, each at its own surge speed; 0: resistance at midship."
 
 
 class Thruster(Part):
@@ -45,21 +49,37 @@ class Thruster(Part):
     """
 
     name: Annotated[str, NAME]
+    "By which runs, effects and the joypad refer to it."
     kind: Literal["azimuth", "fixed"]
+    "Whether it turns."
     x: Annotated[float, Unit("m")]
+    "Forward of midship."
     y: Annotated[float, Unit("m")]
+    "To starboard of the centre line."
     azimuth_min: Annotated[float, ANGLE, Unit("rad")] = -math.inf
+    "Least azimuth; none: it turns without end."
     azimuth_max: Annotated[float, ANGLE, Unit("rad")] = math.inf
+    "Greatest azimuth; none: it turns without end."
     azimuth_rate: Annotated[float, POSITIVE, Unit("rad/s")] = math.inf
+    "Greatest rate of the azimuth."
     azimuth_time_constant: Annotated[float, NOT_NEGATIVE, Unit("s")] = 0.0
+    "First-order lag of the azimuth."
     azimuth_offset: Annotated[float, ANGLE, Unit("rad")] = 0.0
+    "Added to the commanded azimuth."
     pump_time_constant: Annotated[float, NOT_NEGATIVE, Unit("s")]
+    "First-order lag of the throttle."
     thrust_linear: Annotated[float, NOT_NEGATIVE, Unit("N")]
+    "Thrust at rest, coefficient of the throttle p."
     thrust_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")]
+    "Thrust at rest, coefficient of p |p|."
     astern_linear: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
+    "The same for p < 0."
     astern_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
+    "The same for p < 0; both 0: it does not reverse."
     nozzle_area: Annotated[float, NOT_NEGATIVE, Unit("m2")] = 0.0
+    "Of the jet; 0: no momentum drag."
     advance_loss: Annotated[float, NOT_NEGATIVE, Unit("1")] = 0.0
+    "c_a of T = T_bollard (1 − c_a V_a/V_o)."
 
     @model_validator(mode="after")
     def _can_be_built(self) -> Self:
@@ -123,9 +143,13 @@ class ThrustDeduction(Part):
     """1 - t against throttle: linear between two points, constant outside them; 1 where a file has none."""
 
     throttle_low: Annotated[float, FRACTION, Unit("1")]
+    "Throttle at the lower point."
     factor_low: Annotated[float, FRACTION, Unit("1")]
+    "1 − t there."
     throttle_high: Annotated[float, FRACTION, Unit("1")]
+    "Throttle at the upper point."
     factor_high: Annotated[float, FRACTION, Unit("1")]
+    "1 − t there."
 
     @model_validator(mode="after")
     def _low_is_below_high(self) -> Self:
@@ -138,12 +162,19 @@ class Wind(Part):
     """What the wind meets: areas [m²], lateral centre forward of midship [m], coefficients (8.17 to 8.19)."""
 
     air_density: Annotated[float, POSITIVE, Unit("kg/m3")]
+    "Of the air."
     frontal_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
+    "Projected area ahead."
     lateral_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
+    "Projected area abeam."
     lateral_centre: Annotated[float, Unit("m")]
+    "Of the lateral area, forward of midship."
     c_x: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    "Surge coefficient (8.17)."
     c_y: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    "Sway coefficient (8.18)."
     c_n: Annotated[float, Unit("1")]
+    "Yaw: lever of the sway force in lengths, c_n (1 − 2 |a|/π)."
 
 
 class Current(Part):
@@ -154,11 +185,17 @@ class Current(Part):
     """
 
     model: Literal["relative", "dnv_force"]
+    "How a current acts."
     frontal_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
+    "Underwater area ahead."
     lateral_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
+    "Underwater area abeam."
     lateral_centre: Annotated[float, Unit("m")]
+    "Of the lateral area, forward of midship."
     c_x: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    "Surge coefficient."
     c_y: Annotated[float, NOT_NEGATIVE, Unit("1")]
+    "Sway coefficient."
 
 
 class Joypad(Part):
@@ -170,8 +207,11 @@ class Joypad(Part):
     """
 
     thrusters: Annotated[tuple[str, ...], Field(strict=False, min_length=1)]
+    "Names of the thrusters that it drives."
     throttle: Annotated[tuple[float, float], FROM_LIST, Unit("1")]
+    "Throttle at the lever's two ends."
     azimuth: Annotated[tuple[float, float], FROM_LIST, Unit("rad")] = (0.0, 0.0)
+    "Azimuth at the lever's two ends."
 
     @model_validator(mode="after")
     def _ends_are_in_order(self) -> Self:
@@ -185,29 +225,47 @@ class Joypad(Part):
 class Boat(Part):
     """A boat file: particulars, hull, resistance, thrusters, what wind and current meet, and its effects.
 
-    thrust_deduction: of the jets, none where it is left out; a propeller has its own. Added masses are the
-    hydrodynamic derivatives, hence negative or zero. x_g is forward of midship.
+    Added masses are the hydrodynamic derivatives, hence negative or zero.
     """
 
     name: Annotated[str, Field(min_length=1)]
+    "As reports print it."
     length: Annotated[float, POSITIVE, Unit("m")]
+    "Of the hull, L."
     breadth: Annotated[float, POSITIVE, Unit("m")]
+    "Of the hull."
     draught: Annotated[float, POSITIVE, Unit("m")]
+    "Of the hull, d."
     mass: Annotated[float, POSITIVE, Unit("kg")]
+    "Without added mass."
     inertia_z: Annotated[float, POSITIVE, Unit("kg m2")]
+    "About the centre of gravity, without added inertia."
     x_g: Annotated[float, Unit("m")]
+    "Centre of gravity, forward of midship."
     added_mass_surge: Annotated[float, NOT_POSITIVE, Unit("kg")]
+    "Hydrodynamic derivative by surge acceleration."
     added_mass_sway: Annotated[float, NOT_POSITIVE, Unit("kg")]
+    "Hydrodynamic derivative by sway acceleration."
     added_inertia_yaw: Annotated[float, NOT_POSITIVE, Unit("kg m2")]
+    "Hydrodynamic derivative by yaw acceleration."
     water_density: Annotated[float, POSITIVE, Unit("kg/m3")]
+    "Of the water."
     hull: Hull
+    "Hull coefficients."
     resistance: Resistance
+    "A towing tank's table, or coefficients by drift angle."
     thrusters: Annotated[tuple[AnyThruster, ...], Field(strict=False, min_length=1)]
+    "In the order of every per-thruster array."
     thrust_deduction: ThrustDeduction | None = None
+    "Of the jets, none where it is left out; a propeller has its own."
     wind: Wind
+    "Areas and coefficients above water."
     current: Current
+    "Model of the current."
     joypad: Joypad
+    "What a pilot's two levers command."
     effects: tuple[InstanceOf[EffectEntry], ...] = ()
+    "Departures from the file, see the catalogue."
     _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)
 
     @property

@@ -2,10 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
+
+from swamp_rl.effects.search import Search
 
 Combine = Literal["add", "multiply", "replace"]
 ActsOn = Literal["force", "actuator", "sensor", "command"]
+Scope = Literal["boat", "day", "run"]
+Begin = Literal["score", "grid", "spectral", "changepoint"]
 
 FULL_TURN = 2.0 * math.pi
 
@@ -19,6 +23,7 @@ class Parameter:
     field: where it lands in the simulator's record of a boat. neutral: the value that changes nothing, None
     where that is the boat file's own. low, high [unit]: what is allowed, both included unless `above_low`;
     limit: why, for the message. required: an entry must give it, even though it has a neutral value.
+    search: how a diagnosis fits it.
     """
 
     name: str
@@ -30,6 +35,7 @@ class Parameter:
     above_low: bool = False
     limit: str = ""
     required: bool = False
+    search: Search | None = None
 
     def allows(self, value: float) -> bool:
         """Whether `value` [unit] is finite and within the bounds."""
@@ -52,6 +58,15 @@ class Effect:
 
     thruster: entries name one or `all`, and the fields have a column for each. swaps: entries name two, whose
     numbers in this per-thruster field of the boat are exchanged; such an effect has no parameters.
+
+    The rest says how a diagnosis searches for it. scope: the least that may have a value of its own.
+    begin: what the fit's starts come from: the parameters' own, the best point of their grid, a scan of
+    frequencies or of instants; None: never a cause, being random or another's doing. vector: size and
+    direction that are fitted as the components of a vector, whose searches stand with the two; half_turn:
+    direction and phase, of which both turned by half a turn say the same. moves_actuators: changes how the
+    actuators follow their commands. steady: whether steady motion shows it. all_together: may act on all
+    thrusters at once. alone_equals: what it is called on a boat with one thruster. contains:
+    effects that are this one with some of its parameters equal or neutral, and so no rivals of it.
     """
 
     name: str
@@ -62,6 +77,15 @@ class Effect:
     source: str
     thruster: bool = False
     swaps: str = ""
+    scope: Scope = "boat"
+    begin: Begin | None = "score"
+    vector: tuple[str, str] | None = None
+    half_turn: tuple[str, str] | None = None
+    moves_actuators: bool = False
+    steady: bool = True
+    all_together: bool = False
+    alone_equals: str = ""
+    contains: tuple[str, ...] = ()
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name; KeyError if there is none."""
@@ -71,6 +95,11 @@ class Effect:
     def selects(self) -> bool:
         """Whether entries have the key `thruster`."""
         return self.thruster or bool(self.swaps)
+
+    @property
+    def nuisance(self) -> bool:
+        """Whether no boat has exactly the file's numbers, each of which has a prior."""
+        return bool(self.parameters) and all(p.search and p.search.prior for p in self.parameters)
 
     @property
     def parameter_names(self) -> tuple[str, ...]:
@@ -85,13 +114,17 @@ def declare(
     combine: Combine,
     description: str,
     source: str,
-    thruster: bool = False,
-    swaps: str = "",
+    **more: Any,
 ) -> None:
-    """Add an effect to LIBRARY; ValueError if the name is taken."""
+    """Add an effect to LIBRARY; more: the other fields of `Effect`. ValueError if the name is taken, or a
+    number that a diagnosis should fit has no `search`.
+    """
+    effect = Effect(name, parameters, acts_on, combine, description, source, **more)
     if name in LIBRARY:
         raise ValueError(f"effect {name!r} is declared twice")
-    LIBRARY[name] = Effect(name, parameters, acts_on, combine, description, source, thruster, swaps)
+    if effect.begin is not None and any(parameter.search is None for parameter in parameters):
+        raise ValueError(f"effect {name!r} has a number without a search")
+    LIBRARY[name] = effect
 
 
 def neutral_fields() -> dict[str, tuple[float, bool]]:

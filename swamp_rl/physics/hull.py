@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from swamp_rl.physics.compile import compiled
-from swamp_rl.physics.resistance import surge_resistance
+from swamp_rl.physics.resistance import Tow, surge_resistance
 
 
 @compiled
@@ -26,9 +26,7 @@ def crossflow_integrals(a: float, b: float, length: float) -> tuple[float, float
 
 
 @compiled
-def demihull_resistance(
-    u: float, v: float, r: float, p: Any, tank: Any, tow: tuple[float, int, float]
-) -> tuple[float, float]:
+def demihull_resistance(u: float, v: float, r: float, p: Any, tank: Any, tow: Tow) -> tuple[float, float]:
     """Surge force [N] and yaw moment [N m] of the resistance of two demihulls, `hull_spacing` S [m] apart.
 
     Each meets its own surge speed and carries half of the resistance X_R of the whole boat:
@@ -43,15 +41,16 @@ def demihull_resistance(
 
 
 @compiled
-def hull_forces(
-    u: float, v: float, r: float, p: Any, tank: Any, tow: tuple[float, int, float]
-) -> tuple[float, float, float]:
+def hull_forces(u: float, v: float, r: float, p: Any, tank: Any, tow: Tow) -> tuple[float, float, float]:
     """Surge force, sway force [N] and yaw moment [N m] on the hull (eq. 8.16); tow: `towing(p, tank)`.
 
     X_H = X_R + q X'_vr L v r − d u,  N_R: `demihull_resistance`, q = ½ ρ L d
-    Y_H = q [Y'_v v |u| + Y'_r L r u − (C_D/L) ∫ |v + C_rY r x| (v + C_rY r x) dx]
+    Y_H = q [Y'_v v |u| + Y'_r L r u − (k C_D/L) ∫ |v + C_rY r x| (v + C_rY r x) dx] − d_v v
     N_H = q L [N'_v v u + N'_r L r |u| − (C_D/L²) ∫ |v + C_rN r x| (v + C_rN r x) x dx] + N_R + a u |u|
-    The linear drag d [N s/m] and the asymmetry a [N m s²/m²] are zero for the boat as designed.
+          − d_r r
+    The linear damping d, d_v [N s/m], d_r [N m s/rad] (−X_u, −Y_v and −N_r of Fossen 2021, which count near
+    rest) and the asymmetry a [N m s²/m²] are zero for the boat as designed.
+    k is `port_drag` while the hull goes to port, v < 0, where the integral is negative too, and 1 otherwise.
     """
     length = p.length
     q = 0.5 * p.water_density * length * p.draught
@@ -61,6 +60,11 @@ def hull_forces(
         _, n_integral = crossflow_integrals(v, p.c_rn * r, length)
     resistance, turning_resistance = demihull_resistance(u, v, r, p, tank, tow)
     surge = resistance + q * p.x_vr * length * v * r - p.linear_drag * u
-    sway = q * (p.y_v * v * abs(u) + p.y_r * length * r * u - drag / length * y_integral)
+    across = drag / length
+    across = across * p.port_drag if v < 0.0 else across
+    # Each sum begins with what is known first: the integrals and the resistance take longest.
+    linear = p.linear_sway_damping / q * v
+    sway = q * (p.y_v * v * abs(u) + p.y_r * length * r * u - linear - across * y_integral)
     yaw = q * length * (p.n_v * v * u + p.n_r * length * r * abs(u) - drag / (length * length) * n_integral)
-    return surge, sway, yaw + turning_resistance + p.asymmetry_yaw * u * abs(u)
+    yaw = yaw + turning_resistance + (p.asymmetry_yaw * u * abs(u) - p.linear_yaw_damping * r)
+    return surge, sway, yaw

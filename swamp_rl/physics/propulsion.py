@@ -10,7 +10,7 @@ from typing import Any
 from swamp_rl.physics.compile import by_field, compiled
 from swamp_rl.physics.propeller import propeller_forces, wake_factor
 from swamp_rl.physics.rudder import inflow_across, inflow_ahead, rudder_forces
-from swamp_rl.physics.thrusters import jet_force, jet_forces, loss_under_way
+from swamp_rl.physics.thrusters import beyond_dead_band, efficiency, jet_force, jet_forces, loss_under_way
 
 MARK = "propeller_diameter"  # 0 for the jets of a boat that has both
 
@@ -20,7 +20,9 @@ def propeller_with_rudder(
     angle: float, n: float, u: float, v: float, r: float, k: int, p: Any
 ) -> tuple[float, float, float]:
     """Surge, sway force [N] and yaw moment [N m] at rudder angle [rad] and n [rps]."""
-    gain = p.thrust_scale * p.thruster_gain[k]
+    most = p.revolutions_max[k] if n >= 0.0 else p.revolutions_max_astern[k]
+    share = abs(n) / most if most > 0.0 else 0.0
+    gain = p.thrust_scale * p.thruster_gain[k] * efficiency(share, k, p)
     wake = wake_factor(u, v, r, k, p)
     x_propeller, y_propeller, n_propeller, thrust = propeller_forces(n, u, wake, k, p)
     u_rudder = inflow_ahead(n, u, wake, gain * thrust, k, p)
@@ -50,7 +52,8 @@ def worn_either(first: float, second: float, share: float, k: int, p: Any) -> tu
 def output_of_either(angle: float, level: float, k: int, p: Any) -> tuple[float, float]:
     """As `actuator_output`, for a boat with a propeller."""
     if p.propeller_diameter[k] > 0.0:
-        return angle + p.azimuth_offset[k], level
+        most = p.revolutions_max[k] if level >= 0.0 else p.revolutions_max_astern[k]
+        return angle + p.azimuth_offset[k], beyond_dead_band(level, most, k, p)
     return jet_force(angle, level, k, p)
 
 

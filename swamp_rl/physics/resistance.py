@@ -11,6 +11,8 @@ from swamp_rl.physics.compile import by_field, compiled
 # Rows of a tank table at one depth: knot speeds [m/s], cubic coefficients (highest power first), depth h/T.
 SPEED, CUBIC, QUADRATIC, LINEAR, CONSTANT, DEPTH = range(6)
 
+Tow = tuple[float, float, int, float]
+
 
 def tank_table(
     curves: list[tuple[float, NDArray[np.float64], NDArray[np.float64]]],
@@ -77,21 +79,25 @@ def resistance_scale(p: Any) -> float:
 
 
 @compiled
-def towing(p: Any, tank: Any) -> tuple[float, int, float]:
-    """What a boat takes from the tank at its load and depth: `resistance_scale`, then `depth_place`."""
+def towing(p: Any, tank: Any) -> Tow:
+    """What a boat takes from the tank at its load and depth: `resistance_scale` ahead and astern, then
+    `depth_place`.
+    """
     depth, weight = depth_place(p.depth_over_draught, tank)
-    return resistance_scale(p), depth, weight
+    scale = resistance_scale(p)
+    return scale, scale * p.astern_drag, depth, weight
 
 
 @compiled
-def resistance_of_tank(u: float, v: float, p: Any, tank: Any, tow: tuple[float, int, float]) -> float:
-    """Surge force [N] of the resistance, -k(U) u U; the double-ended hull resists astern as ahead.
+def resistance_of_tank(u: float, v: float, p: Any, tank: Any, tow: Tow) -> float:
+    """Surge force [N] of the resistance, -k(U) u U; astern, where u < 0, `astern_drag` times that.
 
     Between tested depths 1/k is interpolated: 1/k = w/k_shallow + (1 − w)/k_deep. Left out and interpolated
     from the others, the towed depths h/T = 2, 2.5 and 4 come back within 10, 9 and 9 % (rms), against 28, 10
     and 12 % where k is interpolated and 16, 8 and 10 % where log k is. tow: `towing(p, tank)`.
     """
-    scale, depth, weight = tow
+    ahead, astern, depth, weight = tow
+    scale = astern if u < 0.0 else ahead
     speed = math.sqrt(u * u + v * v)
     piece, x = piece_of(speed, tank)
     shallow = factor_at_depth(piece, x, tank, depth)
@@ -101,15 +107,16 @@ def resistance_of_tank(u: float, v: float, p: Any, tank: Any, tow: tuple[float, 
 
 
 @compiled
-def resistance_by_drift(u: float, v: float, p: Any, tank: Any, tow: tuple[float, int, float]) -> float:
+def resistance_by_drift(u: float, v: float, p: Any, tank: Any, tow: Tow) -> float:
     """Surge force [N] by published coefficients, ½ρLd X'_0 u U (Yoshimura 2009).
 
-    X'_0 is linear in the drift angle, from ahead to astern.
+    X'_0 is linear in the drift angle, from ahead to astern; there `astern_drag` comes on top of it.
     """
     speed = math.sqrt(u * u + v * v)
     drift = abs(math.atan2(v, u)) / math.pi
     x_0 = p.x_0_ahead + (p.x_0_astern - p.x_0_ahead) * drift
-    return tow[0] * 0.5 * p.water_density * p.length * p.draught * x_0 * u * speed
+    scale = tow[1] if u < 0.0 else tow[0]
+    return scale * 0.5 * p.water_density * p.length * p.draught * x_0 * u * speed
 
 
 surge_resistance = by_field("x_0_ahead", resistance_by_drift, resistance_of_tank)

@@ -5,6 +5,8 @@ from typing import Any
 
 from swamp_rl.physics.compile import compiled
 
+LOW_KNOT, MIDDLE_KNOT = 0.3, 0.6  # throttles between which, and 1, the efficiency curve is linear
+
 
 @compiled
 def azimuth_after(angle: float, command: float, time_constant: float, rate: float, time: float) -> float:
@@ -40,6 +42,33 @@ def throttle_after(throttle: float, command: float, time_constant: float, time: 
 
 
 @compiled
+def beyond_dead_band(level: float, most: float, k: int, p: Any) -> float:
+    """Command that thruster k makes thrust of: sign(c) max(|c| − d c_max, 0) / (1 − d).
+
+    level c, most c_max: throttle [1] and 1 of a jet, revolutions and their limit [rps] of a propeller. The
+    dead band d [1] gives no thrust; beyond it the thrust rises from zero to what it is without one at c_max.
+    """
+    band = p.dead_band[k]
+    if band == 0.0:
+        return level
+    return math.copysign(max(abs(level) - band * most, 0.0) / (1.0 - band), level)
+
+
+@compiled
+def efficiency(share: float, k: int, p: Any) -> float:
+    """Factor [1] on the thrust of thruster k at the share |c| / c_max [1] of its greatest command.
+
+    Linear between the knots (0.3, e_30), (0.6, e_60) and (1, e_100), constant below the first.
+    """
+    low, middle, high = p.efficiency_30[k], p.efficiency_60[k], p.efficiency_100[k]
+    if low == middle and middle == high:
+        return high
+    if share < MIDDLE_KNOT:
+        return low + max((share - LOW_KNOT) / (MIDDLE_KNOT - LOW_KNOT), 0.0) * (middle - low)
+    return middle + min((share - MIDDLE_KNOT) / (1.0 - MIDDLE_KNOT), 1.0) * (high - middle)
+
+
+@compiled
 def bollard_thrust(throttle: float, k: int, p: Any) -> float:
     """Thrust [N] of thruster k at rest, negative astern: T = (a + b p) p ahead, (a' − b' p) p astern.
 
@@ -60,10 +89,14 @@ def thrust_deduction_factor(throttle: float, p: Any) -> float:
 
 @compiled
 def effective_thrust(throttle: float, k: int, p: Any) -> float:
-    """Thrust [N] of thruster k on a boat at rest: T = scale · gain_k · T_bollard(p) · (1 − t)(p)."""
+    """Thrust [N] of thruster k on a boat at rest: T = scale · gain_k · e_k(p) · T_bollard(p) · (1 − t)(p).
+
+    p: the throttle beyond the dead band.
+    """
+    throttle = beyond_dead_band(throttle, 1.0, k, p)
     if throttle == 0.0:
         return 0.0
-    gain = p.thrust_scale * p.thruster_gain[k]
+    gain = p.thrust_scale * p.thruster_gain[k] * efficiency(abs(throttle), k, p)
     return gain * bollard_thrust(throttle, k, p) * thrust_deduction_factor(throttle, p)
 
 

@@ -145,6 +145,18 @@ def propeller_row(actuator: PropellerRudder) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=64)
+def record_of(scalars: tuple[str, ...], columns: tuple[tuple[str, tuple[int, ...]], ...]) -> np.dtype[Any]:
+    """The record of these fields, those of `columns` with their shapes; the same object for equal ones.
+
+    At every call numba looks a record up by identity first; another object of the same type is compared with
+    it field by field, which takes longer than the step of a boat.
+    """
+    return np.dtype(
+        [(field, np.float64) for field in scalars] + [(field, np.float64, shape) for field, shape in columns]
+    )
+
+
+@lru_cache(maxsize=64)
 def _nominal(boat: Boat) -> NDArray[Any]:
     scalars = boat_fields(boat)
     columns = thruster_fields(boat)
@@ -155,11 +167,8 @@ def _nominal(boat: Boat) -> NDArray[Any]:
             columns[field] = [neutral] * len(boat.thrusters)
         else:
             scalars[field] = neutral
-    dtype = np.dtype(
-        [(field, np.float64) for field in scalars]
-        + [(field, np.float64, np.shape(values)) for field, values in columns.items()]
-    )
-    record = np.zeros(1, dtype)
+    shapes = {field: np.shape(values) for field, values in columns.items()}
+    record = np.zeros(1, record_of(tuple(scalars), tuple(shapes.items())))
     for field, value in (scalars | columns).items():
         record[field] = value
     refuse_divergence(boat.name, record, tank(boat))

@@ -1,6 +1,7 @@
 """Replay the commands of a recorded run through the simulator, from the run's first state."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,10 @@ from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from swamp_rl.simulator.parameters import initial_state, parameters, tank
-from swamp_rl.simulator.sensors import CHANNELS, observe, true_pose
+from swamp_rl.simulator.sensors import CHANNELS, observe, rows_ahead, true_motion
 from swamp_rl.simulator.state import ACTUATORS
-from swamp_rl.simulator.step import simulate, substeps_of
+from swamp_rl.simulator.step import simulate_in_weather, substeps_of
+from swamp_rl.simulator.weather import measured_weather
 
 Array = NDArray[np.float64]
 
@@ -51,8 +53,8 @@ def first_velocity(run: Run) -> Array:
 
 def start_of(run: Run, boat: Boat, params: NDArray[Any], commands: Array) -> Array:
     """(1, S) state at the run's first row; actuators as applied where recorded, else as commanded there."""
-    velocity = first_velocity(run)[None]
-    state = initial_state(params, true_pose(run.pose[:1], velocity, params), velocity)
+    motion = true_motion(np.hstack([run.pose[:1], first_velocity(run)[None]]), params)
+    state = initial_state(params, motion[:, :3], motion[:, 3:])
     for k, thruster in enumerate(boat.thrusters):
         for column, index in zip(thruster.command_columns, (k, len(boat.thrusters) + k), strict=True):
             applied = run.columns.get(f"applied_{column}")
@@ -64,7 +66,7 @@ def run_of(track: Array, measured: Array, time: Array, source: Run, boat: Boat) 
     """A simulated track (T, S), measured as (T, 6), as a run; commands and levers kept from `source`."""
     columns = {"time": time} | dict(zip(CHANNELS, measured.T, strict=True))
     columns["heading"] = np.pi - np.mod(np.pi - columns["heading"], 2 * np.pi)  # in (-pi, pi]
-    kept = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_")
+    kept = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_", "wind_", "depth")
     columns |= {name: values for name, values in source.columns.items() if name.startswith(kept)}
     for k, thruster in enumerate(boat.thrusters):
         angle, level = thruster.command_columns
@@ -74,10 +76,12 @@ def run_of(track: Array, measured: Array, time: Array, source: Run, boat: Boat) 
     return Run(source.name, columns)
 
 
-def replay(boat: Boat, run: Run) -> Run:
+def replay(boat: Boat, run: Run, ignore: Sequence[str] = ()) -> Run:
     """The track that the boat file predicts for the run's commands, at the run's own times.
 
-    A row's command is held until the next row. UserError where the run holds no commands of this boat.
+    A row's command is held until the next row, and so are the wind and the depth where the run measured them;
+    `ignore`: those of `swamp_rl.simulator.weather.MEASURED` that are left out. UserError where the run holds
+    no commands of this boat.
     """
     dt = sample_step(run)
     run.stacked(thruster.command_columns[1] for thruster in boat.thrusters)  # refuses another boat's run
@@ -85,5 +89,15 @@ def replay(boat: Boat, run: Run) -> Run:
     params = parameters(boat)
     start = start_of(run, boat, params, commands)
     seeds = np.zeros(1, np.uint64)
-    track = simulate(params, tank(boat), start, commands[None, :-1], seeds, dt, substeps_of(dt))
-    return run_of(track[0], observe(track, params, dt)[0], run.time, run, boat)
+    ahead = rows_ahead(params, (len(run.time) - 1) * dt, dt)
+    held = held_on(commands, ahead)[:-1]
+    weather = measured_weather(run, boat, ignore)
+    felt = held_on(weather, ahead)[None, :-1] if len(weather) else np.zeros((0, 0, 3))
+    track = simulate_in_weather(params, tank(boat), start, held[None], felt, seeds, dt, substeps_of(dt))
+    rows = slice(len(run.time))
+    return run_of(track[0, rows], observe(track, params, dt)[0, rows], run.time, run, boat)
+
+
+def held_on(rows: Array, more: int) -> Array:
+    """(T + more, n) the rows (T, n), the last one repeated."""
+    return np.concatenate([rows, np.repeat(rows[-1:], more, axis=0)])

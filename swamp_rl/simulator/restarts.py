@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,9 +15,10 @@ from swamp_rl.runs import Run
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.parameters import parameters, tank
 from swamp_rl.simulator.replay import VELOCITIES, fixed_thrusters, run_of, sample_step, start_of
-from swamp_rl.simulator.sensors import observe, true_pose
+from swamp_rl.simulator.sensors import observe, true_motion
 from swamp_rl.simulator.state import YAW_RATE
 from swamp_rl.simulator.step import step, substeps_of
+from swamp_rl.simulator.weather import measured_weather, set_weather
 
 Array = NDArray[np.float64]
 
@@ -39,14 +41,15 @@ class Restarted:
     miss: Array
 
 
-def replay_restarted(boat: Boat, run: Run, seconds: float) -> Restarted:
+def replay_restarted(boat: Boat, run: Run, seconds: float, ignore: Sequence[str] = ()) -> Restarted:
     """What `boat` predicts for the run's commands, started anew from the measured state every `seconds`.
 
     The actuators go on as the commands had them; only the hull is put back. The last window may be shorter.
     Velocities come from the run where it holds all three, else from a parabola through the track about the
     restart. Where rows are lost, the command before stands, and a window starts with the next row that is
-    there. UserError where the run is shorter than a window, the window shorter than two samples, a command of
-    this boat is missing, or times do not lie on a grid.
+    there. Wind and depth that the run measured are inputs, less those in `ignore`. UserError where the run is
+    shorter than a window, the window shorter than two samples, a command of this boat is missing, or times do
+    not lie on a grid.
     """
     dt = sample_step(run)
     steps = _steps(run, seconds, dt)
@@ -54,18 +57,19 @@ def replay_restarted(boat: Boat, run: Run, seconds: float) -> Restarted:
     places = grid_rows(run, dt)
     whole = _held(run, places, dt)
     commands = whole.commands(boat.thruster_names, fixed_thrusters(boat))
+    weather = measured_weather(whole, boat, ignore)
     nominal = np.arange(0, places[-1], steps)
     rows = np.unique(np.searchsorted(places, nominal))  # of the measured run, that windows start with
     rows = rows[places[rows] < places[-1]]
     params = parameters(boat)
-    velocity = _velocities(run, rows)
-    pose = true_pose(run.pose[rows], velocity, np.repeat(params, len(rows)))
+    measured = np.hstack([run.pose[rows], _velocities(run, rows)])
+    motion = true_motion(measured, np.repeat(params, len(rows)), run.time[rows] - run.time[0])
     state = start_of(run, boat, params, commands)
     tracks = []
     limits = [*places[rows].tolist(), int(places[-1])]
-    for (first, last), rigid in zip(itertools.pairwise(limits), np.hstack([pose, velocity]), strict=True):
+    for (first, last), rigid in zip(itertools.pairwise(limits), motion, strict=True):
         state[0, : YAW_RATE + 1] = rigid
-        tracks.append(_sailed(boat, params, state, commands, range(first, last), dt))
+        tracks.append(_sailed(boat, params, state, commands, weather, range(first, last), dt))
     seen = [observe(track[None], params, dt)[0] for track in tracks]
     simulated = run_of(_joined(tracks), _joined(seen), whole.time, whole, boat)
     windows = np.searchsorted(limits[:-1], np.arange(len(whole.time)), side="right")
@@ -98,12 +102,24 @@ def _held(run: Run, places: NDArray[np.int64], dt: float) -> Run:
     return Run(run.name, columns | {"time": run.time[0] + dt * every}, run.meta)
 
 
-def _sailed(boat: Boat, params: NDArray[Any], state: Array, commands: Array, rows: range, dt: float) -> Array:
-    """(n + 1, S) states over n rows of commands (T, 2K), from `state` (1, S), which ends as the last."""
+def _sailed(
+    boat: Boat,
+    params: NDArray[Any],
+    state: Array,
+    commands: Array,
+    weather: Array,
+    rows: range,
+    dt: float,
+) -> Array:
+    """(n + 1, S) states over n rows of commands (T, 2K) and weather (T or 0, 3), from `state` (1, S), which
+    ends as the last.
+    """
     track = [state[0].copy()]
     arrived = np.empty(commands.shape[1])
     seeds = np.zeros(1, np.uint64)
     for row in rows:
+        if len(weather):
+            set_weather(params, weather[min(row, len(weather) - 1)])
         delayed_command(commands, row, float(params["command_delay"][0]) / dt, arrived)
         step(state, params, tank(boat), arrived[None], seeds, dt, substeps_of(dt))
         track.append(state[0].copy())

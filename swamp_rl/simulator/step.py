@@ -62,6 +62,17 @@ def wind_now(state: Any, p: Any) -> tuple[float, float]:
 
 
 @compiled
+def take_weather(p: Any, row: Any) -> None:
+    """Put a row (3,) of measured weather into the record p: wind speed [m/s], direction it comes from [rad],
+    depth in draughts [1]; what is NaN stays as it is."""
+    if math.isfinite(row[0]):
+        p.wind_speed = row[0]
+        p.wind_from = row[1]
+    if math.isfinite(row[2]):
+        p.depth_over_draught = row[2]
+
+
+@compiled
 def commanded(k: int, time: float, command: Any, p: Any) -> tuple[float, float]:
     """Azimuth or rudder [rad] and throttle [1] or revolutions [rps] asked of thruster k, within its limits.
 
@@ -166,14 +177,25 @@ def simulate(params: Any, tank: Any, start: Any, commands: Any, seeds: Any, dt: 
     start: (n, S) states, not changed; commands: (n, T, 2K), each row held for dt [s].
     Returns (n, T + 1, S), the start first.
     """
+    return simulate_in_weather(params, tank, start, commands, np.empty((0, 0, 3)), seeds, dt, substeps)
+
+
+@compiled
+def simulate_in_weather(
+    params: Any, tank: Any, start: Any, commands: Any, weather: Any, seeds: Any, dt: float, substeps: int
+) -> Any:
+    """As `simulate`, with measured weather (n or 0, T, 3): rows of `take_weather`, each held for dt [s]."""
     boats, steps = commands.shape[0], commands.shape[1]
     track = np.empty((boats, steps + 1, start.shape[1]))
     jets = np.empty((3, commands.shape[2] // 2, 2))
     arrived = np.empty(commands.shape[2])
+    own = params.copy()
     for i in range(boats):
         track[i, 0] = start[i]
         for j in range(steps):
             track[i, j + 1] = track[i, j]
+            if weather.shape[0] > 0:
+                take_weather(own[i], weather[i, j])
             delayed_command(commands[i], j, params[i].command_delay / dt, arrived)
-            step_boat(track[i, j + 1], params[i], tank, arrived, seeds[i], dt, substeps, jets)
+            step_boat(track[i, j + 1], own[i], tank, arrived, seeds[i], dt, substeps, jets)
     return track

@@ -12,10 +12,11 @@ from swamp_rl.simulator.parameters import initial_state, parameters, tank
 from swamp_rl.simulator.replay import VELOCITIES, fixed_thrusters, sample_step
 from swamp_rl.simulator.state import ACTUATORS
 from swamp_rl.simulator.step import step, substeps_of
+from swamp_rl.simulator.weather import MEASURED, measured_weather, set_weather
 
 Array = NDArray[np.float64]
 
-WIND = ("wind_speed", "wind_from")
+WIND = MEASURED["wind"]
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,9 @@ def replay_from(
     pose = run.pose
     pose[:, 2] = np.unwrap(pose[:, 2])
     commands = run.commands(boat.thruster_names, fixed_thrusters(boat))[rows]
-    wind = run.stacked(WIND)[rows] if measured_wind else None
+    if measured_wind:
+        run.stacked(WIND)  # refuses a run without
+    wind = measured_weather(run, boat)[rows] if measured_wind else None
     params = parameters(boat, len(starts))
     state = initial_state(params, pose[starts], run.stacked(VELOCITIES)[starts])
     state[:, ACTUATORS:] = commands[:, 0]
@@ -64,7 +67,7 @@ def replay_from(
     simulated[:, 0] = state[:, :3]
     for j in range(steps):
         if wind is not None:
-            params["wind_speed"], params["wind_from"] = wind[:, j].T
+            set_weather(params, wind[:, j])
         step(state, params, tank(boat), np.ascontiguousarray(commands[:, j]), seeds, dt, substeps_of(dt))
         simulated[:, j + 1] = state[:, :3]
     return Windows(pose[rows], simulated)

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from swamp_rl.envs.fleet import world_of
+from swamp_rl.envs.task import Task
+from swamp_rl.envs.world import world_of
 
 from swamp_rl.boat import PropellerRudder, load_boat
-from swamp_rl.course import load_course
 from swamp_rl.errors import UserError
 from swamp_rl.physics.propulsion import propeller_with_rudder
 from swamp_rl.runs import Run
@@ -339,7 +339,7 @@ def test_missing_times_are_named_by_file_and_row_or_cut_on_request() -> None:
 
 
 def test_the_left_lever_asks_for_revolutions_and_the_right_one_for_the_rudder() -> None:
-    world = world_of(BOAT, load_course("camogli"), 0.1)
+    world = world_of(Task.read(boat=BOAT))
     assert world["lever_idle"][0, 0] == 0.0
     assert world["lever_gain"][0, 0] == main().revolutions_max
     assert math.degrees(world["lever_swing"][0, 0]) == pytest.approx(35.0)

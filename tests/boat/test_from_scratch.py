@@ -18,7 +18,19 @@ from tests.support.command_line import Call
 from tests.support.command_line import call as call  # the fixture
 from tests.support.from_scratch import BOATS, written
 
-SCALE = {"twin": 1.6, "ferry": 4.0, "toy": 1.0}  # of the course, so that a run lasts the 20 s of a diagnosis
+SCALE = {
+    "twin": 1.6,
+    "ferry": 4.0,
+    "large": 14.0,
+    "toy": 1.0,
+}  # of the course, so that a run lasts the 20 s of a diagnosis
+
+
+def scaled_course(folder: Path, name: str) -> Path:
+    """The course for a boat, written into the folder."""
+    path = folder / "course.yaml"
+    path.write_text(f"extends: camogli\nscale: {SCALE[name]}\n")
+    return path
 
 
 @pytest.mark.parametrize("name", BOATS)
@@ -26,7 +38,7 @@ def test_a_boat_from_scratch_is_recorded_simulated_tried_and_diagnosed(
     call: Call, tmp_path: Path, name: str
 ) -> None:
     length = load_boat(written(tmp_path, name)).length
-    (tmp_path / "course.yaml").write_text(f"extends: camogli\nscale: {SCALE[name]}\n")
+    scaled_course(tmp_path, name)
     first = BOATS[name]["thrusters"][0]["name"]
     effect = f"{{effect: thruster_gain, thruster: {first}, gain: 0.7}}"
     (tmp_path / "worn.yaml").write_text(f"extends: {name}.yaml\neffects: [{effect}]\n")
@@ -73,7 +85,7 @@ def test_a_fixed_thruster_stands_where_it_points_from_the_start(tmp_path: Path) 
 @pytest.mark.parametrize("name", BOATS)
 @pytest.mark.parametrize("lever", [-1.0, 1.0])
 def test_the_lever_to_starboard_turns_the_bow_to_starboard(tmp_path: Path, name: str, lever: float) -> None:
-    env = GatesEnv(written(tmp_path, name))
+    env = GatesEnv(boat=written(tmp_path, name), course=scaled_course(tmp_path, name))
     env.reset(seed=0)
     before = env.fleet.pose[0, 2]
     for _ in range(15):
@@ -94,7 +106,7 @@ def test_the_lever_to_starboard_turns_the_bow_to_starboard(tmp_path: Path, name:
 def test_the_levers_of_twin_fixed_thrusters_are_mixed_as_differential_thrust(
     tmp_path: Path, throttle: float, angle: float, expected: tuple[float, float]
 ) -> None:
-    env = GatesEnv(written(tmp_path, "twin"))
+    env = GatesEnv(boat=written(tmp_path, "twin"))
     env.reset(seed=0)
     env.step(np.array([throttle, angle], np.float32))
     assert env.fleet.commands[0, 2:] == pytest.approx(expected)
@@ -127,7 +139,7 @@ def test_a_scale_that_is_none_is_refused(tmp_path: Path, scale: str) -> None:
 
 
 def test_an_episode_whose_motion_diverges_is_cut_with_its_last_finite_observation(tmp_path: Path) -> None:
-    env = GatesEnv(written(tmp_path, "twin"))
+    env = GatesEnv(boat=written(tmp_path, "twin"))
     last, _ = env.reset(seed=0)
     ahead = np.array([1.0, 0.0], np.float32)
     for _ in range(3):

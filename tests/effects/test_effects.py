@@ -71,6 +71,15 @@ def test_the_library_has_the_projects_vocabulary() -> None:
         "heading_bias": ("bias",),
         "position_delay": ("delay",),
         "position_lever_arm": ("x", "y"),
+        "throttle_dead_band": ("below",),
+        "thruster_efficiency_curve": ("at_30", "at_60", "at_100"),
+        "drag_asymmetry": ("astern", "port"),
+        "linear_sway_damping": ("coefficient",),
+        "linear_yaw_damping": ("coefficient",),
+        "gyro_bias": ("bias",),
+        "heading_drift": ("rate",),
+        "clock_offset": ("offset",),
+        "clock_drift": ("rate",),
     }
 
 
@@ -92,7 +101,7 @@ def test_an_effect_at_its_neutral_values_changes_nothing(name: str) -> None:
 @pytest.mark.parametrize("name", sorted(set(LIBRARY) - {"channel_swap"}))
 def test_an_effect_changes_its_own_fields_and_no_other(name: str) -> None:
     effect = LIBRARY[name]
-    numbers = {p.name: 1.7 if p.allows(1.7) else 0.7 for p in effect.parameters}
+    numbers = {p.name: next(x for x in (1.7, 0.7, 0.07) if p.allows(x)) for p in effect.parameters}
     selector = {"thruster": "ss"} if effect.thruster else {}
     record = with_effects({"effect": name} | selector | numbers)
     assert changed_fields(record) == {p.field for p in effect.parameters}

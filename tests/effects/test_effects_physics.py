@@ -4,102 +4,31 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from swamp_rl.boat import load_boat
-from swamp_rl.effects import LIBRARY, apply_effects, parse_effects
+from swamp_rl.effects import LIBRARY
 from swamp_rl.physics.thrusters import effective_thrust
-from swamp_rl.simulator import initial_state, parameters, simulate, step, tank
+from swamp_rl.simulator import initial_state, simulate, step, tank
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE
 from tests.support.boats import Array, commands, forces_on_hull
-
-BOAT = load_boat("swamp-thesis")  # neutral in every effect
-NAMES = BOAT.thruster_names
-DT = 0.1
-SURGE_MASS = BOAT.mass - BOAT.added_mass_surge
-SWAY_MASS = BOAT.mass - BOAT.added_mass_sway
-YAW_INERTIA = BOAT.inertia_z - BOAT.added_inertia_yaw
-NO_RESISTANCE = {"effect": "resistance", "scale": 0.0}
-
-STRONG: dict[str, dict[str, Any]] = {  # every effect far enough from neutral for anyone to see
-    "current": {"north": 0.1, "east": -0.05},
-    "drifting_current": {"north_rate": 0.002},
-    "wind": {"speed": 5.0, "from": 1.0},
-    "gusts": {"speed_std": 2.0},
-    "waves": {"force": 3.0, "frequency": 0.3, "from": 0.5},
-    "shallow_water": {"depth_over_draught": 2.0},
-    "thruster_gain": {"thruster": "bs", "gain": 0.7},
-    "thruster_failure": {"thruster": "ss", "time": 4.0},
-    "thruster_kick": {"thruster": "sp", "time": 3.0, "duration": 2.0, "throttle": 1.0, "azimuth": 1.5},
-    "azimuth_offset": {"thruster": "all", "offset": 0.1},
-    "azimuth_lag": {"time_constant": 0.6},
-    "command_delay": {"delay": 0.25},
-    "pump_lag": {"time_constant": 0.5},
-    "channel_swap": {"thruster": ["bs", "ss"]},
-    "thrust_scale": {"scale": 0.8},
-    "advance_thrust_loss": {"factor": 1.0},
-    "crossflow_thrust_loss": {"coefficient": 1.0},
-    "thrust_deduction": {"low": 0.6, "high": 0.9},
-    "thrust_sag": {"rate": 0.01},
-    "resistance": {"scale": 1.4},
-    "linear_drag": {"coefficient": 4.0},
-    "mass": {"mass": 48.0},
-    "centre_of_gravity": {"x_g": 0.1},
-    "yaw_inertia": {"scale": 1.5},
-    "sway_drag": {"scale": 1.5},
-    "yaw_damping": {"scale": 1.5},
-    "hull_coefficients": {"y_v": 1.3},
-    "demihull_spacing": {"spacing": 0.8},
-    "hull_asymmetry": {"yaw_moment": 3.0},
-    "external_force": {"north": 2.0},
-    "heading_bias": {"bias": 0.1},
-    "position_delay": {"delay": 0.35},
-    "position_lever_arm": {"x": 0.3, "y": -0.2},
-}
-EVERY_EFFECT = [{"effect": name} | numbers for name, numbers in STRONG.items()]
-
-
-def record(*entries: dict[str, Any], boats: int = 1) -> NDArray[Any]:
-    params = parameters(BOAT, boats)
-    apply_effects(params, parse_effects(list(entries), "test", NAMES), NAMES)
-    return params
-
-
-def track(
-    command: Array,
-    *entries: dict[str, Any],
-    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    heading: float = 0.0,
-    substeps: int = 2,
-    start: Array | None = None,
-) -> Array:
-    params = record(*entries)
-    if start is None:
-        start = initial_state(params, np.array([[0.0, 0.0, heading]]), np.array([velocity]))
-    return simulate(params, tank(BOAT), start, command[None], np.ones(1, np.uint64), DT, substeps)[0]
-
-
-def lively(steps: int = 200, seed: int = 0) -> Array:
-    rng = np.random.default_rng(seed)
-    chosen = np.concatenate(
-        [rng.uniform(-1, 1, (steps // 10, 4)), rng.uniform(0.2, 1, (steps // 10, 4))], axis=1
-    )
-    return np.repeat(chosen, 10, axis=0)
-
-
-def coast(seconds: float = 10.0) -> Array:
-    return commands(0, 0, (0.0,) * 4, round(seconds / DT))
-
-
-def times(run: Array) -> Array:
-    return np.asarray(DT * np.arange(len(run)), dtype=np.float64)
-
-
-def thrust_at(throttle: float) -> float:
-    """Of all four thrusters together, as the reference has it: 12.2 p² and 1 - t from 0.30 to 0.75."""
-    return float(4.0 * 12.2 * throttle**2 * np.interp(throttle, [0.3, 1.0], [0.30, 0.75]))
+from tests.support.effects import (
+    BOAT,
+    DT,
+    EVERY_EFFECT,
+    NO_RESISTANCE,
+    STRONG,
+    SURGE_MASS,
+    SWAY_MASS,
+    YAW_INERTIA,
+    at_once,
+    coast,
+    lively,
+    record,
+    thrust_at,
+    times,
+    track,
+)
 
 
 @pytest.mark.parametrize("name", LIBRARY)
@@ -278,14 +207,6 @@ def test_sway_drag_scales_the_sideways_coasting() -> None:
     assert drifting[:, SWAY] == pytest.approx(0.3 / (1 + k * 0.3 * times(drifting) / SWAY_MASS), rel=1e-5)
 
 
-def at_once(*entries: dict[str, Any], velocity: tuple[float, float, float] = (0, 0, 0)) -> Array:
-    """Accelerations at the start, with the thrusters off."""
-    params = record(*entries)
-    start = initial_state(params, np.zeros((1, 3)), np.array([velocity], dtype=float))
-    end = simulate(params, tank(BOAT), start, coast(DT)[None], np.zeros(1, np.uint64), 1e-5, 1)[0, -1]
-    return (end[SURGE : YAW_RATE + 1] - start[0, SURGE : YAW_RATE + 1]) / 1e-5
-
-
 def test_a_payload_forward_turns_the_bow_against_a_push_amidships() -> None:
     x_g = 0.12
     _, sway, yaw = at_once(
@@ -330,27 +251,16 @@ def test_a_scaled_derivative_adds_its_own_term(name: str, axis: int, unit: Any) 
         assert record({"effect": "yaw_damping", "scale": 1.3}) == record(entry)
 
 
-def test_sensors_report_the_antenna_late_and_the_compass_off() -> None:
-    run = track(lively())
-    arm = observe(run[None], record({"effect": "position_lever_arm", "x": 0.3, "y": 0.2}), DT)[0]
-    turned = (run[:, NORTH] + 1j * run[:, EAST]) + (0.3 + 0.2j) * np.exp(1j * run[:, HEADING])
-    assert arm[:, 0] + 1j * arm[:, 1] == pytest.approx(turned, abs=1e-12)
-    late = observe(run[None], record({"effect": "position_delay", "delay": 0.35}), DT)[0]
-    assert late[10:, :2] == pytest.approx(0.5 * (run[6:-4, :2] + run[7:-3, :2])[: len(late) - 10], abs=1e-12)
-    assert np.array_equal(late[:, 2:], run[:, 2:6])
-    off = observe(run[None], record({"effect": "heading_bias", "bias": -0.1}), DT)[0]
-    assert off[:, HEADING] == pytest.approx(run[:, HEADING] - 0.1, abs=1e-12)
-    assert np.array_equal(observe(run[None], record(), DT)[0], run[:, :6])
-
-
 def test_mirrored_commands_give_the_mirrored_track_with_symmetric_effects() -> None:
     names = (
         "azimuth_lag command_delay pump_lag thrust_scale advance_thrust_loss crossflow_thrust_loss "
         "thrust_sag resistance linear_drag mass centre_of_gravity yaw_inertia sway_drag yaw_damping "
-        "hull_coefficients"
+        "hull_coefficients linear_sway_damping linear_yaw_damping thruster_efficiency_curve"
     )
     entries = [{"effect": name} | STRONG[name] for name in names.split()]
     entries.append({"effect": "thruster_failure", "thruster": "all", "time": 15.03})
+    entries.append({"effect": "throttle_dead_band", "thruster": "all", "below": 0.3})
+    entries.append({"effect": "drag_asymmetry", "astern": 1.8})
     mirrored = lively()[:, [1, 0, 3, 2, 5, 4, 7, 6]]
     mirrored[:, :4] *= -1.0
     one, other = track(lively(), *entries), track(mirrored, *entries)
@@ -370,6 +280,22 @@ def test_a_boat_with_effects_gives_the_same_bits_alone_and_in_a_batch() -> None:
             step(alone[i], batch[i : i + 1], tank(BOAT), command[None], seeds[i : i + 1], DT, 2)
     assert np.array_equal(state, np.concatenate(alone))
     assert np.all(np.isfinite(state))
+
+
+def test_effects_at_their_neutral_values_change_no_bit_of_what_is_measured() -> None:
+    named = [
+        name for name, effect in LIBRARY.items() if all(p.neutral is not None for p in effect.parameters)
+    ]
+    neutral: list[dict[str, Any]] = []
+    for name in named:
+        effect = LIBRARY[name]
+        entry: dict[str, Any] = {"effect": name} | {p.name: p.neutral for p in effect.parameters}
+        if not effect.swaps and name != "thruster_failure":
+            neutral.append(entry | ({"thruster": "all"} if effect.thruster else {}))
+    assert np.array_equal(record(*neutral), record())
+    plain, same = track(lively()), track(lively(), *neutral)
+    assert np.array_equal(plain, same)
+    assert np.array_equal(observe(same[None], record(*neutral), DT)[0], plain[:, :6])
 
 
 def test_thrust_is_as_the_reference_has_it() -> None:

@@ -1,5 +1,5 @@
-"""What the sensors report of the boat's motion: antenna off midship, positions late, compass off."""
+"""What the sensors report of the boat's motion: antenna off midship, times and compass off."""
 
-from swamp_rl.simulator.sensors.observe import CHANNELS, add_noise, observe, true_pose
+from swamp_rl.simulator.sensors.observe import CHANNELS, add_noise, observe, rows_ahead, true_motion
 
-__all__ = ["CHANNELS", "add_noise", "observe", "true_pose"]
+__all__ = ["CHANNELS", "add_noise", "observe", "rows_ahead", "true_motion"]

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from swamp_rl.physics.compile import compiled
-from swamp_rl.simulator.state import EAST, HEADING, NORTH
+from swamp_rl.simulator.state import EAST, HEADING, NORTH, TIME
 
 
 @compiled
@@ -28,6 +28,7 @@ def reported_pose(past: Any, tick: int, state: Any, dt: float, p: Any) -> tuple[
     """Measured north, east [m] and heading [rad, not wrapped] at the end of step `tick` of dt [s].
 
     past: (R, 2) by `keep_position`, R >= delay / dt + 2, filled at the start with where the boat came from.
+    The receiver's clock is left out: it shifts the times in a record, not when a reading arrives on board.
     """
     delay = p.position_delay / dt
     whole = int(delay)
@@ -36,5 +37,5 @@ def reported_pose(past: Any, tick: int, state: Any, dt: float, p: Any) -> tuple[
     return (
         past[newer, 0] + share * (past[older, 0] - past[newer, 0]),
         past[newer, 1] + share * (past[older, 1] - past[newer, 1]),
-        state[HEADING] + p.heading_bias,
+        state[HEADING] + p.heading_bias + p.heading_drift * state[TIME],
     )

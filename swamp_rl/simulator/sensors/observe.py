@@ -1,34 +1,64 @@
 """From the boat's motion to what is measured of it, and back at a start."""
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.simulator.state import HEADING, NORTH, SURGE, SWAY, YAW_RATE
+from swamp_rl.simulator.state import HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE
 
 Array = NDArray[np.float64]
 
 CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
 
 
-def observe(track: Array, params: NDArray[Any], dt: float) -> Array:
+def observe(track: Array, params: NDArray[Any], dt: float, began: Array | None = None) -> Array:
     """Measured channels (n, T, 6), in the order of `CHANNELS`, of tracks (n, T, S) in rows of dt [s].
 
-    params: (n,) parameter records, read for the sensors' effects. Positions are the antenna's, at the time
-    before now that `position_delay` says, linear between rows and continued straight before the first one.
-    The heading is not wrapped; velocities over ground are midship's.
+    params: (n,) parameter records, read for the sensors' effects. began: (n,) time [s] of the first rows, the
+    states' own where not given. Positions are the antenna's, `lateness` before now, linear between rows and
+    continued straight beyond the first and the last; velocities over ground are midship's, those of surge and
+    sway late by what the receiver's clock is. The heading is not wrapped.
     """
     measured = track[:, :, NORTH : YAW_RATE + 1].copy()
     at_midship = (params["antenna_x"] == 0.0) & (params["antenna_y"] == 0.0)
     if not at_midship.all():
         measured[:, :, :2] += antenna_offset(track[:, :, HEADING], params, (slice(None), None))
-    for i in np.flatnonzero(params["position_delay"] > 0.0):
-        measured[i, :, :2] = positions_before(
-            measured[i, :, :2], track[i, 0], params["position_delay"][i] / dt, dt
+    if ran_off(params).any():
+        time = np.asarray(track[:, 0, TIME] if began is None else began)[:, None] + dt * np.arange(
+            track.shape[1]
         )
+        of_clock = clock_error(time, params)
+        late = (params["position_delay"][:, None] + of_clock) / dt
+        for i in np.flatnonzero(late.any(axis=1)):
+            measured[i, :, :2] = positions_before(measured[i, :, :2], track[i], late[i], dt)
+            measured[i, :, SURGE : SWAY + 1] = rows_before(track[i, :, SURGE : SWAY + 1], of_clock[i] / dt)
+        measured[:, :, HEADING] += params["heading_drift"][:, None] * time
     measured[:, :, HEADING] += params["heading_bias"][:, None]
+    measured[:, :, YAW_RATE] += params["gyro_bias"][:, None]
     return measured
+
+
+def ran_off(params: NDArray[Any]) -> NDArray[np.bool_]:
+    """(n,) whether something that is measured depends on the time since the run began, or on another row."""
+    fields = ("position_delay", "clock_offset", "clock_drift", "heading_drift")
+    return np.any([params[field] != 0.0 for field in fields], axis=0)
+
+
+def clock_error(time: Array, params: NDArray[Any]) -> Array:
+    """Seconds (n, T) that the receiver's clock is ahead of the commands' at time t (n, T): τ_0 + d t."""
+    return params["clock_offset"][:, None] + params["clock_drift"][:, None] * time
+
+
+def rows_ahead(params: NDArray[Any], last: Array | float, dt: float) -> int:
+    """Rows of dt [s] that a track must go on beyond its last row, at time `last` [s], (n,) or one.
+
+    A receiver whose clock is behind reports under each time where the boat is only later.
+    """
+    late = params["position_delay"] + params["clock_offset"] + params["clock_drift"] * last
+    early = np.minimum(late, params["clock_offset"] + params["clock_drift"] * last).min()
+    return max(0, math.ceil(-early / dt - 1e-9))
 
 
 def antenna_offset(heading: Array, params: NDArray[Any], place: Any = ...) -> Array:
@@ -38,30 +68,46 @@ def antenna_offset(heading: Array, params: NDArray[Any], place: Any = ...) -> Ar
     return np.stack([x * cos - y * sin, x * sin + y * cos], axis=-1)
 
 
-def positions_before(position: Array, start: Array, rows: float, dt: float) -> Array:
-    """Positions (T, 2) as they were `rows` before each; start (S,): the first state, with its velocity."""
-    cos, sin = np.cos(start[HEADING]), np.sin(start[HEADING])
-    north = start[SURGE] * cos - start[SWAY] * sin
-    east = start[SURGE] * sin + start[SWAY] * cos
-    row = np.arange(len(position)) - rows
-    before = np.minimum(row, 0.0) * dt
-    late = [np.interp(row, np.arange(len(position)), column) for column in position.T]
-    return np.stack(late, axis=1) + before[:, None] * np.array([north, east])
+def rows_before(values: Array, rows: Array) -> Array:
+    """Values (T, C) as they were `rows` (T,) before each row, linear between rows, held beyond both ends."""
+    places = np.arange(len(values))
+    return np.stack([np.interp(places - rows, places, column) for column in values.T], axis=1)
 
 
-def true_pose(pose: Array, velocity: Array, params: NDArray[Any]) -> Array:
-    """Poses (n, 3) of midship from measured ones (n, 3) and velocities (n, 3): surge, sway, yaw rate.
+def positions_before(position: Array, track: Array, rows: Array, dt: float) -> Array:
+    """Positions (T, 2) as they were `rows` (T,) before each; before the first of the states (T, S), and after
+    the last, the boat goes straight on with their velocity.
+    """
+    place = np.arange(len(position)) - rows
+    before, after = np.minimum(place, 0.0) * dt, np.maximum(place - (len(position) - 1), 0.0) * dt
+    return (
+        rows_before(position, rows)
+        + before[:, None] * velocity_over_ground(track[:1])
+        + after[:, None] * velocity_over_ground(track[-1:])
+    )
+
+
+def velocity_over_ground(states: Array) -> Array:
+    """(n, 2) velocity [m/s] towards north and east of states (n, S)."""
+    cos, sin = np.cos(states[:, HEADING]), np.sin(states[:, HEADING])
+    return np.stack(
+        [states[:, SURGE] * cos - states[:, SWAY] * sin, states[:, SURGE] * sin + states[:, SWAY] * cos],
+        axis=1,
+    )
+
+
+def true_motion(measured: Array, params: NDArray[Any], time: NDArray[Any] | float = 0.0) -> Array:
+    """(n, 6) north, east [m], heading [rad], surge, sway [m/s] and yaw rate [rad/s] of midship from what was
+    measured of them (n, 6) at `time` [s], (n,) or one, of the run.
 
     The inverse of the first row of `observe`.
     """
-    true = pose.copy()
-    true[:, 2] -= params["heading_bias"]
-    true[:, :2] -= antenna_offset(true[:, 2], params)
-    cos, sin = np.cos(true[:, 2]), np.sin(true[:, 2])
-    over_ground = np.stack(
-        [velocity[:, 0] * cos - velocity[:, 1] * sin, velocity[:, 0] * sin + velocity[:, 1] * cos], axis=1
-    )
-    true[:, :2] += over_ground * params["position_delay"][:, None]
+    true = measured.copy()
+    true[:, HEADING] -= params["heading_bias"] + params["heading_drift"] * time
+    true[:, YAW_RATE] -= params["gyro_bias"]
+    true[:, :2] -= antenna_offset(true[:, HEADING], params)
+    late = params["position_delay"] + params["clock_offset"] + params["clock_drift"] * time
+    true[:, :2] += velocity_over_ground(true) * late[:, None]
     return true
 
 

@@ -1,0 +1,13 @@
+"""A boat recognised by its numbers, whatever its file is called or says about their sources."""
+
+import hashlib
+import json
+
+from swamp_rl.boat.schema import Boat
+
+
+def boat_digest(boat: Boat) -> str:
+    """SHA-256 of a boat's particulars, coefficients, joypad and effects; not of its name and its sources."""
+    told = boat.model_dump(mode="json", exclude={"name", "effects"})
+    told["effects"] = [[entry.effect.name, entry.thruster, dict(entry.values)] for entry in boat.effects]
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()

@@ -1,0 +1,59 @@
+"""A boat's reference quantities, by which sizes, bounds and thresholds follow the boat instead of SWAMP."""
+
+import math
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.effects import Reference
+from swamp_rl.physics.hull import hull_forces
+from swamp_rl.physics.propulsion import actuator_output, propulsion_forces, throttle_limits
+from swamp_rl.physics.resistance import towing
+from swamp_rl.simulator.parameters import parameters, tank
+
+GRAVITY = 9.81  # m/s2
+FASTEST = 3.0  # Froude number beyond which no top speed is sought
+HALVINGS = 40
+
+
+@lru_cache(maxsize=64)
+def reference_of(boat: Boat) -> Reference:
+    """Length, breadth, mass, and what full command ahead gives: thrust T at rest and top speed U,
+    X_jets(U) + X_hull(U) = 0.
+
+    Where the thrusters cannot push ahead, U is the speed at which the resistance equals T.
+    """
+    record, curves = parameters(boat)[0], tank(boat)
+    outputs = _full_ahead(record)
+    thrust = sum(_magnitude(outputs, k, record) for k in range(outputs.shape[1]))
+    pushes = propulsion_forces(outputs, 0, 0.0, 0.0, 0.0, record)[0] > 0.0
+    tow = towing(record, curves)
+
+    def net(u: float) -> float:
+        drive = propulsion_forces(outputs, 0, u, 0.0, 0.0, record)[0] if pushes else thrust
+        return float(drive + hull_forces(u, 0.0, 0.0, record, curves, tow)[0])
+
+    low, high = 0.0, FASTEST * math.sqrt(GRAVITY * boat.length)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if net(middle) > 0.0 else (low, middle)
+    return Reference(boat.length, boat.breadth, boat.mass, high, thrust)
+
+
+def _full_ahead(record: Any) -> NDArray[np.float64]:
+    """(1, K, 2) outputs of the thrusters at their greatest command, as nearly straight ahead as they turn."""
+    outputs = np.zeros((1, len(record["thruster_x"]), 2))
+    for k in range(outputs.shape[1]):
+        angle = float(np.clip(0.0, record["azimuth_min"][k], record["azimuth_max"][k]))
+        outputs[0, k] = actuator_output(angle, throttle_limits(k, record)[1], k, record)
+    return outputs
+
+
+def _magnitude(outputs: NDArray[np.float64], k: int, record: Any) -> float:
+    """Force [N] of thruster k alone, at rest."""
+    alone = np.zeros_like(outputs)
+    alone[0, k] = outputs[0, k]
+    return math.hypot(*propulsion_forces(alone, 0, 0.0, 0.0, 0.0, record)[:2])

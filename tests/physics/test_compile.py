@@ -1,0 +1,38 @@
+"""The cache of compiled code: an edit of any source of a compiled package gives another cache folder."""
+
+from pathlib import Path
+
+import pytest
+
+from swamp_rl.physics import compile as module
+
+
+@pytest.fixture
+def nested(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A source in a sub-folder of a package that holds a compiled function, in a library of its own."""
+    package = tmp_path / "swamp_rl" / "physics"
+    (package / "deeper" / "still").mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    (package / "step.py").write_text("@compiled\ndef step(): ...\n")
+    (tmp_path / "envs").mkdir()
+    source = package / "deeper" / "still" / "force.py"
+    source.write_text("GAIN = 1.0\n")
+    monkeypatch.setattr(module, "__file__", str(package / "compile.py"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return source
+
+
+def test_an_edit_in_a_sub_package_of_a_compiled_package_gives_another_cache_folder(nested: Path) -> None:
+    before = module.cache_folder.__wrapped__()
+    assert module.cache_folder.__wrapped__() == before
+    nested.write_text("GAIN = 2.0\n")
+    assert module.cache_folder.__wrapped__() != before
+
+
+def test_a_package_without_a_compiled_function_is_not_hashed(nested: Path) -> None:
+    other = nested.parents[3] / "runs"
+    other.mkdir()
+    before = module.cache_folder.__wrapped__()
+    for name in ("__init__.py", "table.py"):
+        (other / name).write_text("ROWS = 3\n")
+    assert module.cache_folder.__wrapped__() == before
