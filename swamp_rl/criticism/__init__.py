@@ -1,3 +1,3 @@
-"""Model criticism: where a simulated boat departs from measured runs, the named cause, and the gain of
-adding it.
+"""Model criticism: the difference between a simulated boat and measured runs, the effects that explain it,
+and the reduction of the prediction error when they are added.
 """

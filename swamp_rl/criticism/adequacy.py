@@ -6,22 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data import CHANNELS
-from swamp_rl.criticism.fit import Fit
-from swamp_rl.criticism.shooting import Shooting
+from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.output_error import Fit
 
 Array = NDArray[np.float64]
 
 SCALES = (1.0, 4.0)  # s over which residuals are averaged
-SIGMA_SLACK = 1.06  # share by which a variance estimated from differences may be too small
-NEARLY = 1.2  # chi2 a sample up to which what is left may be a lost row or another start
-DENSE = 0.6  # share of rows that hold a sample, below which a sensor is slower than the grid
-LIMIT = 5.0  # standard deviations of a slow part's power, over all channels and scales
+SIGMA_SLACK = 1.06  # relative bias of a variance estimated from differences
+NEARLY = 1.2  # chi2 a sample up to which gaps and initial states may explain the residual
+DENSE = 0.6  # share of rows with a sample, below which a sensor is slower than the grid
+LIMIT = 5.0  # standard deviations of the excess, over all channels and scales
 
 
 @dataclass(frozen=True)
 class Adequacy:
-    """excess: (scales, 6) standard deviations by which the power of averaged residuals exceeds white
-    noise's, minus infinity where there are too few samples to tell, infinity where a rollout ran away.
+    """excess: (scales, 6) standard deviations by which the power of averaged residuals exceeds that of white
+    noise, minus infinity for too few samples, infinity where a simulation diverged.
     """
 
     excess: Array
@@ -33,12 +33,12 @@ class Adequacy:
 
     @property
     def adequate(self) -> bool:
-        """Whether nothing but noise is left."""
+        """Whether the residual is white noise."""
         return self.worst < LIMIT
 
     @property
     def channel(self) -> str:
-        """Where most is left."""
+        """Channel of the largest excess."""
         return CHANNELS[int(np.argmax(np.max(self.excess, axis=0)))]
 
 
@@ -59,17 +59,17 @@ def adequacy(problem: Shooting, at: Fit) -> Adequacy:
             full = counts[..., c] >= enough
             if full.sum() >= 4:
                 excess[s, c] = _excess(sums[..., c][full] ** 2 / counts[..., c][full])
-    if (excess == -np.inf).all():  # all that can be said of so few samples
+    if (excess == -np.inf).all():  # too few samples for means
         excess[:] = _excess(residual[seen] ** 2)
     return Adequacy(excess)
 
 
 def _excess(power: Array) -> float:
-    """Standard deviations by which squares of what should be standard normal (n,) exceed their mean."""
+    """Standard deviations by which squares of standard normal values (n,) exceed their expectation."""
     found = (power.mean() / SIGMA_SLACK - 1.0) * np.sqrt(len(power) / 2.0) if len(power) else 0.0
     return float(found) if np.isfinite(found) else np.inf
 
 
 def near(problem: Shooting, at: Fit) -> bool:
-    """Whether so little is left that a closer look is worth while."""
+    """Whether the residual is noise or little more."""
     return at.chi2 < NEARLY * problem.samples or adequacy(problem, at).adequate

@@ -1,95 +1,50 @@
-"""What may be wrong: every effect of the library, on every thruster, as numbers that a fit can move."""
+"""Candidate causes: every effect of the library, on every thruster, with the parameters that a fit
+estimates.
+"""
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.effects import LIBRARY, Effect, EffectEntry, apply_effects
+from swamp_rl.effects import LIBRARY, Effect, EffectEntry, Parameter, Reference, apply_effects
 from swamp_rl.simulator import parameters
+from swamp_rl.simulator.reference import reference_of
 
 Array = NDArray[np.float64]
 Values = dict[str, Any]
 
-NOT_CAUSES = ("gusts", "thruster_kick")  # random, or somebody else's doing: not to be foretold
-WAVES, FAILURE = "waves", "thruster_failure"  # what `score` looks for in ways of their own
-LAGS = ("azimuth_lag", "pump_lag")
-NUISANCE = "hull_coefficients"
-NUISANCE_SD = 0.12  # a regression's linear derivative against the boat's, one standard deviation
-HULL_LIMIT = 1.6
+DIRECTIONS = 8  # of a vector's grid
+MOST_BY_GROUP = 2  # parameters of an effect that may differ between groups
+MOST_GROUPS = 24  # beyond which the normal equations grow too large
+ONE_RUN = np.zeros(1, dtype=np.int64)
 
 
 @dataclass(frozen=True)
 class Spec:
-    """How a fit moves one number: typical size, least and most, step of its finite difference, where to
-    start.
-    """
+    """A `Search` of one parameter for one boat, in the parameter's unit."""
 
     scale: float
     low: float
     high: float
     starts: tuple[float, ...]
-    step: float | None = None
+    difference: float
     prior: float | None = None
-
-    @property
-    def difference(self) -> float:
-        """Step of the finite difference, in the parameter's unit."""
-        return self.step if self.step is not None else 1e-6 * self.scale
-
-
-def around(scale: float, low: float, high: float, *starts: float) -> Spec:
-    """Spec of a smooth number."""
-    return Spec(scale, low, high, starts)
-
-
-SPECS: dict[str, tuple[Spec, ...]] = {
-    "current": (around(0.1, -1.5, 1.5, 0.0), around(0.1, -1.5, 1.5, 0.0)),
-    "drifting_current": (
-        around(0.1, -1.5, 1.5, 0.0),
-        around(0.1, -1.5, 1.5, 0.0),
-        around(0.002, -0.05, 0.05, 0.0),
-        around(0.002, -0.05, 0.05, 0.0),
-    ),
-    "wind": (around(2.0, -20.0, 20.0, 0.0), around(2.0, -20.0, 20.0, 0.0)),
-    "shallow_water": (around(1.0, 1.5, 9.0, 1.8, 3.0),),
-    "thruster_gain": (around(0.2, 0.0, 2.5, 0.8),),
-    "thruster_failure": (Spec(5.0, 0.0, 1e4, (), step=0.2),),
-    "azimuth_offset": (around(0.1, -1.6, 1.6, 0.0),),
-    "azimuth_lag": (around(0.2, 0.0, 4.0, 0.4, 1.2),),
-    "command_delay": (Spec(0.2, 0.0, 2.0, (0.25, 0.7), step=0.02),),
-    "pump_lag": (around(0.2, 0.0, 4.0, 0.4, 1.2),),
-    "thrust_scale": (around(0.2, 0.1, 3.0, 0.9),),
-    "advance_thrust_loss": (around(0.2, 0.0, 5.0, 0.3),),
-    "crossflow_thrust_loss": (around(5.0, 0.0, 250.0, 5.0, 25.0),),
-    "thrust_sag": (around(0.002, 0.0, 0.05, 0.002),),
-    "resistance": (around(0.2, 0.05, 6.0, 1.1),),
-    "linear_drag": (around(3.0, -40.0, 80.0, 2.0),),
-    "mass": (around(8.0, 20.0, 150.0),),
-    "centre_of_gravity": (around(0.05, -0.5, 0.5, 0.0),),
-    "yaw_inertia": (around(0.2, 0.2, 5.0, 1.1),),
-    "sway_drag": (around(0.2, 0.0, 6.0, 1.1),),
-    "yaw_damping": (around(0.3, -3.0, 8.0, 1.1),),
-    "hull_asymmetry": (around(1.0, -30.0, 30.0, 0.0),),
-    "external_force": (around(1.0, -30.0, 30.0, 0.0), around(1.0, -30.0, 30.0, 0.0)),
-    "heading_bias": (around(0.05, -1.5, 1.5, 0.0),),
-    "position_delay": (Spec(0.2, 0.0, 2.0, (0.3,), step=0.02),),
-    "position_lever_arm": (around(0.2, -2.0, 2.0, 0.0), around(0.2, -2.0, 2.0, 0.0)),
-}
 
 
 @dataclass(frozen=True)
-class Atom:
-    """One candidate: an effect, on the thrusters it names, with the numbers x (p,) that a fit may move.
+class EffectInstance:
+    """One candidate: an effect, the thrusters that it acts on, and the parameters x (p,) that a fit
+    estimates.
 
-    values: x -> the effect's parameters.
-    starts: points (p,) that a fit is begun from; grid: points that are only looked at, the best being
-    polished.
+    starts: points that a fit begins from; grid: points that are only evaluated, the best of them being a
+    start; groups: the group of each run, from 0 on, where every group has parameters of its own (group after
+    group in x), none where all runs share them; by: what a group is. Starts and grid are of one group.
     """
 
     effect: Effect
@@ -97,239 +52,256 @@ class Atom:
     specs: tuple[Spec, ...]
     starts: tuple[tuple[float, ...], ...]
     grid: tuple[tuple[float, ...], ...] = ()
-    names: tuple[str, ...] = ()
-    values: Callable[[Array], Values] = field(default=dict, hash=False, compare=False)
+    groups: tuple[int, ...] = ()
+    by: str = ""
 
     @property
     def label(self) -> str:
-        """Name with its thrusters, unique among candidates."""
-        return " ".join((self.effect.name, *self.selectors))
+        """Name, thrusters and what it differs by; unique among candidates."""
+        return " ".join((self.effect.name, *self.selectors, *([f"by_{self.by}"] if self.groups else [])))
 
     @property
     def size(self) -> int:
-        """How many numbers are fitted."""
+        """Number of parameters."""
         return len(self.specs)
 
     @property
+    def count(self) -> int:
+        """Number of groups, 1 where all runs share the parameters."""
+        return max(self.groups, default=0) + 1
+
+    @property
+    def of_one(self) -> "EffectInstance":
+        """The instance of one group."""
+        return replace(self, specs=self.specs[: self.size // self.count], groups=())
+
+    def by_group(self, x: Array) -> Array:
+        """(..., G, q) the parameters of each group, from x (..., p)."""
+        return x.reshape(*x.shape[:-1], self.count, self.size // self.count)
+
+    @property
     def moves_actuators(self) -> bool:
-        """Whether the actuators' own course changes with it, not only what they push."""
-        return self.effect.acts_on == "command" or self.effect.name in LAGS
+        """Whether the effect changes the actuators' motion, not only the forces that they exert."""
+        return self.effect.acts_on == "command" or self.effect.moves_actuators
+
+    def values(self, x: Array) -> Values:
+        """The effect's parameters, from x (..., p): a vector's components as its size and direction.
+
+        Of the two ways to say the same harmonic, the one with |phase| <= pi/2.
+        """
+        values = dict(zip(self.effect.parameter_names, np.moveaxis(x, -1, 0), strict=True))
+        if self.effect.vector:
+            size, direction = self.effect.vector
+            first, second = values[size], values[direction]
+            values[size], values[direction] = np.hypot(first, second), np.arctan2(second, first)
+        if self.effect.half_turn:
+            direction, phase = self.effect.half_turn
+            turned = values[direction] + np.pi * (np.cos(values[phase]) < 0.0)
+            values[direction] = np.arctan2(np.sin(turned), np.cos(turned))
+            values[phase] = np.arctan(np.tan(values[phase]))
+        return values
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """Atoms that act together; no atom: the boat file is right."""
+    """Effects that act together; no effect: the boat file alone."""
 
-    atoms: tuple[Atom, ...] = ()
+    instances: tuple[EffectInstance, ...] = ()
 
     @property
     def specs(self) -> tuple[Spec, ...]:
-        """Of all numbers, atom after atom."""
-        return tuple(spec for atom in self.atoms for spec in atom.specs)
+        """Of all parameters, effect after effect."""
+        return tuple(spec for instance in self.instances for spec in instance.specs)
 
     @property
     def size(self) -> int:
-        """How many numbers are fitted."""
+        """Number of parameters."""
         return len(self.specs)
 
     @property
     def label(self) -> str:
-        """Atoms' labels joined."""
-        return " + ".join(atom.label for atom in self.atoms) or "nothing"
+        """Labels of the effects, joined by plus signs."""
+        return " + ".join(instance.label for instance in self.instances) or "nothing"
 
     @property
-    def accused(self) -> str:
-        """Labels of the atoms less the hull's derivatives, which no file has exactly, unless they are all."""
-        named = [atom.label for atom in self.atoms if atom.effect.name != NUISANCE]
+    def cause_label(self) -> str:
+        """Label without the hull's linear derivatives, which are a nuisance, unless there is no other
+        effect.
+        """
+        named = [instance.label for instance in self.instances if not instance.effect.nuisance]
         return " + ".join(named) or self.label
 
     @property
-    def moves_actuators(self) -> bool:
-        """Whether the actuators' own course changes with it."""
-        return any(atom.moves_actuators for atom in self.atoms)
+    def differs(self) -> bool:
+        """Whether an effect has parameters for each group of runs."""
+        return any(instance.groups for instance in self.instances)
 
-    def with_atom(self, atom: Atom) -> "Hypothesis":
-        """This hypothesis and one more atom, effects in an order of their own so that equal sets are
-        equal.
-        """
-        return Hypothesis(tuple(sorted((*self.atoms, atom), key=lambda one: one.label)))
+    def of_run(self, x: Array, run: int) -> tuple["Hypothesis", Array, NDArray[np.bool_]]:
+        """The hypothesis for one run alone, its parameters from x (p,), and which of x they are."""
+        instances, columns = [], []
+        for instance in self.instances:
+            group = instance.groups[run] if instance.groups else 0
+            mine = np.arange(instance.count) == group
+            columns.append(np.repeat(mine, instance.size // instance.count))
+            instances.append(instance.of_one)
+        chosen = np.concatenate([np.zeros(0, dtype=bool), *columns])
+        return Hypothesis(tuple(instances)), x[chosen], chosen
+
+    def shared(self, x: Array) -> tuple["Hypothesis", Array]:
+        """What all runs share, and its parameters from x (p,)."""
+        kept = [(instance, own) for instance, own in self.parts(x) if not instance.groups]
+        return Hypothesis(tuple(one for one, _ in kept)), np.concatenate(
+            [np.zeros(0), *(own for _, own in kept)]
+        )
+
+    @property
+    def moves_actuators(self) -> bool:
+        """Whether an effect changes the actuators' motion."""
+        return any(instance.moves_actuators for instance in self.instances)
+
+    def with_instance(self, instance: EffectInstance) -> "Hypothesis":
+        """This hypothesis and one more effect, sorted by label, so that equal sets are equal."""
+        return Hypothesis(tuple(sorted((*self.instances, instance), key=lambda one: one.label)))
 
     def without(self, label: str) -> "Hypothesis":
-        """This hypothesis less the atom of that label."""
-        return Hypothesis(tuple(atom for atom in self.atoms if atom.label != label))
+        """This hypothesis less the effect of that label."""
+        return Hypothesis(tuple(instance for instance in self.instances if instance.label != label))
 
     def bounds(self) -> tuple[Array, Array]:
-        """(p,) least and (p,) most."""
+        """(p,) lower and (p,) upper bounds."""
         return np.array([s.low for s in self.specs]), np.array([s.high for s in self.specs])
 
     def prior(self) -> tuple[Array, Array]:
-        """(p,) prior mean and (p,) precision, 0 where there is none; the mean is 1: scales of
-        coefficients.
+        """(p,) mean and (p,) precision of the Gaussian prior, 0 where there is none; the mean is 1, since
+        only scales of coefficients have one.
         """
         precision = np.array([0.0 if s.prior is None else s.prior**-2 for s in self.specs])
         return np.ones(self.size), precision
 
-    def parts(self, x: Array) -> list[tuple[Atom, Array]]:
-        """Each atom with its own columns of x (..., p)."""
-        ends = list(itertools.accumulate((atom.size for atom in self.atoms), initial=0))
-        return [(atom, x[..., ends[i] : ends[i + 1]]) for i, atom in enumerate(self.atoms)]
+    def parts(self, x: Array) -> list[tuple[EffectInstance, Array]]:
+        """Each effect with its own columns of x (..., p)."""
+        ends = list(itertools.accumulate((instance.size for instance in self.instances), initial=0))
+        return [(instance, x[..., ends[i] : ends[i + 1]]) for i, instance in enumerate(self.instances)]
 
     def entries(self, x: Array) -> list[EffectEntry]:
-        """The effects with their numbers; x: (p,) or (V, p) for V boats at once."""
-        return [entry for atom, own in self.parts(x) for entry in entries_of(atom, own)]
+        """The effects with their parameters; x: (p,) or (V, p) for V boats."""
+        return [entry for instance, own in self.parts(x) for entry in entries_of(instance, own)]
 
-    def records(self, boat: Boat, x: Array, plain: NDArray[Any] | None = None) -> NDArray[Any]:
-        """(V,) parameter records of the boat with x (V, p); plain: (1,) the boat's own, if at hand."""
-        record = np.repeat(parameters(boat) if plain is None else plain, len(x))
-        apply_effects(record, self.entries(x), boat.thruster_names)
-        return record
+    def records(
+        self, boat: Boat, x: Array, plain: NDArray[Any] | None = None, runs: NDArray[np.int64] = ONE_RUN
+    ) -> NDArray[Any]:
+        """(V W,) parameter records of the boat with x (V, p) in the runs (W,), run after run; plain: (1,) the
+        boat file's record, computed where None.
+        """
+        record = parameters(boat) if plain is None else plain
+        if not self.differs:
+            made = np.repeat(record, len(x))
+            apply_effects(made, self.entries(x), boat.thruster_names)
+            return np.repeat(made, len(runs))
+        made = np.repeat(record, len(x) * len(runs))
+        entries: list[EffectEntry] = []
+        for instance, own in self.parts(x):
+            groups = np.array(instance.groups)[runs] if instance.groups else np.zeros(len(runs), dtype=int)
+            rows = instance.by_group(own)[:, groups].reshape(len(made), -1)
+            entries += entries_of(instance.of_one, rows)
+        apply_effects(made, entries, boat.thruster_names)
+        return made
 
 
-def entries_of(atom: Atom, x: Array) -> list[EffectEntry]:
-    """One atom as effect entries; x: (..., p)."""
-    values = (
-        atom.values(x)
-        if atom.values is not dict
-        else dict(zip(atom.names, np.moveaxis(x, -1, 0), strict=True))
+def entries_of(instance: EffectInstance, x: Array) -> list[EffectEntry]:
+    """Effect entries of one effect instance; x: (..., p)."""
+    thruster = (
+        instance.selectors if instance.effect.swaps else instance.selectors[0] if instance.selectors else None
     )
-    thruster = atom.selectors if atom.effect.swaps else atom.selectors[0] if atom.selectors else None
-    return [EffectEntry(atom.effect, thruster, values)]  # type: ignore[arg-type]
+    return [EffectEntry(instance.effect, thruster, instance.values(x))]  # type: ignore[arg-type]
 
 
-def wind_values(x: Array) -> Values:
-    """Wind from its vector: components [m/s] towards where it comes from."""
-    return {"speed": np.hypot(x[..., 0], x[..., 1]), "from": np.arctan2(x[..., 1], x[..., 0])}
-
-
-def wave_values(x: Array) -> Values:
-    """Waves from frequency [Hz], push towards south and west [N] and phase [rad]; of the two ways to say the
-    same, the one whose phase lies within a quarter turn of 0.
+def candidates(
+    boat: Boat, duration: float, groups: Mapping[str, tuple[int, ...]] | None = None
+) -> list[EffectInstance]:
+    """Every effect instance for a boat; duration [s] of the longest run; groups: of each run, by `day` or
+    `run`, between which an effect of that scope may differ.
     """
-    turned = np.cos(x[..., 3]) < 0.0
-    coming = np.arctan2(x[..., 2], x[..., 1]) + np.pi * turned
-    return {
-        "force": np.hypot(x[..., 1], x[..., 2]),
-        "frequency": x[..., 0],
-        "from": np.arctan2(np.sin(coming), np.cos(coming)),
-        "phase": np.arctan(np.tan(x[..., 3])),
-    }
-
-
-def clipped(spec: Spec, effect: Effect, name: str) -> Spec:
-    """The spec within what the library allows."""
-    parameter = effect.parameter(name)
-    low = max(spec.low, parameter.low + (1e-6 * spec.scale if parameter.above_low else 0.0))
-    return Spec(spec.scale, low, min(spec.high, parameter.high), spec.starts, spec.step, spec.prior)
-
-
-def candidates(boat: Boat, duration: float) -> list[Atom]:
-    """Every atom for a boat; duration [s] of the longest run bounds what happens at an instant."""
-    found: list[Atom] = []
-    for effect in LIBRARY.values():
-        if effect.name in NOT_CAUSES or effect.name == NUISANCE:
-            continue
-        special = SPECIAL.get(effect.name)
-        found += special(effect, boat, duration) if special else plain(effect, boat)
-    return found
-
-
-def plain(effect: Effect, boat: Boat) -> list[Atom]:
-    """Atoms of an effect whose parameters are fitted as they are."""
-    given = SPECS.get(effect.name) or tuple(guessed(effect, name) for name in effect.parameter_names)
-    specs = tuple(clipped(s, effect, n) for s, n in zip(given, effect.parameter_names, strict=True))
-    starts = tuple(itertools.product(*(s.starts for s in specs)))
-    return [
-        Atom(effect, chosen, specs, starts, names=effect.parameter_names)
-        for chosen in selectors(effect, boat)
+    causes = [effect for effect in LIBRARY.values() if effect.begin is not None and not effect.nuisance]
+    shared = [instance for effect in causes for instance in instances_of(effect, boat, duration)]
+    return shared + [
+        differing(one, by, of_runs)
+        for by, of_runs in (groups or {}).items()
+        for one in shared
+        if may_differ(one.effect, by) and 0 < max(of_runs) < MOST_GROUPS
     ]
 
 
-def guessed(effect: Effect, name: str) -> Spec:
-    """A spec for a parameter that this file does not know: about its neutral value."""
-    neutral = effect.parameter(name).neutral or 0.0
-    scale = 0.2 * abs(neutral) or 0.1
-    return Spec(scale, neutral - 20 * scale, neutral + 20 * scale, (neutral,))
+def may_differ(effect: Effect, by: str) -> bool:
+    """Whether an effect may have other parameters in each group; `by`: `day` or `run`."""
+    narrow = effect.scope in ("day", "run") if by == "day" else effect.scope == "run"
+    return narrow and effect.begin in ("score", "grid") and len(effect.parameters) <= MOST_BY_GROUP
+
+
+def differing(instance: EffectInstance, by: str, groups: tuple[int, ...]) -> EffectInstance:
+    """An effect instance with parameters for each group; groups: of each run, from 0 on."""
+    return replace(instance, specs=instance.specs * (max(groups) + 1), groups=groups, by=by)
+
+
+def instances_of(effect: Effect, boat: Boat, duration: float = 60.0) -> list[EffectInstance]:
+    """An effect on each choice of thrusters, its `search` scaled by the boat's reference quantities."""
+    reference = replace(reference_of(boat), run=duration)
+    specs = tuple(spec_of(effect, parameter, boat, reference) for parameter in effect.parameters)
+    points = tuple(itertools.product(*(spec.starts for spec in specs)))
+    if effect.vector and effect.begin == "grid":
+        points = tuple(
+            (size * math.cos(angle), size * math.sin(angle))
+            for size in specs[0].starts
+            for angle in np.arange(DIRECTIONS) * 2.0 * math.pi / DIRECTIONS
+        )
+    starts = points if effect.begin == "score" else ()
+    grid = points if effect.begin == "grid" else ()
+    return [EffectInstance(effect, chosen, specs, starts, grid) for chosen in selectors(effect, boat)]
+
+
+def spec_of(effect: Effect, parameter: Parameter, boat: Boat, reference: Reference) -> Spec:
+    """The search of one parameter in its unit, within the library's bounds unless `values` sees to those."""
+    search = parameter.search
+    assert search is not None  # `declare` refuses an effect without
+    unit = float(getattr(reference, search.of))
+    scale, low, high = search.scale * unit, search.low * unit, search.high * unit
+    if parameter.name not in (*(effect.vector or ()), *(effect.half_turn or ())):
+        low = max(low, parameter.low + (1e-6 * scale if parameter.above_low else 0.0))
+        high = min(high, parameter.high)
+    starts = tuple(start * unit for start in search.starts)
+    if not starts and parameter.neutral is None:
+        starts = (neutral_of(parameter, boat),)
+    difference = 1e-6 * scale if search.step is None else search.step * unit
+    return Spec(scale, low, high, starts, difference, search.prior)
+
+
+def neutral_of(parameter: Parameter, boat: Boat) -> float:
+    """The value that changes nothing: the boat file's own where the library has none."""
+    if parameter.neutral is not None:
+        return parameter.neutral
+    return float(np.mean(parameters(boat)[parameter.field]))
 
 
 def selectors(effect: Effect, boat: Boat) -> list[tuple[str, ...]]:
-    """Whom an effect may name: nobody, each thruster, two of them; a mounting error also all."""
+    """Thrusters that an effect may act on: none, each one, pairs; all together for a mounting error."""
     if effect.swaps:
         return list(itertools.combinations(boat.thruster_names, 2))
     if not effect.thruster:
         return [()]
     each: list[tuple[str, ...]] = [(name,) for name in boat.thruster_names]
-    if effect.name == "thruster_gain" and len(each) == 1:  # that is `thrust_scale`, by another name
-        return []
-    return [*each, ("all",)] if effect.name == "azimuth_offset" and len(each) > 1 else each
+    if len(each) == 1:
+        return [] if effect.alone_equals else each
+    return [*each, ("all",)] if effect.all_together else each
 
 
-def _wind(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
-    grid = tuple(
-        (speed * math.cos(a), speed * math.sin(a))
-        for speed in (1.2, 3.0, 7.0)
-        for a in np.arange(8) * math.pi / 4
-    )
-    return [Atom(effect, (), SPECS["wind"], (), grid, ("speed", "from"), wind_values)]
-
-
-def _waves(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
-    """Its starts are found by a scan of the data, see `harmonic`."""
-    push, angle = around(2.0, -200.0, 200.0), around(0.5, -math.inf, math.inf)
-    specs = (Spec(0.02, 0.01, 3.0, ()), push, push, angle)
-    return [Atom(effect, (), specs, (), (), ("force", "frequency", "from", "phase"), wave_values)]
-
-
-def _failure(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
-    spec = SPECS["thruster_failure"][0]
-    spec = Spec(spec.scale, 0.0, duration, (), spec.step)
-    return [Atom(effect, (name,), (spec,), (), (), ("time",)) for name in boat.thruster_names]
-
-
-def _mass(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
-    spec = Spec(0.15 * boat.mass, 0.4 * boat.mass, 2.5 * boat.mass, (boat.mass,))
-    return [Atom(effect, (), (spec,), ((boat.mass,),), names=("mass",))]
-
-
-def _centre_of_gravity(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
-    spec = Spec(0.04 * boat.length, -0.4 * boat.length, 0.4 * boat.length, (boat.x_g,))
-    return [Atom(effect, (), (spec,), ((boat.x_g,),), names=("x_g",))]
-
-
-def _thrust_deduction(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
-    own = parameters(boat)[0]
-    start = (float(own["deduction_factor_low"]), float(own["deduction_factor_high"]))
-    specs = tuple(Spec(0.15, 0.05, 1.5, (value,)) for value in start)
-    return [Atom(effect, (), specs, (start,), names=effect.parameter_names)]
-
-
-def _demihull_spacing(effect: Effect, boat: Boat, duration: float) -> list[Atom]:
-    spec = Spec(0.2 * boat.breadth, 0.0, 2.0 * boat.breadth, (0.4 * boat.breadth, 0.9 * boat.breadth))
-    return [Atom(effect, (), (spec,), tuple((start,) for start in spec.starts), names=("spacing",))]
-
-
-SPECIAL: dict[str, Callable[[Effect, Boat, float], list[Atom]]] = {
-    "wind": _wind,
-    "waves": _waves,
-    "thruster_failure": _failure,
-    "mass": _mass,
-    "centre_of_gravity": _centre_of_gravity,
-    "thrust_deduction": _thrust_deduction,
-    "demihull_spacing": _demihull_spacing,
-}
-
-
-def hull_nuisance() -> Atom | None:
-    """The linear derivatives' scales, each with a prior about 1; None where the library has no such
-    effect.
+def hull_nuisance(boat: Boat) -> EffectInstance | None:
+    """Scales of the hull's linear derivatives, each with a Gaussian prior about 1; None where the library has
+    no such effect.
     """
-    effect = LIBRARY.get(NUISANCE)
-    if effect is None:
-        return None
-    spec = Spec(0.1, 1.0 / HULL_LIMIT - 0.2, HULL_LIMIT, (1.0,), prior=NUISANCE_SD)
-    specs = tuple(spec for _ in effect.parameters)
-    return Atom(effect, (), specs, ((1.0,) * len(specs),), names=effect.parameter_names)
+    effect = next((effect for effect in LIBRARY.values() if effect.nuisance), None)
+    return instances_of(effect, boat)[0] if effect else None
 
 
-def by_label(atoms: Sequence[Atom]) -> Mapping[str, Atom]:
-    """Atoms by their labels."""
-    return {atom.label: atom for atom in atoms}
+def by_label(instances: Sequence[EffectInstance]) -> Mapping[str, EffectInstance]:
+    """Effect instances by label."""
+    return {instance.label: instance for instance in instances}

@@ -1,30 +1,31 @@
-"""How the errors of a diagnosis's numbers go together."""
+"""Correlation of the errors of a diagnosis's parameters."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from swamp_rl.criticism.candidates import entries_of
-from swamp_rl.criticism.estimate import honest_covariance, slopes_of
-from swamp_rl.criticism.fit import Fit
+from swamp_rl.criticism.estimate import sandwich_covariance, slopes_of
+from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.output_error import Fit
 from swamp_rl.criticism.result import Cause
-from swamp_rl.criticism.shooting import Shooting
 
 
 def correlation(problem: Shooting, at: Fit, causes: Sequence[Cause]) -> list[list[float]]:
-    """Correlations of the numbers of `causes`, of the fit `at`, in their order: of what their standard errors
-    are the spread of. One that was not fitted goes with none.
+    """Correlation matrix of the parameters of `causes`, in their order, from the sandwich covariance of the
+    fit `at`. A parameter without variance has no correlation.
     """
-    covariance = honest_covariance(problem, at)
+    covariance = sandwich_covariance(problem, at)
     slopes: dict[tuple[str, str], np.ndarray] = {}
     start = 0
-    for atom, own in at.hypothesis.parts(at.x):
-        selector = entries_of(atom, own)[0].thruster
-        for name, slope in slopes_of(atom, own).items():
+    for instance, own in at.hypothesis.parts(at.x):
+        mean = instance.by_group(own).mean(axis=0)
+        selector = entries_of(instance.of_one, mean)[0].thruster
+        for name, slope in slopes_of(instance.of_one, mean).items():
             row = np.zeros(at.hypothesis.size)
-            row[start : start + atom.size] = slope
-            slopes[f"{atom.effect.name} {_listed(selector)}", name] = row
-        start += atom.size
+            row[start : start + instance.size] = np.tile(slope, instance.count) / instance.count
+            slopes[f"{instance.effect.name} {_listed(selector)}", name] = row
+        start += instance.size
     rows = [slopes[f"{cause.effect} {cause.thruster}", name] for cause in causes for name in cause.parameters]
     if not rows:
         return []
@@ -39,5 +40,5 @@ def correlation(problem: Shooting, at: Fit, causes: Sequence[Cause]) -> list[lis
 
 
 def _listed(selector: object) -> object:
-    """As a cause has it."""
+    """A selector as a cause has it."""
     return list(selector) if isinstance(selector, tuple) else selector

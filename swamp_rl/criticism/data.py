@@ -1,14 +1,15 @@
-"""Measured runs as arrays on one uniform grid, gaps marked, ready to be compared with rollouts."""
+"""Measured runs as arrays on one uniform time grid, with gaps marked."""
 
 import os
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.refusals import (
+from swamp_rl.criticism.data_checks import (
     SHORTEST,
     refuse_disorder,
     refuse_other_boat,
@@ -19,18 +20,19 @@ from swamp_rl.criticism.refusals import (
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, inspect_dataset
 from swamp_rl.simulator.replay import fixed_thrusters, sample_step
+from swamp_rl.simulator.weather import DEPTH, FIELDS, FROM, SPEED, measured_weather
 
 Array = NDArray[np.float64]
 
 CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
 UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
-GRID_TOLERANCE = 0.3  # of a sample step, how far a row may lie from the grid
+GRID_TOLERANCE = 0.3  # of a sample step, largest distance of a row from the grid
 
 
 @dataclass(frozen=True)
 class Gap:
-    """Rows lost while the command changed: `rows` of them from `row` on in a run. What was commanded there is
-    not known.
+    """Lost rows over which the command changed: `rows` of them from `row` on. The commands in them are
+    unknown.
     """
 
     run: int
@@ -39,14 +41,15 @@ class Gap:
 
 
 @dataclass(frozen=True)
-class Trials:
+class RunSet:
     """R runs of up to T samples of one boat.
 
-    dt: sample step [s]; commands: (R, T, 2K), straight between the neighbours where a row is missing;
-    measured: (R, T, 6) in the order of CHANNELS (SI, rad, heading unwrapped), NaN where there is none;
-    lengths: (R,) samples of each run; gaps: where the commands are doubtful; slow: (6, 2) standard deviation
-    [the channel's unit] and time constant [s] of errors that wander, where there are such; too_short: runs
-    that are left out.
+    dt: sample step [s]; commands: (R, T, 2K), interpolated linearly over missing rows; measured: (R, T, 6) in
+    the order of CHANNELS (SI, rad, heading unwrapped), NaN where there is none; lengths: (R,) samples of each
+    run; gaps: where the commands are unknown; gauss_markov: (6, 2) standard deviation [the channel's unit]
+    and time constant [s] of the Gauss-Markov part of the noise, None where it is white; too_short: names of
+    runs that are left out; weather: (R or 0, T, 3), rows of `measured_weather`; origin: the run that
+    each is a part of, itself where empty; days: the group that a dataset gives each run, or none.
     """
 
     boat: Boat
@@ -56,18 +59,21 @@ class Trials:
     measured: Array
     lengths: NDArray[np.int64]
     gaps: tuple[Gap, ...] = ()
-    slow: Array | None = None
+    gauss_markov: Array | None = None
     too_short: tuple[str, ...] = ()
+    weather: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    origin: tuple[int, ...] = ()
+    days: tuple[str, ...] = ()
 
     @property
     def present(self) -> tuple[str, ...]:
-        """Channels that some run holds."""
+        """Channels that at least one run holds."""
         here = np.isfinite(self.measured).any(axis=(0, 1))
         return tuple(CHANNELS[channel] for channel in np.flatnonzero(here))
 
-    def subset(self, runs: list[int]) -> "Trials":
-        """The trials of those runs alone."""
-        return Trials(
+    def subset(self, runs: list[int]) -> "RunSet":
+        """The set of those runs alone."""
+        return RunSet(
             self.boat,
             self.dt,
             tuple(self.names[run] for run in runs),
@@ -75,26 +81,60 @@ class Trials:
             self.measured[runs],
             self.lengths[runs],
             tuple(Gap(runs.index(gap.run), gap.row, gap.rows) for gap in self.gaps if gap.run in runs),
-            self.slow,
+            self.gauss_markov,
+            weather=self.weather[runs] if len(self.weather) else self.weather,
+            origin=tuple(int(self.origins[run]) for run in runs),
         )
 
+    def copies(self, runs: list[int], commands: Array) -> "RunSet":
+        """Copies of those runs, some perhaps several times, with commands (n, T, 2K) of their own."""
+        return replace(self.subset(runs), commands=commands, gaps=())
 
-def read_trials(folder: Path | str, boat: Boat, named: str | Path | None = None) -> Trials:
+    @property
+    def origins(self) -> NDArray[np.int64]:
+        """(R,) the run that each is a part of."""
+        return np.array(self.origin) if self.origin else np.arange(len(self.lengths))
+
+    @property
+    def groups(self) -> dict[str, tuple[int, ...]]:
+        """Group of each run, by `day` where a dataset tells it, and by `run`."""
+        found = {"run": tuple(range(len(self.lengths)))}
+        if len(set(self.days)) > 1 and len(set(self.days)) < len(self.days):
+            order = sorted(set(self.days))
+            found = {"day": tuple(order.index(day) for day in self.days)} | found
+        return found
+
+    def group_names(self, by: str) -> list[str]:
+        """Names of the groups, in their order; `by`: `day` or `run`."""
+        return sorted(set(self.days)) if by == "day" else list(self.names)
+
+    @property
+    def measured_fields(self) -> frozenset[str]:
+        """Fields of the boat's record that every run measures, so that no effect on them is a candidate."""
+        if not len(self.weather):
+            return frozenset()
+        known: NDArray[np.bool_] = np.asarray(np.isfinite(self.weather).all(axis=(0, 1)))
+        return frozenset(name for name, here in zip(FIELDS, known, strict=True) if here)
+
+
+def read_run_set(
+    folder: Path | str, boat: Boat, named: str | Path | None = None, ignore: Sequence[str] = ()
+) -> RunSet:
     """A folder of measured runs on a uniform grid.
 
-    named: the boat's name or file, for a plain folder without a `dataset.yaml` to say it. Rows may be
-    missing: gaps are marked, nothing is filled in. UserError for any other fault of the folder, and where
-    there is too little to compare, saying what is missing.
+    named: the boat's name or file, for a folder without `dataset.yaml`; ignore: as `measured_weather` takes
+    it. Missing rows are marked as gaps, not filled in. UserError for any other fault of the folder, and where
+    the data are too few.
     """
     folder = Path(folder)
     found = inspect_dataset(folder, named)
     faults = [fault for fault in found.faults if fault.column != "time"]
     if faults:
         raise UserError(f"{folder}{os.sep}{faults[0]}")
-    return trials_of(found.runs, boat, str(folder))
+    return run_set_of(found.runs, boat, str(folder), ignore)
 
 
-def trials_of(every: list[Run], boat: Boat, folder: str) -> Trials:
+def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] = ()) -> RunSet:
     """Runs on a uniform grid; `folder` begins every message. UserError."""
     for run in every:
         refuse_disorder(run, folder)
@@ -105,6 +145,7 @@ def trials_of(every: list[Run], boat: Boat, folder: str) -> Trials:
     dt = float(np.median([sample_step(run) for run in runs]))
     refuse_too_coarse(dt, folder)
     placed = [_on_grid(run, boat, dt, folder) for run in runs]
+    weather = _weather_on_grid(runs, boat, dt, ignore)
     longest = max(len(commands) for commands, _, _ in placed)
     commands = np.zeros((len(runs), longest, placed[0][0].shape[1]))
     measured = np.full((len(runs), longest, len(CHANNELS)), np.nan)
@@ -116,11 +157,14 @@ def trials_of(every: list[Run], boat: Boat, folder: str) -> Trials:
     gaps = tuple(Gap(index, *lost) for index, (_, _, every) in enumerate(placed) for lost in every)
     names = tuple(run.name for run in runs)
     short = tuple(run.name for run in every if run.duration < SHORTEST)
-    trials = Trials(boat, dt, names, commands, measured, lengths, gaps, too_short=short)
-    refuse_unexciting(
-        [command for command, _, _ in placed], [track[:, :3] for _, track, _ in placed], dt, folder
+    days = tuple(run.meta.group or run.name for run in runs)
+    run_set = RunSet(
+        boat, dt, names, commands, measured, lengths, gaps, too_short=short, weather=weather, days=days
     )
-    return trials
+    refuse_unexciting(
+        [command for command, _, _ in placed], [track[:, :3] for _, track, _ in placed], dt, boat, folder
+    )
+    return run_set
 
 
 def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array, list[tuple[int, int]]]:
@@ -144,8 +188,8 @@ def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array
 
 
 def _filled(index: NDArray[np.int64], commands: Array) -> tuple[Array, list[tuple[int, int]]]:
-    """Commands (T, 2K) of every row, from those of the rows that are there, and (row, rows) of each gap over
-    which they changed. An angle that goes more than a quarter round jumps, and is not drawn straight.
+    """Commands (T, 2K) of every row, interpolated over missing rows, and (row, rows) of each gap over which
+    they changed. An azimuth that changes by more than a quarter turn is held, not interpolated.
     """
     rows = np.arange(index[-1] + 1)
     last = np.searchsorted(index, rows, side="right") - 1
@@ -156,3 +200,22 @@ def _filled(index: NDArray[np.int64], commands: Array) -> tuple[Array, list[tupl
     filled = commands[last] + np.where(jumps, 0.0, change * share[:, None])
     lost = np.flatnonzero((np.diff(index) > 1) & (np.abs(np.diff(commands, axis=0)) > 1e-9).any(axis=1))
     return filled, [(int(index[i]) + 1, int(index[i + 1] - index[i]) - 1) for i in lost]
+
+
+def _weather_on_grid(runs: list[Run], boat: Boat, dt: float, ignore: Sequence[str]) -> Array:
+    """(R or 0, T, 3) measured weather of every run, linear between the neighbours of a missing row."""
+    every = [measured_weather(run, boat, ignore) for run in runs]
+    if not any(len(weather) for weather in every):
+        return np.zeros((0, 0, 3))
+    places = [np.rint((run.time - run.time[0]) / dt) for run in runs]
+    found = np.full((len(runs), int(max(place[-1] for place in places)) + 1, 3), np.nan)
+    rows = np.arange(found.shape[1])
+    for own, weather, place in zip(found, every, places, strict=True):
+        if not len(weather):
+            continue
+        speed, angle = weather[:, SPEED], weather[:, FROM]
+        north = np.interp(rows, place, speed * np.cos(angle))
+        east = np.interp(rows, place, speed * np.sin(angle))
+        own[:, SPEED], own[:, FROM] = np.hypot(north, east), np.arctan2(east, north)
+        own[:, DEPTH] = np.interp(rows, place, weather[:, DEPTH])
+    return found

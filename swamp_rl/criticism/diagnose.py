@@ -1,9 +1,7 @@
-"""From measured runs and a boat file to a diagnosis: what is wrong, by how much, and what it gains to
-add it.
-"""
+"""Diagnosis of a boat file from measured runs: causes, their parameters, and the gain of adding them."""
 
-import math
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,30 +10,32 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.adequacy import adequacy
-from swamp_rl.criticism.candidates import NUISANCE, Hypothesis, candidates, hull_nuisance
-from swamp_rl.criticism.colour import searched
-from swamp_rl.criticism.conclude import Search
+from swamp_rl.criticism.backward_elimination import Selection, without_all
+from swamp_rl.criticism.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
+from swamp_rl.criticism.cause_list import CauseList, list_causes
+from swamp_rl.criticism.cause_share import cause_shares
 from swamp_rl.criticism.consistency import refuse_inconsistent
+from swamp_rl.criticism.continuation import Continuation
 from swamp_rl.criticism.correlation import correlation
-from swamp_rl.criticism.cost import score
-from swamp_rl.criticism.data import CHANNELS, Trials, read_trials
+from swamp_rl.criticism.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
+from swamp_rl.criticism.data import CHANNELS, RunSet, read_run_set
+from swamp_rl.criticism.data_checks import refuse_other_vehicle, refuse_sources_inside
 from swamp_rl.criticism.estimate import causes_of
-from swamp_rl.criticism.extend import write_extended
+from swamp_rl.criticism.excitation import missing_motion
+from swamp_rl.criticism.extended_boat import write_extended
 from swamp_rl.criticism.finding import Finding
-from swamp_rl.criticism.fit import Fit
-from swamp_rl.criticism.gain import gains
-from swamp_rl.criticism.heldout import bootstrap_interval, heldout_loss, heldout_numbers
-from swamp_rl.criticism.imperfect import in_noise
-from swamp_rl.criticism.ladder import Ladder
-from swamp_rl.criticism.leftover import missing_forces
-from swamp_rl.criticism.motion import missing_motion
-from swamp_rl.criticism.noise import noise_levels, weights
-from swamp_rl.criticism.pointing import leftovers
+from swamp_rl.criticism.force_regression import residual_force_functions
+from swamp_rl.criticism.identifiability import contrast, separating_manoeuvre
+from swamp_rl.criticism.information_criterion import criterion
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.model_error import in_noise_units
+from swamp_rl.criticism.model_selection import select_model
+from swamp_rl.criticism.output_error import Fit
+from swamp_rl.criticism.prediction_error import gains
 from swamp_rl.criticism.progress import LOG
-from swamp_rl.criticism.refusals import refuse_other_vehicle, refuse_sources_inside
-from swamp_rl.criticism.result import Candidate, Cause, Diagnosis, Gain, HeldOut, Verdict, Wandering
-from swamp_rl.criticism.rivals import contrast, separating_trial
-from swamp_rl.criticism.shooting import Shooting
+from swamp_rl.criticism.residual_force import residual_forces
+from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, GaussMarkovNoise, Verdict
+from swamp_rl.criticism.trivial_predictors import trivial_predictors
 from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]
@@ -46,67 +46,80 @@ LISTED = 20  # candidates in the report
 
 
 def diagnose(
-    dataset: Path | str, boat: str | Path, out: Path | str, holdout: Path | str | None = None, seed: int = 0
+    dataset: Path | str,
+    boat: str | Path,
+    out: Path | str,
+    holdout: Path | str | None = None,
+    seed: int = 0,
+    ignore: Sequence[str] = (),
 ) -> Diagnosis:
-    """Diagnose a folder of runs against a boat file; writes diagnosis.json and extended_boat.yaml into `out`.
+    """Diagnose a boat file against a folder of runs; writes diagnosis.json, extended_boat.yaml, report.html
+    and, where weather was found, conditions.yaml into `out`.
 
-    holdout: a folder of runs that the gain is measured on, the runs themselves held out in turn where there
-    is none. UserError for data that cannot carry a diagnosis.
+    holdout: a folder of runs that the gain is measured on; without it, each run in turn (leave-one-run-out);
+    ignore: measured weather that is left out (`wind`, `depth`). UserError for data that no diagnosis is
+    possible from.
     """
     dataset, out, holdout = Path(dataset), Path(out), Path(holdout) if holdout is not None else None
     LOG.info("reading %s", dataset)
     model = load_boat(boat)
     refuse_sources_inside(out, [Path(one) for one in (dataset, holdout, boat) if one and Path(one).exists()])
-    trials = read_trials(dataset, model, boat)
-    refuse_inconsistent(trials, str(dataset))
-    other = read_trials(holdout, model, boat) if holdout else None
+    run_set = read_run_set(dataset, model, boat, ignore)
+    refuse_inconsistent(run_set, str(dataset))
+    other = read_run_set(holdout, model, boat, ignore) if holdout else None
     if other is not None and holdout is not None:
         refuse_other_vehicle(dataset, holdout)
         refuse_inconsistent(other, str(holdout))
     from swamp_rl.criticism.report import write_report
 
     with folder_beside(out, RESULT) as folder:
-        finding = examine(trials, other, np.random.default_rng(seed))
-        winner = finding.search.winner
-        write_extended(folder / "extended_boat.yaml", boat, winner.hypothesis, winner.x)
+        finding = examine(run_set, other, np.random.default_rng(seed))
+        write_extended(folder, boat, finding.written.hypothesis, finding.written.x, finding.run_set.names)
         LOG.info("drawing the report")
         write_report(folder, finding)
         (folder / RESULT).write_text(finding.diagnosis.model_dump_json(indent=2) + "\n", encoding="utf-8")
     return finding.diagnosis
 
 
-@np.errstate(over="ignore", invalid="ignore")  # of a hypothesis under which the boat diverges
-def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> Finding:
-    """The diagnosis of trials in memory; `other`: trials to measure the gain on."""
+@np.errstate(over="ignore", invalid="ignore")  # where a hypothesis makes the boat diverge
+def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> Finding:
+    """The diagnosis of runs in memory; `other`: runs to measure the gain on."""
     began = time.perf_counter()
     LOG.info(
-        "%d runs, %.1f min: noise and candidates", len(trials.lengths), trials.lengths.sum() * trials.dt / 60
+        "%d runs, %.1f min: noise and candidates",
+        len(run_set.lengths),
+        run_set.lengths.sum() * run_set.dt / 60,
     )
-    sigmas = noise_levels(trials)
-    weight = weights(trials, sigmas)
-    duration = float(trials.lengths.max() * trials.dt)
-    coloured, ladder, found = searched(trials, weight, candidates(trials.boat, duration), hull_nuisance())
-    trials = replace(trials, commands=coloured.commands)  # as the boat obeyed them
+    sigmas = noise_levels(run_set)
+    weight = weights(run_set, sigmas)
+    duration = float(run_set.lengths.max() * run_set.dt)
+    every = [
+        one for one in candidates(run_set.boat, duration, run_set.groups) if not _is_measured(one, run_set)
+    ]
+    with_noise, continuation, found = select_model(run_set, weight, every, hull_nuisance(run_set.boat))
+    run_set = replace(run_set, commands=with_noise.commands)  # reconstructed
     LOG.info("the best hypothesis is %s; adequacy and missing forces", found.winner.hypothesis.label)
-    judged = ladder.problems[found.rung]
-    measure = adequacy(judged, in_noise(found.winner, judged, weight))
-    forces = missing_forces(trials, weight, found.winner.hypothesis, found.winner.x)
+    judged = continuation.problems[found.stage]
+    measure = adequacy(judged, in_noise_units(found.winner, judged, weight))
+    forces = residual_forces(run_set, weight, found.winner.hypothesis, found.winner.x)
 
     LOG.info("confirmation on held-out runs, prediction errors")
-    every, sound = confirmed_causes(ladder.problems[found.rung], found)
-    found = found if sound else replace(found, adequate=False)
-    alone = all(cause.effect == NUISANCE for cause in every)
-    causes = [cause for cause in every if (cause.effect == NUISANCE) == alone]
-    nuisance = [cause for cause in every if cause.effect == NUISANCE and not alone]
+    on = (run_set, weight, False) if other is None else (other, weights(other, noise_levels(other)), True)
+    noise = {n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)}
+    listed = list_causes(judged, found, cause_shares(continuation, found, on, rng), noise)
+    found = found if listed.sound else replace(found, adequate=False)
+    written = without_all(continuation, found, listed.left_out)
 
     def apart(rival: Fit) -> float:
-        return score(rival) - score(found.winner)
+        return criterion(rival) - criterion(found.winner)
 
     diagnosis = Diagnosis(
-        verdict=verdict_of(found),
-        causes=causes,
-        nuisance=nuisance,
-        correlation=correlation(ladder.problems[found.rung], found.winner, [*causes, *nuisance]),
+        verdict=verdict_of(found, listed),
+        predictors=trivial_predictors(*on[:2]),
+        causes=listed.causes,
+        minor=listed.minor,
+        nuisance=listed.nuisance,
+        correlation=correlation(judged, found.winner, [*listed.causes, *listed.nuisance]),
         indistinguishable=_sets(found),
         contrasts=[
             contrast(judged, found.winner, one, apart(one)).model_copy(
@@ -114,82 +127,71 @@ def examine(trials: Trials, other: Trials | None, rng: np.random.Generator) -> F
             )
             for one in found.rivals
         ],
-        separating_trial=separating_trial(coloured, sigmas, found.winner, found.rivals)
+        separating_trial=separating_manoeuvre(with_noise, sigmas, found.winner, found.rivals)
         if found.rivals
         else None,
         leftover=[]
         if found.adequate
-        else leftovers(replace(trials, slow=coloured.slow), weight, _models(found.winner)),
-        candidates=_candidates(ladder, found, rng),
-        unseen=found.unseen,
-        missing_motion=missing_motion(trials, other is not None),
-        gain=_gains(trials, weight, other, ladder, found, rng),
-        gain_on="other_runs" if other else "same_run" if len(trials.lengths) == 1 else "each_run_in_turn",
-        noise={n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)},
-        wandering=_wandering(coloured),
+        else residual_force_functions(
+            replace(run_set, gauss_markov=with_noise.gauss_markov), weight, _models(found.winner)
+        ),
+        candidates=_candidates(continuation, found, rng),
+        hypotheses=len(found.tried),
+        unseen=found.unidentifiable,
+        missing_motion=missing_motion(run_set, other is not None),
+        gain=_gains(on, continuation, found.stage, written, rng),
+        gain_on="other_runs" if other else "same_run" if len(run_set.lengths) == 1 else "each_run_in_turn",
+        noise=noise,
+        wandering=_gauss_markov_noise(with_noise),
         adequacy={"worst_excess": measure.worst, "channel": measure.channel, "adequate": found.adequate},
         elapsed_s=time.perf_counter() - began,
     )
-    return Finding(diagnosis, trials, weight, ladder, found, forces)
+    return Finding(diagnosis, run_set, weight, continuation, found, forces, written)
 
 
-def confirmed_causes(problem: Shooting, found: Search) -> tuple[list[Cause], bool]:
-    """Every atom of the winner as a cause, with what it saves on runs held out; and whether all can be
-    claimed: one whose numbers or standard errors are not finite cannot.
-    """
-    every = causes_of(problem, found.winner)
-    for atom, cause in zip(found.winner.hypothesis.atoms, every, strict=True):
-        if atom.label in found.confirmed:
-            one = found.confirmed[atom.label]
-            cause.held_out = HeldOut(gain=one.gain, low=one.low, level=one.level)
-    claimed = [cause for cause in every if _is_finite(cause)]
-    return claimed, len(claimed) == len(every)
+def _is_measured(instance: EffectInstance, run_set: RunSet) -> bool:
+    """Whether an effect moves only what the runs measure."""
+    fields = {parameter.field for parameter in instance.effect.parameters}
+    return bool(fields) and fields <= run_set.measured_fields
 
 
 def _models(winner: Fit) -> list[tuple[Hypothesis, Array]]:
-    """The boat file alone, and with what was found."""
-    found = [(winner.hypothesis, winner.x)] if winner.hypothesis.atoms else []
+    """The boat file alone, and extended by the winner."""
+    found = [(winner.hypothesis, winner.x)] if winner.hypothesis.instances else []
     return [(Hypothesis(), NONE), *found]
 
 
-def _is_finite(cause: Cause) -> bool:
-    return all(math.isfinite(p.value + p.standard_error) for p in cause.parameters.values())
-
-
-def verdict_of(found: Search) -> Verdict:
-    """One of four."""
+def verdict_of(found: Selection, listed: CauseList) -> Verdict:
+    """The verdict on a selection; minor causes have no part in it."""
     if not found.adequate:
         return "unexplained"
-    if not found.winner.hypothesis.atoms and not found.rivals:
+    if found.winner.hypothesis.instances and not listed.causes:
+        return "nothing_wrong"
+    if not found.winner.hypothesis.instances and not found.rivals:
         return "nothing_wrong"
     return "indistinguishable" if found.rivals else "cause"
 
 
-def _wandering(trials: Trials) -> dict[str, Wandering]:
-    """Of each channel whose errors wander."""
-    if trials.slow is None:
+def _gauss_markov_noise(run_set: RunSet) -> dict[str, GaussMarkovNoise]:
+    """Of each channel with a Gauss-Markov part."""
+    if run_set.gauss_markov is None:
         return {}
     return {
-        name: Wandering(standard_deviation=float(size), time_constant_s=float(seconds))
-        for name, (size, seconds) in zip(CHANNELS, trials.slow, strict=True)
+        name: GaussMarkovNoise(standard_deviation=float(size), time_constant_s=float(seconds))
+        for name, (size, seconds) in zip(CHANNELS, run_set.gauss_markov, strict=True)
         if size > 0
     }
 
 
-def names_of(hypothesis: Hypothesis) -> str:
-    """Effects of a hypothesis, joined by plus signs."""
-    return " + ".join(atom.effect.name for atom in hypothesis.atoms) or "nothing"
-
-
-def _sets(found: Search) -> list[list[str]]:
+def _sets(found: Selection) -> list[list[str]]:
     if not found.rivals:
         return []
-    return [[one.hypothesis.accused for one in (found.winner, *found.rivals)]]
+    return [[one.hypothesis.cause_label for one in (found.winner, *found.rivals)]]
 
 
-def _candidates(ladder: Ladder, found: Search, rng: np.random.Generator) -> list[Candidate]:
-    problem = ladder.problems[0]
-    nothing = ladder.fit(0, Hypothesis(), np.zeros(0))
+def _candidates(continuation: Continuation, found: Selection, rng: np.random.Generator) -> list[Candidate]:
+    problem = continuation.problems[0]
+    nothing = continuation.fit(0, Hypothesis(), np.zeros(0))
     fits: list[Fit] = [nothing, *found.tried]
     listed = []
     for one in fits:
@@ -209,18 +211,12 @@ def _candidates(ladder: Ladder, found: Search, rng: np.random.Generator) -> list
 
 
 def _gains(
-    trials: Trials,
-    weight: Array,
-    other: Trials | None,
-    ladder: Ladder,
-    found: Search,
+    on: tuple[RunSet, Array, bool],
+    continuation: Continuation,
+    stage: int,
+    written: Fit,
     rng: np.random.Generator,
 ) -> list[Gain]:
-    winner = found.winner
-    if other is None:
-        numbers = heldout_numbers(ladder.problems[found.rung], winner)
-        judged, its_weight = trials, weight
-    else:
-        judged, its_weight = other, weights(other, noise_levels(other))
-        numbers = np.repeat(winner.x[None], len(other.lengths), axis=0)
-    return gains(judged, its_weight, winner.hypothesis, numbers, rng)
+    run_set, weight, others = on
+    hypothesis, numbers = judged_numbers(continuation.problems[stage], written, len(run_set.lengths), others)
+    return gains(run_set, weight, hypothesis, numbers, rng)

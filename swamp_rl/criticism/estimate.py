@@ -1,40 +1,42 @@
-"""The winner's numbers with their standard errors, in the effects' own terms."""
+"""Parameter estimates and their standard errors, in the effects' own parameters."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.candidates import Atom, entries_of
-from swamp_rl.criticism.fit import Fit
+from swamp_rl.criticism.candidates import EffectInstance, entries_of
+from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.identifiability import sensitivities
+from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.output_error import Fit
 from swamp_rl.criticism.result import Cause, Estimate, Limit
-from swamp_rl.criticism.rivals import sensitivities
-from swamp_rl.criticism.shooting import Shooting
 
 Array = NDArray[np.float64]
 
-STRETCH = 8.0  # s of a run whose score counts as one
-FEWEST = 8  # stretches from which their scatter is told
+STRETCH = 8.0  # s of a run whose scores are summed to one block
+FEWEST = 8  # blocks from which the scatter is estimated
 Z95 = 1.959964
-AT_BOUND = 1e-3  # of a number's typical size, within which it is at its bound
+AT_BOUND = 1e-3  # of a parameter's typical size: its distance from a bound that it is at
 
 
 def causes_of(problem: Shooting, at: Fit) -> list[Cause]:
-    """Every atom of a fit as a cause."""
-    covariance = honest_covariance(problem, at)
+    """Every effect of a fit as a cause."""
+    covariance = sandwich_covariance(problem, at)
     causes = []
     start = 0
-    for atom, own in at.hypothesis.parts(at.x):
-        block = covariance[start : start + atom.size, start : start + atom.size]
-        causes.append(_cause(atom, own, block))
-        start += atom.size
+    for instance, own in at.hypothesis.parts(at.x):
+        block = covariance[start : start + instance.size, start : start + instance.size]
+        causes.append(_cause(instance, own, block, problem.run_set))
+        start += instance.size
     return causes
 
 
-def honest_covariance(problem: Shooting, at: Fit) -> Array:
-    """(p, p) of the numbers x: the information matrix's, made wider where the scores of stretches of the runs
-    scatter more than white noise of the estimated size would let them (sandwich), and by Student's t for as
-    many stretches as there are.
+def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
+    """(p, p) sandwich covariance (Huber-White) of x.
+
+    The inverse Fisher information, widened where the scores of STRETCH-long blocks scatter more than white
+    noise of the estimated variance would, and by Student's t for their number.
     """
     from scipy.special import stdtrit
 
@@ -44,7 +46,7 @@ def honest_covariance(problem: Shooting, at: Fit) -> Array:
     win = problem.windows
     slopes = sensitivities(problem, at).reshape(win.count, win.rows, -1, at.hypothesis.size)
     scores = np.einsum("wtc,wtcp->wtp", at.residual.reshape(win.count, win.rows, -1), slopes)[:, win.pad :]
-    rows = max(1, round(STRETCH / problem.dt)) if problem.lasting == 1.0 else win.rows
+    rows = max(1, round(STRETCH / problem.dt)) if problem.correlation_samples == 1.0 else win.rows
     starts = np.arange(0, scores.shape[1], rows)
     blocks = np.add.reduceat(scores, starts, axis=1).reshape(-1, at.hypothesis.size)
     blocks = blocks[(blocks != 0.0).any(axis=1)]
@@ -57,48 +59,72 @@ def honest_covariance(problem: Shooting, at: Fit) -> Array:
     return np.asarray(covariance * np.outer(wider, wider))
 
 
-def _cause(atom: Atom, x: Array, covariance: Array) -> Cause:
-    entry = entries_of(atom, x)[0]
+def _cause(instance: EffectInstance, x: Array, covariance: Array, run_set: RunSet) -> Cause:
+    """Of x (p,) with covariance (p, p). Where groups of runs have parameters of their own, those of the cause
+    are of the groups' mean.
+    """
+    count = instance.count
+    to_mean = np.tile(np.eye(instance.size // count), (1, count)) / count
+    mean = to_mean @ x
+    entry = entries_of(instance.of_one, mean)[0]
     selector: Any = entry.thruster
-    values = {name: float(value) for name, value in entry.values.items()}
-    slopes = slopes_of(atom, x)
-    sides = sides_of(atom, x)
-    parameters = {
+    found = Cause(
+        effect=instance.effect.name,
+        thruster=list(selector) if isinstance(selector, tuple) else selector,
+        parameters=_estimates(instance.of_one, mean, to_mean @ covariance @ to_mean.T),
+    )
+    if not instance.groups:
+        return found
+    blocks = covariance.reshape(count, len(mean), count, len(mean))
+    found.scope = "day" if instance.by == "day" else "run"
+    names = run_set.group_names(instance.by)
+    found.groups = {
+        name: _estimates(instance.of_one, own, blocks[number, :, number])
+        for number, (name, own) in enumerate(zip(names, instance.by_group(x), strict=True))
+    }
+    return found
+
+
+def _estimates(instance: EffectInstance, x: Array, covariance: Array) -> dict[str, Estimate]:
+    """The effect's parameters from x (p,) with covariance (p, p)."""
+    slopes = slopes_of(instance, x)
+    sides = sides_of(instance, x)
+    return {
         name: Estimate(
-            value=value,
+            value=float(value),
             standard_error=float(np.sqrt(abs(slopes[name] @ covariance @ slopes[name]))),
-            unit=atom.effect.parameter(name).unit,
+            unit=instance.effect.parameter(name).unit,
             at_bound=bool((slopes[name] * sides).any()),
             limit=_limit(slopes[name] * sides),
         )
-        for name, value in values.items()
+        for name, value in entries_of(instance, x)[0].values.items()
     }
-    thruster = list(selector) if isinstance(selector, tuple) else selector
-    return Cause(effect=atom.effect.name, thruster=thruster, parameters=parameters)
 
 
-def sides_of(atom: Atom, x: Array) -> Array:
-    """(p,) -1 for each fitted number at the least that its fit may try, 1 at the most, 0 in between."""
-    room = AT_BOUND * np.array([spec.scale for spec in atom.specs])
-    low, high = np.array([s.low for s in atom.specs]), np.array([s.high for s in atom.specs])
+def sides_of(instance: EffectInstance, x: Array) -> Array:
+    """(p,) -1 for each parameter at its lower bound, 1 at its upper one, 0 in between."""
+    room = AT_BOUND * np.array([spec.scale for spec in instance.specs])
+    low, high = np.array([s.low for s in instance.specs]), np.array([s.high for s in instance.specs])
     return np.asarray((x >= high - room).astype(float) - (x <= low + room))
 
 
 def _limit(outwards: Array) -> Limit | None:
-    """Which way a parameter would go on, from how it follows (p,) the numbers that are at their bounds."""
+    """The direction in which a parameter is bounded, from its derivatives (p,) by the fitted numbers at
+    bounds.
+    """
     ways = set(np.sign(outwards[outwards != 0.0]))
     return ("at_least" if ways == {1.0} else "at_most") if len(ways) == 1 else None
 
 
-def slopes_of(atom: Atom, x: Array) -> dict[str, Array]:
-    """Of each of the effect's parameters by the fitted numbers: the identity, save where they are a
-    vector's.
+def slopes_of(instance: EffectInstance, x: Array) -> dict[str, Array]:
+    """Derivatives (p,) of each of the effect's parameters by the fitted ones: the identity, except where
+    these are vector components.
     """
-    values = {name: float(value) for name, value in entries_of(atom, x)[0].values.items()}
+    values = {name: float(value) for name, value in entries_of(instance, x)[0].values.items()}
     slopes = {name: np.zeros(len(x)) for name in values}
-    for i, spec in enumerate(atom.specs):
+    for i, spec in enumerate(instance.specs):
         moved = x.copy()
         moved[i] += 1e-6 * spec.scale
-        for name, value in entries_of(atom, moved)[0].values.items():
+        for name, value in entries_of(instance, moved)[0].values.items():
             slopes[name][i] = (float(value) - values[name]) / (1e-6 * spec.scale)
     return slopes

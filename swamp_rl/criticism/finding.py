@@ -1,14 +1,15 @@
-"""A diagnosis with what it was reached from, for its report."""
+"""A diagnosis with the data and fits that it is based on, for its report."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.conclude import Search
-from swamp_rl.criticism.data import Trials
-from swamp_rl.criticism.ladder import Ladder
-from swamp_rl.criticism.leftover import Forces
+from swamp_rl.criticism.backward_elimination import Selection
+from swamp_rl.criticism.continuation import Continuation
+from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.output_error import Fit
+from swamp_rl.criticism.residual_force import Forces
 from swamp_rl.criticism.result import Diagnosis
 
 Array = NDArray[np.float64]
@@ -16,11 +17,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Finding:
-    """A diagnosis with what it was reached from."""
+    """A diagnosis with the data and fits that it is based on; written: the fit that goes into files."""
 
     diagnosis: Diagnosis
-    trials: Trials
+    run_set: RunSet
     weight: Array
-    ladder: Ladder
-    search: Search
+    continuation: Continuation
+    selection: Selection
     forces: Forces
+    written: Fit

@@ -1,4 +1,4 @@
-"""What a boat can be asked to do in a trial: short open-loop manoeuvres as commands."""
+"""Short open-loop manoeuvres, as commands, of which one is proposed to separate hypotheses."""
 
 import math
 
@@ -15,14 +15,14 @@ PERIOD = 12.0  # s of a zig-zag
 
 
 def manoeuvres(boat: Boat, dt: float) -> dict[str, Array]:
-    """Commands (T, 2K) by name, for the thrusters that the boat has and the angles that they reach."""
+    """Commands (T, 2K) by name, for the boat's thrusters within their azimuth limits."""
     time = np.arange(round(LENGTH / dt)) * dt
     record = parameters(boat)[0]
     low, high = record["azimuth_min"], record["azimuth_max"]
     side = np.sign([thruster.x for thruster in boat.thrusters])
     starboard = np.sign([thruster.y for thruster in boat.thrusters])
     count = len(boat.thrusters)
-    swing = np.where(np.sin(2 * math.pi * time / PERIOD) >= 0, 1.0, -1.0)
+    square_wave = np.where(np.sin(2 * math.pi * time / PERIOD) >= 0, 1.0, -1.0)
 
     def of(angles: Array, throttles: Array) -> Array:
         rows = np.zeros((len(time), 2 * count))
@@ -37,11 +37,11 @@ def manoeuvres(boat: Boat, dt: float) -> dict[str, Array]:
         "straight ahead, then stopped": of(zeros, np.outer(time < LENGTH / 2, ones)),
         "turning circle to starboard, 60 %": of(0.5 * side, 0.6 * ones),
         "turning circle to port, 60 %": of(-0.5 * side, 0.6 * ones),
-        "zig-zag, 80 %": of(np.outer(swing, 0.5 * side), 0.8 * ones),
+        "zig-zag, 80 %": of(np.outer(square_wave, 0.5 * side), 0.8 * ones),
         "spin": of(side * math.pi / 2, 0.6 * ones),
         "astern": of(math.pi * ones, 0.6 * ones),
         "sideways": of(math.pi / 2 * ones, 0.6 * ones),
-        "differential thrust": of(zeros, 0.5 + 0.3 * np.outer(swing, -starboard)),
+        "differential thrust": of(zeros, 0.5 + 0.3 * np.outer(square_wave, -starboard)),
         "adrift": of(zeros, np.outer(time < 10.0, 0.8 * ones)),
     }
     for k, thruster in enumerate(boat.thrusters):

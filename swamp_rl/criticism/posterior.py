@@ -1,4 +1,4 @@
-"""What a diagnosis found, with its doubt, as a level of disturbance to train pilots among."""
+"""The posterior of a diagnosis as a level of disturbance, to train pilots with randomised parameters."""
 
 import math
 from pathlib import Path
@@ -13,6 +13,7 @@ from swamp_rl.effects.declare import LIBRARY, Parameter
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.files import find_config, read_yaml, write_yaml
+from swamp_rl.ordinary import ordinary
 
 REACH = 5.0
 "Standard errors to either side beyond which nothing is drawn."
@@ -21,11 +22,10 @@ REACH = 5.0
 def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dict[str, Any]:
     """Write the level of the causes in a `diagnosis.json` to `out`, a YAML file, and return it.
 
-    A number is drawn from a normal distribution about its value, as wide as its standard error and cut off at
-    the effect's bounds; together with the others as the diagnosis's correlations have it. One that ended at
-    the edge of what the fit may try has no standard error that means anything, and stays as it is.
-    among: a level whose start and other effects are there too. UserError where the diagnosis cannot be read
-    or names no cause, or that level has correlations of its own.
+    Each parameter is normal with its estimate and standard error, truncated at the effect's bounds, and
+    correlated as in the diagnosis. One at a bound of the fit is constant, since its standard error is
+    meaningless. among: a level whose start and other effects are included. UserError where the diagnosis
+    cannot be read or names no cause, or that level has correlations of its own.
     """
     found = _read(diagnosis)
     if not found.causes:
@@ -51,9 +51,9 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
 
 
 def _read(path: Path) -> Diagnosis | FiguresDiagnosis:
-    """A diagnosis of runs, or of printed figures, whose search has stages."""
+    """A diagnosis of runs, or of printed figures, which has stages."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = ordinary(path).read_text(encoding="utf-8")
         model = FiguresDiagnosis if '"stages"' in text else Diagnosis
         return model.model_validate_json(text)
     except (OSError, UnicodeDecodeError) as error:
@@ -81,7 +81,7 @@ def _entry(cause: Cause, where: Path) -> dict[str, Any]:
 
 
 def _correlated(entries: list[dict[str, Any]], matrix: list[list[float]]) -> dict[str, Any]:
-    """The key `correlated` of the numbers that are drawn; nothing where none go together."""
+    """The key `correlated` of the random parameters; nothing where none are correlated."""
     every = [
         (f"{place}.{name}", isinstance(value, dict))
         for place, entry in enumerate(entries)

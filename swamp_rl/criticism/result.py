@@ -1,10 +1,11 @@
-"""What `diagnosis.json` holds; `Diagnosis.model_json_schema()` is its published schema."""
+"""The models of `diagnosis.json`; `Diagnosis.model_json_schema()` is its published schema."""
 
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
 GainOn = Literal["each_run_in_turn", "other_runs", "same_run"]
+Judged = Literal["position_rmse_m", "heading_rmse_rad"]
 Limit = Literal["at_least", "at_most"]
 Verdict = Literal["nothing_wrong", "cause", "indistinguishable", "unexplained"]
 
@@ -16,8 +17,8 @@ class Part(BaseModel):
 
 
 class Estimate(Part):
-    """A fitted number. standard_error: one standard deviation, in `unit`; at_bound: whether it ended at the
-    edge of what the fit may try, where the standard error says nothing; limit: how it is to be read there.
+    """A fitted parameter. standard_error: one standard deviation, in `unit`; at_bound: whether it ended at a
+    bound of the fit, where the standard error is meaningless; limit: the side of that bound.
     """
 
     value: float
@@ -28,9 +29,9 @@ class Estimate(Part):
 
 
 class HeldOut(Part):
-    """What a cause saves on runs that its numbers were not fitted to, as saturated chi2.
+    """Reduction of the saturated chi2 by a cause on runs that its parameters were not fitted to.
 
-    low: lower end of the gain's interval, which covers `level`, once all candidates are accounted for.
+    low: lower end of the gain's interval at `level`, corrected for the number of candidates.
     """
 
     gain: float
@@ -38,21 +39,54 @@ class HeldOut(Part):
     level: float
 
 
+class Share(Part):
+    """Root mean square error [m, rad] of predictions at a horizon on held-out runs, without a cause, the
+    others fitted anew, and with it; ci95: of the difference, without less with.
+    """
+
+    horizon_s: float
+    quantity: Judged
+    without: float
+    with_cause: float
+    ci95: tuple[float, float]
+
+
+class Predictors(Part):
+    """Root mean square position error [m] at a horizon: of the boat file, and of a boat that stays where it
+    is, goes straight on at its velocity, or is the boat file's without thrust.
+    """
+
+    horizon_s: float
+    boat_file: float
+    at_rest: float
+    constant_velocity: float
+    no_thrust: float
+
+
 class Cause(Part):
-    """An effect that explains the misfit. thruster: a name, `all`, or two names; none where it has no
-    selector. held_out: the confirmation, none of the hull's derivatives beside a cause.
+    """An effect that explains the misfit.
+
+    thruster: a name, `all`, or two names; none where it has no selector. scope: whether all runs share the
+    parameters, or every day or run has its own, in `groups` by its name; `parameters` are then their mean.
+    held_out: its confirmation, none for the hull's derivatives beside a cause. share: what it accounts for of
+    the prediction error. carries_over: False where a position error on held-out runs is larger with it beyond
+    chance; it is not written then.
     """
 
     effect: str
     thruster: str | list[str] | None = None
     parameters: dict[str, Estimate]
+    scope: Literal["boat", "day", "run"] = "boat"
+    groups: dict[str, dict[str, Estimate]] = {}
     held_out: HeldOut | None = None
+    share: list[Share] = []
+    carries_over: bool = True
 
 
 class Candidate(Part):
-    """A set of effects that was tried, on the shortest windows.
+    """A set of effects that was fitted, on the shortest windows.
 
-    held_out_score: chi2 a sample on runs held out; gain: how much lower than with nothing added, in chi2.
+    held_out_score: chi2 a sample on held-out runs; gain: reduction of chi2 against the boat file.
     """
 
     effect: str
@@ -62,8 +96,9 @@ class Candidate(Part):
 
 
 class Contrast(Part):
-    """How alike two explanations act. angle: between their sensitivity directions [rad], nuisances
-    projected out; rival: the second one's causes with their numbers.
+    """Similarity of two hypotheses. angle: between their sensitivities [rad], initial states projected out;
+    evidence: information criterion of the second above the first's; mutual_refit: chi2 that remains when one
+    is fitted to noise-free data of the other; rival: the second one's causes.
     """
 
     effects: list[str]
@@ -73,15 +108,15 @@ class Contrast(Part):
     rival: list[Cause] = []
 
 
-class Trial(Part):
-    """The manoeuvre that would tell rivals apart, and by how many standard errors."""
+class Manoeuvre(Part):
+    """The manoeuvre that separates the rivals. separation: in standard errors."""
 
     manoeuvre: str
     separation: float
     duration_s: float
 
 
-class Point(Part):
+class CurvePoint(Part):
     """A function's value: at [SI, rad] of the variable, force and its standard error [N, N m]."""
 
     at: float
@@ -89,23 +124,23 @@ class Point(Part):
     standard_error: float
 
 
-class Leftover(Part):
+class ResidualForce(Part):
     """A residual force, and the variable that it is a function of.
 
-    force: surge, sway, yaw, north, east, or `thrust of` a thruster; explained: share of its variance
-    that the function explains on held-out runs; curve: the function estimated from all runs, linear between
-    its points; beside: the causes that the boat file was extended by for this estimate.
+    force: surge, sway, yaw, north, east, or `thrust of` a thruster; explained: share of its variance that the
+    function explains on held-out runs; curve: the function estimated from all runs, linear between its
+    points; beside: the causes that the boat file was extended by for this estimate.
     """
 
     force: str
     variable: str
     explained: float
-    curve: list[Point] = []
+    curve: list[CurvePoint] = []
     beside: list[str] = []
 
 
 class Paired(Part):
-    """Root mean square error before and after; ci95: of before less after, paired."""
+    """Root mean square error before and after; ci95: 95 % interval of before less after, paired."""
 
     before: float
     after: float
@@ -115,7 +150,8 @@ class Paired(Part):
 class Gain(Part):
     """Errors at the end of a horizon on held-out runs; a quantity that was not measured is absent (null).
 
-    restarts: how many predictions; blocks: what the intervals resample, since neighbours are not independent.
+    restarts: number of predictions; blocks: what the bootstrap resamples, since neighbouring predictions are
+    correlated.
     """
 
     horizon_s: float
@@ -128,35 +164,43 @@ class Gain(Part):
     yaw_rate_rmse_rad_s: Paired | None = None
 
 
-class Wandering(Part):
-    """The part of a channel's errors that lasts. standard_deviation: in the channel's SI unit."""
+class GaussMarkovNoise(Part):
+    """Gauss-Markov part of a channel's noise. standard_deviation: in the channel's SI unit."""
 
     standard_deviation: float
     time_constant_s: float
 
 
 class Diagnosis(Part):
-    """The answer. nuisance: the hull's linear derivatives where they had to be fitted beside a cause;
-    correlation: of the errors of the numbers of `causes`, then of `nuisance`, in their order; noise:
-    standard deviation by channel (SI, rad); unseen: candidates that these data cannot show; missing_motion:
-    what to record so that they would show more; gain_on: the runs that the gain is measured on: each in turn,
-    its numbers from the others, other runs that were given, or the very run that the numbers are from.
+    """The diagnosis.
+
+    predictors: the boat file against trivial predictors. causes: by their share of the prediction error, the
+    largest first. minor: causes whose share is below 2 % and below the sensors' noise, which the verdict
+    leaves out. hypotheses: how many sets of effects were fitted. nuisance: the hull's linear derivatives
+    where they had to be fitted beside a cause; correlation: of the errors of the parameters of `causes`, then
+    of `nuisance`, in their order; noise: standard deviation by channel (SI, rad); wandering: Gauss-Markov
+    part of the noise by channel; unseen: effects that are not identifiable from the data; missing_motion:
+    what to record so that they would be; gain_on: the runs that the gain is measured on: each in turn, its
+    parameters from the others, other runs that were given, or the very run that the parameters are from.
     """
 
     verdict: Verdict
+    predictors: list[Predictors] = []
     causes: list[Cause]
+    minor: list[Cause] = []
+    hypotheses: int = 0
     nuisance: list[Cause] = []
     correlation: list[list[float]] = []
     indistinguishable: list[list[str]]
     contrasts: list[Contrast]
-    separating_trial: Trial | None
-    leftover: list[Leftover]
+    separating_trial: Manoeuvre | None
+    leftover: list[ResidualForce]
     candidates: list[Candidate]
     unseen: list[str]
     missing_motion: list[str] = []
     gain: list[Gain]
     gain_on: GainOn = "each_run_in_turn"
     noise: dict[str, float]
-    wandering: dict[str, Wandering] = {}
+    wandering: dict[str, GaussMarkovNoise] = {}
     adequacy: dict[str, Any]
     elapsed_s: float

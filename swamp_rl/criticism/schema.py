@@ -26,7 +26,7 @@ def schema_text(model: type[BaseModel] = Diagnosis) -> str:
 
 
 def main() -> None:
-    """Write the schemas to the files named on the command line."""
+    """Write both schemas to the files named on the command line."""
     if len(sys.argv) != 3 or sys.argv[1].startswith("-"):
         raise SystemExit(__doc__)
     models: list[type[BaseModel]] = [Diagnosis, FiguresDiagnosis]

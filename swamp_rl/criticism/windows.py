@@ -1,4 +1,4 @@
-"""Pieces of runs that are compared with rollouts."""
+"""Windows of runs that are compared with simulations."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Windows:
-    """W windows: run, first sample simulated, steps from there; measured and weight (W, rows, 6)."""
+    """W windows. run, first, steps: (W,) run, first simulated sample and number of steps; measured, weight:
+    (W, rows, 6); pad: rows before the first compared one; rows: of the longest window.
+    """
 
     run: NDArray[np.int64]
     first: NDArray[np.int64]

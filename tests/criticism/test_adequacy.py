@@ -1,4 +1,4 @@
-"""Whether only noise is left, where there are few samples or a rollout ran away."""
+"""The whiteness test with few samples and with diverged simulations."""
 
 from dataclasses import replace
 
@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from swamp_rl.criticism.adequacy import adequacy
+from swamp_rl.criticism.backward_elimination import Selection, without_unconfirmed
 from swamp_rl.criticism.candidates import Hypothesis, candidates
-from swamp_rl.criticism.conclude import Search, without_unconfirmed
-from swamp_rl.criticism.fit import Fit, fit
-from swamp_rl.criticism.heldout import Confirmation
-from swamp_rl.criticism.ladder import ladder_of
-from swamp_rl.criticism.leftover import missing_forces
-from swamp_rl.criticism.noise import noise_levels, weights
-from swamp_rl.criticism.pointing import leftovers
-from swamp_rl.criticism.shooting import Shooting
+from swamp_rl.criticism.continuation import continuation_of
+from swamp_rl.criticism.cross_validation import Confirmation
+from swamp_rl.criticism.force_regression import residual_force_functions
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.output_error import Fit, fit
+from swamp_rl.criticism.residual_force import residual_forces
 from tests.support.criticism import SECONDS, commands, driven
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
@@ -27,7 +27,7 @@ def fitted(every: int, rows: int) -> tuple[Shooting, Fit]:
     measured = np.where(there[None, :, None], sailed.measured, np.nan)
     sparse = replace(sailed, measured=measured)
     problem = Shooting(sparse, weights(sparse, noise_levels(sailed)), 20.0)
-    return problem, fit(problem, Hypothesis(), np.zeros(0), problem.guess())
+    return problem, fit(problem, Hypothesis(), np.zeros(0), problem.initial_states())
 
 
 @pytest.mark.parametrize(("every", "rows"), [(1, 400), (4, 400), (7, 400), (7, 60)])
@@ -38,7 +38,7 @@ def test_sparse_samples_are_judged_as_dense_ones_are(every: int, rows: int) -> N
     assert not adequacy(problem, pushed).adequate
 
 
-def test_what_ran_away_is_not_adequate_and_the_channel_is_named() -> None:
+def test_a_diverged_simulation_is_not_adequate_and_the_channel_is_named() -> None:
     problem, at = fitted(1, 400)
     residual = at.residual.reshape(*problem.windows.weight.shape).copy()
     residual[0, 80:, 2] = np.nan
@@ -46,28 +46,26 @@ def test_what_ran_away_is_not_adequate_and_the_channel_is_named() -> None:
     assert (judged.adequate, judged.channel) == (False, "heading")
 
 
-def test_of_what_is_left_unexplained_only_confirmed_causes_are_part() -> None:
+def test_an_inadequate_selection_keeps_confirmed_causes_only() -> None:
     sailed = driven([{"effect": "mass", "mass": 75.0}], np.stack([commands(0), commands(2)]), 0.0, seed=3)
-    atoms = [a for a in candidates(sailed.boat, SECONDS) if a.effect.name in ("mass", "sway_drag")]
-    ladder = ladder_of(sailed, weights(sailed, noise_levels(sailed)))
-    both = Hypothesis().with_atom(atoms[0]).with_atom(atoms[1])
-    best = ladder.fit(1, both, np.concatenate([atom.starts[0] for atom in both.atoms]))
+    instances = [a for a in candidates(sailed.boat, SECONDS) if a.effect.name in ("mass", "sway_drag")]
+    continuation = continuation_of(sailed, weights(sailed, noise_levels(sailed)))
+    both = Hypothesis().with_instance(instances[0]).with_instance(instances[1])
+    best = continuation.fit(1, both, np.concatenate([instance.starts[0] for instance in both.instances]))
     told = {"mass": Confirmation(90.0, 40.0, 0.99), "sway_drag": Confirmation(-1.0, -3.0, 0.99)}
-    found = Search(best, False, 1, [], [best], [], [], told)
-    less = without_unconfirmed(ladder, found, atoms)
+    found = Selection(best, False, 1, [], [best], [], [], told)
+    less = without_unconfirmed(continuation, found, instances)
     assert less.winner.hypothesis.label == "mass"
     assert list(less.confirmed) == ["mass"] and less.confirmed["mass"].holds
 
 
 @pytest.mark.parametrize(("every", "told"), [(10, True), (1000, False)])
-def test_missing_forces_are_told_from_a_slow_receiver_and_from_none_without_fault(
-    every: int, told: bool
-) -> None:
+def test_residual_forces_need_positions_and_accept_a_slow_receiver(every: int, told: bool) -> None:
     sailed = driven([], np.stack([commands(0), commands(2)]), 0.0, seed=3)
     measured = sailed.measured.copy()
     measured[:, np.arange(measured.shape[1]) % every > 0, :2] = np.nan
     sparse = replace(sailed, measured=measured)
     weight = weights(sparse, noise_levels(sailed))
-    forces = missing_forces(sparse, weight, Hypothesis(), np.zeros(0))
+    forces = residual_forces(sparse, weight, Hypothesis(), np.zeros(0))
     assert (len(forces.run) > 10) == told
-    assert leftovers(sparse, weight, [(Hypothesis(), np.zeros(0))]) == []
+    assert residual_force_functions(sparse, weight, [(Hypothesis(), np.zeros(0))]) == []

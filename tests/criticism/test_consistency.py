@@ -7,20 +7,20 @@ import pytest
 
 from swamp_rl.criticism.consistency import refuse_inconsistent
 from swamp_rl.errors import UserError
-from tests.support.criticism import trials
+from tests.support.criticism import simulated_runs
 
 pytestmark = pytest.mark.numerical
 
 
 @pytest.mark.parametrize("velocities", [True, False])
 def test_consistent_columns_pass_even_with_a_sensor_fault_of_a_usual_size(velocities: bool) -> None:
-    refuse_inconsistent(trials([], velocities=velocities), "folder")
+    refuse_inconsistent(simulated_runs([], velocities=velocities), "folder")
     for effect in (
         {"effect": "heading_bias", "bias": 0.15},
         {"effect": "position_delay", "delay": 0.75},
         {"effect": "position_lever_arm", "x": 0.5, "y": -0.3},
     ):
-        refuse_inconsistent(trials([effect], velocities=velocities), "folder")
+        refuse_inconsistent(simulated_runs([effect], velocities=velocities), "folder")
 
 
 @pytest.mark.parametrize(
@@ -31,13 +31,13 @@ def test_consistent_columns_pass_even_with_a_sensor_fault_of_a_usual_size(veloci
     ],
 )
 def test_swapped_columns_are_named(said: str, columns: list[int]) -> None:
-    found = trials([])
+    found = simulated_runs([])
     with pytest.raises(UserError, match=said):
         refuse_inconsistent(replace(found, measured=found.measured[..., columns]), "folder")
 
 
 def test_a_turned_heading_and_yaw_rates_in_degrees_or_late_are_named() -> None:
-    found = trials([])
+    found = simulated_runs([])
     measured = found.measured
     for said, column, values in (
         ("heading looks measured from east", 2, np.pi / 2 - measured[..., 2]),

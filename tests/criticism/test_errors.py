@@ -1,4 +1,4 @@
-"""Standard errors that hold."""
+"""Standard errors of the parameters."""
 
 from dataclasses import replace
 
@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
+from swamp_rl.criticism.backward_elimination import Selection
 from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates
-from swamp_rl.criticism.conclude import Search
-from swamp_rl.criticism.diagnose import confirmed_causes
-from swamp_rl.criticism.estimate import causes_of, honest_covariance, sides_of
-from swamp_rl.criticism.fit import Fit, fit
-from swamp_rl.criticism.noise import noise_levels, weights
-from swamp_rl.criticism.shooting import Shooting
-from tests.support.criticism import SECONDS, trials
+from swamp_rl.criticism.cause_list import list_causes
+from swamp_rl.criticism.estimate import causes_of, sandwich_covariance, sides_of
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.output_error import Fit, fit
+from tests.support.criticism import SECONDS, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
@@ -21,40 +21,43 @@ pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 @pytest.fixture(scope="module")
 def fitted() -> tuple[Shooting, Fit]:
     """A thruster's gain on whole runs."""
-    found = trials([{"effect": "thruster_gain", "thruster": "bs", "gain": 0.8}])
+    found = simulated_runs([{"effect": "thruster_gain", "thruster": "bs", "gain": 0.8}])
     problem = Shooting(found, weights(found, noise_levels(found)), np.inf)
-    atom = by_label(candidates(found.boat, SECONDS))["thruster_gain bs"]
-    return problem, fit(problem, Hypothesis((atom,)), np.array([0.8]), problem.guess(), fresh=True)
+    instance = by_label(candidates(found.boat, SECONDS))["thruster_gain bs"]
+    return problem, fit(
+        problem, Hypothesis((instance,)), np.array([0.8]), problem.initial_states(), fresh=True
+    )
 
 
 def test_standard_errors_of_white_residuals_are_those_of_the_information(
     fitted: tuple[Shooting, Fit],
 ) -> None:
     problem, at = fitted
-    ratio = np.sqrt(honest_covariance(problem, at)[0, 0] / at.covariance[0, 0])
+    ratio = np.sqrt(sandwich_covariance(problem, at)[0, 0] / at.covariance[0, 0])
     assert 1.0 <= ratio < 1.5
 
 
-def test_residuals_that_hang_together_make_standard_errors_wider(fitted: tuple[Shooting, Fit]) -> None:
+def test_correlated_residuals_widen_standard_errors(fitted: tuple[Shooting, Fit]) -> None:
     problem, at = fitted
     smooth = at.residual.reshape(problem.windows.count, -1, 6)
     held = np.repeat(smooth[:, ::10], 10, axis=1)[:, : smooth.shape[1]].reshape(at.residual.shape)
-    ratio = np.sqrt(honest_covariance(problem, replace(at, residual=held))[0, 0] / at.covariance[0, 0])
+    ratio = np.sqrt(sandwich_covariance(problem, replace(at, residual=held))[0, 0] / at.covariance[0, 0])
     assert ratio > 2.0
 
 
 def test_a_cause_without_a_finite_standard_error_is_not_claimed(fitted: tuple[Shooting, Fit]) -> None:
     problem, at = fitted
     endless = replace(at.normal, information=np.full_like(at.normal.information, np.inf))
-    search = Search(replace(at, normal=endless), True, 2, [], [], [], [])
-    assert confirmed_causes(problem, search) == ([], False)
-    claimed, sound = confirmed_causes(problem, replace(search, winner=at))
-    assert sound
-    assert [cause.effect for cause in claimed] == ["thruster_gain"]
+    search = Selection(replace(at, normal=endless), True, 2, [], [], [], [])
+    refused = list_causes(problem, search, {}, {})
+    assert (refused.causes, refused.sound) == ([], False)
+    claimed = list_causes(problem, replace(search, winner=at), {}, {})
+    assert claimed.sound
+    assert [cause.effect for cause in claimed.causes] == ["thruster_gain"]
 
 
 @pytest.mark.parametrize(("value", "limit"), [(0.0, "at_most"), (2.5, "at_least"), (0.8, None)])
-def test_a_number_at_the_edge_of_what_is_tried_says_so(
+def test_a_parameter_at_a_bound_is_marked(
     fitted: tuple[Shooting, Fit], value: float, limit: str | None
 ) -> None:
     problem, at = fitted
@@ -62,7 +65,7 @@ def test_a_number_at_the_edge_of_what_is_tried_says_so(
     assert (told.value, told.at_bound, told.limit) == (value, limit is not None, limit)
 
 
-def test_a_part_of_the_wind_is_at_its_edge_and_the_other_not() -> None:
+def test_one_component_of_the_wind_is_at_a_bound() -> None:
     wind = by_label(candidates(load_boat("swamp"), SECONDS))["wind"]
     assert list(sides_of(wind, np.array([-20.0, 3.0]))) == [-1.0, 0.0]
     assert not sides_of(wind, np.array([-19.9, 20.1 - 0.2])).any()

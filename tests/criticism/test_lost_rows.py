@@ -1,4 +1,4 @@
-"""Commands that stood while rows were lost."""
+"""Commands and initial states at lost rows."""
 
 from dataclasses import replace
 
@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from swamp_rl.criticism.candidates import Hypothesis
-from swamp_rl.criticism.fit import fit
-from swamp_rl.criticism.guess import guessed_states, levels_and_slopes
-from swamp_rl.criticism.noise import noise_levels, weights
-from swamp_rl.criticism.shooting import Shooting
-from swamp_rl.criticism.unseen_commands import tapped
+from swamp_rl.criticism.initial_states import levels_and_slopes, smoothed_states
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.output_error import fit
+from swamp_rl.criticism.unlogged_commands import with_unlogged_commands
 from tests.support.criticism import commands, driven
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
@@ -18,7 +18,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 ROW = 150
 
 
-def test_a_tap_between_two_equal_rows_is_found_where_it_was() -> None:
+def test_an_unlogged_command_between_two_equal_rows_is_found() -> None:
     given = np.stack([commands(0), commands(2)])
     given[1, ROW, :4] += 1.2
     sailed = driven([], given, 0.0, seed=11, name="swamp-thesis")
@@ -26,17 +26,19 @@ def test_a_tap_between_two_equal_rows_is_found_where_it_was() -> None:
     read[1, ROW], measured[1, [ROW, 260]] = given[1, ROW - 1], np.nan
     found = replace(sailed, commands=read, measured=measured)
     problem = Shooting(found, weights(found, noise_levels(found)), np.inf)
-    at = fit(problem, Hypothesis(), np.zeros(0), problem.guess(), fresh=True)
-    again = tapped(problem, at)
+    at = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states(), fresh=True)
+    again = with_unlogged_commands(problem, at)
     assert again is not None
     changed = np.flatnonzero((again.commands != read).any(axis=(0, 2)))
     assert list(changed) == [ROW]
     better = Shooting(again, problem.weight, np.inf)
     assert fit(better, Hypothesis(), np.zeros(0), at.states).chi2 < at.chi2 - 100.0
-    assert tapped(better, fit(better, Hypothesis(), np.zeros(0), at.states, fresh=True)) is None
+    assert (
+        with_unlogged_commands(better, fit(better, Hypothesis(), np.zeros(0), at.states, fresh=True)) is None
+    )
 
 
-def test_a_guess_is_exact_on_a_parabola_and_a_line_through_two_samples() -> None:
+def test_smoothing_is_exact_on_a_parabola_and_on_a_line_through_two_samples() -> None:
     place = np.linspace(-1.0, 1.0, 9)
     values = (2.0 - 3.0 * place + 0.5 * place**2)[None, :, None]
     level, slope = levels_and_slopes(place, values, np.ones(values.shape, bool))
@@ -49,7 +51,7 @@ def test_a_guess_is_exact_on_a_parabola_and_a_line_through_two_samples() -> None
     assert (level[0, 0], slope[0, 0]) == (0.0, 0.0)
 
 
-def test_a_guess_amid_lost_rows_lies_on_the_line_across_them() -> None:
+def test_the_initial_state_amid_lost_rows_is_interpolated() -> None:
     sailed = driven([], np.stack([commands(0), commands(2)]), 0.02, seed=3)
     measured = sailed.measured.copy()
     lost = slice(ROW, ROW + 40)
@@ -58,8 +60,10 @@ def test_a_guess_amid_lost_rows_lies_on_the_line_across_them() -> None:
     problem = Shooting(sparse, weights(sparse, noise_levels(sparse)), np.inf)
     for first in (ROW + 1, ROW + 20, ROW + 38):
         window = replace(problem.windows, run=np.array([0]), first=np.array([first]), steps=np.array([50]))
-        guess = guessed_states(sparse, problem.weight, window)[0]
+        initial_states = smoothed_states(sparse, problem.weight, window)[0]
         across = [measured[0, ROW - 1], measured[0, ROW + 40]]
         place = (first - ROW + 1) / 41.0
-        assert guess[:3] == pytest.approx(across[0][:3] + place * (across[1][:3] - across[0][:3]), abs=0.1)
-        assert np.abs(guess[3:5]).max() < 2.0
+        assert initial_states[:3] == pytest.approx(
+            across[0][:3] + place * (across[1][:3] - across[0][:3]), abs=0.1
+        )
+        assert np.abs(initial_states[3:5]).max() < 2.0

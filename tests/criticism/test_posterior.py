@@ -1,4 +1,4 @@
-"""A diagnosis as disturbances to train among: its numbers, its doubt, and never beyond an effect's bounds."""
+"""The posterior of a diagnosis as a level of disturbance: parameters, standard errors, bounds."""
 
 import json
 from pathlib import Path
@@ -64,7 +64,7 @@ def test_nothing_is_drawn_beyond_the_bounds_of_an_effect(tmp_path: Path) -> None
     assert np.median(gains) == pytest.approx(truncnorm.median(-0.4, 5.0, 0.02, 0.05), abs=1e-4)
 
 
-def test_a_number_at_the_edge_of_what_the_fit_may_try_is_not_drawn(tmp_path: Path) -> None:
+def test_a_parameter_at_a_bound_is_constant(tmp_path: Path) -> None:
     at_edge = estimate(0.0, 0.3) | {"at_bound": True, "limit": "at_most"}
     cause = {"effect": "thruster_gain", "thruster": "bs", "parameters": {"gain": at_edge}}
     level = write_posterior(diagnosis(tmp_path, cause), tmp_path / "found.yaml")

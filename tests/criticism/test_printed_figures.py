@@ -17,7 +17,7 @@ from swamp_rl.criticism.figures.diagnose import diagnose_figures
 from swamp_rl.criticism.figures.predict import fleet_of, misfits, predicted
 from swamp_rl.criticism.figures.result import FiguresDiagnosis
 from swamp_rl.criticism.figures.schema import Figure, read_figures
-from swamp_rl.criticism.figures.select import occam
+from swamp_rl.criticism.figures.select import laplace_term
 from swamp_rl.criticism.posterior import write_posterior
 from swamp_rl.criticism.schema import schema_text
 from swamp_rl.files import find_config, read_yaml, write_yaml
@@ -149,7 +149,7 @@ def test_the_marginal_likelihood_of_a_linear_model_is_exact() -> None:
     least = float(((measured - slopes @ x) ** 2).sum() + x @ precision @ x)
     covariance = np.eye(6) + slopes @ np.diag(deviation**2) @ slopes.T
     exact = -2.0 * multivariate_normal(cov=covariance).logpdf(measured) - 6.0 * math.log(2.0 * math.pi)
-    assert least + occam(information, deviation, np.ones(2)) == pytest.approx(exact)
+    assert least + laplace_term(information, deviation, np.ones(2)) == pytest.approx(exact)
 
 
 def test_a_hidden_thrust_law_is_named_from_the_bollard_and_towed_figures(tmp_path: Path) -> None:
@@ -188,7 +188,7 @@ def test_the_effect_that_made_the_circles_is_named(effect: str, tmp_path: Path) 
     )
 
 
-def test_effects_that_the_figures_cannot_tell_apart_are_both_told(tmp_path: Path) -> None:
+def test_effects_that_the_figures_do_not_separate_are_both_named(tmp_path: Path) -> None:
     boat = with_effects(tmp_path, {"effect": "thrust_scale", "scale": 1.3})
     path = written(tmp_path / "circles.yaml", *circles_of(boat, 20.0, 60.0))  # at one throttle
     found = diagnose_figures(path, "swamp-thesis", tmp_path / "out")
@@ -226,7 +226,7 @@ def test_the_thesis_s_own_figures_name_the_thrust_law_and_the_demihulls(
 
 
 @pytest.mark.slow
-def test_the_circle_that_had_no_part_is_met_by_the_extended_boat(
+def test_the_extended_boat_predicts_the_held_out_circle(
     shipped: tuple[FiguresDiagnosis, Path],
 ) -> None:
     found, out = shipped
@@ -251,7 +251,7 @@ def test_with_the_circles_exchanged_the_report_says_what_that_one_can_show(
 
 
 @pytest.mark.slow
-def test_what_the_figures_showed_can_be_trained_among(
+def test_the_posterior_of_the_figures_is_a_level_of_disturbance(
     shipped: tuple[FiguresDiagnosis, Path], tmp_path: Path
 ) -> None:
     level = write_posterior(shipped[1] / "diagnosis.json", tmp_path / "level.yaml")

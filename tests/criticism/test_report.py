@@ -4,34 +4,43 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data import Trials
-from swamp_rl.criticism.leftover import Forces, motion_variables
-from swamp_rl.criticism.report.figures import DEGREES, accused_thrusters, labelled, shown_variables
+from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.report.figures import DEGREES, labelled, shown_variables, thrusters_of_causes
 from swamp_rl.criticism.report.page import (
+    causes_section,
     details,
     gain_rows,
-    gained,
-    lacking,
-    left_over,
-    named,
+    gain_section,
+    identifiability_section,
+    limits_section,
+    residual_section,
     table,
-    told_apart,
 )
 from swamp_rl.criticism.report.words import (
     cause_rows,
     gain_sentence,
     headline,
-    leftover_sentence,
+    manoeuvre_words,
     meaning,
+    noise_sentence,
     number_cells,
+    readable,
+    residual_force_sentence,
     rounded,
-    spoken,
-    trial_words,
-    unseen_of,
-    wandering_sentence,
+    unidentifiable_effects,
     written,
 )
-from swamp_rl.criticism.result import Cause, Contrast, Diagnosis, Estimate, Gain, Leftover, Paired, Point
+from swamp_rl.criticism.residual_force import Forces, motion_variables
+from swamp_rl.criticism.result import (
+    Cause,
+    Contrast,
+    CurvePoint,
+    Diagnosis,
+    Estimate,
+    Gain,
+    Paired,
+    ResidualForce,
+)
 
 pytestmark = pytest.mark.numerical
 
@@ -55,8 +64,8 @@ LAG = Cause(
 )
 
 
-def test_labels_are_spoken_with_their_thrusters() -> None:
-    assert spoken("azimuth_lag + thruster_gain bs + channel_swap bp ss") == (
+def test_labels_are_readable_and_have_their_thrusters() -> None:
+    assert readable("azimuth_lag + thruster_gain bs + channel_swap bp ss") == (
         "azimuth lag, thruster gain (bs) and channel swap (bp, ss)"
     )
 
@@ -109,19 +118,22 @@ def test_the_gain_is_in_degrees_with_as_many_digits_as_the_error_and_no_negative
     assert row == ("5 (9)", "heading", "5.73", "2.86", "2.86 (0.00 to 5.73)", "degrees")
 
 
-def test_what_is_left_is_said_with_its_force_and_variable() -> None:
-    left = [Leftover(force="yaw", variable="heading", explained=0.62)]
-    said = leftover_sentence(diagnosis("unexplained", leftover=left))
+def test_the_residual_force_is_reported_with_its_variable() -> None:
+    left = [ResidualForce(force="yaw", variable="heading", explained=0.62)]
+    said = residual_force_sentence(diagnosis("unexplained", leftover=left))
     assert "yaw moment as a function of heading" in said and "62%" in said
 
 
-def test_the_shape_of_a_missing_force_is_shown_beside_what_it_was_told_beside() -> None:
-    curve = [Point(at=0.0, force=-1.0, standard_error=0.1), Point(at=0.5, force=0.0, standard_error=0.1)]
-    left = [Leftover(force="yaw", variable="yaw rate", explained=0.6, curve=curve, beside=["sway_drag"])]
-    shown = left_over(diagnosis("unexplained", leftover=left), {"missing": "aGk="})
+def test_the_function_of_a_residual_force_is_shown_with_its_hypothesis() -> None:
+    curve = [
+        CurvePoint(at=0.0, force=-1.0, standard_error=0.1),
+        CurvePoint(at=0.5, force=0.0, standard_error=0.1),
+    ]
+    left = [ResidualForce(force="yaw", variable="yaw rate", explained=0.6, curve=curve, beside=["sway_drag"])]
+    shown = residual_section(diagnosis("unexplained", leftover=left), {"missing": "aGk="})
     assert "that the boat file with sway drag lacks" in shown and 'base64,aGk="' in shown
-    plain = left_over(
-        diagnosis("unexplained", leftover=[Leftover(force="yaw", variable="time", explained=1)]), {}
+    plain = residual_section(
+        diagnosis("unexplained", leftover=[ResidualForce(force="yaw", variable="time", explained=1)]), {}
     )
     assert "Estimates from all runs" not in plain
 
@@ -142,21 +154,21 @@ def test_what_forces_are_drawn_against_has_its_unit(variable: str, label: str, f
 @pytest.mark.parametrize(
     ("found", "drawn"), [([], "bp"), ([OFFSET], "bs"), ([LAG], "bp")], ids=["nothing", "bs", "all thrusters"]
 )
-def test_forces_are_drawn_against_the_thruster_that_is_accused(found: list[Cause], drawn: str) -> None:
+def test_forces_are_drawn_against_the_thruster_of_the_cause(found: list[Cause], drawn: str) -> None:
     time = np.linspace(0.0, 1.0, 5)
     every = {f"{what} {name}": time for what in ("azimuth", "throttle") for name in ("bs", "bp")}
     every |= {"azimuth bp": 2.0 * time, "throttle bp": 2.0 * time}  # used most
     forces = Forces(np.zeros((5, 5)), np.zeros((5, 5)), np.zeros(5, int), every)
-    accused = accused_thrusters(diagnosis("cause", causes=found))
-    assert list(shown_variables(trials(), forces, accused)) == [f"throttle {drawn}", f"azimuth {drawn}"]
+    preferred = thrusters_of_causes(diagnosis("cause", causes=found))
+    assert list(shown_variables(no_runs(), forces, preferred)) == [f"throttle {drawn}", f"azimuth {drawn}"]
 
 
 def test_data_without_noise_are_not_said_to_have_some() -> None:
-    text = details(diagnosis("nothing_wrong", noise={"north": 2e-3, "heading": 0.01}), trials())
+    text = details(diagnosis("nothing_wrong", noise={"north": 2e-3, "heading": 0.01}), no_runs())
     assert ">below 0.00200</td>" in text and ">0.573</td>" in text
 
 
-def test_every_variable_that_a_force_may_go_with_can_be_drawn() -> None:
+def test_every_variable_of_a_force_can_be_drawn() -> None:
     for variable in motion_variables(np.zeros(1), np.zeros((1, 6))):
         assert labelled(variable)[0].startswith(variable)
 
@@ -166,12 +178,12 @@ def test_digits_are_plain_and_cells_are_escaped() -> None:
     assert "&lt;b&gt;" in table(("a",), [("<b>",)]) and "<b>" in table(("a",), [("<b>",)], raw=True)
 
 
-def test_what_cannot_be_seen_is_told_by_effect_with_the_thrusters_it_holds_of() -> None:
+def test_unidentifiable_effects_are_listed_with_their_thrusters() -> None:
     pairs = ["bs bp", "bs ss", "bs sp", "bp ss", "bp sp", "ss sp"]
     unseen = ["azimuth_lag", *(f"channel_swap {pair}" for pair in pairs), "thruster_failure bp", "mass"]
-    told = unseen_of(diagnosis("cause", unseen=unseen), load_boat("swamp"))
+    told = unidentifiable_effects(diagnosis("cause", unseen=unseen), load_boat("swamp"))
     assert told == "azimuth lag, channel swap, thruster failure (bp), mass"
-    some = unseen_of(
+    some = unidentifiable_effects(
         diagnosis("cause", unseen=["channel_swap bs bp", "channel_swap ss sp"]), load_boat("swamp")
     )
     assert some == "channel swap (bs and bp, ss and sp)"
@@ -183,32 +195,32 @@ def test_the_page_says_what_was_held_out_and_what_to_record() -> None:
     found = diagnosis(
         "cause", causes=[LAG], gain=[gain], gain_on="same_run", missing_motion=["turns to port"]
     )
-    assert "since there is no other: they are optimistic" in gained(found)
-    assert "<li>turns to port</li>" in lacking(found, trials())
+    assert "since there is no other: they are optimistic" in gain_section(found)
+    assert "<li>turns to port</li>" in limits_section(found, no_runs())
     best = diagnosis("indistinguishable", causes=[LAG], indistinguishable=[["mass", "azimuth_lag"]])
-    assert "The explanation with the lowest χ²" in named(best, trials())
+    assert "The explanation with the lowest χ²" in causes_section(best, no_runs())
 
 
-def trials() -> Trials:
+def no_runs() -> RunSet:
     """Of SWAMP, with nothing in them."""
-    return Trials(
+    return RunSet(
         load_boat("swamp"), 0.1, (), np.zeros((0, 1, 8)), np.zeros((0, 1, 6)), np.zeros(0, np.int64)
     )
 
 
-def test_an_unexplained_rest_is_told_with_a_variable_or_said_to_go_with_none() -> None:
-    left = [Leftover(force="yaw", variable="heading", explained=0.62)]
-    assert "function of heading" in left_over(diagnosis("unexplained", leftover=left), {})
+def test_the_residual_section_names_a_variable_or_says_that_there_is_none() -> None:
+    left = [ResidualForce(force="yaw", variable="heading", explained=0.62)]
+    assert "function of heading" in residual_section(diagnosis("unexplained", leftover=left), {})
     assert "are given below" in meaning(diagnosis("unexplained", leftover=left))
-    assert "No single variable" in left_over(diagnosis("unexplained"), {})
+    assert "No single variable" in residual_section(diagnosis("unexplained"), {})
     assert "are given below" not in meaning(diagnosis("unexplained"))
-    assert left_over(diagnosis("nothing_wrong"), {}) == ""
+    assert residual_section(diagnosis("nothing_wrong"), {}) == ""
 
 
 @pytest.mark.parametrize(
     ("ci95", "said"), [((0.1, 0.3), ""), ((-0.1, 0.3), "not significant"), ((-0.4, -0.1), "10 s ahead worse")]
 )
-def test_a_gain_that_is_none_is_called_so(ci95: tuple[float, float], said: str) -> None:
+def test_an_insignificant_gain_is_reported_as_such(ci95: tuple[float, float], said: str) -> None:
     paired = Paired(before=1.0, after=0.9, ci95=ci95)
     gain = Gain(horizon_s=10.0, restarts=9, blocks="runs", position_rmse_m=paired)
     told = gain_sentence(diagnosis("cause", causes=[LAG], gain=[gain]))
@@ -219,25 +231,25 @@ def test_units_are_written_as_one_does_and_stay_on_one_line() -> None:
     assert [written(unit) for unit in ("1", "m/s2", "N s/m")] == ["", "m/s²", "N\N{NO-BREAK SPACE}s/m"]
 
 
-def test_errors_that_last_are_a_receivers_or_the_models_own() -> None:
+def test_correlated_errors_are_attributed_to_the_receiver_or_the_model() -> None:
     lasting = {"standard_deviation": 0.5, "time_constant_s": 21.0}
     assert "Gauss-Markov part (standard deviation): north 0.500 m; time constant 21 s" in (
-        wandering_sentence(diagnosis("cause", wandering={"north": lasting}))
+        noise_sentence(diagnosis("cause", wandering={"north": lasting}))
     )
-    told = wandering_sentence(diagnosis("unexplained", wandering={"heading": lasting}))
+    told = noise_sentence(diagnosis("unexplained", wandering={"heading": lasting}))
     assert "correlated in time" in told and "heading 28.6 degrees" in told
-    assert wandering_sentence(diagnosis("cause")) == ""
+    assert noise_sentence(diagnosis("cause")) == ""
 
 
-def test_rivals_stand_with_their_numbers() -> None:
+def test_rivals_are_listed_with_their_parameters() -> None:
     names = ["mass", "azimuth_lag"]
     contrast = Contrast(effects=names, angle=0.1, evidence=-2.0, mutual_refit=1.0, rival=[LAG])
     found = diagnosis("indistinguishable", indistinguishable=[names], contrasts=[contrast])
-    told = told_apart(found, trials())
+    told = identifiability_section(found, no_runs())
     assert "0.588 to 0.636" in told and "−2.0" in told
 
 
-def test_a_trial_is_told_as_the_boat_can_sail_it() -> None:
-    assert trial_words("spin", load_boat("swamp")).startswith("turning on the spot")
-    assert trial_words("spin", load_boat("esso_osaka")).startswith("hard over (35°)")
-    assert trial_words("zig-zag, 80 %", load_boat("swamp")) == "zig-zag, 80 %"
+def test_a_manoeuvre_is_described_as_the_boat_can_sail_it() -> None:
+    assert manoeuvre_words("spin", load_boat("swamp")).startswith("turning on the spot")
+    assert manoeuvre_words("spin", load_boat("esso_osaka")).startswith("hard over (35°)")
+    assert manoeuvre_words("zig-zag, 80 %", load_boat("swamp")) == "zig-zag, 80 %"

@@ -1,1 +1,1 @@
-"""Model criticism on printed figures: what a boat file gets wrong about numbers that a source prints."""
+"""Model criticism on printed figures: the difference between a boat file and numbers that a source prints."""

@@ -1,6 +1,4 @@
-"""From printed figures and a boat file to a diagnosis: what is wrong, by how much, and what it gains to add
-it.
-"""
+"""Diagnosis of a boat file from printed figures: causes, their parameters, and the gain of adding them."""
 
 import time
 from collections.abc import Sequence
@@ -12,7 +10,8 @@ import numpy as np
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.candidates import Hypothesis, entries_of
-from swamp_rl.criticism.extend import write_extended
+from swamp_rl.criticism.data_checks import refuse_sources_inside
+from swamp_rl.criticism.extended_boat import write_extended
 from swamp_rl.criticism.figures.predict import Fleet, fleet_of, misfits, predicted
 from swamp_rl.criticism.figures.result import (
     CandidateFound,
@@ -25,17 +24,16 @@ from swamp_rl.criticism.figures.result import (
 )
 from swamp_rl.criticism.figures.schema import Figure, FiguresFile, group_faults, read_figures
 from swamp_rl.criticism.figures.select import (
-    APART,
     NOWHERE,
+    STRONG_EVIDENCE,
     Fitted,
     Problem,
     Stage,
-    atoms_of,
+    instances_of,
     priors_of,
     rivals_of,
     stage_of,
 )
-from swamp_rl.criticism.refusals import refuse_sources_inside
 from swamp_rl.criticism.result import Cause, Estimate, Verdict
 from swamp_rl.errors import UserError
 from swamp_rl.unfinished import folder_beside
@@ -55,7 +53,7 @@ class Study:
     fleet: Fleet
 
     def of(self, groups: Sequence[str]) -> tuple[Figure, ...]:
-        """The figures of groups that are not another reading only."""
+        """The figures of groups, without alternative readings."""
         return tuple(one for one in self.found.figures if one.group in groups and not one.alternative)
 
     def chi2(self, groups: Sequence[str], fitted: Fitted) -> float:
@@ -66,15 +64,15 @@ class Study:
         values = predicted(self.fleet, figures, fitted.hypothesis, fitted.x)
         return float((misfits(figures, values) ** 2).sum())
 
-    def searched(self, fit: Groups, begun: Sequence[Stage] = ()) -> list[Stage]:
+    def stages_of(self, fit: Groups, begun: Sequence[Stage] = ()) -> list[Stage]:
         """The stages of `fit`, each on the figures of all up to it; begun: the first of them, where known."""
-        atoms, priors = atoms_of(self.fleet.nominal), priors_of(self.found.particulars)
+        instances, priors = instances_of(self.fleet.nominal), priors_of(self.found.particulars)
         stages = list(begun)
         for number in range(len(stages), len(fit)):
             groups = [group for stage in fit[: number + 1] for group in stage]
             problem = Problem(self.fleet, self.of(groups), priors)
             base = stages[-1].winner if stages else NOTHING
-            stages.append(stage_of(problem, tuple(fit[number]), base, atoms))
+            stages.append(stage_of(problem, tuple(fit[number]), base, instances))
         return stages
 
 
@@ -82,7 +80,7 @@ def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None
     """Diagnose a boat file against the printed figures of a YAML file; writes diagnosis.json,
     extended_boat.yaml and report.html into `out`.
 
-    fit: groups by stage that numbers are fitted to, in place of the file's. UserError, one line for each
+    fit: groups by stage that parameters are fitted to, in place of the file's. UserError, one line for each
     fault of the file.
     """
     from swamp_rl.criticism.figures.report import page
@@ -98,7 +96,7 @@ def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None
         study = Study(found, fleet_of(boat, found))
         diagnosis, last = examine(study, fit or found.fit)
         diagnosis.elapsed_s = time.perf_counter() - began
-        write_extended(folder / "extended_boat.yaml", boat, last.hypothesis, last.x)
+        write_extended(folder, boat, last.hypothesis, last.x)
         (folder / "report.html").write_text(page(diagnosis, found, model), encoding="utf-8")
         (folder / RESULT).write_text(diagnosis.model_dump_json(indent=2) + "\n", encoding="utf-8")
     return diagnosis
@@ -106,14 +104,14 @@ def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None
 
 def examine(study: Study, fit: Groups) -> tuple[FiguresDiagnosis, Fitted]:
     """The diagnosis, and the hypothesis that extends the boat."""
-    stages = study.searched(fit)
+    stages = study.stages_of(fit)
     last = stages[-1].winner
     used = [group for stage in fit for group in stage]
     swaps = {one: other for one, other in study.found.exchange.items() if one in used and other not in used}
-    told = [_stage(study, stage, list(swaps.values())) for stage in stages]
+    reports = [_stage(study, stage, list(swaps.values())) for stage in stages]
     sets = [
         [" + ".join(stage.named) or "nothing", *(one.effect for one in stage.rivals if not one.told_apart)]
-        for stage in told
+        for stage in reports
     ]
     sets = [labels for labels in sets if len(labels) > 1]
     scale = 1.0 / np.sqrt(np.maximum(np.diag(last.covariance), 1e-300))
@@ -123,7 +121,7 @@ def examine(study: Study, fit: Groups) -> tuple[FiguresDiagnosis, Fitted]:
         causes=causes_of(last),
         correlation=(last.covariance * np.outer(scale, scale)).tolist(),
         indistinguishable=sets,
-        stages=told,
+        stages=reports,
         figures=figures,
         gain=_gain(figures),
         exchange=[_exchanged(study, fit, stages, one, other) for one, other in swaps.items()],
@@ -137,38 +135,38 @@ def _verdict(last: Fitted, sets: list[list[str]], adequate: bool) -> Verdict:
         return "unexplained"
     if sets:
         return "indistinguishable"
-    return "cause" if last.hypothesis.atoms else "nothing_wrong"
+    return "cause" if last.hypothesis.instances else "nothing_wrong"
 
 
 def causes_of(fitted: Fitted) -> list[Cause]:
-    """Every effect of a fit with its numbers and their standard errors."""
+    """Every effect of a fit with its parameters and their standard errors."""
     causes, place = [], 0
     errors = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
-    for atom, own in fitted.hypothesis.parts(fitted.x):
-        (entry,) = entries_of(atom, own)
+    for instance, own in fitted.hypothesis.parts(fitted.x):
+        (entry,) = entries_of(instance, own)
         selector: Any = list(entry.thruster) if isinstance(entry.thruster, tuple) else entry.thruster
         numbers = {
             name: Estimate(
                 value=float(entry.values[name]),
                 standard_error=float(errors[place + i]),
-                unit=atom.effect.parameter(name).unit,
+                unit=instance.effect.parameter(name).unit,
                 at_bound=bool(fitted.at_bound[place + i]),
             )
-            for i, name in enumerate(atom.names)
+            for i, name in enumerate(instance.effect.parameter_names)
         }
-        causes.append(Cause(effect=atom.effect.name, thruster=selector, parameters=numbers))
-        place += atom.size
+        causes.append(Cause(effect=instance.effect.name, thruster=selector, parameters=numbers))
+        place += instance.size
     return causes
 
 
 def _new(stage: Stage, one: Fitted) -> list[str]:
-    """Labels of what a fit adds to what the stage began with."""
-    known = {atom.label for atom in stage.before.hypothesis.atoms}
-    return [atom.label for atom in one.hypothesis.atoms if atom.label not in known]
+    """Labels of the effects that a fit adds to those of the stages before."""
+    known = {instance.label for instance in stage.before.hypothesis.instances}
+    return [instance.label for instance in one.hypothesis.instances if instance.label not in known]
 
 
 def _stage(study: Study, stage: Stage, judging: Sequence[str]) -> StageFound:
-    """judging: groups that had no part in the fit, which rivals are held against."""
+    """judging: groups that are not fitted, on which rivals are compared."""
     first, least = stage.winner, stage.winner.evidence
     of_first = study.chi2(judging, first)
     rivals = []
@@ -181,7 +179,7 @@ def _stage(study: Study, stage: Stage, judging: Sequence[str]) -> StageFound:
                 evidence=one.evidence - least,
                 held_out_chi2=held_out,
                 of_the_first=of_first,
-                told_apart=one.evidence - least + held_out - of_first >= APART,
+                told_apart=one.evidence - least + held_out - of_first >= STRONG_EVIDENCE,
             )
         )
     plain = [stage.plain[0], *rivals_of(stage.plain)]
@@ -252,10 +250,10 @@ def _gain(figures: Sequence[FigureFound]) -> list[GroupFound]:
 
 
 def _exchanged(study: Study, fit: Groups, stages: Sequence[Stage], one: str, other: str) -> Exchanged:
-    """The search with the group `other` in place of `one`; the stages before it stand."""
+    """The search with the group `other` in place of `one`; the stages before it are kept."""
     turned = [[other if group == one else group for group in stage] for stage in fit]
     same = next(i for i, stage in enumerate(fit) if one in stage)
-    last = study.searched(turned, stages[:same])[-1]
+    last = study.stages_of(turned, stages[:same])[-1]
     return Exchanged(
         fitted=other,
         judged=one,

@@ -1,4 +1,4 @@
-"""The tests that a printed figure can come from, and the figure that a boat would give in each."""
+"""The tests that a printed figure can come from, and the figure that a boat gives in each."""
 
 import math
 from collections.abc import Callable
@@ -29,25 +29,25 @@ from swamp_rl.simulator.state import EAST, HEADING, SURGE, SWAY, YAW_RATE
 Array = NDArray[np.float64]
 
 DT = 0.1  # s
-PART = 60.0  # times √(L/g): a test goes on in such parts until one changes the motion no more
+PART = 60.0  # times √(L/g): duration of a part of a test; parts follow until the motion is steady
 STEADY = 1e-7  # change of speed in a part, as a share
 MOST_PARTS = 20
 LARGEST = 1e3  # lengths: the diameter of a boat that does not turn
 TOUCH = 1e-4  # m/s and rad/s by which straight running is disturbed
-DISTURBED = 0.5  # s after which the disturbance is looked at again
+DISTURBED = 0.5  # s after which the disturbance is evaluated
 CIRCLES = (20.0, 30.0, 40.0, 50.0, 60.0)  # deg, to either side: table I of 002
 ZIG_ZAGS = (10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0)  # deg: its table II
 
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """A boat at a load, with what its tests need of it."""
+    """A boat at a load, with the tables that its tests need."""
 
     boat: Boat
 
     @cached_property
     def plain(self) -> NDArray[Any]:
-        """(1,) its record."""
+        """(1,) its parameter record."""
         return parameters(self.boat)
 
     @cached_property
@@ -57,7 +57,7 @@ class Loaded:
 
     @cached_property
     def steer(self) -> Steering:
-        """Bow and stern opposed."""
+        """Bow and stern azimuths opposed."""
         return commands_of(self.boat, "opposed")
 
     @cached_property
@@ -170,7 +170,7 @@ class Test:
         return by_pseudo_inverse(motions_of(self.closed_loop(trials), self.boat, 0.0), self.boat.inertia_z)[0]
 
     def closed_loop(self, trials: list[Trial]) -> list[Run]:
-        """The runs of trials after a steady approach, as `swamp-rl trial` sails them."""
+        """The runs of manoeuvres after a steady approach, as `swamp-rl trial` executes them."""
         boat = self.boat.model_copy(update={"effects": (*self.boat.effects, *self.entries)})
         executed = execute(boat, trials)
         return [run_of_trial(one, boat, str(number), number) for number, one in enumerate(executed)]
@@ -260,7 +260,7 @@ def first_overshoot(test: Test) -> float:
 
 
 def yaw_coefficient(name: str) -> Callable[[Test], float]:
-    """A coefficient of the yaw model by its name, to read off a test."""
+    """Reader of a coefficient of the yaw model by its name."""
     return lambda test: float(getattr(test.yaw_model, name))
 
 

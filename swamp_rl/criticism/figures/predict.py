@@ -1,4 +1,4 @@
-"""Printed figures as a boat with effects would give them, in units of their errors."""
+"""Printed figures of a boat with effects, in units of their errors."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -15,7 +15,7 @@ from swamp_rl.criticism.figures.schema import Figure, FiguresFile, Load
 from swamp_rl.effects import EffectEntry, apply_effects
 
 Array = NDArray[np.float64]
-FAR = 1e4  # errors: a figure that a boat cannot give at all
+FAR = 1e4  # errors: misfit of a figure that a boat cannot give
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def _replaced(load: Load | None, density: float | None) -> dict[str, Any]:
 
 
 def predicted(fleet: Fleet, figures: Sequence[Figure], hypothesis: Hypothesis, x: Array) -> Array:
-    """(n,) the figures of the boat with a hypothesis's effects at x (p,); each test is made once."""
+    """(n,) figures of the boat with a hypothesis's effects at x (p,); each test is simulated once."""
     entries = tuple(hypothesis.entries(x))
     records: dict[Any, NDArray[Any]] = {}
     for key in dict.fromkeys((figure.mass, figure.water_density) for figure in figures):
@@ -76,7 +76,7 @@ def test_of(figure: Figure, at: Loaded, entries: tuple[EffectEntry, ...], record
 
 
 def misfits(figures: Sequence[Figure], values: Array) -> Array:
-    """(n,) values less what is printed, in errors; 0 within a limit, FAR where a value is no number."""
+    """(n,) values less what is printed, in errors; 0 within a limit, FAR where a value is not finite."""
     printed, errors = np.array([(figure.value, figure.error) for figure in figures]).T
     off = (values - printed) / errors
     for limit, beyond in (("at_most", np.maximum), ("at_least", np.minimum)):

@@ -7,28 +7,28 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.figures.result import FiguresDiagnosis, GroupFound, StageFound
 from swamp_rl.criticism.figures.schema import FiguresFile
 from swamp_rl.criticism.report.page import STYLE, table
-from swamp_rl.criticism.report.words import cause_rows, minus, rounded, spoken
+from swamp_rl.criticism.report.words import cause_rows, minus, readable, rounded
 from swamp_rl.criticism.result import Cause
 
 MEANING = {
-    "cause": "The effects below explain the figures that they were fitted to, and nothing else that was "
-    "tried does as well.",
-    "indistinguishable": "Several sets of effects explain the figures; the likeliest extends the boat.",
+    "cause": "The effects below explain the figures that they were fitted to; no other set of effects that "
+    "was tried is as likely.",
+    "indistinguishable": "Several sets of effects explain the figures; the most likely one extends the boat.",
     "unexplained": "No set of effects that was tried explains the figures within their errors.",
     "nothing_wrong": "The boat file explains the figures within their errors.",
 }
-HEADS = ("effect", "what it is", "parameter", "value", "95 % interval", "unit", "boat file")
+HEADS = ("effect", "description", "parameter", "value", "95 % interval", "unit", "boat file")
 
 
 def page(found: FiguresDiagnosis, file: FiguresFile, boat: Boat) -> str:
     """The whole page."""
-    title = f"What boat {boat.name} gets wrong about {len(found.figures)} printed figures"
+    title = f"Diagnosis of the model of {boat.name} from {len(found.figures)} printed figures"
     parts = [
         f'<span class="badge {found.verdict}">{found.verdict.replace("_", " ")}</span>',
         f"<h1>{html.escape(title)}</h1><p>{MEANING[found.verdict]}</p>",
         f'<p class="soft">{html.escape(file.name)}: {html.escape(file.description)}</p>',
         _figures(found),
-        "<h2>What was named</h2>" + _numbers(found.causes, boat),
+        "<h2>Causes</h2>" + _numbers(found.causes, boat),
         *(_stage(number, stage, boat) for number, stage in enumerate(found.stages, 1)),
         _gain(found.gain),
         _exchange(found, boat),
@@ -57,39 +57,46 @@ def _figures(found: FiguresDiagnosis) -> str:
         )
         for one in found.figures
     ]
-    heads = ("group", "figure", "printed", "boat file", "extended", "use", "source and reading")
+    heads = (
+        *("group", "figure", "printed ± one standard deviation", "boat file", "extended"),
+        *("use", "source and reading"),
+    )
     return (
-        "<h2>The figures</h2><p>In brackets: difference from what is printed, in units of its error. Where "
-        "the words have two readings, the other one is shown as <i>alternative</i> and judges nothing.</p>"
+        "<h2>Figures</h2><p>In brackets: difference from the printed value, in its standard deviations. "
+        "<i>alternative</i>: another reading of the same words, shown and not used.</p>"
         + table(heads, rows, numbers=(2, 3, 4))
     )
 
 
 def _stage(number: int, stage: StageFound, boat: Boat) -> str:
-    named = spoken(" + ".join(stage.named) or "nothing")
+    named = readable(" + ".join(stage.named) or "nothing")
     said = (
         f"<h2>Stage {number}: {html.escape(', '.join(stage.groups))}</h2>"
         f"<p>Named: <b>{html.escape(named)}</b>. χ² of {stage.figures} figures: {stage.chi2_before:.1f} "
-        f"before, {stage.chi2_after:.1f} with it. The evidence is −2 log of the marginal likelihood (by "
-        "Laplace), with the charge for choosing among the candidates; a difference of 6 is strong.</p>"
+        f"before, {stage.chi2_after:.1f} with it. The evidence is −2 log of the marginal likelihood (Laplace "
+        "approximation), plus the penalty for choosing among the candidates; a difference of 6 is strong "
+        "evidence.</p>"
     )
-    rows = [(spoken(one.effect), f"{one.chi2:.1f}", minus(f"{one.evidence:.1f}")) for one in stage.candidates]
+    rows = [
+        (readable(one.effect), f"{one.chi2:.1f}", minus(f"{one.evidence:.1f}")) for one in stage.candidates
+    ]
     said += table(("candidate", "χ² of the figures", "evidence above the first"), rows, numbers=(1, 2))
     if len(stage.without_particulars) > 1:
-        alike = "; ".join(spoken(one) for one in stage.without_particulars)
-        said += f"<p>The figures alone, without the particulars, do not tell apart: {html.escape(alike)}.</p>"
+        alike = "; ".join(readable(one) for one in stage.without_particulars)
+        said += f"<p>The figures alone, without the particulars, do not separate: {html.escape(alike)}.</p>"
     if stage.alone:
-        said += "<p>The numbers of the first from the figures alone:</p>" + _numbers(stage.alone, boat)
+        said += "<p>Parameters of the first from the figures alone:</p>" + _numbers(stage.alone, boat)
     for one in stage.rivals:
-        answer = "These tell the two apart" if one.told_apart else "These do not tell the two apart either"
+        answer = "These separate the two" if one.told_apart else "These do not separate the two either"
         said += (
             f"<p>Not distinguished from the first by these figures: "
-            f"<b>{html.escape(spoken(one.effect))}</b>, "
+            f"<b>{html.escape(readable(one.effect))}</b>, "
             f"{one.evidence:.1f} above. χ² of the figures that judge it: {one.held_out_chi2:.1f}, of the "
             f"first {one.of_the_first:.1f}. {answer}.</p>" + _numbers(one.causes, boat)
         )
     if stage.unseen:
-        said += f'<p class="soft">Not seen in these figures: {html.escape(", ".join(stage.unseen))}.</p>'
+        unseen = html.escape(", ".join(stage.unseen))
+        said += f'<p class="soft">Not identifiable from these figures: {unseen}.</p>'
     return said
 
 
@@ -99,18 +106,18 @@ def _gain(gain: Sequence[GroupFound]) -> str:
         for one in gain
     ]
     heads = ("group", "use", "figures", "χ², boat file", "χ², extended")
-    return "<h2>The gain</h2>" + table(heads, rows, numbers=(2, 3, 4))
+    return "<h2>Gain</h2>" + table(heads, rows, numbers=(2, 3, 4))
 
 
 def _exchange(found: FiguresDiagnosis, boat: Boat) -> str:
     said = ""
     for one in found.exchange:
-        named = html.escape(spoken(" + ".join(one.named) or "nothing"))
+        named = html.escape(readable(" + ".join(one.named) or "nothing"))
         said += (
             f"<h2>{html.escape(one.fitted)} fitted in place of {html.escape(one.judged)}</h2>"
-            f"<p>Named beside what the stages before found: <b>{named}</b>. χ² of {html.escape(one.judged)}: "
-            f"{one.chi2_before:.1f} with the boat file, {one.chi2_after:.1f} extended so.</p>"
-            + _numbers(one.causes, boat)
+            f"<p>Named in addition to the effects of the stages before: <b>{named}</b>. χ² of "
+            f"{html.escape(one.judged)}: {one.chi2_before:.1f} with the boat file, {one.chi2_after:.1f} with "
+            "the boat extended by them.</p>" + _numbers(one.causes, boat)
         )
     return said
 
@@ -121,8 +128,8 @@ def _particulars(file: FiguresFile) -> str:
         for one in file.particulars
     ]
     return (
-        "<h2>Particulars</h2><p>What the sources know of numbers that an effect would change: a Gaussian "
-        "prior of its fit.</p>" + table(("number", "value", "source"), rows, numbers=(1,))
+        "<h2>Particulars</h2><p>Values of effect parameters from the sources, used as Gaussian priors of the "
+        "fit.</p>" + table(("parameter", "value ± one standard deviation", "source"), rows, numbers=(1,))
         if rows
         else ""
     )

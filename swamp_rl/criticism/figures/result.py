@@ -1,4 +1,4 @@
-"""What the `diagnosis.json` of printed figures holds; its causes are those of a diagnosis of runs."""
+"""The models of the `diagnosis.json` of printed figures; its causes are those of a diagnosis of runs."""
 
 from typing import Literal
 
@@ -8,9 +8,9 @@ from swamp_rl.criticism.result import Cause, Part, Verdict
 
 
 class FigureFound(Part):
-    """A printed figure and what the boat makes of it. off: (value − printed) / error, 0 within a limit.
+    """A printed figure and the boat's prediction of it. off: (value − printed) / error, 0 within a limit.
 
-    use: whether numbers were fitted to it, it was judged by, or another reading of it was.
+    use: fitted, judged (held out), or alternative (another reading, not used).
     """
 
     group: str
@@ -30,8 +30,8 @@ class FigureFound(Part):
 
 
 class CandidateFound(Part):
-    """A set of effects that was tried. chi2: of the figures; evidence: −2 log of its marginal likelihood,
-    above that of the likeliest.
+    """A set of effects that was fitted. chi2: of the figures; evidence: −2 log of its marginal likelihood,
+    above that of the most likely.
     """
 
     effect: str
@@ -40,8 +40,9 @@ class CandidateFound(Part):
 
 
 class RivalFound(Part):
-    """A set of effects that the fitted figures do not tell from the likeliest. held_out_chi2: of the figures
-    that judge it, and those_of_first; told_apart: whether the two together tell them apart.
+    """A set of effects that the fitted figures do not separate from the most likely. held_out_chi2: of the
+    figures that judge it; of_the_first: of the most likely on these; told_apart: whether the two together
+    separate them.
     """
 
     effect: str
@@ -53,8 +54,8 @@ class RivalFound(Part):
 
 
 class StageFound(Part):
-    """One stage of the search. without_particulars: what the figures alone do not tell apart; alone: the
-    numbers of the likeliest from the figures alone.
+    """One stage of the search. without_particulars: sets that the figures alone do not separate; alone: the
+    parameters of the most likely set from the figures alone.
     """
 
     groups: list[str]
@@ -81,7 +82,7 @@ class GroupFound(Part):
 
 
 class Exchanged(Part):
-    """The search with one group fitted to in place of another: what it names, and the gain on that other."""
+    """The search with one group fitted in place of another: its causes, and the gain on that other."""
 
     fitted: str
     judged: str
@@ -92,8 +93,8 @@ class Exchanged(Part):
 
 
 class FiguresDiagnosis(Part):
-    """The answer. indistinguishable: sets of effects that neither the fitted figures nor those that judge
-    them tell apart; correlation: of the errors of the numbers of `causes`, in their order.
+    """The diagnosis. indistinguishable: sets of effects that neither the fitted figures nor those that judge
+    them separate; correlation: of the errors of the parameters of `causes`, in their order.
     """
 
     verdict: Verdict

@@ -1,4 +1,4 @@
-"""What a figures file may hold, strictly; every fault is told with its entry."""
+"""The schema of a figures file, strict; every fault is reported with its entry."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -88,7 +88,7 @@ class Load(Part):
 
 
 class Particular(Part):
-    """What the sources know of a number that an effect would change: a Gaussian prior of its fit."""
+    """Prior knowledge of an effect's parameter from a source: Gaussian, error one standard deviation."""
 
     effect: str
     parameter: str
@@ -199,9 +199,9 @@ def _faults_of(figure: Figure, loads: Sequence[float], boat: Boat) -> list[str]:
     faults += [f"{key}: {kind} has no such key; drop it" for key in alien]
     faults += [f"{key} is missing; add it" for key in sorted(KEYS[kind]) if getattr(figure, key) is None]
     if figure.mass not in (*loads, boat.mass):
-        told = ", ".join(f"{mass:g}" for mass in sorted({*loads, boat.mass}))
+        known = ", ".join(f"{mass:g}" for mass in sorted({*loads, boat.mass}))
         faults.append(
-            f"mass {figure.mass:g} kg is neither that of boat {boat.name} nor of one of loads ({told} kg); "
+            f"mass {figure.mass:g} kg is neither that of boat {boat.name} nor of one of loads ({known} kg); "
             "add a load with its draught"
         )
     faults += [

@@ -1,4 +1,6 @@
-"""Which effects explain printed figures: least squares for every candidate, and the marginal likelihood."""
+"""Selection of effects from printed figures: least squares for every candidate, and the marginal
+likelihood.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,20 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.candidates import NOT_CAUSES, Atom, Hypothesis, candidates, hull_nuisance
+from swamp_rl.criticism.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
 from swamp_rl.criticism.figures.predict import Fleet, misfits, predicted
 from swamp_rl.criticism.figures.schema import Figure, Particular
 
 Array = NDArray[np.float64]
 
-WEATHER = ("current", "drifting_current", "wind", "waves", "external_force", "shallow_water")
-NOT_STEADY = ("thruster_failure", "thrust_sag", "azimuth_lag", "pump_lag", "yaw_inertia")
-STATED = ("mass",)  # every figure says its own
-APART = 6.0  # of −2 log marginal likelihood: strong evidence (Kass and Raftery 1995)
+STATED = ("mass",)  # given with every figure
+STRONG_EVIDENCE = 6.0  # of −2 log marginal likelihood (Kass and Raftery 1995)
 LEVEL = 0.95  # of chi2, below which a model is adequate
-MOVED = 0.01  # errors by which a candidate must move some figure to be seen in it
+MIN_CHANGE = 0.01  # errors by which a candidate must change some figure to be identifiable
 STARTS = 2
-KEPT = 4  # sets that a further effect is tried beside
+KEPT = 4  # sets that are extended by a further effect
 MOST_ADDED = 3  # effects in a stage
 EVALUATIONS = 30
 NOWHERE = np.zeros(0)
@@ -31,10 +31,10 @@ Priors = Mapping[tuple[str, str], Particular]
 
 @dataclass(frozen=True)
 class Fitted:
-    """A hypothesis at its best: x (p,) and its covariance (p, p).
+    """A fitted hypothesis: x (p,) and its covariance (p, p).
 
     chi2: of the figures alone; evidence: −2 log of the marginal likelihood, less that of the printed errors,
-    with the charge for its choice; at_bound: (p,) numbers that ended at the edge of what is tried.
+    plus the penalty for the choice; at_bound: (p,) parameters that ended at a bound.
     """
 
     hypothesis: Hypothesis
@@ -49,9 +49,9 @@ class Fitted:
 class Stage:
     """The search on one set of figures.
 
-    fits: all, the most likely first; rivals: those that the figures and particulars do not tell from the
-    first; plain: as fits, from the figures alone; unseen: labels of effects that no figure shows; adequate:
-    whether chi2 of the first is what the printed errors make of a right model.
+    fits: all, the most likely first; rivals: those that figures and particulars do not separate from the
+    first; plain: as fits, from the figures alone; unseen: labels of effects that change no figure; adequate:
+    whether chi2 of the first is below its quantile LEVEL.
     """
 
     groups: tuple[str, ...]
@@ -69,15 +69,18 @@ class Stage:
         return self.fits[0]
 
 
-def atoms_of(boat: Boat) -> list[Atom]:
-    """Effects of forces and actuators that are the boat's own and act on steady figures."""
-    left_out = (*NOT_CAUSES, *WEATHER, *NOT_STEADY, *STATED)
-    hull = hull_nuisance()
+def instances_of(boat: Boat) -> list[EffectInstance]:
+    """The boat's own effects of forces and actuators that act on steady figures."""
+    hull = hull_nuisance(boat)
     every = [*candidates(boat, 1.0), *([hull] if hull else [])]
     return [
-        atom
-        for atom in every
-        if atom.effect.acts_on in ("force", "actuator") and atom.specs and atom.effect.name not in left_out
+        instance
+        for instance in every
+        if instance.effect.acts_on in ("force", "actuator")
+        and instance.specs
+        and instance.effect.scope == "boat"
+        and instance.effect.steady
+        and instance.effect.name not in STATED
     ]
 
 
@@ -88,17 +91,23 @@ def priors_of(particulars: Sequence[Particular]) -> Priors:
 
 @dataclass(frozen=True)
 class Problem:
-    """Figures, the boat at their loads, and what is known of the effects' numbers."""
+    """Figures, the boat at their loads, and the priors of the effects' parameters."""
 
     fleet: Fleet
     figures: tuple[Figure, ...]
     priors: Priors
 
     def prior(self, hypothesis: Hypothesis) -> tuple[Array, Array]:
-        """(p,) mean and (p,) standard deviation of every number, infinite where nothing is known."""
+        """(p,) mean and (p,) standard deviation of every parameter, infinite where it has no Gaussian
+        prior.
+        """
         mean, precision = hypothesis.prior()
         deviation = np.where(precision > 0.0, 1.0 / np.sqrt(np.maximum(precision, 1e-300)), math.inf)
-        places = ((atom.effect.name, name) for atom in hypothesis.atoms for name in atom.names)
+        places = (
+            (instance.effect.name, name)
+            for instance in hypothesis.instances
+            for name in instance.effect.parameter_names
+        )
         for i, place in enumerate(places):
             if place in self.priors:
                 mean[i], deviation[i] = self.priors[place].value, self.priors[place].error
@@ -109,7 +118,7 @@ class Problem:
         return misfits(self.figures, predicted(self.fleet, self.figures, hypothesis, x))
 
     def fit(self, hypothesis: Hypothesis, starts: Sequence[Array], charge: float = 0.0) -> Fitted:
-        """The hypothesis at its most likely numbers, begun from each of `starts` (p,); charge: for its
+        """The hypothesis at its maximum posterior, begun from each of `starts` (p,); charge: penalty for the
         choice.
         """
         from scipy.optimize import least_squares
@@ -146,17 +155,17 @@ class Problem:
             best.x,
             np.linalg.pinv(information),
             chi2,
-            2.0 * float(best.cost) + occam(information, deviation, high - low) + charge,
+            2.0 * float(best.cost) + laplace_term(information, deviation, high - low) + charge,
             (best.x - low < 10.0 * inside) | (high - best.x < 10.0 * inside),
         )
 
 
-def occam(information: Array, deviation: Array, width: Array) -> float:
-    """What Laplace's approximation of −2 log ∫ L(x) p(x) dx adds to the minimum of −2 log (L p'), p' the
-    Gaussian factors without their norm.
+def laplace_term(information: Array, deviation: Array, width: Array) -> float:
+    """Laplace's approximation of −2 log ∫ L(x) p(x) dx, less the minimum of −2 log (L p'), p' the Gaussian
+    factors without their norm.
 
     log det(J'J / 2π) − 2 Σ log(1 / norm): a Gaussian prior of that deviation, or a uniform one over the width
-    of the bounds. A direction that no figure shows costs nothing.
+    of the bounds. A direction without information contributes nothing.
     """
     norm = np.where(np.isfinite(deviation), deviation * math.sqrt(2.0 * math.pi), width)
     scaled = information * np.outer(norm, norm) / (2.0 * math.pi)
@@ -164,16 +173,18 @@ def occam(information: Array, deviation: Array, width: Array) -> float:
     return float(np.log(np.maximum(eigenvalues, 1.0)).sum())
 
 
-def stage_of(problem: Problem, groups: tuple[str, ...], base: Fitted, atoms: Sequence[Atom]) -> Stage:
+def stage_of(
+    problem: Problem, groups: tuple[str, ...], base: Fitted, instances: Sequence[EffectInstance]
+) -> Stage:
     """The search on top of `base`: no further effect, one, and more where no one is adequate."""
-    named = {atom.label for atom in base.hypothesis.atoms}
-    free = [atom for atom in atoms if atom.label not in named]
-    seen, unseen = seen_of(problem, base, free)
+    named = {instance.label for instance in base.hypothesis.instances}
+    free = [instance for instance in instances if instance.label not in named]
+    seen, unseen = identifiable_in(problem, base, free)
     before = problem.fit(base.hypothesis, [base.x])
-    fits = searched(problem, before, seen)
+    fits = fits_by_evidence(problem, before, seen)
     winner = fits[0]
     alone = Problem(problem.fleet, problem.figures, {})
-    plain = searched(alone, alone.fit(base.hypothesis, [base.x]), seen)
+    plain = fits_by_evidence(alone, alone.fit(base.hypothesis, [base.x]), seen)
     return Stage(
         groups,
         problem.figures,
@@ -186,36 +197,38 @@ def stage_of(problem: Problem, groups: tuple[str, ...], base: Fitted, atoms: Seq
     )
 
 
-def seen_of(problem: Problem, base: Fitted, atoms: Sequence[Atom]) -> tuple[list[Atom], list[str]]:
-    """The atoms that move a figure, beside what is in the base already, and the labels of the others."""
+def identifiable_in(
+    problem: Problem, base: Fitted, instances: Sequence[EffectInstance]
+) -> tuple[list[EffectInstance], list[str]]:
+    """The instances that change a figure, beside those of the base, and the labels of the others."""
     plain, seen, unseen = problem.misfits(base.hypothesis, base.x), [], list[str]()
-    for atom in atoms:
-        together = base.hypothesis.with_atom(atom)
+    for instance in instances:
+        together = base.hypothesis.with_instance(instance)
         moved = 0.0
-        for start in begun(atom)[:1]:
+        for start in starts_of(instance)[:1]:
             for step in (0.0, 0.5):
-                own = start + step * np.array([spec.scale for spec in atom.specs])
-                x = placed(together, base, {atom.label: own})
+                own = start + step * np.array([spec.scale for spec in instance.specs])
+                x = placed(together, base, {instance.label: own})
                 moved = max(moved, float(np.abs(problem.misfits(together, x) - plain).max()))
-        if moved > MOVED:
-            seen.append(atom)
+        if moved > MIN_CHANGE:
+            seen.append(instance)
         else:
-            unseen.append(atom.label)
+            unseen.append(instance.label)
     return seen, unseen
 
 
-def searched(problem: Problem, before: Fitted, atoms: Sequence[Atom]) -> list[Fitted]:
-    """`before` and what adds one of the atoms to it, the most likely first; further atoms beside the KEPT
-    most likely sets, up to MOST_ADDED, until one is adequate.
+def fits_by_evidence(problem: Problem, before: Fitted, instances: Sequence[EffectInstance]) -> list[Fitted]:
+    """`before` and its extensions by one of the instances, the most likely first; further instances beside
+    the KEPT most likely sets, up to MOST_ADDED, until one is adequate.
     """
     fits, sets = [before], [before]
     for size in range(1, MOST_ADDED + 1):
         larger: dict[Hypothesis, Fitted] = {}
         for one in sets:
-            for atom in atoms:
-                hypothesis = one.hypothesis.with_atom(atom)
-                if atom not in one.hypothesis.atoms and hypothesis not in larger:
-                    larger[hypothesis] = added(problem, one, atom, size, len(atoms))
+            for instance in instances:
+                hypothesis = one.hypothesis.with_instance(instance)
+                if instance not in one.hypothesis.instances and hypothesis not in larger:
+                    larger[hypothesis] = added(problem, one, instance, size, len(instances))
         fits += larger.values()
         if any(one.chi2 <= enough(problem, one) for one in fits):
             break
@@ -223,29 +236,31 @@ def searched(problem: Problem, before: Fitted, atoms: Sequence[Atom]) -> list[Fi
     return sorted(fits, key=lambda one: one.evidence)
 
 
-def added(problem: Problem, before: Fitted, atom: Atom, size: int, count: int) -> Fitted:
-    """`before` with an atom beside it, all numbers fitted anew; charged as `size` chosen among `count` atoms
+def added(problem: Problem, before: Fitted, instance: EffectInstance, size: int, count: int) -> Fitted:
+    """`before` and one more instance, all parameters fitted; penalised as `size` chosen among `count`
     (extended BIC).
     """
-    hypothesis = before.hypothesis.with_atom(atom)
-    starts = begun(atom)[: STARTS if size == 1 else 1]
+    hypothesis = before.hypothesis.with_instance(instance)
+    starts = starts_of(instance)[: STARTS if size == 1 else 1]
     charge = 2.0 * math.log(math.comb(count, size))
-    return problem.fit(hypothesis, [placed(hypothesis, before, {atom.label: own}) for own in starts], charge)
+    return problem.fit(
+        hypothesis, [placed(hypothesis, before, {instance.label: own}) for own in starts], charge
+    )
 
 
-def begun(atom: Atom) -> list[Array]:
-    """Where a fit of the atom begins, each (p,)."""
-    return [np.array(start, float) for start in (atom.starts or atom.grid)]
+def starts_of(instance: EffectInstance) -> list[Array]:
+    """Starting points of an instance's fit, each (p,)."""
+    return [np.array(start, float) for start in (instance.starts or instance.grid)]
 
 
 def placed(hypothesis: Hypothesis, before: Fitted, own: Mapping[str, Array]) -> Array:
-    """(p,) the numbers of `before` where they are, and those of the atoms that are new."""
-    known = {atom.label: x for atom, x in before.hypothesis.parts(before.x)} | dict(own)
-    return np.concatenate([NOWHERE, *(known[atom.label] for atom in hypothesis.atoms)])
+    """(p,) the parameters of `before`, and those of the new instances."""
+    known = {instance.label: x for instance, x in before.hypothesis.parts(before.x)} | dict(own)
+    return np.concatenate([NOWHERE, *(known[instance.label] for instance in hypothesis.instances)])
 
 
 def enough(problem: Problem, one: Fitted) -> float:
-    """chi2 that a right model of that many free numbers stays below in LEVEL of all cases."""
+    """Quantile LEVEL of chi2 with the degrees of freedom that this fit leaves."""
     from scipy.stats import chi2
 
     free = int(np.isinf(problem.prior(one.hypothesis)[1]).sum())
@@ -253,11 +268,11 @@ def enough(problem: Problem, one: Fitted) -> float:
 
 
 def rivals_of(fits: Sequence[Fitted]) -> list[Fitted]:
-    """Those beside the first, less what only adds to it, that are not APART from it."""
+    """Fits within STRONG_EVIDENCE of the first, except extensions of it."""
     first = fits[0]
-    mine = set(first.hypothesis.atoms)
+    mine = set(first.hypothesis.instances)
     return [
         one
         for one in fits[1:]
-        if one.evidence - first.evidence < APART and not mine < set(one.hypothesis.atoms)
+        if one.evidence - first.evidence < STRONG_EVIDENCE and not mine < set(one.hypothesis.instances)
     ]

@@ -1,4 +1,4 @@
-"""The report that a person reads: the misfit first, then its name, then what it gains to add it."""
+"""The HTML report of a diagnosis: prediction error, causes, and the gain of adding them."""
 
 from swamp_rl.criticism.report.write import write_report
 

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Hypothesis
-from swamp_rl.criticism.data import CHANNELS, Trials
+from swamp_rl.criticism.data import CHANNELS, RunSet
 from swamp_rl.criticism.finding import Finding
-from swamp_rl.criticism.gain import QUANTITIES, errors_at, restarted
-from swamp_rl.criticism.leftover import Forces, missing_forces
+from swamp_rl.criticism.multiple_shooting import START_TRANSIENT
+from swamp_rl.criticism.prediction_error import QUANTITIES, errors_at, restarts
 from swamp_rl.criticism.report.words import Z95, force_name
+from swamp_rl.criticism.residual_force import Forces, residual_forces
 from swamp_rl.criticism.result import Diagnosis
-from swamp_rl.criticism.shooting import SETTLING
 from swamp_rl.figure_style import sheet
 
 Array = NDArray[np.float64]
@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 SHOWN_RUNS = 6
 WINDOW = 10.0  # s between restarts of the tracks that are drawn
 BINS = 7
-ROUGH = 0.15  # m of noise from which a measured track is drawn in dots, a line would be a tangle
-PERFECT = 4  # times that a perfect simulation is tried
+ROUGH = 0.121  # lengths of noise from which a measured track is drawn in dots
+PERFECT = 4  # simulations of a perfect model
 MEASURED, BEFORE, AFTER = "#a9b2ba", "#c0392b", "#1f6fb2"
 DEGREES = 180.0 / math.pi
 VARIABLE_UNITS = {
@@ -51,10 +51,10 @@ SHOWN = {
 
 @dataclass(frozen=True)
 class Misfit:
-    """What the figures are drawn from: the runs, and the boat file without and with the causes."""
+    """Data of the figures: the runs, and the boat file without and with the causes."""
 
     diagnosis: Diagnosis
-    trials: Trials
+    run_set: RunSet
     weight: Array
     hypothesis: Hypothesis
     x: Array
@@ -63,15 +63,15 @@ class Misfit:
     @classmethod
     def of(cls, finding: Finding) -> "Misfit":
         """Of a finding."""
-        winner = finding.search.winner
+        winner = finding.selection.winner
         return cls(
-            finding.diagnosis, finding.trials, finding.weight, winner.hypothesis, winner.x, finding.forces
+            finding.diagnosis, finding.run_set, finding.weight, winner.hypothesis, winner.x, finding.forces
         )
 
     @property
     def extended(self) -> bool:
         """Whether anything was added to the boat file."""
-        return bool(self.hypothesis.atoms)
+        return bool(self.hypothesis.instances)
 
 
 def draw(path: Path, misfit: Misfit, picture: Callable[[Any, Misfit], None]) -> Path:
@@ -82,27 +82,27 @@ def draw(path: Path, misfit: Misfit, picture: Callable[[Any, Misfit], None]) -> 
 
 
 def draw_tracks(figure: Any, misfit: Misfit) -> None:
-    """Measured tracks, and predictions of ten seconds from measured states, without and with the causes."""
-    trials = misfit.trials
-    runs = min(SHOWN_RUNS, len(trials.lengths))
+    """Measured tracks, and predictions of WINDOW from measured states, without and with the causes."""
+    run_set = misfit.run_set
+    runs = min(SHOWN_RUNS, len(run_set.lengths))
     rows, columns = (2, math.ceil(runs / 2)) if runs > 3 else (1, runs)
     figure.set_size_inches(10.5, 3.9 * rows)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
-    rough = misfit.diagnosis.noise.get("north", 0.0) > ROUGH
-    seconds = min(WINDOW, 0.4 * float(trials.lengths[:runs].min()) * trials.dt)
+    rough = misfit.diagnosis.noise.get("north", 0.0) > ROUGH * run_set.boat.length
+    seconds = min(WINDOW, 0.4 * float(run_set.lengths[:runs].min()) * run_set.dt)
     for run, axes in enumerate(grid[:runs]):
-        measured = trials.measured[run, : trials.lengths[run]]
+        measured = run_set.measured[run, : run_set.lengths[run]]
         if rough:
             axes.plot(measured[:, 1], measured[:, 0], ".", color=MEASURED, ms=3.5, mew=0)
         else:
             axes.plot(measured[:, 1], measured[:, 0], color=MEASURED, lw=4, solid_capstyle="round")
         nothing = (Hypothesis(), np.zeros(0), BEFORE)
         for hypothesis, x, colour in [nothing, (misfit.hypothesis, misfit.x, AFTER)][: 1 + misfit.extended]:
-            found = restarted(trials, misfit.weight, run, seconds, hypothesis, x)
-            for track in found[1] if found else ():
+            start = restarts(run_set, misfit.weight, run, seconds)
+            for track in start.predict(hypothesis, x) if start else ():
                 axes.plot(track[:, 1], track[:, 0], color=colour, lw=1.3)
                 axes.plot(*track[0, 1::-1], ".", color="#222222", ms=4, zorder=5)
-        axes.set(title=trials.names[run], xlabel="east [m]", ylabel="north [m]")
+        axes.set(title=run_set.names[run], xlabel="east [m]", ylabel="north [m]")
         axes.set_aspect("equal", adjustable="datalim")
     for axes in grid[runs:]:
         axes.remove()
@@ -122,7 +122,7 @@ def _legend(
     from matplotlib.lines import Line2D
 
     handles = [Line2D([], [], color=colour, lw=width, label=label) for colour, width, label in lines]
-    if cloud:  # what the first line names is drawn in dots
+    if cloud:  # the first line stands for dots
         handles[0].set(linestyle="", marker=".", markersize=6)
     if dot:
         handles.append(Line2D([], [], color="#222222", marker=".", ls="", ms=6, label=dot))
@@ -134,11 +134,14 @@ def _legend(
 
 
 def draw_errors(figure: Any, misfit: Misfit) -> None:
-    """Root mean square errors against the horizon, without and with the causes, and the sensors' noise."""
+    """Root mean square errors against the horizon, without and with the causes, and the measurement noise."""
     gains = misfit.diagnosis.gain
     names = [name for name in QUANTITIES if any(getattr(gain, name) for gain in gains)]
     figure.set_size_inches(10.5, 3.4)
-    own = misfit.diagnosis.gain_on != "other_runs"  # else a perfect simulation would sail other runs
+    if not names:
+        figure.text(0.5, 0.5, "The runs are too short to measure prediction errors.", ha="center")
+        return
+    own = misfit.diagnosis.gain_on != "other_runs"
     perfect = perfect_errors(misfit, np.random.default_rng(0)) if own else {}
     for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
         title, unit, factor, channel = SHOWN[name]
@@ -160,15 +163,14 @@ def draw_errors(figure: Any, misfit: Misfit) -> None:
 
 
 def perfect_errors(misfit: Misfit, rng: np.random.Generator) -> dict[str, dict[float, float]]:
-    """What the errors would be if the found boat were the true one: by quantity and horizon [s], in SI.
-
-    Its own tracks with noise of the estimated size, predicted by itself: a state known only to within the
-    noise is started from, so the error grows with time though nothing is wrong.
+    """Errors of a perfect model, by quantity and horizon [s], in SI: the extended boat predicts its own
+    simulated runs with noise of the estimated size. They grow with time, since the initial state has the
+    error of the measurement.
     """
-    numbers = np.repeat(misfit.x[None], len(misfit.trials.lengths), axis=0)
+    numbers = np.repeat(misfit.x[None], len(misfit.run_set.lengths), axis=0)
     squares: dict[float, Array] = {}
     for _ in range(PERFECT):
-        synthetic = perfect_trials(misfit, rng)
+        synthetic = perfect_run_set(misfit, rng)
         for gain in misfit.diagnosis.gain:
             made = errors_at(synthetic, misfit.weight, gain.horizon_s, misfit.hypothesis, numbers)
             before = squares.get(gain.horizon_s, np.zeros((0, len(CHANNELS))))
@@ -176,28 +178,30 @@ def perfect_errors(misfit: Misfit, rng: np.random.Generator) -> dict[str, dict[f
     return {
         name: {h: math.sqrt(np.nanmean(e[:, c]) * len(c)) for h, e in squares.items() if len(e)}
         for name, c in QUANTITIES.items()
-        if np.isfinite(misfit.trials.measured[..., c]).any()
+        if np.isfinite(misfit.run_set.measured[..., c]).any()
     }
 
 
-def perfect_trials(misfit: Misfit, rng: np.random.Generator) -> Trials:
-    """The trials as the found boat would have sailed them, under the same sensors."""
-    trials, noise = misfit.trials, misfit.diagnosis.noise
+def perfect_run_set(misfit: Misfit, rng: np.random.Generator) -> RunSet:
+    """The runs simulated with the extended boat, under the same noise."""
+    run_set, noise = misfit.run_set, misfit.diagnosis.noise
     sigma = np.array([noise.get(name, 0.0) for name in CHANNELS])
-    measured = trials.measured.copy()
-    for run, length in enumerate(trials.lengths):
-        whole = (int(length) - 1) * trials.dt - SETTLING
-        found = restarted(trials, misfit.weight, run, whole, misfit.hypothesis, misfit.x)
-        if found is not None:
-            first = int(found[0][0])
-            track = found[1][0][: int(length) - first]
+    measured = run_set.measured.copy()
+    for run, length in enumerate(run_set.lengths):
+        whole = (int(length) - 1) * run_set.dt - START_TRANSIENT
+        start = restarts(run_set, misfit.weight, run, whole)
+        if start is not None:
+            first = int(start.first[0])
+            track = start.predict(misfit.hypothesis, misfit.x)[0][: int(length) - first]
             measured[run, first : first + len(track)] = track + sigma * rng.standard_normal(track.shape)
-    measured[np.isnan(trials.measured)] = np.nan
-    return replace(trials, measured=measured)
+    measured[np.isnan(run_set.measured)] = np.nan
+    return replace(run_set, measured=measured)
 
 
 def _plain_ticks(axes: Any, horizons: list[float]) -> None:
-    """1, 5, 10, 30 below, and at the side 1, 2 and 5 with their powers of ten, as one writes them."""
+    """Ticks at the horizons, and at 1, 2 and 5 times powers of ten on the vertical axis, as decimal
+    numbers.
+    """
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axes.set_xticks(horizons, labels=[f"{horizon:g}" for horizon in horizons])
@@ -212,9 +216,9 @@ def _plain_ticks(axes: Any, horizons: list[float]) -> None:
 
 
 def draw_forces(figure: Any, misfit: Misfit) -> None:
-    """Surge and sway force and yaw moment that the model lacks, against what the boat did."""
-    before = missing_forces(misfit.trials, misfit.weight, Hypothesis(), np.zeros(0))
-    chosen = shown_variables(misfit.trials, before, accused_thrusters(misfit.diagnosis))
+    """Residual surge and sway force and yaw moment against the boat's motion and commands."""
+    before = residual_forces(misfit.run_set, misfit.weight, Hypothesis(), np.zeros(0))
+    chosen = shown_variables(misfit.run_set, before, thrusters_of_causes(misfit.diagnosis))
     figure.set_size_inches(10.5, 6.3)
     axes = figure.subplots(3, len(chosen), squeeze=False, sharey="row", sharex="col")
     titles = ("surge force [N]", "sway force [N]", "yaw moment [N m]")
@@ -235,21 +239,22 @@ def draw_forces(figure: Any, misfit: Misfit) -> None:
     _legend(figure, lines + [(AFTER, 1.5, "missing from the extended boat")] * misfit.extended)
 
 
-def accused_thrusters(found: Diagnosis) -> list[str]:
-    """The thrusters that causes or missing forces are found on."""
+def thrusters_of_causes(found: Diagnosis) -> list[str]:
+    """Thrusters that causes or residual forces are found on."""
     named = [cause.thruster for cause in found.causes if cause.thruster not in (None, "all")]
     of_forces = [one.force.removeprefix("thrust of ") for one in found.leftover if "thrust of" in one.force]
     return [name for one in named for name in ([one] if isinstance(one, str) else one or [])] + of_forces
 
 
 def shown_variables(
-    trials: Trials, forces: Forces, accused: Sequence[str] = ()
+    run_set: RunSet, forces: Forces, preferred: Sequence[str] = ()
 ) -> dict[str, tuple[str, float]]:
     """Label and factor by name of the variables to draw against: the boat's motion, azimuth and throttle of
-    the first thruster accused, else of those used most, the heading, where causes fixed to the earth show,
-    and time.
+    the first preferred thruster, else of those used most, heading, and time.
     """
-    names = [name for name in trials.boat.thruster_names if name in accused[:1]] or trials.boat.thruster_names
+    names = [
+        name for name in run_set.boat.thruster_names if name in preferred[:1]
+    ] or run_set.boat.thruster_names
     swings = [np.ptp(forces.variables.get(f"azimuth {name}", np.zeros(1))) for name in names]
     works = [np.ptp(forces.variables.get(f"throttle {name}", np.zeros(1))) for name in names]
     turning, working = names[int(np.argmax(swings))], names[int(np.argmax(works))]
@@ -258,19 +263,19 @@ def shown_variables(
 
 
 def labelled(variable: str) -> tuple[str, float]:
-    """A variable with its unit as it is drawn, and the factor from SI."""
+    """A variable with its unit as drawn, and the factor from SI."""
     unit, factor = VARIABLE_UNITS[variable.split()[0] if variable not in VARIABLE_UNITS else variable]
     return f"{variable} [{unit}]", factor
 
 
 def draw_missing(figure: Any, misfit: Misfit) -> None:
-    """Each missing force against its variable, with its 95 % interval."""
-    told = [one for one in misfit.diagnosis.leftover if one.curve]
+    """Each residual force as a function of its variable, with its 95 % interval."""
+    functions = [one for one in misfit.diagnosis.leftover if one.curve]
     figure.set_size_inches(10.5, 3.2)
-    axes = figure.subplots(1, max(3, len(told)), squeeze=False)[0]
-    for ax in axes[len(told) :]:
+    axes = figure.subplots(1, max(3, len(functions)), squeeze=False)[0]
+    for ax in axes[len(functions) :]:
         ax.set_visible(False)
-    for ax, one in zip(axes, told, strict=False):
+    for ax, one in zip(axes, functions, strict=False):
         label, factor = labelled(one.variable)
         at = factor * np.array([point.at for point in one.curve])
         force = np.array([point.force for point in one.curve])
@@ -283,7 +288,7 @@ def draw_missing(figure: Any, misfit: Misfit) -> None:
 
 
 def _scatter(axes: Any, values: Array, force: Array, colour: str) -> None:
-    """Faint points, and the mean of each bin with its standard error."""
+    """Points, and the mean of each bin with one standard error."""
     axes.plot(values, force, ".", ms=4.5, color=colour, alpha=0.4, mew=0)
     edges = np.unique(np.quantile(values, np.linspace(0, 1, BINS + 1)[1:-1]))
     place = np.searchsorted(edges, values)

@@ -3,9 +3,16 @@
 import html
 from collections.abc import Mapping, Sequence
 
-from swamp_rl.criticism.data import CHANNELS, UNITS, Trials
-from swamp_rl.criticism.gain import QUANTITIES
-from swamp_rl.criticism.noise import FLOOR
+from swamp_rl.criticism.data import CHANNELS, UNITS, RunSet
+from swamp_rl.criticism.measurement_noise import noise_floor
+from swamp_rl.criticism.prediction_error import QUANTITIES
+from swamp_rl.criticism.report.evidence import (
+    carry_over_sentence,
+    minor_sentence,
+    predictor_rows,
+    predictors_sentence,
+    share_rows,
+)
 from swamp_rl.criticism.report.figures import DEGREES, SHOWN
 from swamp_rl.criticism.report.words import (
     GAINED_ON,
@@ -14,17 +21,17 @@ from swamp_rl.criticism.report.words import (
     force_name,
     gain_sentence,
     headline,
+    manoeuvre_words,
     meaning,
     minus,
     names_of,
+    noise_sentence,
     places_of,
+    readable,
     rest_sentence,
     rounded,
     shape_sentence,
-    spoken,
-    trial_words,
-    unseen_of,
-    wandering_sentence,
+    unidentifiable_effects,
 )
 from swamp_rl.criticism.result import Diagnosis, Gain
 
@@ -50,42 +57,49 @@ img{width:100%;height:auto;margin:.4rem 0}summary{cursor:pointer;color:var(--sof
 """
 
 
+SHARES = ("cause", "error, horizon", "without", "with", "share", "95 % interval", "unit")
 CHI2 = "χ² is the sum of squared errors over the measurement noise's variance: 1 a sample for noise alone."
 
 
-def page(found: Diagnosis, trials: Trials, images: Mapping[str, str]) -> str:
+def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str]) -> str:
     """The whole HTML page; images: PNG in base64 by name."""
     parts = [
-        opening(found, trials),
-        seen(found, images),
-        named(found, trials),
-        told_apart(found, trials),
-        left_over(found, images),
-        gained(found),
-        lacking(found, trials),
-        details(found, trials),
+        opening(found, run_set),
+        errors_section(found, images),
+        causes_section(found, run_set),
+        identifiability_section(found, run_set),
+        residual_section(found, images),
+        gain_section(found),
+        limits_section(found, run_set),
+        details(found, run_set),
     ]
-    title = f"Diagnosis of the model of {trials.boat.name}"
+    title = f"Diagnosis of the model of {run_set.boat.name}"
     head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
     head += f"<title>{html.escape(title)}</title><style>{STYLE}</style>"
     return f'<!doctype html><html lang="en"><head>{head}</head><body>{"".join(parts)}</body></html>\n'
 
 
-def opening(found: Diagnosis, trials: Trials) -> str:
+def opening(found: Diagnosis, run_set: RunSet) -> str:
     """The verdict, its meaning, and the data."""
-    minutes = float(trials.lengths.sum()) * trials.dt / 60.0
+    minutes = float(run_set.lengths.sum()) * run_set.dt / 60.0
     said = found.verdict.replace("_", " ")
     return (
         f'<span class="badge {found.verdict}">{said}</span>'
-        f"<h1>{html.escape(headline(found))}</h1><p>{html.escape(meaning(found))}</p>"
-        f'<p class="soft">Boat file <b>{html.escape(trials.boat.name)}</b> against {len(trials.lengths)} '
-        f"run{'s' * (len(trials.lengths) > 1)}, {minutes:.1f} minutes in all, {1 / trials.dt:.3g} samples a "
-        "second.</p>"
+        f"<h1>{html.escape(headline(found))}</h1>{_honest(found)}<p>{html.escape(meaning(found))}</p>"
+        f'<p class="soft">Boat file <b>{html.escape(run_set.boat.name)}</b> against {len(run_set.lengths)} '
+        f"run{'s' * (len(run_set.lengths) > 1)}, {minutes:.1f} minutes in all, "
+        f"{1 / run_set.dt:.3g} samples a second.</p>"
     )
 
 
+def _honest(found: Diagnosis) -> str:
+    """What must be known before the causes are read."""
+    said = (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found))
+    return "".join(f"<p><b>{html.escape(one)}</b></p>" for one in said if one)
+
+
 def cards(found: Diagnosis) -> str:
-    """Position and heading error ten seconds ahead, without and with what was found."""
+    """Position and heading error ten seconds ahead, without and with the causes."""
     gain = min(found.gain, key=lambda one: abs(one.horizon_s - 10.0), default=None)
     if gain is None:
         return ""
@@ -104,8 +118,8 @@ def cards(found: Diagnosis) -> str:
     return f'<div class="cards">{"".join(made)}</div>'
 
 
-def seen(found: Diagnosis, images: Mapping[str, str]) -> str:
-    """The misfit, before any number."""
+def errors_section(found: Diagnosis, images: Mapping[str, str]) -> str:
+    """Tracks, errors by horizon, and residual forces."""
     noise = ""
     if found.verdict == "nothing_wrong":
         noise = " Here they are not distinguishable from the effect of noise."
@@ -121,6 +135,8 @@ def seen(found: Diagnosis, images: Mapping[str, str]) -> str:
         + image(images["tracks"], "Measured and predicted tracks")
         + f"<p>Prediction error (root mean square) against the horizon.{perfect}</p>"
         + image(images["errors"], "Prediction error by horizon")
+        + "<p>Position error [m] of the boat file and of predictors that need no model:</p>"
+        + table(("horizon", "boat file", "at rest", "constant velocity", "no thrust"), predictor_rows(found))
         + "<p>Missing forces: those that, added to the model, reproduce the measured motion, against the "
         "boat's motion and commands. A dependence on heading indicates a cause fixed to the earth (wind, "
         "current), one on throttle or azimuth the thrusters, one on speed or yaw rate the hull. Dots are "
@@ -134,8 +150,8 @@ def image(data: str, title: str) -> str:
     return f'<img alt="{html.escape(title)}" src="data:image/png;base64,{data}">'
 
 
-def named(found: Diagnosis, trials: Trials) -> str:
-    """The causes with their numbers."""
+def causes_section(found: Diagnosis, run_set: RunSet) -> str:
+    """The causes with their parameters."""
     if not found.causes:
         return ""
     titles = {
@@ -144,7 +160,7 @@ def named(found: Diagnosis, trials: Trials) -> str:
     }
     title = titles.get(found.verdict, "Causes")
     heads = ("effect", "description", "parameter", "value", "95 % interval", "unit", "boat file")
-    rows = cause_rows(found.causes, trials.boat)
+    rows = cause_rows(found.causes, run_set.boat)
     note = ""
     if found.nuisance:
         note = (
@@ -156,16 +172,21 @@ def named(found: Diagnosis, trials: Trials) -> str:
             "<p>These explain a part of the model error. They may be substitutes for an effect that is not "
             "in the library: do not take them for the cause.</p>"
         )
-    return f"<h2>{title}</h2>{note}" + table(heads, rows, numbers=(3, 4, 6))
+    shares = (
+        "<p>What each accounts for: prediction errors on held-out runs without it, the others fitted anew, "
+        "and with it; the interval is of the difference.</p>"
+        + table(SHARES, share_rows([*found.causes, *found.minor]), numbers=(2, 3, 4, 5))
+    )
+    return f"<h2>{title}</h2>{note}" + table(heads, rows, numbers=(3, 4, 6)) + shares
 
 
-def told_apart(found: Diagnosis, trials: Trials) -> str:
-    """The explanations that cannot be distinguished, why, and the manoeuvre that separates them."""
+def identifiability_section(found: Diagnosis, run_set: RunSet) -> str:
+    """The indistinguishable hypotheses, their similarity, and the manoeuvre that separates them."""
     if not found.indistinguishable:
         return ""
     rows = [
         (
-            " <b>or</b> ".join(html.escape(spoken(name)) for name in one.effects),
+            " <b>or</b> ".join(html.escape(readable(name)) for name in one.effects),
             f"{DEGREES * one.angle:.1f}°",
             minus(f"{one.evidence:.1f}"),
             minus(f"{one.mutual_refit:.1f}"),
@@ -178,17 +199,17 @@ def told_apart(found: Diagnosis, trials: Trials) -> str:
         "predictions to two explanations: the smaller, the better one substitutes the other. "
         f"{html.escape(closeness(found.verdict))} {CHI2}</p>"
         + table(heads, rows, numbers=(1, 2, 3), raw=True)
-        + rivals_numbers(found, trials)
-        + deciding_trial(found, trials)
+        + rivals_numbers(found, run_set)
+        + separating_manoeuvre(found, run_set)
     )
 
 
-def rivals_numbers(found: Diagnosis, trials: Trials) -> str:
-    """The parameters of every explanation but the best."""
+def rivals_numbers(found: Diagnosis, run_set: RunSet) -> str:
+    """The parameters of every hypothesis but the best."""
     rows: list[tuple[str, ...]] = []
     for one in found.contrasts:
-        title = spoken(one.effects[-1])
-        for effect, _, *numbers in cause_rows(one.rival, trials.boat):
+        title = readable(one.effects[-1])
+        for effect, _, *numbers in cause_rows(one.rival, run_set.boat):
             rows.append((title, effect, *numbers))
             title = ""
     if not rows:
@@ -197,8 +218,8 @@ def rivals_numbers(found: Diagnosis, trials: Trials) -> str:
     return "<p>Parameters of the others:</p>" + table(heads, rows, numbers=(3, 4, 6))
 
 
-def deciding_trial(found: Diagnosis, trials: Trials) -> str:
-    """The manoeuvre that separates the explanations."""
+def separating_manoeuvre(found: Diagnosis, run_set: RunSet) -> str:
+    """The manoeuvre that separates the hypotheses."""
     trial = found.separating_trial
     if trial is None:
         return ""
@@ -208,13 +229,13 @@ def deciding_trial(found: Diagnosis, trials: Trials) -> str:
         enough = "Three are needed: repeat it several times."
     return (
         "<h2>Separating manoeuvre</h2><p>Of the manoeuvres that this boat can sail: "
-        f"<b>{html.escape(trial_words(trial.manoeuvre, trials.boat))}</b>, for {trial.duration_s:.0f} s with "
-        f"the same sensors. The explanation with the lowest χ² would then differ by {apart} standard errors "
-        f"or more from each of the others. {enough}</p>"
+        f"<b>{html.escape(manoeuvre_words(trial.manoeuvre, run_set.boat))}</b>, "
+        f"for {trial.duration_s:.0f} s with the same sensors. The explanation with the lowest χ² would "
+        f"then differ by {apart} standard errors or more from each of the others. {enough}</p>"
     )
 
 
-def left_over(found: Diagnosis, images: Mapping[str, str]) -> str:
+def residual_section(found: Diagnosis, images: Mapping[str, str]) -> str:
     """The residual forces and the variables that they depend on."""
     if found.verdict != "unexplained":
         return ""
@@ -227,7 +248,7 @@ def left_over(found: Diagnosis, images: Mapping[str, str]) -> str:
     return said
 
 
-def gained(found: Diagnosis) -> str:
+def gain_section(found: Diagnosis) -> str:
     """Errors without and with the causes on held-out runs."""
     rows = [row for gain in found.gain for row in gain_rows(gain)]
     blocks = sorted({gain.blocks for gain in found.gain if gain.restarts})
@@ -271,9 +292,9 @@ def gain_rows(gain: Gain) -> list[tuple[str, ...]]:
     return rows
 
 
-def lacking(found: Diagnosis, trials: Trials) -> str:
+def limits_section(found: Diagnosis, run_set: RunSet) -> str:
     """Effects that are not identifiable from the data, and what to record so that they would be."""
-    unseen = html.escape(unseen_of(found, trials.boat))
+    unseen = html.escape(unidentifiable_effects(found, run_set.boat))
     if not unseen and not found.missing_motion:
         return ""
     hidden = f"<p>Not identifiable from these data: {unseen}.</p>" if unseen else ""
@@ -285,18 +306,18 @@ def lacking(found: Diagnosis, trials: Trials) -> str:
     )
 
 
-def details(found: Diagnosis, trials: Trials) -> str:
+def details(found: Diagnosis, run_set: RunSet) -> str:
     """Measurement noise, and the hypotheses that were fitted."""
     rows = []
     for name, unit in zip(CHANNELS, UNITS, strict=True):
         if name in found.noise:
             factor, shown = (DEGREES, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
-            level, least = found.noise[name], FLOOR[CHANNELS.index(name)]
+            level, least = found.noise[name], noise_floor(run_set.boat)[CHANNELS.index(name)]
             below = "below " if level <= least else ""
             rows.append((name.replace("_", " "), below + rounded(factor * max(level, least)), shown))
     tried = [
         (
-            spoken(c.effect),
+            readable(c.effect),
             f"{c.held_out_score:.3f}",
             minus(f"{c.gain:.0f}"),
             minus("{:.0f} to {:.0f}".format(*c.gain_ci)),
@@ -310,7 +331,7 @@ def details(found: Diagnosis, trials: Trials) -> str:
         "with less than the level after “below” are taken to have that much, the error of the "
         "integration:</p>"
         + table(("channel", "standard deviation", "unit"), rows, numbers=(1,))
-        + (f"<p>{wandering_sentence(found)}</p>" if found.wandering else "")
+        + (f"<p>{noise_sentence(found)}</p>" if found.wandering else "")
         + "<details><summary>Hypotheses that were fitted, lowest χ² on held-out runs "
         f"first</summary><p>{CHI2}</p>{table(heads, tried, numbers=(1, 2, 3))}</details>"
         + f'<p class="soft">Found in {found.elapsed_s:.0f} s. <code>diagnosis.json</code> holds every '
@@ -322,7 +343,7 @@ def details(found: Diagnosis, trials: Trials) -> str:
 def table(
     heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[int] = (), raw: bool = False
 ) -> str:
-    """An HTML table, the columns `numbers` set right; raw: the cells are HTML already."""
+    """An HTML table, the columns `numbers` aligned right; raw: the cells are HTML already."""
     if not rows:
         return "<p>None.</p>"
     kinds = [' class="n"' if i in numbers else "" for i in range(len(heads))]

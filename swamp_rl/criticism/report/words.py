@@ -11,26 +11,30 @@ from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Limit
 from swamp_rl.effects import LIBRARY
 
 Z95 = 1.959964
+DIFFERS = {"by_run": "another in each run", "by_day": "another on each day"}
 
 
-def spoken(label: str) -> str:
+def readable(label: str) -> str:
     """`azimuth_lag + thruster_gain bs` as `azimuth lag and thruster gain (bs)`."""
     if label == "nothing":
         return "nothing added"
     found = []
     for part in label.split(" + "):
-        name, *thrusters = part.split()
-        found.append(name.replace("_", " ") + (f" ({', '.join(thrusters)})" if thrusters else ""))
+        name, *more = part.split()
+        more = [DIFFERS.get(one, one) for one in more]
+        found.append(name.replace("_", " ") + (f" ({', '.join(more)})" if more else ""))
     return " and ".join([", ".join(found[:-1]), found[-1]] if len(found) > 1 else found)
+
+
+def label_of(cause: Cause) -> str:
+    """Effect and thrusters of a cause."""
+    on = [cause.thruster] if isinstance(cause.thruster, str) else list(cause.thruster or ())
+    return " ".join([cause.effect, *on, *([f"by_{cause.scope}"] if cause.groups else [])])
 
 
 def causes(found: Diagnosis) -> str:
     """The causes by name, joined."""
-    labels = []
-    for cause in found.causes:
-        on = [cause.thruster] if isinstance(cause.thruster, str) else list(cause.thruster or ())
-        labels.append(" ".join([cause.effect, *on]))
-    return spoken(" + ".join(labels)) if labels else "nothing"
+    return readable(" + ".join(label_of(cause) for cause in found.causes)) if found.causes else "nothing"
 
 
 def headline(found: Diagnosis) -> str:
@@ -44,7 +48,7 @@ def headline(found: Diagnosis) -> str:
             else (f"The model lacks {len(found.causes)} effects: {causes(found)}.")
         )
     if found.verdict == "indistinguishable":
-        names = [spoken(name) for name in found.indistinguishable[0]] if found.indistinguishable else []
+        names = [readable(name) for name in found.indistinguishable[0]] if found.indistinguishable else []
         if len(names) > 2:
             return f"The model error is not attributable to one of {len(names)} effects: {either(names)}."
         return f"The model error is not attributable to one effect: {' or '.join(names)}."
@@ -62,7 +66,7 @@ def partly(found: Diagnosis) -> str:
     """The causes found in an unexplained model error, and their alternatives."""
     if not found.causes:
         return ""
-    others = [spoken(name) for group in found.indistinguishable for name in group[1:]]
+    others = [readable(name) for group in found.indistinguishable for name in group[1:]]
     instead = f", or equally {others[0]}" if others else ""
     if len(others) > 1:
         instead = f", or equally one of {len(others)} others (see below)"
@@ -72,29 +76,34 @@ def partly(found: Diagnosis) -> str:
 def meaning(found: Diagnosis) -> str:
     """The meaning of the verdict, and what may be done with it."""
     if found.verdict == "nothing_wrong":
+        if found.minor:
+            return "Without causes that change no prediction, the boat file needs no addition."
         return (
             "The prediction errors are those of a perfect model under the estimated measurement noise. The "
             "boat file needs no addition. Effects that these data cannot identify are listed below."
         )
     if found.verdict == "cause":
         added = "it" if len(found.causes) == 1 else "them"
-        told = (
+        text = (
             f"With {added}, the residuals are measurement noise. extended_boat.yaml is the boat file with "
             "the values below."
         )
         if any(one.at_bound for cause in found.causes for one in cause.parameters.values()):
-            told += (
+            text += (
                 " One value ended at a bound of the fit, so its effect may be a substitute for another "
                 "cause: check it."
             )
-        return told
+        return text
     if found.verdict == "indistinguishable":
         return (
             "Each of these explanations leaves only measurement noise. extended_boat.yaml holds the one with "
             "the lowest χ²: it is valid for motions like those of these runs, not beyond. A manoeuvre that "
             "separates them is proposed below."
         )
-    tried = "All effects of the library were fitted, alone and combined; the residuals exceed the noise. "
+    tried = (
+        f"Every effect of the library was score-tested and {found.hypotheses} sets of effects were fitted; "
+        "the residuals of the best exceed the noise. "
+    )
     if not found.leftover:
         return tried + "The residual force is not a function of any single recorded variable."
     return tried + "The residual force and the variable that it depends on are given below."
@@ -105,7 +114,7 @@ def force_name(force: str) -> str:
     return force if " " in force else f"{force} {'moment' if force == 'yaw' else 'force'}"
 
 
-def leftover_sentence(found: Diagnosis) -> str:
+def residual_force_sentence(found: Diagnosis) -> str:
     """The largest residual force and its variable."""
     first = found.leftover[0]
     what = "an error of the " if first.force.startswith("thrust of") else "a "
@@ -118,7 +127,7 @@ def leftover_sentence(found: Diagnosis) -> str:
 def rest_sentence(found: Diagnosis) -> str:
     """The residual force and its variable, or that none is found."""
     if found.leftover:
-        return leftover_sentence(found)
+        return residual_force_sentence(found)
     return (
         "No single variable explains a significant share of the residual forces' variance on held-out runs. "
         "An external action, a dependence on place, or two causes at once are possible: see the missing "
@@ -129,7 +138,7 @@ def rest_sentence(found: Diagnosis) -> str:
 def shape_sentence(found: Diagnosis) -> str:
     """Caption of the missing forces."""
     beside = found.leftover[0].beside
-    file = f"the boat file with {spoken(' + '.join(beside))}" if beside else "the boat file"
+    file = f"the boat file with {readable(' + '.join(beside))}" if beside else "the boat file"
     return (
         f"Estimates from all runs of the force that {file} lacks, positive ahead, to starboard, to the north "
         "or to the east; of a moment, positive to starboard. The band is the 95 % interval if nothing else "
@@ -152,7 +161,7 @@ def gain_sentence(found: Diagnosis) -> str:
     return "The change of the position error 10 s ahead is not significant. "
 
 
-def wandering_sentence(found: Diagnosis) -> str:
+def noise_sentence(found: Diagnosis) -> str:
     """Gauss-Markov errors, where some were found: of the receiver, or of the model."""
     if not found.wandering:
         return ""
@@ -183,28 +192,28 @@ def closeness(verdict: str) -> str:
     )
 
 
-TRIALS = {
+TURNING_JETS = {
     "spin": "turning on the spot, all thrusters across at 60 %",
     "astern": "straight astern, 60 %",
     "sideways": "sideways, all thrusters abeam at 60 %",
 }
-"""Trials of which only thrusters that turn all the way are capable."""
-OTHERS = {
+"""RunSet of which only thrusters that turn all the way are capable."""
+DESCRIPTIONS = {
     "differential thrust": "straight ahead, the thrusters of either side pushing harder in turn",
     "adrift": "ten seconds ahead at 80 %, then adrift",
 }
 
 
-def trial_words(name: str, boat: Boat) -> str:
+def manoeuvre_words(name: str, boat: Boat) -> str:
     """Description of a manoeuvre; a rudder that cannot turn all the way is put hard over."""
     from swamp_rl.simulator import parameters
 
-    if name not in TRIALS:
-        return OTHERS.get(name, name)
+    if name not in TURNING_JETS:
+        return DESCRIPTIONS.get(name, name)
     record = parameters(boat)[0]
     reach = float(max(np.abs(record["azimuth_min"]).max(), np.abs(record["azimuth_max"]).max()))
     if reach >= math.pi / 2:
-        return TRIALS[name]
+        return TURNING_JETS[name]
     return f"hard over ({math.degrees(reach):.0f}°) at 60 %" if reach > 0.0 else "straight ahead, 60 %"
 
 
@@ -215,8 +224,8 @@ GAINED_ON = {
 }
 
 
-def unseen_of(found: Diagnosis, boat: Boat) -> str:
-    """Candidates that the data cannot show, those of one effect together."""
+def unidentifiable_effects(found: Diagnosis, boat: Boat) -> str:
+    """Effects that are not identifiable from the data, one entry for each effect."""
     places: dict[str, list[str]] = {}
     for label in found.unseen:
         name, *thrusters = label.split()
@@ -230,18 +239,28 @@ def unseen_of(found: Diagnosis, boat: Boat) -> str:
     return ", ".join(parts)
 
 
+def parameter_sets(cause: Cause) -> list[tuple[str, dict[str, Estimate]]]:
+    """The parameters of a cause: those that all runs share, or those of each group with its runs' names."""
+    if not cause.groups:
+        return [("", cause.parameters)]
+    return [(f", {name}", parameters) for name, parameters in cause.groups.items()]
+
+
 def cause_rows(causes: Sequence[Cause], boat: Boat) -> list[tuple[str, ...]]:
-    """Effect, what it is, parameter, value, interval, unit, and what the boat file has."""
+    """Effect, description, parameter, value, interval, unit, and the boat file's value."""
     rows: list[tuple[str, ...]] = []
     for cause in causes:
         effect = LIBRARY[cause.effect]
         on = cause.thruster if isinstance(cause.thruster, str) else " and ".join(cause.thruster or ())
         name = cause.effect.replace("_", " ") + (f" ({on})" if on else "")
+        name += f", {DIFFERS[f'by_{cause.scope}']}" if cause.groups else ""
         first = (name, effect.description)
-        for parameter, estimate in cause.parameters.items():
-            neutral = neutral_value(cause.effect, parameter, boat)
-            rows.append((*first, parameter.replace("_", " "), *number_cells(estimate), neutral))
-            first = ("", "")
+        for where, parameters in parameter_sets(cause):
+            for parameter, estimate in parameters.items():
+                neutral = neutral_value(cause.effect, parameter, boat)
+                said = parameter.replace("_", " ") + where
+                rows.append((*first, said, *number_cells(estimate), neutral))
+                first = ("", "")
         if not cause.parameters:
             rows.append((*first, "", "", "", "", ""))
     return rows
@@ -261,7 +280,7 @@ def number_cells(estimate: Estimate) -> tuple[str, str, str]:
 
 
 def written(unit: str) -> str:
-    """A unit as one writes it, nothing for a plain number; on one line."""
+    """A unit with superscripts on one line, nothing for 1."""
     return "" if unit == "1" else unit.replace("2", "²").replace("3", "³").replace(" ", "\N{NO-BREAK SPACE}")
 
 
@@ -277,12 +296,12 @@ def plain(value: float) -> str:
 
 
 def minus(digits: str) -> str:
-    """Numbers with the sign that is as wide as a plus."""
+    """Numbers with the typographic minus sign."""
     return digits.replace("-", "−")
 
 
 def neutral_value(effect: str, parameter: str, boat: Boat) -> str:
-    """What the boat file has for it."""
+    """The boat file's value of an effect's parameter."""
     from swamp_rl.simulator import parameters
 
     given = LIBRARY[effect].parameter(parameter)
@@ -305,6 +324,6 @@ def rounded(value: float) -> str:
 
 
 def names_of(found: Diagnosis) -> str:
-    """The names that the boat file uses for what was found."""
+    """The names that the boat file uses for the effects found."""
     effects = ", ".join(dict.fromkeys(cause.effect for cause in found.causes))
     return f"There the effects are called {effects}." if effects else ""

@@ -26,5 +26,5 @@ def write_report(folder: Path, finding: Finding) -> None:
     if any(one.curve for one in finding.diagnosis.leftover):
         paths["missing"] = draw(folder / "missing.png", misfit, draw_missing)
     images = {name: base64.b64encode(path.read_bytes()).decode() for name, path in paths.items()}
-    text = page(finding.diagnosis, finding.trials, images)
+    text = page(finding.diagnosis, finding.run_set, images)
     (folder / "report.html").write_text(text, encoding="utf-8")

@@ -1,0 +1,137 @@
+"""Checks of the data before a fit: those that no diagnosis is possible from are refused."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run
+from swamp_rl.runs.dataset import META, boat_of, read_meta
+
+Array = NDArray[np.float64]
+
+SHORTEST = 10.0  # s of a run
+LEAST = 20.0  # s of all runs together
+COARSEST = 1.0  # s between samples, the shortest horizon of prediction errors
+RUNNING = 0.02  # of full throttle, from which a thruster runs
+MEAN_OVER = 5.0  # s of the means that suppress noise
+STILL, UNTURNED = 0.806, 0.5  # lengths and rad, below which a boat stands still
+
+
+def refuse_disorder(run: Run, folder: str) -> None:
+    """UserError for a run whose times are missing, not finite or not increasing."""
+    if "time" not in run.columns:
+        raise UserError(f"{folder}: run {run.name}: column time is missing; add it")
+    bad = np.flatnonzero(~np.isfinite(run.time))
+    if len(bad):
+        raise UserError(f"{folder}: run {run.name}, row {bad[0] + 1}: time is no number; correct it")
+    back = np.flatnonzero(np.diff(run.time) <= 0.0)
+    if len(back):
+        row = int(back[0]) + 1
+        raise UserError(
+            f"{folder}: run {run.name}, row {row + 1}: time {run.time[row]:g} s does not come after "
+            f"{run.time[row - 1]:g} s; put the rows in order of time, or cut the run in two there"
+        )
+
+
+def refuse_too_short(runs: list[Run], folder: str) -> None:
+    """UserError where the usable runs are too short together."""
+    total = sum(run.duration for run in runs if run.duration >= SHORTEST)
+    if total >= LEAST:
+        return
+    longest = max((run.duration for run in runs), default=0.0)
+    raise UserError(
+        f"{folder}: too short: {total:.3g} s in runs of at least {SHORTEST:.0f} s (the longest lasts "
+        f"{longest:.3g} s); a diagnosis needs {LEAST:.0f} s or more, better five runs of a minute with turns "
+        "both ways and several speeds; record more"
+    )
+
+
+def refuse_too_coarse(dt: float, folder: str) -> None:
+    """UserError where the sample step dt [s] exceeds the shortest horizon."""
+    if dt > 1.05 * COARSEST:
+        raise UserError(
+            f"{folder}: a sample every {dt:.3g} s; a diagnosis needs one every {COARSEST:g} s or more often "
+            "(10 a second serve well); record at a higher rate"
+        )
+
+
+def refuse_other_boat(run: Run, boat: Boat, folder: str) -> None:
+    """UserError where a run's commands are not those of the boat file's thrusters."""
+    commanded = [column for thruster in boat.thrusters for column in thruster.command_columns if column]
+    missing = [column for column in commanded if column not in run.columns]
+    if missing:
+        raise UserError(
+            f"{folder}: run {run.name}: column {missing[0]}, by which boat {boat.name} is commanded, is "
+            "missing; give --boat the boat that sailed these runs, or record the column"
+        )
+    driven = [
+        name
+        for name, values in run.columns.items()
+        if name.startswith(("throttle_", "propeller_")) and (np.abs(values) > RUNNING).any()
+    ]
+    unknown = [name for name in driven if name not in commanded]
+    if unknown:
+        raise UserError(
+            f"{folder}: run {run.name}: column {unknown[0]} drives a thruster that boat {boat.name} does not "
+            f"have (it has {', '.join(boat.thruster_names)}); give --boat the boat that sailed these "
+            "runs, or add the thruster to its file"
+        )
+
+
+def refuse_other_vehicle(dataset: Path, holdout: Path) -> None:
+    """UserError where two datasets are the same, or of different boats."""
+    if os.path.realpath(dataset) == os.path.realpath(holdout):
+        raise UserError(
+            f"{holdout}: is what was to be diagnosed, nothing would be held out; leave --holdout out, each "
+            "run is then held out in turn"
+        )
+    if not all((folder / META).exists() for folder in (dataset, holdout)):
+        return  # without metadata the boat is unknown
+    ours, theirs = (boat_of(folder, read_meta(folder)).name for folder in (dataset, holdout))
+    if ours != theirs:
+        raise UserError(
+            f"{holdout}: recorded with boat {theirs}, but {dataset} with {ours} (vehicle in dataset.yaml); "
+            "hold out runs of the same boat"
+        )
+
+
+def refuse_sources_inside(out: Path, sources: list[Path]) -> None:
+    """UserError where the output folder contains an input."""
+    for source in sources:
+        if Path(os.path.realpath(source)).is_relative_to(os.path.realpath(out)):
+            raise UserError(f"{out}: holds {source}, which the diagnosis is made from; name another --out")
+
+
+def refuse_unexciting(commands: list[Array], tracks: list[Array], dt: float, boat: Boat, folder: str) -> None:
+    """UserError naming the missing motion, if nothing was commanded, no position was measured or the boat
+    never moved. Of each run the commands (T, 2K) and the measured track (T, 3), samples dt [s] apart.
+    """
+    thrusters = commands[0].shape[1] // 2
+    if not any((np.abs(command[:, thrusters:]) > RUNNING).any() for command in commands):
+        raise UserError(
+            f"{folder}: no thruster ever runs; a drifting boat gives no information on thrust and steering: "
+            "record runs under thrust, at two speeds and with turns to both sides"
+        )
+    reaches = [reach_of(track, dt) for track in tracks]
+    travelled, turned = (max(reach[i] for reach in reaches) for i in (0, 1))
+    if travelled < STILL * boat.length and turned < UNTURNED:
+        raise UserError(
+            f"{folder}: the boat moves {travelled:.2f} m and turns {np.degrees(turned):.0f} degrees at most; "
+            "record runs ahead at two speeds and turns to both sides"
+        )
+
+
+def reach_of(track: Array, dt: float) -> tuple[float, float]:
+    """Range of position [m] and heading [rad] of a track (T, 3), by means over MEAN_OVER."""
+    rows = max(1, round(MEAN_OVER / dt))
+    parts = [track[first : first + rows] for first in range(0, len(track), rows)]
+    finite = [part[np.isfinite(part).all(axis=1)] for part in parts]
+    means = [part.mean(axis=0) for part in finite if 2 * len(part) >= max(map(len, finite))]
+    if not np.concatenate(finite).size:
+        return 0.0, 0.0
+    north, east, heading = np.ptp(np.array(means), axis=0)
+    return float(np.hypot(north, east)), float(heading)

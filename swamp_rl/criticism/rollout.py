@@ -1,0 +1,118 @@
+"""Compiled simulation of many windows, and the whitening filter of Gauss-Markov noise."""
+
+from typing import Any
+
+import numba
+import numpy as np
+
+from swamp_rl.physics.compile import compiled
+from swamp_rl.simulator.delay import delayed_command
+from swamp_rl.simulator.state import SURGE, TIME
+from swamp_rl.simulator.step import move_actuators, step_boat, take_weather
+
+CHUNK = 16
+
+
+@compiled(parallel=True)
+def roll(
+    params: Any,
+    tank: Any,
+    start: Any,
+    commands: Any,
+    weather: Any,
+    run: Any,
+    first: Any,
+    steps: Any,
+    seeds: Any,
+    dt: float,
+    substeps: int,
+    acceleration: Any,
+    block: int,
+    track: Any,
+) -> None:
+    """Fill track (n, T + 1, 6) with the rigid motion of n boats, the start first.
+
+    params: (n,) records, whose weather is overwritten where it was measured; start: (n, S) states; commands:
+    (R, samples, 2K); weather: (R or 0, samples, 3), rows of `take_weather`; run, first, steps: (n,) run,
+    first sample and number of steps of dt [s]; the last state is repeated beyond. acceleration: (n or 0, B,
+    3) added acceleration [m/s2, m/s2, rad/s2] of surge, sway and yaw, each for `block` steps; half of a
+    step's share before the step and half after (Strang splitting).
+    """
+    boats = start.shape[0]
+    for chunk in numba.prange((boats + CHUNK - 1) // CHUNK):
+        jets = np.empty((3, commands.shape[2] // 2, 2))
+        state = np.empty(start.shape[1])
+        arrived = np.empty(commands.shape[2])
+        for i in range(chunk * CHUNK, min((chunk + 1) * CHUNK, boats)):
+            state[:] = start[i]
+            track[i, 0] = state[:6]
+            for j in range(track.shape[1] - 1):
+                if j < steps[i]:
+                    accelerated = acceleration.shape[0] > 0
+                    part = min(j // block, acceleration.shape[1] - 1)
+                    if accelerated:
+                        for c in range(3):
+                            state[SURGE + c] += 0.5 * dt * acceleration[i, part, c]
+                    if weather.shape[0] > 0:
+                        take_weather(params[i], weather[run[i], min(first[i] + j, weather.shape[1] - 1)])
+                    row = min(first[i] + j, commands.shape[1] - 1)
+                    delayed_command(commands[run[i]], row, params[i].command_delay / dt, arrived)
+                    step_boat(state, params[i], tank, arrived, seeds[i], dt, substeps, jets)
+                    if accelerated:
+                        for c in range(3):
+                            state[SURGE + c] += 0.5 * dt * acceleration[i, part, c]
+                track[i, j + 1] = state[:6]
+
+
+@compiled(parallel=True)
+def roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, states: Any) -> None:
+    """Fill states (n, T, S - 6) with time and actuators of whole runs; they depend on the commands alone."""
+    boats = start.shape[0]
+    for i in numba.prange(boats):
+        jets = np.empty((3, commands.shape[2] // 2, 2))
+        state = np.empty(start.shape[1])
+        arrived = np.empty(commands.shape[2])
+        state[:] = start[i]
+        for j in range(states.shape[1]):
+            states[i, j] = state[6:]
+            delayed_command(commands[run[i]], j, params[i].command_delay / dt, arrived)
+            move_actuators(state, arrived, dt, jets, params[i])
+            state[TIME] += dt
+
+
+@compiled
+def whiten(values: Any, keep: Any, gain: Any, scale: Any) -> None:
+    """Replace standardised values (V, W, T, C) by innovations, in channels with a Gauss-Markov part.
+
+    keep: (C,) its autocorrelation over one step, 0 where there is none; gain, scale: (W, T, C).
+    """
+    for v in range(values.shape[0]):
+        for w in range(values.shape[1]):
+            for c in range(values.shape[3]):
+                if keep[c] == 0.0:
+                    continue
+                wandered = 0.0
+                for t in range(values.shape[2]):
+                    wandered *= keep[c]
+                    if scale[w, t, c] > 0.0:
+                        innovation = values[v, w, t, c] - wandered
+                        values[v, w, t, c] = innovation * scale[w, t, c]
+                        wandered += gain[w, t, c] * innovation
+
+
+@compiled
+def filter_gains(power: Any, keep: Any, seen: Any, gain: Any, scale: Any) -> None:
+    """Fill gain and 1 / innovation standard deviation (W, T, C) of the Kalman filter that `whiten` runs.
+
+    power: (C,) variance of the Gauss-Markov part, in that of the white noise; keep: (C,); seen: (W, T, C).
+    """
+    for w in range(seen.shape[0]):
+        for c in range(seen.shape[2]):
+            unknown = power[c]
+            for t in range(seen.shape[1]):
+                if t > 0:
+                    unknown = keep[c] * keep[c] * unknown + (1.0 - keep[c] * keep[c]) * power[c]
+                if seen[w, t, c]:
+                    gain[w, t, c] = unknown / (unknown + 1.0)
+                    scale[w, t, c] = 1.0 / np.sqrt(unknown + 1.0)
+                    unknown *= 1.0 - gain[w, t, c]

@@ -1,0 +1,89 @@
+"""Reconstruction of commands between the rows of a slow log."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from swamp_rl.criticism.candidates import candidates
+from swamp_rl.criticism.command_reconstruction import interpolated, least_of_parabola
+from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.model_selection import select_model
+from tests.support.criticism import DT, SECONDS, driven
+
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
+
+EVERY = 5  # rows of the truth to one of the log
+
+
+def moving(run: int) -> np.ndarray:
+    """(T, 8) commands that always move."""
+    time = np.arange(round(SECONDS / DT)) * DT
+    swing = 0.6 * np.sin(2 * np.pi * time / (14.0 + 3 * run))
+    beat = 0.5 + 0.3 * np.sin(2 * np.pi * time / (11.0 + 2 * run) + run)
+    return np.concatenate([np.outer(swing, [1, 1, -1, -1]), np.outer(beat, np.ones(4))], axis=1)
+
+
+def logged(held: bool) -> RunSet:
+    """Runs of a boat with less thrust, whose log has every fifth row; held: the commands stood between."""
+    given = np.stack([moving(run) for run in range(3)])
+    if held:
+        given = np.repeat(given[:, ::EVERY], EVERY, axis=1)
+    sailed = driven([{"effect": "thrust_scale", "scale": 0.8}], given, 0.0, seed=4)
+    slow = replace(sailed, commands=given[:, ::EVERY], measured=sailed.measured[:, ::EVERY], dt=DT * EVERY)
+    return replace(slow, lengths=np.full(3, slow.commands.shape[1]))
+
+
+def test_interpolated_commands_lie_between_two_rows_and_turn_the_shorter_way() -> None:
+    row = logged(held=False)
+    commands = row.commands.copy()
+    commands[0, 3, 0], commands[0, 4, 0] = 3.0, -3.0
+    half = interpolated(replace(row, commands=commands), 0.5).commands
+    assert half[0, 3, 0] == pytest.approx(np.pi)
+    assert half[0, :-1, 5] == pytest.approx((commands[0, :-1, 5] + commands[0, 1:, 5]) / 2)
+    assert half[:, -1] == pytest.approx(commands[:, -1])
+
+
+def test_the_least_of_a_parabola_is_between_or_at_an_end() -> None:
+    assert least_of_parabola(*((share - 0.4) ** 2 for share in (0.0, 0.5, 1.0))) == pytest.approx(0.4)
+    assert least_of_parabola(3.0, 2.0, 1.0) == 1.0
+    assert least_of_parabola(1.0, 3.0, 4.0) == 0.0
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_commands_that_moved_between_rows_are_interpolated_and_held_ones_are_not(held: bool) -> None:
+    log = logged(held)
+    names = ("thrust_scale", "command_delay", "yaw_damping")
+    instances = [instance for instance in candidates(log.boat, SECONDS) if instance.effect.name in names]
+    read, _, found = select_model(log, weights(log, noise_levels(log)), instances, None)
+    assert found.adequate
+    assert found.winner.hypothesis.label == "thrust_scale"
+    assert found.winner.x[0] == pytest.approx(0.8, abs=0.02)
+    assert np.array_equal(read.commands, log.commands) == held
+
+
+def jumping(run: int) -> np.ndarray:
+    """(T, 8) commands that switch between the rows of the log."""
+    rows = round(SECONDS / DT)
+    rng = np.random.default_rng(run)
+    levels = rng.uniform([-0.8, -0.8, 0.2, 0.0], [0.8, 0.8, 1.0, 1.0], (rows // 23 + 1, 4))
+    step = np.arange(rows) // 23
+    return levels[step][:, [0, 0, 1, 1, 2, 2, 3, 3]]
+
+
+def test_commands_that_switch_between_two_rows_get_their_switching_times() -> None:
+    given = np.stack([jumping(run) for run in range(3)])
+    sailed = driven([{"effect": "resistance", "scale": 1.5}], given, 1.0, seed=5)
+    log = replace(sailed, commands=given[:, ::EVERY], measured=sailed.measured[:, ::EVERY], dt=DT * EVERY)
+    log = replace(log, lengths=np.full(3, log.commands.shape[1]))
+    names = ("resistance", "command_delay", "yaw_damping")
+    instances = [instance for instance in candidates(log.boat, SECONDS) if instance.effect.name in names]
+    read, _, found = select_model(log, weights(log, noise_levels(log)), instances, None)
+    assert found.adequate
+    assert found.winner.hypothesis.label == "resistance"
+    true = given.reshape(3, -1, EVERY, 8).mean(axis=2)[:, 8:]  # later than what no window sees
+    moved = log.commands[:, 8:] != true
+    assert moved.any()
+    error, before = (np.abs(one.commands[:, 8:] - true)[moved].mean() for one in (read, log))
+    assert error < 0.4 * before

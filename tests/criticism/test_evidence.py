@@ -1,0 +1,113 @@
+"""What a diagnosis says of its evidence: trivial predictors, measured weather, the share of each cause."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.cause_share import carries_over, is_minor
+from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.diagnose import diagnose
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.result import Share
+from swamp_rl.criticism.trivial_predictors import trivial_predictors
+from swamp_rl.effects import parse_effects
+from swamp_rl.runs import Run, write_run
+from swamp_rl.simulator.replay import replay
+from tests.support.criticism import DT, SIGMA, commands, simulated_runs
+
+WIND = {"effect": "wind", "speed": 5.0, "from": 1.0}
+NOISE = {"north": 0.02, "east": 0.02, "heading": 0.005}
+
+
+def predictors_of(runs: RunSet) -> dict[float, dict[str, float]]:
+    found = trivial_predictors(runs, weights(runs, noise_levels(runs)))
+    return {one.horizon_s: one.model_dump(exclude={"horizon_s"}) for one in found}
+
+
+def share(without: float, with_cause: float, interval: tuple[float, float] = (0.0, 1.0)) -> Share:
+    return Share(
+        horizon_s=10.0, quantity="position_rmse_m", without=without, with_cause=with_cause, ci95=interval
+    )
+
+
+def test_a_true_boat_file_predicts_better_than_any_trivial_predictor() -> None:
+    found = predictors_of(simulated_runs([]))
+    for horizon in (5.0, 10.0, 30.0):
+        errors = found[horizon]
+        assert errors["boat_file"] < 0.5 * min(
+            errors[n] for n in ("at_rest", "constant_velocity", "no_thrust")
+        )
+
+
+def test_constant_velocity_beats_a_boat_file_whose_thrust_is_twice_the_true_one() -> None:
+    runs = simulated_runs([])
+    boat = load_boat("swamp")
+    strong = parse_effects([{"effect": "thrust_scale", "scale": 3.0}], "test", boat.thruster_names)
+    errors = predictors_of(replace(runs, boat=boat.model_copy(update={"effects": strong})))[1.0]
+    assert errors["boat_file"] > errors["constant_velocity"]
+
+
+def test_a_boat_at_rest_is_predicted_best_by_staying_at_rest() -> None:
+    runs = simulated_runs([])
+    still = np.zeros_like(runs.measured) + SIGMA * np.random.default_rng(1).standard_normal(
+        runs.measured.shape
+    )
+    errors = predictors_of(replace(runs, measured=still))[10.0]
+    assert errors["at_rest"] == min(errors.values())
+
+
+def test_a_cause_is_minor_only_below_two_percent_and_below_the_noise() -> None:
+    assert is_minor([share(2.0, 1.99)], NOISE)
+    assert not is_minor([share(2.0, 1.9)], NOISE)  # 5 % of the error
+    assert not is_minor([share(4.0, 3.95)], NOISE)  # above the noise
+    assert not is_minor([], NOISE)
+
+
+def test_a_cause_whose_interval_lies_below_zero_does_not_carry_over() -> None:
+    assert carries_over([share(1.0, 1.2, (-0.5, 0.1))])
+    assert not carries_over([share(1.0, 1.2, (-0.5, -0.1))])
+
+
+@pytest.fixture(scope="module")
+def windy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three runs in a wind that an anemometer measured."""
+    folder = tmp_path_factory.mktemp("windy")
+    boat = load_boat("swamp")
+    blown = boat.model_copy(update={"effects": parse_effects([WIND], "test", boat.thruster_names)})
+    names = [f"{kind}_{name}" for kind in ("azimuth", "throttle") for name in boat.thruster_names]
+    rng = np.random.default_rng(3)
+    for number in range(3):
+        command = commands(number)
+        columns = dict(zip(names, command.T, strict=True)) | {"time": DT * np.arange(len(command))}
+        columns |= {name: np.zeros(len(command)) for name in ("north", "east", "heading")}
+        columns = replay(blown, Run("one", columns)).columns
+        for name, sigma in zip(("north", "east", "heading", "surge", "sway", "yaw_rate"), SIGMA, strict=True):
+            columns[name] = columns[name] + sigma * rng.standard_normal(len(command))
+        columns["heading"] = np.arctan2(np.sin(columns["heading"]), np.cos(columns["heading"]))
+        kept = {name: values for name, values in columns.items() if not name.startswith("applied_")}
+        kept |= {"wind_speed": np.full(len(command), 5.0), "wind_from": np.full(len(command), 1.0)}
+        write_run(folder / f"run{number}.csv", Run(f"run{number}", kept))
+    return folder
+
+
+@pytest.mark.slow
+def test_a_measured_wind_is_an_input_and_no_cause(windy: Path, tmp_path: Path) -> None:
+    found = diagnose(windy, "swamp", tmp_path / "out")
+    assert found.verdict == "nothing_wrong"
+    assert not (tmp_path / "out" / "conditions.yaml").exists()
+
+
+@pytest.mark.slow
+def test_an_ignored_wind_is_named_and_written_beside_the_boat_file(windy: Path, tmp_path: Path) -> None:
+    found = diagnose(windy, "swamp", tmp_path / "out", ignore=["wind"])
+    assert [cause.effect for cause in found.causes] == ["wind"]
+    largest = max(found.causes[0].share, key=lambda one: one.horizon_s)
+    assert largest.with_cause < 0.5 * largest.without
+    assert load_boat(tmp_path / "out" / "extended_boat.yaml").effects == ()
+    (written,) = yaml.safe_load((tmp_path / "out" / "conditions.yaml").read_text())["effects"]
+    assert written["effect"] == "wind"
+    assert written["speed"] == pytest.approx(5.0, rel=0.1)

@@ -1,0 +1,89 @@
+"""Gauss-Markov measurement noise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from swamp_rl.criticism.candidates import Hypothesis, candidates
+from swamp_rl.criticism.estimate import causes_of
+from swamp_rl.criticism.gauss_markov import fit_gauss_markov, kalman_filter
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.model_selection import select_model
+from swamp_rl.criticism.windows import Windows
+from tests.support.criticism import DT, SECONDS, gauss_markov_noise, simulated_runs
+
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
+
+
+def windows(count: int, rows: int) -> Windows:
+    """Windows of unit weight with a few samples missing."""
+    weight = np.ones((count, rows, 6))
+    weight[0, 3:5, 0] = 0.0
+    own = np.arange(count)
+    return Windows(own, 0 * own, np.full(count, rows - 1), np.zeros((count, rows, 6)), weight, 0, rows)
+
+
+def test_the_filter_gives_the_likelihood_of_the_whole_covariance() -> None:
+    rows, size, seconds = 12, 2.0, 0.7
+    slow = np.zeros((6, 2))
+    slow[0] = size, seconds
+    cut = windows(2, rows)
+    made = kalman_filter(cut, slow, DT)
+    values = np.random.default_rng(0).standard_normal((1, 2, rows, 6))
+    values *= cut.weight
+    innovation = made.whitened(values.copy())[0, :, :, 0]
+    apart = np.abs(np.subtract.outer(np.arange(rows), np.arange(rows))) * DT
+    covariance = np.eye(rows) + size**2 * np.exp(-apart / seconds)
+    for w in range(2):
+        seen = cut.weight[w, :, 0] > 0
+        truth = multivariate_normal(cov=covariance[np.ix_(seen, seen)]).logpdf(values[0, w, seen, 0])
+        scale = made.scale[w, seen, 0]
+        told = -0.5 * (innovation[w, seen] ** 2).sum() + np.log(scale).sum()
+        assert told - 0.5 * seen.sum() * np.log(2 * np.pi) == pytest.approx(truth)
+    assert made.whitened(values.copy())[0, :, :, 1:] == pytest.approx(values[0, :, :, 1:])
+
+
+def test_size_and_time_constant_are_estimated_and_are_zero_for_white_noise() -> None:
+    rng = np.random.default_rng(1)
+    cut = windows(10, 400)
+    values = rng.standard_normal(cut.weight.shape)
+    values[..., 1] += gauss_markov_noise(rng, (10, 400), 4.0, 10.0)
+    slow = fit_gauss_markov(cut, values * cut.weight, DT)
+    assert (slow[[0, 2, 3, 4, 5], 0] == 0.0).all()
+    assert 2.0 < slow[1, 0] < 8.0
+    assert 3.0 <= slow[1, 1] <= 30.0
+
+
+def test_position_noise_is_no_cause_and_hides_none() -> None:
+    for effects in ([], [{"effect": "yaw_damping", "scale": 1.6}]):
+        found = simulated_runs(effects, seed=12)
+        errors = gauss_markov_noise(np.random.default_rng(2), (3, found.measured.shape[1], 2), 0.3, 20.0)
+        measured = found.measured.copy()
+        measured[..., :2] += errors
+        found = replace(found, measured=measured)
+        possible = [
+            instance
+            for instance in candidates(found.boat, SECONDS)
+            if instance.effect.name in ("external_force", *(effect["effect"] for effect in effects))
+        ]
+        weight = weights(found, noise_levels(found))
+        with_noise, continuation, selection = select_model(found, weight, possible, None)
+        assert selection.adequate
+        names = [instance.effect.name for instance in selection.winner.hypothesis.instances]
+        assert names == [effect["effect"] for effect in effects]
+        if effects:
+            cause = causes_of(continuation.problems[selection.stage], selection.winner)[0]
+            number = cause.parameters["scale"]
+            assert abs(number.value - 1.6) < 4.0 * number.standard_error
+        assert with_noise.gauss_markov is not None
+        assert with_noise.gauss_markov[0, 0] == pytest.approx(0.3, rel=0.7)
+
+
+def test_clean_data_need_no_position_noise() -> None:
+    found = simulated_runs([], seed=3)
+    weight = weights(found, noise_levels(found))
+    with_noise, _, selection = select_model(found, weight, candidates(found.boat, SECONDS)[:3], None)
+    assert selection.winner.hypothesis == Hypothesis()
+    assert with_noise.gauss_markov is None

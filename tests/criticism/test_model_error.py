@@ -1,0 +1,66 @@
+"""Model error above the measurement noise: its size, its correlation time, and effects selected under it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from swamp_rl.criticism.adequacy import adequacy
+from swamp_rl.criticism.candidates import Hypothesis, candidates
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.model_error import correlation_samples, in_noise_units, model_error
+from swamp_rl.criticism.stepwise_selection import select_under_model_error
+from tests.support.criticism import SECONDS, gauss_markov_noise, simulated_runs
+
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
+
+
+def test_an_error_lasts_as_long_as_its_autocorrelation_says() -> None:
+    rng = np.random.default_rng(0)
+    errors = np.stack([gauss_markov_noise(rng, (200, 400, 1), 1.0, 1.0)[..., 0]] * 6, axis=2)
+    keep = np.exp(-0.1)
+    assert correlation_samples(errors) == pytest.approx((1.0 + keep) / (1.0 - keep), rel=0.15)
+    assert correlation_samples(rng.standard_normal((200, 400, 6))) == pytest.approx(1.0, abs=0.1)
+    assert correlation_samples(np.zeros((2, 40, 6))) == 1.0
+
+
+def test_a_steady_wind_is_selected_under_gusts() -> None:
+    found = simulated_runs(
+        [
+            {"effect": "wind", "speed": 6.0, "from": 1.0},
+            {"effect": "gusts", "speed_std": 1.5, "direction_std": 0.3, "time_constant": 8.0},
+        ]
+    )
+    weight = weights(found, noise_levels(found))
+    instances = [
+        instance
+        for instance in candidates(found.boat, SECONDS)
+        if instance.effect.name in ("wind", "mass", "position_delay")
+    ]
+    told = select_under_model_error(found, weight, instances, None)
+    assert told is not None
+    slow, selection = told[0].gauss_markov, told[2]
+    assert slow is not None and (slow[:2, 0] > 1.5 / weight.max(axis=(0, 1))[:2]).all()
+    assert selection.winner.hypothesis.label == "wind"
+    assert np.hypot(*selection.winner.x) == pytest.approx(6.0, rel=0.25)
+    assert np.arctan2(*selection.winner.x[::-1]) == pytest.approx(1.0, abs=0.25)
+    assert selection.confirmed["wind"].holds and not selection.adequate
+
+
+def test_adequacy_is_tested_against_the_measurement_noise_not_the_model_error() -> None:
+    found = simulated_runs([{"effect": "external_force", "north": 3.0, "east": -2.0}])
+    weight = weights(found, noise_levels(found))
+    weighted = model_error(found, weight, Hypothesis(), np.zeros(0))
+    assert adequacy(weighted.problem, weighted.fit).adequate
+    assert not adequacy(weighted.problem, in_noise_units(weighted.fit, weighted.problem, weight)).adequate
+
+
+def test_channels_that_were_not_measured_have_no_error() -> None:
+    found = simulated_runs([{"effect": "external_force", "north": 3.0, "east": -2.0}], velocities=False)
+    weighted = model_error(found, weights(found, noise_levels(found)), Hypothesis(), np.zeros(0))
+    assert (weighted.errors[3:5, 0] == 0.0).all() and (weighted.errors[[0, 1, 2, 5], 0] > 0.0).all()
+    assert np.isfinite(weighted.fit.chi2)
+    assert (
+        weighted.run_set.gauss_markov is not None
+        and replace(weighted.run_set, gauss_markov=None).gauss_markov is None
+    )

@@ -1,0 +1,95 @@
+"""Effects whose parameters differ between runs: their records, sensitivities, special cases and files."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from swamp_rl.criticism.backward_elimination import nested
+from swamp_rl.criticism.candidates import EffectInstance, Hypothesis, by_label, candidates
+from swamp_rl.criticism.cross_validation import heldout_numbers
+from swamp_rl.criticism.extended_boat import write_extended
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.output_error import fit
+from tests.support.criticism import SECONDS, simulated_runs
+
+RUNS = simulated_runs([{"effect": "wind", "speed": 4.0, "from": 0.5}])
+EVERY = by_label(candidates(RUNS.boat, SECONDS, RUNS.groups))
+WINDS = np.array([3.0, 1.0, -2.0, 0.5, 0.0, 4.0])  # of three runs: components towards where it comes from
+
+
+def hypothesis(*labels: str) -> Hypothesis:
+    return Hypothesis(tuple(sorted((EVERY[label] for label in labels), key=lambda one: one.label)))
+
+
+def shooting() -> Shooting:
+    return Shooting(RUNS, weights(RUNS, noise_levels(RUNS)), 10.0)
+
+
+def test_only_effects_of_the_weather_may_differ_between_runs() -> None:
+    differing = {one.effect.name for one in EVERY.values() if one.groups}
+    assert {"wind", "current", "external_force", "shallow_water"} <= differing
+    assert all(one.effect.scope != "boat" for one in EVERY.values() if one.groups)
+
+
+def test_each_run_has_the_record_of_its_own_wind() -> None:
+    records = hypothesis("wind by_run").records(RUNS.boat, WINDS[None], runs=np.array([2, 0, 1, 0]))
+    expected = WINDS.reshape(3, 2)[[2, 0, 1, 0]]
+    np.testing.assert_allclose(records["wind_speed"], np.hypot(*expected.T))
+    np.testing.assert_allclose(records["wind_from"], np.arctan2(expected[:, 1], expected[:, 0]))
+
+
+def test_the_same_wind_in_every_run_predicts_what_a_shared_one_does() -> None:
+    problem = shooting()
+    states = problem.initial_states()[None]
+    shared = problem.predict(hypothesis("mass", "wind"), np.array([[60.0, 3.0, 1.0]]), states)
+    each = problem.predict(hypothesis("mass", "wind by_run"), np.array([[60.0, *([3.0, 1.0] * 3)]]), states)
+    np.testing.assert_array_equal(each, shared)
+
+
+def test_sensitivities_to_a_runs_own_wind_are_finite_differences_and_zero_in_other_runs() -> None:
+    problem, both = shooting(), hypothesis("mass", "wind by_run")
+    x, states = np.array([60.0, *WINDS]), problem.initial_states()
+    base = problem.predict(both, x[None], states[None])[0]
+    slopes = problem.parameter_jacobian(both, x, states, base)
+    for column, spec in enumerate(both.specs):
+        moved = x.copy()
+        moved[column] += spec.difference
+        track = problem.predict(both, moved[None], states[None])[0]
+        expected = problem.standardised((track - base) / (moved[column] - x[column]))
+        np.testing.assert_allclose(
+            slopes[..., column], expected, rtol=1e-4, atol=1e-4 * np.abs(expected).max()
+        )
+    assert not slopes[problem.windows.run != 1][:, :, 3:5].any()
+
+
+def test_a_shared_effect_is_a_special_case_of_one_that_differs() -> None:
+    assert nested(hypothesis("wind"), hypothesis("mass", "wind by_run"))
+    assert not nested(hypothesis("wind by_run"), hypothesis("wind"))
+
+
+def test_a_run_held_out_keeps_its_own_wind_and_takes_the_others_mass() -> None:
+    problem, both = shooting(), hypothesis("mass", "wind by_run")
+    at = fit(problem, both, np.array([RUNS.boat.mass, *([3.5, 1.9] * 3)]), problem.initial_states())
+    numbers = heldout_numbers(problem, at)
+    for run in range(3):
+        np.testing.assert_allclose(numbers[run, 1 + 2 * run : 3 + 2 * run], at.x[1 + 2 * run : 3 + 2 * run])
+    assert np.ptp(numbers[:, 0]) < 5.0
+
+
+def test_the_conditions_of_each_run_are_a_file_of_their_own(tmp_path: Path) -> None:
+    write_extended(tmp_path, "swamp", hypothesis("mass", "wind by_run"), np.array([60.0, *WINDS]), RUNS.names)
+    assert [
+        one["effect"] for one in yaml.safe_load((tmp_path / "extended_boat.yaml").read_text())["effects"]
+    ] == ["mass"]
+    (wind,) = yaml.safe_load((tmp_path / "conditions" / "b.yaml").read_text())["effects"]
+    assert wind["speed"] == pytest.approx(np.hypot(-2.0, 0.5))
+
+
+def test_days_are_groups_where_a_dataset_names_them() -> None:
+    two_days = replace(RUNS, days=("monday", "tuesday", "monday"))
+    found: EffectInstance = by_label(candidates(RUNS.boat, SECONDS, two_days.groups))["wind by_day"]
+    assert (found.groups, found.size) == ((0, 1, 0), 4)
