@@ -1,10 +1,9 @@
-"""The Cramér-Rao bound of a blind case: how well anyone could know its numbers, from the truth alone.
+"""Cramér-Rao bound of a blind case: the least standard errors of its parameters, from the truth alone.
 
-The true boat is sailed again under the commands as given, from starts and with numbers a little off. The
-differences over the true noise are the Fisher information (Kay, Fundamentals of Statistical Signal
-Processing, volume I, 3.9); each run's start, six numbers, is unknown, and so are all of an effect's numbers,
-of every effect of the case. Where the hull is off (level D) its derivatives are unknown as well, known
-beforehand as well as they were drawn. Nothing of the diagnosis is used.
+The Fisher information is from finite differences of the true boat's simulation over the true noise (Kay,
+Fundamentals of Statistical Signal Processing, volume I, 3.9). Unknown are each run's initial state (six
+numbers) and all parameters of every effect of the case; at level D also the hull's derivatives, with the
+distribution that they were drawn from as prior. Nothing of the diagnosis is used.
 """
 
 from collections.abc import Sequence
@@ -34,17 +33,17 @@ from swamp_rl.simulator.step import simulate
 
 STATES = 6  # of a start: pose and velocities
 START_STEP = 1e-3
-UNKNOWN = 1e-12  # of a number's information, below which it is none
+UNKNOWN = 1e-12  # least scaled information of a parameter
 SHARE, LEAST = 1e-3, 1e-4  # finite difference against a number, and the smallest one
 # What is not smooth: commands arrive in whole rows, a failure falls in one
 STEPS = {"delay": 0.02, "time": 0.05}
-DIRECTIONS = ("from", "phase", "frequency", "time")  # no size of an effect lies in these
+DIRECTIONS = ("from", "phase", "frequency", "time")  # parameters that do not measure an effect's size
 
 
 @dataclass(frozen=True)
 class Bound:
-    """names: effect and parameter of each number; deviation: (p,) least standard deviations; evidence: how
-    many standard deviations the effects lie from their neutral values, all numbers together.
+    """names: effect and parameter of each number; deviation: (p,) least standard deviations; evidence:
+    Mahalanobis distance of the effects from their neutral values.
     """
 
     names: list[tuple[str, str]]
@@ -59,12 +58,13 @@ def bound_of(case: Case, rng: Rng, velocities: bool, runs: int = 5, seconds: flo
         noise[3:5] = np.inf
     boat = load_boat("swamp")
     entries = parse_effects(case.effects, "truth", boat.thruster_names)
-    names = [(index, name) for index, entry in enumerate(entries) for name in entry.effect.parameter_names]
+    names = _numbers(entries)
     sailed = [(voyage, measure(voyage, noise, rng)[1]) for voyage in voyages(case, rng, runs, seconds)]
-    information = sum(
-        (_information(case, entries, names, voyage, kept, noise) for voyage, kept in sailed),
-        np.zeros((len(names) + len(case.hull),) * 2),
-    )
+    information = np.zeros((len(names) + len(case.hull),) * 2)
+    for run, (voyage, kept) in enumerate(sailed):
+        own = parse_effects(case.of_run(run).effects, "truth", boat.thruster_names)
+        whole = _information(case.of_run(run), own, _numbers(own), voyage, kept, noise)
+        information += _shared(whole, len(names), len(_numbers(own)))
     prior = np.concatenate([np.zeros(len(names)), np.full(len(case.hull), HULL_SPREAD**-2.0)])
     covariance = inverse(information + np.diag(prior))
     own = inverse(covariance[: len(names), : len(names)])
@@ -76,15 +76,30 @@ def bound_of(case: Case, rng: Rng, velocities: bool, runs: int = 5, seconds: flo
     )
 
 
+def _numbers(entries: Sequence[EffectEntry]) -> list[tuple[int, str]]:
+    """Place of its entry and name of every number."""
+    return [(index, name) for index, entry in enumerate(entries) for name in entry.effect.parameter_names]
+
+
+def _shared(whole: Array, shared: int, numbers: int) -> Array:
+    """Information of the `shared` first numbers and of the hull, those of this run alone being unknown."""
+    own = np.arange(len(whole))
+    own, kept = own[shared:numbers], np.delete(own, np.s_[shared:numbers])
+    if not len(own):
+        return whole
+    cross = whole[np.ix_(kept, own)]
+    return np.asarray(whole[np.ix_(kept, kept)] - cross @ np.linalg.solve(whole[np.ix_(own, own)], cross.T))
+
+
 def inverse(information: Array) -> Array:
-    """Of a symmetric matrix; what it does not tell at all comes out enormous rather than as nothing."""
+    """Of a symmetric matrix; directions without information get a huge variance."""
     scale = np.sqrt(np.maximum(np.diag(information), 1e-30))
     scaled = information / np.outer(scale, scale) + UNKNOWN * np.eye(len(scale))
     return np.asarray(np.linalg.inv(scaled) / np.outer(scale, scale))
 
 
 def _away(entry: EffectEntry, name: str) -> float:
-    """By how much a number departs from what changes nothing."""
+    """Difference of a parameter from its neutral value."""
     if name in DIRECTIONS:
         return 0.0
     neutral = entry.effect.parameter(name).neutral
@@ -104,7 +119,7 @@ def _information(
     kept: NDArray[np.bool_],
     noise: Array,
 ) -> Array:
-    """(p, p) of one run, its start projected out."""
+    """(p, p) of one run, its initial state eliminated."""
     records, sizes = _records(case, entries, names)
     numbers = len(sizes)
     every = np.repeat(voyage.record, 2 * (numbers + STATES))
@@ -127,7 +142,7 @@ def _information(
 def _records(
     case: Case, entries: Sequence[EffectEntry], names: list[tuple[int, str]]
 ) -> tuple[NDArray[Any], Array]:
-    """Records (2 p,) of the true boat with each number a step up and a step down, and the steps (p,)."""
+    """Records (2 p,) of the true boat with each parameter a step up and a step down, and the steps (p,)."""
     boat = load_boat("swamp")
     records, sizes = [], []
     for index, name in names:

@@ -1,4 +1,4 @@
-"""The blind cases by number: how each is drawn, and its score from the files that it left."""
+"""The blind cases by number: how each is drawn, and its result from the stored files."""
 
 import json
 from pathlib import Path
@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 from swamp_rl.experiments.synthetic.cases import (
+    EACH_RUN,
     EFFECTS,
     LEVELS,
+    NOT_BESIDE_WEATHER,
     NOT_IN_GATE_RUNS,
     POWER,
     Case,
@@ -20,40 +22,45 @@ from benchmarks.blind.bound import Bound, bound_of
 from benchmarks.blind.score import Judged, judged
 from benchmarks.blind.variants import VARIANT, write_variant
 
-SEEDS = (*LEVELS, POWER, VARIANT)
+SEEDS = (*LEVELS, POWER, VARIANT, EACH_RUN)
 """The levels; a case is drawn from its level's place here and its number."""
 # of a hundred cases: the library's effects in turn, and what else there is
 KINDS = ("single",) * 10 + ("pair",) * 4 + ("clean",) * 3 + ("outside",) * 2 + ("confounded",)
-NEVER_SMALL = ("channel_swap", "thruster_failure", "shallow_water")  # whose size is not a number near nothing
+# effects whose size is discrete, or has no neutral value
+# effects whose size is discrete, or has no neutral value
+NEVER_SMALL = ("channel_swap", "thruster_failure", "shallow_water")
 
 
 def kind_of(number: int, level: str) -> str:
-    """Kinds in a fixed turn, so that any number of cases has its share of each."""
+    """Kinds in a fixed cycle, so that any number of cases has its share of each."""
     if level == POWER:
         return "single"
+    if level == EACH_RUN:  # the weather alone, or beside one effect
+        return "single" if number % 4 == 0 else "pair"
     kind = KINDS[(7 * number) % len(KINDS)]
     return "single" if kind == "confounded" and level == "C" else kind
 
 
 def effect_of(number: int, level: str) -> tuple[str, ...]:
-    """The library's effects in turn for the single ones."""
-    without = {"C": NOT_IN_GATE_RUNS, POWER: NEVER_SMALL}.get(level, ())
+    """The effect of a single-effect case, the library's in a cycle."""
+    without = {"C": NOT_IN_GATE_RUNS, POWER: NEVER_SMALL, EACH_RUN: NOT_BESIDE_WEATHER}.get(level, ())
     names = [name for name in EFFECTS if name not in without]
     return (names[(11 * number) % len(names)],)
 
 
 def drawn(number: int, level: str) -> tuple[Case, Rng, bool]:
-    """A case of levels A to D and P, the generator that goes on to draw its runs, and whether velocities are
+    """A case of levels A to E and P, the generator that draws its runs, and whether velocities are
     measured.
     """
     rng = np.random.default_rng([SEEDS.index(level), number])
     kind = kind_of(number, level)
-    case = draw_case(rng, level, kind, effect_of(number, level) if kind == "single" else ())
+    one = kind == ("pair" if level == EACH_RUN else "single")
+    case = draw_case(rng, level, kind, effect_of(number, level) if one else ())
     return case, rng, number % 4 != 3 and level != "B"
 
 
 def write_numbered(number: int, level: str, data: Path, truth: Path) -> None:
-    """Sail a case and write its runs into the folder `data`, what is wrong into the file `truth`."""
+    """Simulate a case; write its runs into the folder `data`, its causes into the file `truth`."""
     if level == VARIANT:
         write_variant(np.random.default_rng([SEEDS.index(level), number]), data, truth)
         return
@@ -62,12 +69,12 @@ def write_numbered(number: int, level: str, data: Path, truth: Path) -> None:
 
 
 def every_score(folder: Path) -> list[dict[str, Any]]:
-    """Of all cases that the folder holds an answer of."""
+    """Results of all cases that the folder has an answer of."""
     return [scored(folder, path.stem) for path in sorted((folder / "judged").glob("*.json"))]
 
 
 def scored(folder: Path, name: str) -> dict[str, Any]:
-    """A case that was diagnosed, judged from its truth and its answer, with its Cramér-Rao bound."""
+    """The result of a diagnosed case, from its truth and its answer, with its Cramér-Rao bound."""
     told = json.loads((folder / "judged" / f"{name}.json").read_text())
     truth = json.loads((folder / "truth" / f"{name}.json").read_text())
     answer = folder / "answers" / name / "diagnosis.json"
@@ -83,8 +90,8 @@ def scored(folder: Path, name: str) -> dict[str, Any]:
 
 
 def kept_bound(folder: Path, name: str, truth: Judged) -> Bound | None:
-    """The bound, from its file if it is there; None of a case that no longer is what its number draws, or
-    whose noise is not white.
+    """The bound, from its file if it exists; None for a case that is not what its number draws, or whose
+    noise is not white.
     """
     level, number = name[0], int(name[1:])
     if level == VARIANT or truth["kind"] == "confounded":

@@ -5,8 +5,9 @@
 
 Each case is drawn from its own seed and stored, so a run that was stopped goes on where it was, and what is
 done can be scored at any time. Writes blind_causes.json, blind_causes.md and two figures into the output
-folder, or into a document and beside it. Levels A to D are the four that have bars; P is A with faults down
-to nothing, for the power of detection; X is other boats, manoeuvres, rates and noise.
+folder, or into a document and beside it. Levels A to D are the four that have bars; E is A with another wind
+or current in each run, alone or beside one effect; P is A with faults down to nothing, for the power of
+detection; X is other boats, manoeuvres, rates and noise.
 """
 
 import argparse
@@ -37,16 +38,16 @@ DIAGNOSE = """
 import sys, time, traceback, numpy
 from pathlib import Path
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data import read_trials
+from swamp_rl.criticism.data import read_run_set
 from swamp_rl.criticism.diagnose import examine
 from swamp_rl.criticism.consistency import refuse_inconsistent
 for line in sys.stdin:
     data, answer, boat = line.rstrip().split(chr(9))
     begun = time.process_time()
     try:
-        trials = read_trials(Path(data), load_boat(boat))
-        refuse_inconsistent(trials, data)
-        found = examine(trials, None, numpy.random.default_rng(0)).diagnosis
+        run_set = read_run_set(Path(data), load_boat(boat))
+        refuse_inconsistent(run_set, data)
+        found = examine(run_set, None, numpy.random.default_rng(0)).diagnosis
         Path(answer).mkdir(parents=True, exist_ok=True)
         (Path(answer) / "diagnosis.json").write_text(found.model_dump_json())
         told = "done"
@@ -58,7 +59,7 @@ for line in sys.stdin:
 
 
 class Diagnoser:
-    """A process that diagnoses one case after another; threads: that roll boats out."""
+    """A process that diagnoses one case after another; threads: of its simulations."""
 
     def __init__(self, threads: int = 1) -> None:
         limited = os.environ | {"OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": str(threads)}
@@ -71,7 +72,7 @@ class Diagnoser:
         )
 
     def diagnose(self, data: Path, answer: Path, boat: str) -> tuple[float, str]:
-        """Processor's time [s] taken, and what went wrong, if anything."""
+        """Processor time [s], and the fault, if any."""
         assert self.process.stdin is not None and self.process.stdout is not None
         print(data.resolve(), answer.resolve(), boat, sep="\t", file=self.process.stdin, flush=True)
         seconds, told = self.process.stdout.readline().rstrip("\n").split("\t")
@@ -90,7 +91,7 @@ def worker() -> Diagnoser:
 
 
 def run_case(number: int, level: str, out: Path) -> dict[str, Any]:
-    """Write one case, have it diagnosed by a process of its own, and judge the answer; kept in a file."""
+    """Write one case, diagnose it in a process of its own, and store the result in a file."""
     name = f"{level}{number:04d}"
     kept = out / "judged" / f"{name}.json"
     if not kept.exists():
@@ -106,8 +107,8 @@ def run_case(number: int, level: str, out: Path) -> dict[str, Any]:
 
 
 def time_again(out: Path, least: float) -> None:
-    """Diagnose again, alone and with two threads, what took at least so many seconds of a processor; the
-    time on the clock is kept, the answers stay.
+    """Diagnose again, alone and with two threads, the cases that took at least `least` seconds of a
+    processor; the wall time is stored, the answers are kept.
     """
     slow = [path for path in sorted((out / "judged").glob("*.json")) if _processor(path) >= least]
     both = Diagnoser(threads=2)
@@ -147,7 +148,7 @@ def asked_for() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the cases of the levels asked for, and write the score of all that the folder holds."""
+    """Run the cases of the chosen levels, and write the results of all that the folder holds."""
     asked = asked_for().parse_args(arguments)
     folders = asked.score_only or [asked.out]
     if asked.again is not None:
@@ -171,7 +172,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def diagnose_all(work: Sequence[tuple[int, str]], asked: argparse.Namespace) -> None:
-    """Run cases side by side, as long as there is time."""
+    """Run cases in parallel while there is time."""
     until = time.monotonic() + 60.0 * asked.minutes
 
     def one(numbered: tuple[int, str]) -> dict[str, Any] | None:

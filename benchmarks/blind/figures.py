@@ -1,4 +1,4 @@
-"""Pictures of the blind diagnoses: who was taken for whom, and how small a fault is still found."""
+"""Figures of the blind diagnoses: confusion matrix, and power against effect size."""
 
 import itertools
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ QUANTITIES = (
 
 
 def said(result: Judged) -> str:
-    """The answer in a word: the names, `a set with the truth`, or the verdict."""
+    """The answer in words: the names, `a set with it`, or the verdict."""
     if result["verdict"] == "cause":
         return str(result["named"])
     if result["verdict"] == "indistinguishable":
@@ -32,7 +32,7 @@ def said(result: Judged) -> str:
 
 
 def shares(results: Sequence[Judged], key: str, edges: Sequence[float]) -> list[dict[str, Any]]:
-    """By bin of a quantity: how many single effects were found, alone or in a small set, of how many."""
+    """By bin of a quantity: how many single effects were named, alone or in a small set, of how many."""
     found = []
     for low, high in itertools.pairwise(edges):
         inside = [r for r in results if r.get(key) is not None and low <= r[key] < high]
@@ -44,7 +44,7 @@ def shares(results: Sequence[Judged], key: str, edges: Sequence[float]) -> list[
 
 
 def confusion_picture(results: Sequence[Judged], path: Path) -> None:
-    """Rows: what was hidden, single effects, nothing, or what is in no library; columns: what was said."""
+    """Rows: hidden single effects, none, or one outside the library; columns: the answer."""
     from matplotlib.figure import Figure
 
     shown = [r for r in results if r["kind"] in ("single", "clean", "outside") and r["level"] != SMALL_ONES]
@@ -72,7 +72,7 @@ def confusion_picture(results: Sequence[Judged], path: Path) -> None:
 
 
 def power_picture(results: Sequence[Judged], path: Path) -> None:
-    """Share found, alone or in a small set, against the effect's size and against its evidence."""
+    """Rate of single effects named, alone or in a small set, against size and evidence."""
     from matplotlib.figure import Figure
 
     single = [r for r in results if r["kind"] == "single" and r["level"] != "X"]

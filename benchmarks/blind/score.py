@@ -1,4 +1,4 @@
-"""The score of blind diagnoses: who was named, who was accused wrongly, and whether the intervals hold."""
+"""Results of blind diagnoses: rates of correct names and false positives, and coverage of the intervals."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,8 +12,9 @@ WITHIN = 1.5  # of the Cramér-Rao bound
 
 
 def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
-    """One answer against the truth; an answer of None is a process that failed."""
-    true = sorted(effect["effect"] for effect in truth["effects"])
+    """One answer against the truth; None is a process that failed."""
+    by_run = {effect["effect"] for run in truth.get("by_run", ()) for effect in run}
+    true = sorted([*(effect["effect"] for effect in truth["effects"]), *by_run])
     verdict = found["verdict"] if found else "failed"
     causes = found["causes"] if found else []
     named = sorted(cause["effect"] for cause in causes)
@@ -39,15 +40,15 @@ def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
         "trial": bool((found or {}).get("separating_trial")),
         "right": right,
         "place": same_places(truth, causes) if alone else None,
-        "pointed": pointed_at(truth, found, 4) if outside and found else None,
-        "pointed_first": pointed_at(truth, found, 1) if outside and found else None,
+        "variable_named": names_variable(truth, found, 4) if outside and found else None,
+        "variable_named_first": names_variable(truth, found, 1) if outside and found else None,
         "estimates": estimates(truth, causes) if alone else [],
         "elapsed_s": found["elapsed_s"] if found else None,
     }
 
 
 def rightly(truth: Judged, verdict: str, named: Sequence[str], effects: bool) -> bool:
-    """Whether the verdict is the right one; `effects`: whether the true effects were named."""
+    """Whether the verdict is correct; `effects`: whether the true effects were named."""
     if truth["kind"] == "outside":
         return verdict == "unexplained"
     if truth["kind"] == "clean":  # where it is off, nothing but its hull's derivatives
@@ -62,7 +63,7 @@ def names_in(label: str) -> list[str]:
 
 
 def same_places(truth: Judged, causes: Sequence[Judged]) -> bool | None:
-    """Whether every thruster is the right one; None where the effects have none."""
+    """Whether every thruster is correct; None where the effects have none."""
     chosen = {e["effect"]: e["thruster"] for e in truth["effects"] if "thruster" in e}
     said = {c["effect"]: c["thruster"] for c in causes if c["effect"] in chosen}
     if not chosen:
@@ -70,17 +71,15 @@ def same_places(truth: Judged, causes: Sequence[Judged]) -> bool | None:
     return all(sorted(said[name]) == sorted(place) for name, place in chosen.items())
 
 
-def pointed_at(truth: Judged, found: Judged, first: int) -> bool:
-    """Whether one of the first so many residual forces is said to go with the right variable."""
+def names_variable(truth: Judged, found: Judged, first: int) -> bool:
+    """Whether one of the first so many residual forces is a function of the correct variable."""
     wanted = truth["outside"]["variables"]
     variables = [str(left["variable"]).replace(" ", "_") for left in found.get("leftover", [])[:first]]
     return any(variable in wanted or variable.split("_")[0] in wanted for variable in variables)
 
 
 def estimates(truth: Judged, causes: Sequence[Judged]) -> list[dict[str, Any]]:
-    """Every number of the causes named rightly: what was said, its standard error, and how many of these it
-    is away from the truth.
-    """
+    """Every parameter of correctly named causes: value, standard error, and error in standard errors."""
     found = []
     for effect in truth["effects"]:
         for cause in causes:
@@ -110,7 +109,7 @@ def share(flags: Sequence[bool]) -> dict[str, float] | None:
 
 
 def summary(results: Sequence[Judged]) -> dict[str, Any]:
-    """Rates of one level; None where no case tells."""
+    """Rates of one level; None where no case counts."""
     of = {kind: [r for r in results if r["kind"] == kind] for kind in {r["kind"] for r in results}}
     single, pair, clean, outside = (of.get(k, []) for k in ("single", "pair", "clean", "outside"))
     confounded = of.get("confounded", [])
@@ -127,11 +126,11 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
         "pair_named_alone": share([r["alone"] for r in pair]),
         "pair_in_a_small_set": share([r["small_set"] for r in pair]),
         "thruster_right_where_named": share([r["place"] for r in results if r["place"] is not None]),
-        "clean_accused": share([accused(r) for r in clean]),
-        "clean_said_unexplained": share([r["verdict"] == "unexplained" for r in clean]),
-        "outside_admitted": share([r["verdict"] == "unexplained" for r in outside]),
-        "outside_pointed_at": share([bool(r["pointed"]) for r in outside]),
-        "outside_pointed_at_first": share([bool(r["pointed_first"]) for r in outside]),
+        "clean_false_positive": share([is_false_positive(r) for r in clean]),
+        "clean_unexplained": share([r["verdict"] == "unexplained" for r in clean]),
+        "outside_unexplained": share([r["verdict"] == "unexplained" for r in outside]),
+        "outside_variable_named": share([bool(r["variable_named"]) for r in outside]),
+        "outside_variable_named_first": share([bool(r["variable_named_first"]) for r in outside]),
         "confounded_set_with_the_truth": share([r["in_a_set"] for r in confounded]),
         "confounded_trial_named": share([r["trial"] for r in undecided]),
         "interval_coverage": share([abs(n["away"]) <= Z95 for n in numbers]),
@@ -145,6 +144,6 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
     }
 
 
-def accused(result: Judged) -> bool:
+def is_false_positive(result: Judged) -> bool:
     """Whether a boat of which nothing is wrong was said to have a fault."""
     return result["verdict"] in ("cause", "indistinguishable") and not result["right"]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from swamp_rl.experiments.reports.experiment import table
-from swamp_rl.experiments.synthetic.cases import LEVELS
+from swamp_rl.experiments.synthetic.cases import EACH_RUN, LEVELS
 from swamp_rl.experiments.synthetic.cases import POWER as SMALL_ONES
 
 from benchmarks.blind.figures import (
@@ -23,13 +23,13 @@ from benchmarks.blind.score import WITHIN, Judged, summary
 
 OTHER = "X"
 # least rates, at levels A to D
-BARS: dict[str, tuple[float | None, ...]] = {
+TARGETS: dict[str, tuple[float | None, ...]] = {  # target rates, at levels A to D
     "single_named_alone": (0.98, 0.85, 0.92, 0.85),
     "single_in_a_small_set": (0.99, 0.95, 0.97, 0.95),
     "pair_named_alone": (0.90, None, None, None),
-    "clean_accused": (0.02, 0.02, 0.02, None),
-    "outside_admitted": (0.95, 0.95, 0.95, 0.95),
-    "outside_pointed_at": (0.70, 0.70, 0.70, 0.70),
+    "clean_false_positive": (0.02, 0.02, 0.02, None),
+    "outside_unexplained": (0.95, 0.95, 0.95, 0.95),
+    "outside_variable_named": (0.70, 0.70, 0.70, 0.70),
     "interval_coverage": (0.90, 0.90, 0.90, 0.90),
     "error_over_bound_median": (WITHIN,) * 4,
 }
@@ -37,8 +37,8 @@ COVER_AT_MOST = 0.98
 
 
 def parts(results: Sequence[Judged]) -> dict[str, str]:
-    """The tables of docs/criticism.md by their marks."""
-    by_level = {level: [r for r in results if r["level"] == level] for level in (*LEVELS, OTHER)}
+    """The tables of docs/criticism.md by their markers."""
+    by_level = {level: [r for r in results if r["level"] == level] for level in (*LEVELS, EACH_RUN, OTHER)}
     scores = {level: summary(mine) for level, mine in by_level.items() if mine}
     return {
         "blind scores": scores_table(scores),
@@ -49,7 +49,7 @@ def parts(results: Sequence[Judged]) -> dict[str, str]:
 
 
 def pictures(results: Sequence[Judged], folder: Path) -> None:
-    """The two figures of the part."""
+    """Draw both figures into a folder."""
     confusion_picture(results, folder / CONFUSION)
     power_picture(results, folder / POWER)
 
@@ -62,13 +62,15 @@ def cell(value: Any) -> str:
 
 
 def judgement(row: str, level: str, value: Any) -> str:
-    """`reached`, `short` where chance may be to blame, `missed` where it hardly is; empty without a bar."""
-    bar = BARS[row][LEVELS.index(level)] if row in BARS and level in LEVELS else None
+    """`reached`, `short` where the interval contains the target, `missed` where it does not; empty without a
+    target.
+    """
+    bar = TARGETS[row][LEVELS.index(level)] if row in TARGETS and level in LEVELS else None
     if bar is None or value is None:
         return ""
     if not isinstance(value, dict):
         return "reached" if value <= bar else "missed"
-    if row == "clean_accused":
+    if row == "clean_false_positive":
         return "reached" if value["rate"] <= bar else "missed" if value["low"] > bar else "short"
     if row == "interval_coverage" and value["rate"] > COVER_AT_MOST:
         return "missed" if value["low"] > COVER_AT_MOST else "short"
@@ -76,7 +78,7 @@ def judgement(row: str, level: str, value: Any) -> str:
 
 
 def scores_table(scores: Mapping[str, Mapping[str, Any]]) -> str:
-    """Every rate with Wilson's 95 % interval and the number it stands on, a column for each level."""
+    """Every rate with Wilson's 95 % interval and the number of cases, a column for each level."""
     rows = []
     for row in next(iter(scores.values())):
         cells = [
@@ -110,7 +112,7 @@ def by_effect(results: Sequence[Judged]) -> str:
 
 
 def power(results: Sequence[Judged]) -> str:
-    """How often a small effect is found, by how many least standard errors it amounts to."""
+    """Rate of small effects named, by their evidence in least standard errors."""
     rows = []
     for one in shares([r for r in results if r["level"] == SMALL_ONES], "evidence", EVIDENCES):
         high = f"to {one['to']:g}" if np.isfinite(one["to"]) else "and more"

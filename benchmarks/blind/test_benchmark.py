@@ -14,7 +14,7 @@ from benchmarks.blind.diagnose import main
 from benchmarks.blind.score import share, summary
 from benchmarks.blind.tables import judgement, parts
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data import read_trials
+from swamp_rl.criticism.data import read_run_set
 from swamp_rl.simulator import tank
 from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.step import simulate
@@ -71,7 +71,7 @@ def test_a_confounded_case_neither_gathers_way_nor_turns() -> None:
 def test_a_case_of_another_kind_reads_as_runs_of_its_boat(number: int, tmp_path: Path) -> None:
     write_numbered(number, "X", tmp_path / "data", tmp_path / "truth.json")
     truth = json.loads((tmp_path / "truth.json").read_text())
-    trials = read_trials(tmp_path / "data", load_boat(truth["boat"]))
+    trials = read_run_set(tmp_path / "data", load_boat(truth["boat"]))
     assert trials.dt == pytest.approx(1.0 / truth["instruments"]["rate"])
     assert len(trials.lengths) >= 2
     text = (tmp_path / "data" / "dataset.yaml").read_text()
@@ -81,25 +81,25 @@ def test_a_case_of_another_kind_reads_as_runs_of_its_boat(number: int, tmp_path:
 def test_small_faults_are_small_and_of_every_smooth_kind() -> None:
     cases = [drawn(number, "P")[0] for number in range(60)]
     assert all(3e-4 <= case.size <= 0.1 and len(case.effects) == 1 for case in cases)
-    assert len({case.effects[0]["effect"] for case in cases}) == 27
+    assert len({case.effects[0]["effect"] for case in cases}) == 36
     assert SEEDS[:4] == ("A", "B", "C", "D")  # whose places are seeds
 
 
 def answers(folder: Path, verdict: str, causes: list[dict[str, Any]], **more: Any) -> dict[str, Any]:
-    """Score of case A0106, a push from outside, answered so."""
-    for part in ("judged", "truth", "answers/A0106"):
+    """Score of case A0095, a push from outside, answered so."""
+    for part in ("judged", "truth", "answers/A0095"):
         (folder / part).mkdir(parents=True, exist_ok=True)
-    (folder / "truth" / "A0106.json").write_text(json.dumps(vars(drawn(106, "A")[0])))
-    timed = {"case": "A0106", "error": "", "processor_s": 70.0, "alone_s": 40.0}
-    (folder / "judged" / "A0106.json").write_text(json.dumps(timed))
+    (folder / "truth" / "A0095.json").write_text(json.dumps(vars(drawn(95, "A")[0])))
+    timed = {"case": "A0095", "error": "", "processor_s": 70.0, "alone_s": 40.0}
+    (folder / "judged" / "A0095.json").write_text(json.dumps(timed))
     said = {"verdict": verdict, "causes": causes, "indistinguishable": [], "elapsed_s": 1.0} | more
-    (folder / "answers" / "A0106" / "diagnosis.json").write_text(json.dumps(said))
+    (folder / "answers" / "A0095" / "diagnosis.json").write_text(json.dumps(said))
     return every_score(folder)[0]
 
 
 def push(*errors: float) -> list[dict[str, Any]]:
-    """Case A0106's cause, north off by two of its errors."""
-    effect = drawn(106, "A")[0].effects[0]
+    """Case A0095's cause, north off by two of its errors."""
+    effect = drawn(95, "A")[0].effects[0]
     numbers = {
         name: {"value": effect[name] + off * error, "standard_error": error, "unit": "N"}
         for name, off, error in zip(("north", "east"), (2.0, 0.0), errors, strict=True)
@@ -108,7 +108,7 @@ def push(*errors: float) -> list[dict[str, Any]]:
 
 
 def test_stated_errors_are_held_against_the_truth_and_against_the_bound(tmp_path: Path) -> None:
-    bound = bound_of(*drawn(106, "A")).deviation
+    bound = bound_of(*drawn(95, "A")).deviation
     score = answers(tmp_path, "cause", push(2.0 * bound[0], bound[1]))
     assert [number["away"] for number in score["estimates"]] == pytest.approx([2.0, 0.0])
     assert score["estimates"][0]["bound"] == pytest.approx(bound[0])
@@ -140,9 +140,12 @@ def test_a_bar_is_reached_short_or_missed_by_what_chance_allows() -> None:
         return judgement(row, "A", share([True] * right + [False] * (of - right)))
 
     assert (word(199, 200), word(193, 200), word(170, 200)) == ("reached", "short", "missed")
-    assert (word(3, 200, "clean_accused"), word(20, 200, "clean_accused")) == ("reached", "missed")
+    assert (word(3, 200, "clean_false_positive"), word(20, 200, "clean_false_positive")) == (
+        "reached",
+        "missed",
+    )
     assert (word(190, 200, "interval_coverage"), word(200, 200, "interval_coverage")) == ("reached", "missed")
-    assert judgement("clean_accused", "D", share([True])) == ""
+    assert judgement("clean_false_positive", "D", share([True])) == ""
 
 
 def test_small_faults_and_wrong_sets_stand_in_the_tables(tmp_path: Path) -> None:

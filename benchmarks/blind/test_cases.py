@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from swamp_rl.experiments.synthetic.cases import EFFECTS, LEVELS, draw_case, write_case
+from swamp_rl.experiments.synthetic.cases import EACH_RUN, EFFECTS, LEVELS, draw_case, voyages, write_case
 
+from benchmarks.blind.cases import drawn
 from benchmarks.blind.score import judged
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data import read_trials
+from swamp_rl.criticism.data import read_run_set
 from swamp_rl.effects import LIBRARY
 
 pytestmark = pytest.mark.numerical
@@ -26,7 +27,7 @@ def test_a_case_reads_as_runs_and_its_files_do_not_tell_the_truth(
     rng = np.random.default_rng(3)
     case = draw_case(rng, level, kind)
     write_case(case, rng, tmp_path / "data", tmp_path / "truth.json", runs=2, seconds=30.0)
-    trials = read_trials(tmp_path / "data", BOAT)
+    trials = read_run_set(tmp_path / "data", BOAT)
     assert trials.measured.shape == (2, 301, 6)
     assert 0 < np.isnan(trials.measured[:, :, 0]).mean() < 0.1  # dropped samples
     assert np.isfinite(trials.measured[:, :, 3]).any() == (level != "B")
@@ -51,6 +52,20 @@ def test_every_effect_that_the_library_can_be_guilty_of_is_hidden() -> None:
     by_chance = {"gusts", "thruster_kick"}  # somebody else's doing, not the boat's
     nuisance = {"hull_coefficients"}
     assert set(EFFECTS) == set(LIBRARY) - by_chance - nuisance
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_at_level_e_each_run_has_a_weather_of_its_own_alone_or_beside_one_effect(number: int) -> None:
+    case, rng, _ = drawn(number, EACH_RUN)
+    assert len(case.effects) == (number % 4 > 0)
+    assert len({json.dumps(run) for run in case.by_run}) == 5
+    (weather,) = {effect["effect"] for run in case.by_run for effect in run}
+    field = {"wind": "wind_speed", "current": "current_north"}[weather]
+    told = [voyage.record for voyage in voyages(case, rng, 5, 1.0)]
+    assert len({float(record[field][0]) for record in told}) == 5
+    names = [*(effect["effect"] for effect in case.effects), weather]
+    assert judged(vars(case), answer("cause", names))["right"]
+    assert not judged(vars(case), answer("cause", names[1:]))["right"]
 
 
 def answer(verdict: str, causes: list[str], sets: list[list[str]] | None = None) -> dict[str, object]:

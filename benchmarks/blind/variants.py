@@ -1,8 +1,8 @@
-"""Blind cases of another kind (level X), to see whether the method has been fitted to the usual ones.
+"""Blind cases of another kind (level X), to detect overfitting of the method to the other levels.
 
 Other boats, two to twelve runs of half a minute to five at 2 to 20 Hz, other manoeuvres, some with thrusters
-that hardly ever run, commands that change between two rows, receivers that wander, outliers, rows lost in
-stretches, velocities measured or not.
+that hardly run, commands that change between two rows, Gauss-Markov position noise, outliers, gaps,
+velocities measured or not.
 """
 
 import json
@@ -18,16 +18,13 @@ from swamp_rl.experiments.synthetic.cases import (
     DEGREE,
     Array,
     Case,
-    Rng,
     Voyage,
     draw_case,
     mooring,
-    polar,
     sail,
-    scale,
     sector,
-    signed,
 )
+from swamp_rl.experiments.synthetic.draws import Rng, polar, scale, signed
 from swamp_rl.experiments.synthetic.drivers import Driver
 
 from swamp_rl.boat import Boat, PropellerRudder, load_boat
@@ -64,9 +61,9 @@ SHIP: dict[str, Callable[[Rng, float], dict[str, Any]]] = {
 
 @dataclass(frozen=True)
 class Instruments:
-    """rate: rows a second; white: (6,) standard deviations; wander: of the positions [m], over `memory` [s];
-    outliers, lost: shares of rows; stretches: of rows lost together, by run; between: whether commands also
-    change between two rows.
+    """rate: rows a second; white: (6,) standard deviations; wander: standard deviation of the Gauss-Markov
+    position noise [m], `memory` its time constant [s]; outliers, lost: shares of rows; stretches: gaps of
+    each run; between: whether commands also change between two rows.
     """
 
     rate: float
@@ -81,7 +78,7 @@ class Instruments:
 
 
 def draw_instruments(rng: Rng) -> Instruments:
-    """Anything between a surveyor's receiver and a telephone's."""
+    """Instruments from survey grade to a telephone's."""
     worse = float(np.exp(rng.uniform(0.0, math.log(8.0))))
     white = np.array([0.05 * worse, 0.05 * worse, 0.5 * DEGREE * worse**0.5, 0.03, 0.03, 0.3 * DEGREE])
     channels: tuple[str, ...] = ("surge", "sway", "yaw_rate") if rng.random() < 0.5 else ("yaw_rate",)
@@ -101,7 +98,7 @@ def draw_instruments(rng: Rng) -> Instruments:
 
 
 def write_variant(rng: Rng, data: Path, truth: Path) -> None:
-    """Sail a case of level X and write its runs into the folder `data`, the truth into the file `truth`."""
+    """Simulate a case of level X; write its runs into the folder `data`, its causes into the file `truth`."""
     name = str(rng.choice(["swamp", "swamp-light", "esso_osaka"], p=[0.4, 0.35, 0.25]))
     boat, instruments = load_boat(name), draw_instruments(rng)
     case = draw_variant(rng, boat)
@@ -140,7 +137,7 @@ def is_ship(boat: Boat) -> bool:
 
 
 def draw_variant(rng: Rng, boat: Boat) -> Case:
-    """What is wrong; as at level A, save what a boat does not have."""
+    """The causes; as at level A, except those that a boat cannot have."""
     kind, size = str(rng.choice(KINDS)), float(rng.uniform(0.5, 2.0))
     if kind == "outside" and is_ship(boat):
         pull = (mooring if rng.random() < 0.5 else sector)(rng, 0.3 * size, VARIANT)
@@ -157,8 +154,10 @@ def draw_variant(rng: Rng, boat: Boat) -> Case:
 
 
 def driver_of(boat: Boat, rng: Rng) -> Driver:
-    """One way of sailing: levers that wander as a person's, zig-zags, spirals, holding about, single jets."""
-    ways = (wandering, swinging, spiralling) if is_ship(boat) else (wandering, swinging, spiralling, holding)
+    """A manoeuvre: random commands, zig-zags, spirals, station keeping."""
+    ways = (
+        (random_walk, zig_zag, spiral) if is_ship(boat) else (random_walk, zig_zag, spiral, station_keeping)
+    )
     drive = ways[int(rng.integers(len(ways)))](rng)
     bow_only = rng.random() < 0.3
     if is_ship(boat):
@@ -185,19 +184,19 @@ def held(driver: Driver, period: float) -> Driver:
     return drive
 
 
-def ship_command(boat: Boat, levers: tuple[float, float, float]) -> Array:
-    """Rudder [rad] and revolutions [rps] from levers; the rudder within what it reaches."""
-    throttle, angle, _ = levers
+def ship_command(boat: Boat, action: tuple[float, float, float]) -> Array:
+    """Rudder [rad] and revolutions [rps] from throttle and angle; the rudder within its limit."""
+    throttle, angle, _ = action
     ship = boat.thrusters[0]
     assert isinstance(ship, PropellerRudder)
     return np.array([np.clip(0.5 * angle, -ship.rudder_max, ship.rudder_max), 14.0 * (0.3 + 0.7 * throttle)])
 
 
-Levers = Callable[[float, Array], tuple[float, float, float]]
+Actions = Callable[[float, Array], tuple[float, float, float]]
 
 
-def wandering(rng: Rng) -> Levers:
-    """Throttle and angles that wander, now and then let go."""
+def random_walk(rng: Rng) -> Actions:
+    """Random throttle and angles, now and then zero."""
     knots = np.arange(0.0, 320.0, float(rng.uniform(1.0, 5.0)))
     throttle = np.clip(0.55 + np.cumsum(rng.normal(0.0, 0.15, len(knots))) % 1.0 - 0.5, 0.0, 1.0)
     throttle *= rng.random(len(knots)) > 0.1
@@ -205,50 +204,50 @@ def wandering(rng: Rng) -> Levers:
     return lambda time, state: tuple(np.interp(time, knots, one) for one in (throttle, angle, stern))  # type: ignore[return-value]
 
 
-def swinging(rng: Rng) -> Levers:
-    """Zig-zags of a period of their own, the throttle changed now and then."""
+def zig_zag(rng: Rng) -> Actions:
+    """Zig-zags of a random period, the throttle changed now and then."""
     period, angle, phase = rng.uniform(6.0, 40.0), rng.uniform(0.2, 0.9), rng.uniform(0.0, 1.0)
     throttles = rng.uniform(0.2, 1.0, 20)
 
-    def levers(time: float, state: Array) -> tuple[float, float, float]:
+    def action(time: float, state: Array) -> tuple[float, float, float]:
         over = angle if (time / period + phase) % 1.0 < 0.5 else -angle
         return float(throttles[int(time // 20.0)]), over, -over
 
-    return levers
+    return action
 
 
-def spiralling(rng: Rng) -> Levers:
-    """The helm goes slowly from one side to the other and back."""
+def spiral(rng: Rng) -> Actions:
+    """The angle goes slowly from one side to the other and back."""
     period, most, throttle = rng.uniform(60.0, 160.0), rng.uniform(0.4, 1.2), rng.uniform(0.3, 1.0)
 
-    def levers(time: float, state: Array) -> tuple[float, float, float]:
+    def action(time: float, state: Array) -> tuple[float, float, float]:
         over = most * math.sin(2.0 * math.pi * time / period)
         return float(throttle), over, -over
 
-    return levers
+    return action
 
 
-def holding(rng: Rng) -> Levers:
-    """About one place: short pushes towards it, the jets turned all round."""
+def station_keeping(rng: Rng) -> Actions:
+    """Station keeping: short pushes towards one place, azimuths over the full turn."""
     centre, gain = rng.uniform(-3.0, 3.0, 2), rng.uniform(0.1, 0.3)
 
-    def levers(time: float, state: Array) -> tuple[float, float, float]:
+    def action(time: float, state: Array) -> tuple[float, float, float]:
         north, east = centre - state[:2]
         bearing = math.atan2(east, north) - state[2]
         bearing = math.pi - (math.pi - bearing) % (2.0 * math.pi)
         push = min(gain * math.hypot(north, east), 1.0) * (time % 6.0 < 4.0)
         return push, bearing, bearing
 
-    return levers
+    return action
 
 
 def rows_of(boat: Boat, voyage: Voyage, instruments: Instruments, rng: Rng) -> dict[str, Array]:
-    """The columns of a run as its instruments have them."""
+    """The columns of a run as its instruments measure them."""
     every = round(1.0 / (instruments.rate * TICK))
-    measured = observe(voyage.track[None], voyage.record, TICK)[0][::every]
+    measured = observe(voyage.track[None], voyage.record, TICK)[0, : len(voyage.commands) : every]
     rows = len(measured)
     measured += instruments.white * rng.standard_normal(measured.shape)
-    measured[:, :2] += wander(rng, rows, instruments)
+    measured[:, :2] += position_noise(rng, rows, instruments)
     far = rng.random((rows, 3)) < instruments.outliers
     measured[:, :3] += far * rng.normal(0.0, 1.0, (rows, 3)) * [4.0, 4.0, 0.7]
     kept = rng.random(rows) >= instruments.lost
@@ -266,7 +265,7 @@ def rows_of(boat: Boat, voyage: Voyage, instruments: Instruments, rng: Rng) -> d
 
 
 def commands_of(boat: Boat, commands: NDArray[np.float64]) -> dict[str, Array]:
-    """Columns of commands (T, 2K), each as it stood at the row."""
+    """Columns of commands (T, 2K), each at the instant of its row."""
     found = {}
     for k, thruster in enumerate(boat.thrusters):
         angle, level = thruster.command_columns
@@ -276,8 +275,8 @@ def commands_of(boat: Boat, commands: NDArray[np.float64]) -> dict[str, Array]:
     return found
 
 
-def wander(rng: Rng, rows: int, instruments: Instruments) -> Array:
-    """(rows, 2) errors of a receiver that wanders: a Gauss-Markov process."""
+def position_noise(rng: Rng, rows: int, instruments: Instruments) -> Array:
+    """(rows, 2) Gauss-Markov position noise."""
     keep = math.exp(-1.0 / (instruments.rate * instruments.memory))
     found = np.zeros((rows, 2))
     found[0] = rng.standard_normal(2)
