@@ -1,6 +1,16 @@
 """Courses: gates to pass in order, the buoys that mark them, the start and the bounds."""
 
-from swamp_rl.course.schema import Bounds, Course, Gate, Point, Pose, Start, course_files, load_course
+from swamp_rl.course.schema import (
+    Bounds,
+    Course,
+    Gate,
+    Point,
+    Pose,
+    Start,
+    course_files,
+    limited,
+    load_course,
+)
 from swamp_rl.course.tables import buoy_table, gate_table
 
 __all__ = [
@@ -13,5 +23,6 @@ __all__ = [
     "buoy_table",
     "course_files",
     "gate_table",
+    "limited",
     "load_course",
 ]

@@ -1,6 +1,7 @@
 """What a course file holds, and the rules that make it a course that can be sailed."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -116,6 +117,21 @@ class Course(_Strict):
     def buoys(self) -> tuple[Point, ...]:
         """All buoys, gate by gate, port before starboard."""
         return tuple(buoy for gate in self.gates for buoy in gate.buoys)
+
+
+def limited(course: Course, time_limit: float | None, bounds: Mapping[Any, float] | None) -> Course:
+    """The course with another time limit [s], and with other edges [m] by their names in `Bounds`.
+
+    UserError where the limits are no numbers that a course may have, or leave out a buoy or the start.
+    """
+    if bounds is not None and not isinstance(bounds, Mapping):
+        raise UserError(f"bounds: must be edges by name, {', '.join(Bounds.model_fields)}, not {bounds!r}")
+    given: dict[str, Any] = {} if time_limit is None else {"time_limit": time_limit}
+    if bounds:
+        given["bounds"] = {**course.bounds.model_dump(), **bounds}
+    if not given:
+        return course
+    return validated(f"course {course.name} with other limits", Course, {**course.model_dump(), **given})
 
 
 LENGTHS = ("north", "east", "south", "west", "width", "buoy_radius")

@@ -17,6 +17,7 @@ DRIVERS: dict[str, Colour] = {
     "dagger": (150, 100, 60),
     "ppo": (227, 119, 194),
     "sac": (188, 189, 34),
+    "line-of-sight": (0, 150, 125),
 }
 PALETTE: tuple[Colour, ...] = tuple(dict.fromkeys(DRIVERS.values()))
 

@@ -1,5 +1,6 @@
 """What rerun's viewer shows at first sight: chart, space, time series and the time at which to look."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -10,9 +11,16 @@ from swamp_rl.demo.scene import DemoScene
 from swamp_rl.demo.series import SPEED, Array
 
 TIMELINE = "time"
+RESULT = "result"
+"""The entity of the text that tells who is shown and, at the end, what came of it."""
 LEGEND = SPEED
 """The plot that bears the legend: every run has one."""
 Layout = Literal["overlay", "side-by-side"]
+FIELD, ASPECT, VIEWED = math.radians(55.0), 1.8, 0.9
+"""Of the view in space: rerun's field of view from top to bottom, the least breadth over height that it is
+made for, and the share of it that is used."""
+ASIDE, DIP = math.radians(65.0), math.radians(32.0)
+"""Where the camera looks: to the left of the longest way across all that is shown, and below the horizon."""
 
 
 @dataclass
@@ -63,8 +71,10 @@ def blueprint(scene: DemoScene, layout: Layout, panels: Mapping[str, Panel]) -> 
     right = rrb.Vertical(
         _space(scene), rrb.Grid(*plots, grid_columns=2), row_shares=[4, 1.6 * ((len(plots) + 1) // 2)]
     )
+    told = rrb.TextDocumentView(origin=RESULT, name="weather, and at the end the result")
+    left = rrb.Vertical(chart, told, row_shares=[5.0, 2.3])
     return rrb.Blueprint(
-        rrb.Horizontal(chart, right, column_shares=[5, 6]),
+        rrb.Horizontal(left, right, column_shares=[5, 6]),
         rrb.TimePanel(timeline=TIMELINE, state="collapsed", loop_mode="all"),
         rrb.SelectionPanel(state="hidden"),
         rrb.BlueprintPanel(state="collapsed"),
@@ -102,22 +112,34 @@ def _chart(scene: DemoScene, group: str | None) -> Any:
     )
 
 
+def eye(scene: DemoScene) -> tuple[Array, Array]:
+    """Where the camera is and what it looks at, (3,) east, north and up [m]; all tracks and buoys in view."""
+    places = np.vstack([*(item.run.pose[:, :2] for item in scene.shown), scene.buoys])[:, ::-1]
+    places = np.column_stack([places, np.zeros(len(places))])
+    target, longest = places.mean(axis=0), np.linalg.svd(places - places.mean(axis=0))[2][0]
+    looks = math.atan2(longest[0], longest[1]) - ASIDE
+    ahead = np.array([math.sin(looks) * math.cos(DIP), math.cos(looks) * math.cos(DIP), -math.sin(DIP)])
+    right = np.array([math.cos(looks), -math.sin(looks), 0.0])
+    axes = np.stack([right, np.cross(right, ahead)])
+    reach = VIEWED * math.tan(0.5 * FIELD) * np.array([ASPECT, 1.0])
+    back = 0.0
+    for _ in range(10):  # what is near looks larger, so the middle of the view is found step by step
+        off = places - target
+        back = float((np.abs(off @ axes.T) / reach - (off @ ahead)[:, None]).max()) + scene.length
+        seen = off @ axes.T / (off @ ahead + back)[:, None]
+        target = target + 0.5 * back * (seen.min(axis=0) + seen.max(axis=0)) @ axes
+    return target - back * ahead, target
+
+
 def _space(scene: DemoScene) -> Any:
     import rerun.blueprint as rrb
 
-    south, north, west, east = scene.edges()
-    reach = max(north - south, east - west)
-    middle = 0.5 * (west + east), 0.5 * (south + north)
-    eye = rrb.EyeControls3D(
-        position=(middle[0] - 0.3 * reach, south - 0.22 * reach, 0.36 * reach),
-        look_target=(middle[0], middle[1] - 0.12 * reach, 0.0),
-        eye_up=(0.0, 0.0, 1.0),
-    )
+    position, target = eye(scene)
     return rrb.Spatial3DView(
         origin="space",
-        name="from the south" if scene.course is None else "from the pier",
+        name="from the side",
         background=(135, 170, 195),
         line_grid=False,
-        eye_controls=eye,
+        eye_controls=rrb.EyeControls3D(position=position, look_target=target, eye_up=(0.0, 0.0, 1.0)),
         overrides=_trails(scene, "space"),
     )

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from swamp_rl.demo.card import HEAD, card
 from swamp_rl.demo.clock import Array, poses_at, values_at
 from swamp_rl.demo.colours import Colour
 from swamp_rl.demo.layout import Layout
@@ -37,12 +38,16 @@ def page(scene: DemoScene, layout: Layout = "overlay") -> str:
 
 
 def _told(scene: DemoScene, layout: Layout) -> dict[str, Any]:
-    counts = {group: sum(item.group == group for item in scene.shown) for group in scene.groups}
     return {
         "title": scene.title,
-        "about": f"{', '.join(f'{count} {group}' for group, count in counts.items())}; {scene.aligned}",
+        "about": scene.about,
         "sideBySide": layout == "side-by-side",
         "few": scene.few,
+        "same": scene.conditions.same,
+        "card": {
+            "head": HEAD,
+            "lines": [{"colour": _css(line.colour), "cells": line.cells} for line in card(scene)],
+        },
         "edges": [round(edge, 2) for edge in scene.edges()],
         "outline": np.round(OUTLINE * (scene.length, scene.breadth), 3).tolist(),
         "gates": _gates(scene),

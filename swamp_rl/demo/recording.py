@@ -12,8 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.demo.card import CARD
 from swamp_rl.demo.clock import Array, instants, poses_at, values_at
-from swamp_rl.demo.layout import TIMELINE, Layout, Panel, blueprint, entity
+from swamp_rl.demo.labels import apart
+from swamp_rl.demo.layout import RESULT, TIMELINE, Layout, Panel, blueprint, entity
+from swamp_rl.demo.markdown import about, table
 from swamp_rl.demo.scene import DemoScene, Fleet
 from swamp_rl.demo.series import current, series_of, wind
 from swamp_rl.demo.shapes import corners, mesh
@@ -22,6 +25,8 @@ from swamp_rl.files import write_beside
 
 FLOWS = {"wind": (wind, 0.5, (205, 215, 225)), "current": (current, 8.0, (80, 180, 255))}
 """How each is measured, metres drawn for each m/s, and its colour."""
+CHART, LABEL, LETTER = 480.0, 26.0, 8.0
+"""Pixels of the chart's height, of a label and of a letter, as the viewer draws them in a usual window."""
 
 
 def write_recording(path: Path | str, scene: DemoScene, layout: Layout = "overlay") -> None:
@@ -44,16 +49,29 @@ def recorded(scene: DemoScene, layout: Layout = "overlay") -> bytes:
     times = instants(scene)
     panels: dict[str, Panel] = {}
     log_surroundings(recording, scene)
+    if scene.few:
+        _log_names(recording, scene, times)
     for fleet in scene.fleets:
         poses = np.stack([poses_at(item, times) for item in fleet.shown], axis=1)
         _log_on_chart(recording, scene, fleet, times, poses)
         if scene.few:
-            _log_names(recording, scene, fleet, times, poses)
             _log_flows(recording, fleet, times, poses)
         _log_in_space(recording, scene, fleet, times, poses)
         _log_series(recording, scene, fleet, times, panels)
+    _log_result(recording, scene)
     recording.send_blueprint(blueprint(scene, layout, panels))
     return memory.drain_as_bytes()
+
+
+def _log_result(recording: Any, scene: DemoScene) -> None:
+    """Who is shown in what weather; and from the end of the last run on, the end card."""
+    import rerun as rr
+
+    ended = f"{about(scene)}\n\n{table(scene)}"
+    for time, text in ((0.0, about(scene)), (scene.end, ended), (scene.end + CARD, ended)):
+        recording.set_time(TIMELINE, duration=time)
+        recording.log(RESULT, rr.TextDocument(text, media_type="text/markdown"))
+    recording.reset_time()
 
 
 def _send(recording: Any, where: str, times: Array, columns: Any, instances: int) -> None:
@@ -92,18 +110,35 @@ def _ways(points: Array) -> NDArray[np.float32]:
     return np.stack([before, points], axis=2).reshape(-1, 2, points.shape[-1]).astype(np.float32)
 
 
-def _log_names(recording: Any, scene: DemoScene, fleet: Fleet, times: Array, poses: Array) -> None:
+def _log_names(recording: Any, scene: DemoScene, times: Array) -> None:
+    """Names beside the boats, moved apart where boats meet."""
     import rerun as rr
 
-    n, k, _ = poses.shape
-    # A label takes the colour of its point, and is read best in white.
-    names = rr.Points2D.columns(
-        positions=on_chart(poses[..., 0], poses[..., 1]).reshape(-1, 2),
-        radii=[0.02] * n * k,
-        colors=[(255, 255, 255)] * n * k,
-        labels=[scene.called(item) for item in fleet.shown] * n,
+    south, north, _, _ = scene.edges()
+    metres = (north - south) / CHART  # in a pixel
+    shown = [item for fleet in scene.fleets for item in fleet.shown]
+    sizes = metres * np.array([[LETTER * (len(scene.called(item)) + 2.0), LABEL] for item in shown])
+    poses = np.stack([poses_at(item, times) for item in shown], axis=1)
+    boats, beside = (
+        on_chart(poses[..., 0], poses[..., 1]),
+        np.array([0.7 * scene.length, -0.7 * LABEL * metres]),
     )
-    _send(recording, entity("chart", "runs", *fleet.path, "name"), times, names, k)
+    middles = np.stack([apart(places, sizes, beside) + 0.5 * sizes for places in boats])
+    low, high = -north + 0.6 * metres * LABEL, -south - 0.6 * metres * LABEL
+    middles[..., 1] += np.maximum(low - middles[..., 1].min(axis=1), 0.0)[:, None]  # all within the chart
+    middles[..., 1] -= np.maximum(middles[..., 1].max(axis=1) - high, 0.0)[:, None]
+    done = 0
+    for fleet in scene.fleets:
+        k, n = len(fleet.shown), len(times)
+        # A label takes the colour of its point, and is read best in white.
+        names = rr.Points2D.columns(
+            positions=middles[:, done : done + k].reshape(-1, 2),
+            radii=[0.02] * n * k,
+            colors=[(255, 255, 255)] * n * k,
+            labels=[scene.called(item) for item in fleet.shown] * n,
+        )
+        _send(recording, entity("chart", "runs", *fleet.path, "name"), times, names, k)
+        done += k
 
 
 def _log_flows(recording: Any, fleet: Fleet, times: Array, poses: Array) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.course import Course, buoy_table
 from swamp_rl.demo.colours import PALETTE, PEOPLE, Colour, driver_colours
+from swamp_rl.demo.conditions import Conditions, conditions
 from swamp_rl.runs import Run
 
 Align = Literal["gate", "start"]
@@ -45,7 +46,10 @@ class Fleet:
 
 @dataclass(frozen=True)
 class DemoScene:
-    """`length`, `breadth`: of the boat drawn [m]. Where runs are of no course, there is none."""
+    """`length`, `breadth`: of the boat drawn [m]; one_boat: whether all drove it.
+
+    Where runs are of no course, there is none.
+    """
 
     title: str
     shown: tuple[Shown, ...]
@@ -53,12 +57,24 @@ class DemoScene:
     length: float
     breadth: float
     aligned: str = "all runs start together"
+    one_boat: bool = True
 
     @property
     def groups(self) -> list[str]:
         """Who drives, each once, people first."""
         found = dict.fromkeys(item.group for item in self.shown)
         return sorted(found, key=lambda group: group.split(" ")[0] not in PEOPLE)
+
+    @property
+    def conditions(self) -> Conditions:
+        """Whether all met one weather from one start."""
+        return conditions([item.run for item in self.shown], self.one_boat)
+
+    @property
+    def about(self) -> str:
+        """Who is shown, in what weather, and what they do at one time: a line."""
+        who = ", ".join(f"{sum(one.group == group for one in self.shown)} {group}" for group in self.groups)
+        return "; ".join(filter(None, [who, self.conditions.said, self.aligned]))
 
     @property
     def few(self) -> bool:
@@ -116,21 +132,24 @@ def demo_scene(
     runs: Mapping[str, Iterable[Run]],
     course: Course | None,
     size: tuple[float, float],
-    align: Align = "start",
+    align: Align | None = "start",
+    one_boat: bool = True,
 ) -> DemoScene:
     """`runs` by who drove them, their names unique in each group; `size`: length and breadth [m].
 
-    With align `gate` all pass the course's first gate at the same time on the clock; a run that never does
-    is where it was nearest to the gate. The clock starts at 0, with the first run.
+    With align `start` all begin together, which with None those do that met one weather from one start; the
+    others, and all with `gate`, pass the course's first gate at the same time on the clock; a run that
+    never does is where it was nearest to the gate. The clock starts at 0, with the first run.
     """
     shown = [Shown(run.name, group, run) for group, found in runs.items() for run in found]
-    if align == "start" or course is None:
-        return DemoScene(title, tuple(shown), course, *size)
+    together = DemoScene(title, tuple(shown), course, *size, one_boat=one_boat)
+    if align == "start" or course is None or (align is None and together.conditions.same):
+        return together
     at_gate = [first_gate_time(item.run, course) for item in shown]
     latest = max(at_gate, default=0.0)
     shown = [replace(item, start=latest - passed) for item, passed in zip(shown, at_gate, strict=True)]
     said = f"all are at the gate {course.gates[0].name} at {latest:.1f} s"
-    return DemoScene(title, tuple(shown), course, *size, said)
+    return replace(together, shown=tuple(shown), aligned=said)
 
 
 def first_gate_time(run: Run, course: Course) -> float:

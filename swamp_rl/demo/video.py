@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.demo.card import CARD
 from swamp_rl.demo.clock import Array, poses_at, values_at
 from swamp_rl.demo.colours import Colour, fractions
 from swamp_rl.demo.labels import apart
 from swamp_rl.demo.layout import Layout
+from swamp_rl.demo.overlays import end_card, weather
 from swamp_rl.demo.scene import DemoScene, Shown, gate_colour
 from swamp_rl.demo.series import CURRENT, WIND, series_of
 from swamp_rl.demo.shapes import corners
@@ -23,7 +25,7 @@ SIZES = {".mp4": (1280, 720, 25.0), ".gif": (800, 450, 12.5)}
 MOST_FRAMES = 10_000
 DPI = 100
 WATER = "#eaf3f9"
-NAME_AT = np.array([9.0, -22.0])  # pixels from a boat to the lower left corner of its name
+NAME_AT = np.array([18.0, -18.0])  # pixels from a boat to the lower left corner of its name
 
 
 def write_video(path: Path | str, scene: DemoScene, layout: Layout = "overlay", speed: float = 4.0) -> int:
@@ -34,18 +36,19 @@ def write_video(path: Path | str, scene: DemoScene, layout: Layout = "overlay", 
     path = Path(path)
     width, height, rate = SIZES[path.suffix.lower()]
     frames = math.ceil(scene.end / speed * rate) + 1 if 0.0 < speed < math.inf else 0
+    ending = round(CARD * rate)
     if not 0 < frames <= MOST_FRAMES:
         raise UserError(
             f"--speed {speed:g}: would give {frames} frames, not 1 to {MOST_FRAMES}; name another"
         )
     times = np.minimum(np.arange(frames) * speed / rate, scene.end)
-    pictures = _pictures(scene, layout, times, (width, height))
+    pictures = _pictures(scene, layout, times, ending, (width, height))
     with write_beside(path) as part:
         if path.suffix.lower() == ".gif":
             _write_gif(part, pictures, rate)
         else:
             _write_mp4(part, pictures, (width, height), rate)
-    return frames
+    return frames + ending
 
 
 def _write_gif(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
@@ -74,9 +77,12 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], size: tuple[in
 
 
 def _pictures(
-    scene: DemoScene, layout: Layout, times: Array, size: tuple[int, int]
+    scene: DemoScene, layout: Layout, times: Array, ending: int, size: tuple[int, int]
 ) -> Iterator[NDArray[np.uint8]]:
-    """(H, W, 3) at each time: what moves is drawn anew over a picture of all that stays."""
+    """(H, W, 3) at each time: what moves is drawn anew over a picture of all that stays.
+
+    The last comes `ending` times more, with the end card over it.
+    """
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -86,7 +92,7 @@ def _pictures(
         canvas = FigureCanvasAgg(figure)
         groups = [None] if layout == "overlay" else scene.groups
         grid = figure.add_gridspec(
-            1, 2, width_ratios=(3, 2), left=0.015, right=0.985, top=0.88, bottom=0.06, wspace=0.12
+            1, 2, width_ratios=(3, 2), left=0.015, right=0.985, top=0.84, bottom=0.06, wspace=0.12
         )
         charts = _charts(figure, grid[0], scene, groups)
         plots = _plots(figure, grid[1], scene)
@@ -94,6 +100,8 @@ def _pictures(
         cursors = [axes.axvline(0.0, color="#17324a", lw=1.2, animated=True) for axes in plots]
         clock = figure.text(0.985, 0.955, "", ha="right", size="x-large", animated=True)
         figure.text(0.015, 0.955, scene.title, weight="bold", size="x-large", parse_math=False)
+        figure.text(0.015, 0.91, scene.conditions.said, color="#546a7d", size="large", parse_math=False)
+        told = end_card(figure, scene)
         _legend(figure, scene)
         canvas.draw()
         still = canvas.copy_from_bbox(figure.bbox)
@@ -107,6 +115,10 @@ def _pictures(
                 axes.draw_artist(cursor)
             clock.set_text(f"{time:.1f} s")
             figure.draw_artist(clock)
+            yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
+        for artist in told:
+            figure.draw_artist(artist)
+        for _ in range(ending):
             yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
@@ -182,6 +194,7 @@ def _fleet(axes: Any, scene: DemoScene, group: str | None, times: Array) -> Iter
         axes.add_collection(artist, autolim=False)
     yield axes, tracks, lambda i: tracks.set_segments([way[: i + 1] for way in ways])
     yield axes, boats, lambda i: boats.set_verts([outline[i] for outline in outlines])
+    yield from weather(axes, scene, [item for _, item in shown], times)
     if scene.few:
         yield from _names(axes, scene, [item for _, item in shown], colours, np.stack(ways, axis=1))
 
@@ -190,9 +203,17 @@ def _names(
     axes: Any, scene: DemoScene, shown: list[Shown], colours: list[Any], ways: Array
 ) -> Iterator[tuple[Any, Any, Any]]:
     """The boats' names at ways (T, N, 2), moved apart where boats meet."""
+    from matplotlib.patheffects import withStroke
     from matplotlib.transforms import IdentityTransform
 
-    style = {"transform": IdentityTransform(), "va": "bottom", "animated": True, "parse_math": False}
+    edge = [withStroke(linewidth=2.5, foreground=WATER)]
+    style = {
+        "path_effects": edge,
+        "transform": IdentityTransform(),
+        "va": "bottom",
+        "animated": True,
+        "parse_math": False,
+    }
     names = [
         axes.text(0, 0, scene.called(item), color=colour, weight="bold", **style)
         for item, colour in zip(shown, colours, strict=True)

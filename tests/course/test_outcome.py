@@ -30,7 +30,7 @@ class Steady:
 
 
 def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
-    return GatesVectorEnv(n, "swamp", "camogli", "severe", senses, STEP)
+    return GatesVectorEnv(n, disturbances="severe", observation=senses, step=STEP)
 
 
 def test_a_logged_track_ends_as_the_environment_judged_it() -> None:

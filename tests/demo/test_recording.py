@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from swamp_rl.course import load_course
+from swamp_rl.demo.layout import ASPECT, FIELD, eye
+from swamp_rl.demo.markdown import about, table
 from swamp_rl.demo.recording import recorded, write_recording
 from swamp_rl.demo.scene import DemoScene, demo_scene
 from swamp_rl.errors import UserError
@@ -75,6 +77,33 @@ def test_tracks_boats_series_wind_current_and_gates_are_there_in_two_and_three_d
     for gate in ("green", "red"):
         for root in ("chart", "space"):
             assert f"/{root}/course/gates/{gate}/buoys:" in listed
+
+
+def test_all_that_is_sailed_is_in_view_of_the_camera_and_fills_it() -> None:
+    for north, east in ((1.0, 0.0), (0.0, 3.0), (2.0, 2.0)):
+        columns = {"time": TIME, "north": north * TIME, "east": east * TIME, "heading": 0 * TIME}
+        shown = demo_scene("a", {"x": [Run("a", columns)]}, load_course("camogli"), (1.24, 1.1))
+        position, target = eye(shown)
+        ahead = (target - position) / np.linalg.norm(target - position)
+        right = np.cross(ahead, [0.0, 0.0, 1.0])
+        right /= np.linalg.norm(right)
+        flat = np.vstack([shown.shown[0].run.pose[:, :2], shown.buoys])[:, ::-1]
+        off = np.column_stack([flat, np.zeros(len(flat))]) - position
+        across, above = (off @ axis / (off @ ahead) for axis in (right, np.cross(right, ahead)))
+        half = np.tan(0.5 * FIELD)
+        assert position[2] > 0.0 and (off @ ahead > 0.0).all()
+        assert np.abs(above).max() < half and np.abs(across).max() < ASPECT * half
+        assert max(np.ptp(above) / (2.0 * half), np.ptp(across) / (2.0 * ASPECT * half)) > 0.6
+
+
+def test_from_its_end_on_the_recording_tells_what_came_of_each_run(demo: Path) -> None:
+    printed = rrd("print|-vvv|--entity|/result", demo)
+    assert " P0D " in printed and " PT11.9S " in printed
+    shown = scene({"scripted": 1, "reservoir": 2, "a|b\n*c*": 1})
+    told = table(shown).splitlines()
+    assert [line.count(" | ") for line in told] == [5] * 6
+    assert told[2].startswith("| scripted |") and told[-1].startswith(r"| a\|b \*c\* |")
+    assert "different weather" in about(shown)
 
 
 def test_many_runs_stay_few_pieces_with_whole_tracks(tmp_path: Path) -> None:

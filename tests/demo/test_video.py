@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from swamp_rl.course import load_course
+from swamp_rl.demo.card import CARD
 from swamp_rl.demo.layout import Layout
 from swamp_rl.demo.scene import DemoScene, demo_scene
 from swamp_rl.demo.video import SIZES, write_video
@@ -25,12 +26,18 @@ def test_a_gif_shows_the_boats_moving(tmp_path: Path, layout: Layout) -> None:
 
     path = tmp_path / "a.gif"
     count = write_video(path, scene(), layout, speed=5.0)
-    assert count == np.ceil(3.0 / 5.0 * SIZES[".gif"][2]) + 1
+    rate = SIZES[".gif"][2]
+    moving = np.ceil(3.0 / 5.0 * rate) + 1
+    assert count == moving + round(CARD * rate)
     with Image.open(path) as film:
-        assert (film.n_frames, film.size) == (count, SIZES[".gif"][:2])
+        assert (film.n_frames, film.size) == (moving + 1, SIZES[".gif"][:2])  # the card is one picture
         first = np.asarray(film.convert("RGB"), float)
-        film.seek(count - 1)
+        film.seek(film.n_frames - 2)
         last = np.asarray(film.convert("RGB"), float)
+        film.seek(film.n_frames - 1)
+        assert film.info["duration"] == pytest.approx(1000.0 * CARD, rel=0.05)
+        card = np.asarray(film.convert("RGB"), float)
+    assert (np.abs(card - last).max(axis=2) > 60).mean() > 0.01
     left = slice(0, first.shape[1] * 55 // 100)
     assert (np.abs(first[:, left] - last[:, left]).max(axis=2) > 60).sum() > 50
 

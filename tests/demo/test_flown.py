@@ -1,0 +1,89 @@
+"""A pilot beside a run sails the run's own episode, to the bit as its seed and level give it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.experiments.artifacts.demo_runs import read_shown
+from swamp_rl.experiments.artifacts.flown import flown, opened_for
+
+from swamp_rl.boat import load_boat
+from swamp_rl.boat.digest import boat_digest
+from swamp_rl.course import load_course
+from swamp_rl.demo.conditions import conditions
+from swamp_rl.errors import UserError
+from swamp_rl.evaluation import drive
+from swamp_rl.pilots.arguments import asked_pilot
+from swamp_rl.pilots.description import Made
+from swamp_rl.pilots.line_of_sight import LineOfSightPilot
+from swamp_rl.pilots.record import record_scripted
+from swamp_rl.pilots.store import save_pilot
+from swamp_rl.runs import Run, read_dataset
+from tests.support.demo import dataset
+from tests.support.runs import circling
+
+BOAT, COURSE, STEP = load_boat("swamp"), load_course("camogli"), 0.1
+MADE = Made(package="swamp_rl 0", boat="swamp", boat_sha256=boat_digest(BOAT), course="camogli", step=STEP)
+
+
+def boats(level: str):
+    return lambda n, senses: GatesVectorEnv(
+        n, boat=BOAT, course=COURSE, disturbances=level, observation=senses, step=STEP
+    )
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("runs") / "severe"
+    record_scripted(boats("severe"), folder, count=2, seed=3)
+    return folder
+
+
+def test_it_meets_the_weather_that_the_runs_seed_and_level_give(runs: Path) -> None:
+    for run in read_dataset(runs).runs:
+        assert run.meta.seed is not None and (run.meta.model_extra or {})["level"] == "severe"
+        own = flown(LineOfSightPilot(), "line-of-sight", run, BOAT, COURSE, STEP)
+        drawn = drive(LineOfSightPilot(), boats("severe"), np.array([run.meta.seed])).run(0, "drawn", STEP)
+        for name, values in drawn.columns.items():
+            assert np.array_equal(own.columns[name], values), name
+        assert own.meta.outcome == drawn.meta.outcome
+        assert conditions([run, own]).said == f"same start, same weather: severe, seed {run.meta.seed}"
+
+
+def test_beside_several_runs_it_sails_each_of_their_episodes(runs: Path) -> None:
+    scene = read_shown([runs, "line-of-sight"], [], None)
+    shown = [(item.group, item.name) for item in scene.shown]
+    assert shown == [(who, name) for who in ("scripted", "line-of-sight") for name in ("run-001", "run-002")]
+    assert scene.conditions.said == "different weather"
+
+
+def test_beside_a_run_that_tells_nothing_it_starts_there_in_calm_and_that_is_said() -> None:
+    measured = Run("tow", circling())
+    own = flown(LineOfSightPilot(), "line-of-sight", measured, BOAT, COURSE, STEP)
+    assert own.pose[0] == pytest.approx(measured.pose[0])
+    assert conditions([measured, own]).said == "different weather: tow does not tell its own"
+
+
+@pytest.mark.parametrize(
+    ("changes", "part"),
+    [
+        ({"boat": "swamp-light", "boat_sha256": "0" * 64}, "was made for the boat swamp-light"),
+        ({"boat_sha256": "0" * 64}, "was made for another version of swamp"),
+        ({"step": 0.2}, "decides every 0.2 s"),
+    ],
+)
+def test_a_pilot_of_another_boat_or_step_is_refused(
+    tmp_path: Path, changes: dict[str, object], part: str
+) -> None:
+    save_pilot(LineOfSightPilot(), tmp_path / "p", made=MADE.model_copy(update=changes))
+    with pytest.raises(UserError, match=part):
+        opened_for(asked_pilot(str(tmp_path / "p")), BOAT, STEP)
+    save_pilot(LineOfSightPilot(), tmp_path / "p", made=MADE)
+    opened_for(asked_pilot(str(tmp_path / "p")), BOAT, STEP)
+
+
+def test_beside_runs_without_a_course_no_pilot_is_flown(tmp_path: Path) -> None:
+    folder = dataset(tmp_path / "pond", "human", ["x"], course=None)
+    with pytest.raises(UserError, match="no course"):
+        read_shown([folder, "line-of-sight"], [], None)
