@@ -1,11 +1,12 @@
 # `make run` does the main job, `make test` runs every check, `make test-kernels` the numerical tests again with
-# another BLAS kernel, `make smoke` only trains every experiment for a few steps; each sets up .venv first, once.
+# another BLAS kernel, `make smoke` only trains every experiment for a few steps, `make docs` builds the site in
+# build/site; each sets up .venv first, once.
 
 VENV := .venv
 READY := $(VENV)/.ready
 BIN := $(VENV)/bin
 
-.PHONY: run test test-kernels smoke setup clean
+.PHONY: run test test-kernels smoke docs setup clean
 .DELETE_ON_ERROR:
 
 run: $(READY)
@@ -27,6 +28,10 @@ test-kernels: $(READY)
 
 smoke: $(READY)
 	$(BIN)/python -m pytest -n 2 tests/experiments/studies/test_smoke.py
+
+docs: $(READY)
+	$(BIN)/python -m sphinx -E -W --keep-going -q docs build/site
+	@echo "the site is in build/site/index.html"
 
 setup: $(READY)
 

@@ -1,0 +1,23 @@
+"""Pages of the reference, written from the declarations in the code whenever the site is built."""
+
+from collections.abc import Callable
+
+from docs.generate.command_line import command_line
+from docs.generate.effects import effects
+from docs.generate.examples import examples
+from docs.generate.files import boat_file, course_file, experiment_file, plan_file, sweep_file
+from docs.generate.interface import modules, public_names
+
+PARTS: dict[str, Callable[[], str]] = {
+    "boat file": boat_file,
+    "command line": command_line,
+    "course file": course_file,
+    "effects": effects,
+    "examples": examples,
+    "experiment file": experiment_file,
+    "modules": modules,
+    "public names": public_names,
+    "sweep file": sweep_file,
+    "trial plan": plan_file,
+}
+"""What stands in place of the line `<!-- generated: NAME -->` of a page."""
