@@ -17,9 +17,6 @@ from tests.support.identification import folder_of
 ROOT = Path(__file__).parents[1]
 BOAT = swamp_rl.load_boat("swamp-thesis")
 K = len(BOAT.thrusters)
-SIMULATION, DIAGNOSIS, EXPERIMENT = re.findall(
-    r"```python\n(.*?)```", (ROOT / "docs" / "api.md").read_text(), re.DOTALL
-)
 
 
 def straight_ahead(rows: int, throttle: float) -> np.ndarray:
@@ -114,26 +111,3 @@ def test_what_no_run_can_identify_says_what_to_record(folder: Path) -> None:
             swamp_rl.identify(folder, model)
     with pytest.raises(UserError, match="did you mean 'yaw-model'"):
         swamp_rl.identify(folder, "yaw_model")
-
-
-def test_the_documents_simulation_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    exec(SIMULATION, {})
-    said = capsys.readouterr().out
-    assert "['green', 'red']" in said and "m/s after 60 s" in said
-
-
-@pytest.mark.slow
-def test_the_documents_diagnosis_names_the_weak_thruster(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    exec(DIAGNOSIS, {})
-    assert "thruster_gain bp {'gain': 0.7}" in capsys.readouterr().out
-    assert (tmp_path / "results" / "diagnosis" / "report.html").is_file()
-
-
-@pytest.mark.slow
-def test_the_documents_experiment_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    exec(EXPERIMENT, {})
-    assert (tmp_path / "results" / "again" / "results.json").is_file()

@@ -9,9 +9,9 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.esso_osaka.wind import anemometer, apart, hidden
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.data import trials_of
+from swamp_rl.criticism.data import run_set_of
 from swamp_rl.criticism.diagnose import examine
-from swamp_rl.criticism.report.words import spoken
+from swamp_rl.criticism.report.words import readable
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.runs import Run
 
@@ -33,7 +33,7 @@ class Told:
 def diagnosed(boat: Boat, runs: Sequence[Run]) -> Told:
     """The diagnosis of runs taken together, without what the anemometer said."""
     found = examine(
-        trials_of([hidden(run) for run in runs], boat, "pond"), None, np.random.default_rng(0)
+        run_set_of([hidden(run) for run in runs], boat, "pond"), None, np.random.default_rng(0)
     ).diagnosis
     winds = [cause for cause in named_causes(found) if cause.effect == "wind"]
     if not winds:
@@ -91,7 +91,7 @@ def diagnosis_table(every: dict[str, Told]) -> str:
             [
                 f"{name}, {len(told.runs)} run{'s' * (len(told.runs) > 1)}",
                 told.diagnosis.verdict,
-                "; ".join(spoken(one) for one in sets_of(told.diagnosis)),
+                "; ".join(readable(one) for one in sets_of(told.diagnosis)),
                 f"{speed:.2f} from {math.degrees(angle):.0f}",
                 *cells,
             ]

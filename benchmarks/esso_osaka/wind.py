@@ -10,11 +10,11 @@ from swamp_rl.experiments.reports.experiment import table
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates
-from swamp_rl.criticism.data import CHANNELS, trials_of
-from swamp_rl.criticism.fit import Fit, fit, settle
-from swamp_rl.criticism.heldout import heldout_loss
-from swamp_rl.criticism.score import beside_nothing
-from swamp_rl.criticism.shooting import Shooting
+from swamp_rl.criticism.cross_validation import heldout_loss
+from swamp_rl.criticism.data import CHANNELS, run_set_of
+from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.output_error import Fit, fit, fit_states
+from swamp_rl.criticism.score_test import at_neutral_values
 from swamp_rl.effects import EffectEntry
 from swamp_rl.runs import Run
 from swamp_rl.simulator.windows import WIND, replay_from
@@ -53,16 +53,16 @@ def hidden(run: Run) -> Run:
 
 def named(boat: Boat, run: Run) -> Named:
     """Every candidate fitted to the run's motion, weighted by what is left of the wind's own fit."""
-    trials = trials_of([hidden(run)], boat, run.name)
-    problem = Shooting(trials, np.isfinite(trials.measured) / FIRST_SIGMA, WINDOW)
-    states = problem.guess()
+    run_set = run_set_of([hidden(run)], boat, run.name)
+    problem = Shooting(run_set, np.isfinite(run_set.measured) / FIRST_SIGMA, WINDOW)
+    states = problem.initial_states()
     found = fitted(boat, problem, ("wind",), likely_wind(boat, problem, states), states)
     residual = found.residual.reshape(found.residual.shape[0], -1, len(CHANNELS))
     sigma = FIRST_SIGMA * np.sqrt(np.mean(residual**2, axis=(0, 1)))
-    problem = Shooting(trials, np.isfinite(trials.measured) / sigma, WINDOW)
-    fits, atoms = {}, by_label(candidates(boat, 1e3))
+    problem = Shooting(run_set, np.isfinite(run_set.measured) / sigma, WINDOW)
+    fits, instances = {}, by_label(candidates(boat, 1e3))
     for names in CANDIDATES:
-        begin = np.array([x for name in names for x in beside_nothing(atoms[name], boat).starts[0]])
+        begin = np.array([x for name in names for x in at_neutral_values(instances[name], boat).starts[0]])
         if "wind" in names:
             begin[-2:] = found.x
         fits[names] = fitted(boat, problem, names, begin, states)
@@ -73,15 +73,15 @@ def likely_wind(boat: Boat, problem: Shooting, states: Array) -> Array:
     """(2,) the wind's vector that leaves least, of a few speeds from eight directions: where a fit begins."""
     hypothesis = Hypothesis((by_label(candidates(boat, 1e3))["wind"],))
     tried = [s * np.array([math.cos(a), math.sin(a)]) for s in BREEZES for a in np.arange(8) * math.pi / 4]
-    left = [float((settle(problem, hypothesis, x, states, ROUNDS)[2] ** 2).sum()) for x in tried]
+    left = [float((fit_states(problem, hypothesis, x, states, ROUNDS)[2] ** 2).sum()) for x in tried]
     return tried[int(np.argmin(left))]
 
 
 def fitted(boat: Boat, problem: Shooting, names: tuple[str, ...], x: Array, states: Array) -> Fit:
     """The named effects fitted together from x (p,) and states (W, 6)."""
-    atoms = by_label(candidates(boat, 1e3))
-    hypothesis = Hypothesis(tuple(atoms[name] for name in names))
-    return fit(problem, hypothesis, x, settle(problem, hypothesis, x, states, ROUNDS)[0])
+    instances = by_label(candidates(boat, 1e3))
+    hypothesis = Hypothesis(tuple(instances[name] for name in names))
+    return fit(problem, hypothesis, x, fit_states(problem, hypothesis, x, states, ROUNDS)[0])
 
 
 def wind_of(found: Fit) -> tuple[float, float]:

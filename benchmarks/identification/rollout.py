@@ -6,10 +6,10 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.candidates import Hypothesis, candidates
-from swamp_rl.criticism.data import trials_of
-from swamp_rl.criticism.fit import fit
-from swamp_rl.criticism.noise import noise_levels, weights
-from swamp_rl.criticism.shooting import Shooting
+from swamp_rl.criticism.data import run_set_of
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.output_error import fit
 from swamp_rl.runs import Run
 
 WINDOW = 20.0  # s
@@ -17,12 +17,12 @@ WINDOW = 20.0  # s
 
 def fitted(runs: list[Run], boat: Boat, effects: Sequence[str]) -> dict[str, list[float]]:
     """The named effects' numbers at their best on the runs, in windows each with a start of its own."""
-    trials = trials_of(runs, boat, "benchmark")
-    problem = Shooting(trials, weights(trials, noise_levels(trials)), WINDOW)
+    run_set = run_set_of(runs, boat, "benchmark")
+    problem = Shooting(run_set, weights(run_set, noise_levels(run_set)), WINDOW)
     hypothesis = Hypothesis()
-    for atom in candidates(boat, max(run.duration for run in runs)):
-        if atom.label in effects:
-            hypothesis = hypothesis.with_atom(atom)
-    x = np.concatenate([atom.starts[0] for atom in hypothesis.atoms])
-    found = fit(problem, hypothesis, x, problem.guess())
-    return {atom.label: [float(value) for value in own] for atom, own in hypothesis.parts(found.x)}
+    for instance in candidates(boat, max(run.duration for run in runs)):
+        if instance.label in effects:
+            hypothesis = hypothesis.with_instance(instance)
+    x = np.concatenate([instance.starts[0] for instance in hypothesis.instances])
+    found = fit(problem, hypothesis, x, problem.initial_states())
+    return {instance.label: [float(value) for value in own] for instance, own in hypothesis.parts(found.x)}

@@ -1,13 +1,23 @@
-"""Which runs `swamp-rl demo` shows: of datasets, results folders and single files, by who drove."""
+"""What `swamp-rl demo` shows: runs of datasets, results folders and single files, and pilots flown beside."""
 
 import fnmatch
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from swamp_rl.experiments.artifacts.flown import flown, opened_for
+
+from swamp_rl.boat import Boat
+from swamp_rl.boat.digest import boat_digest
 from swamp_rl.course import Course, load_course
+from swamp_rl.demo.conditions import conditions
 from swamp_rl.demo.scene import Align, DemoScene, demo_scene
 from swamp_rl.errors import UserError
+from swamp_rl.files import shipped_folders
 from swamp_rl.json_text import parsed_json
+from swamp_rl.names import YAML, file_in
+from swamp_rl.ordinary import ordinary
+from swamp_rl.pilots.arguments import BUILT_IN, Asked, asked_pilot, names_pilot
 from swamp_rl.runs import DatasetMeta, Run, read_dataset, read_run
 from swamp_rl.runs.copies import course_file
 from swamp_rl.runs.dataset import META, boat_of, read_meta
@@ -17,47 +27,88 @@ RESULTS = "results.json"
 
 @dataclass
 class Found:
-    """Runs by who drove them; `chosen` are the labels shown when nothing else is asked for, None for all."""
+    """Runs of one boat by who drove them, their rows `step` s apart.
 
+    chosen: the labels shown when nothing else is asked for, None for all.
+    """
+
+    boat: Boat
+    step: float
+    course: Course | None
     groups: dict[str, list[Run]] = field(default_factory=dict)
-    course: Course | None = None
-    size: tuple[float, float] = (0.0, 0.0)
     chosen: set[str] | None = None
 
     def add(self, group: str, runs: list[Run]) -> None:
         """More runs; a driver of another source that is called the same gets a number."""
-        name, number = group, 1
-        while name in self.groups:
-            number += 1
-            name = f"{group} {number}"
-        self.groups[name] = runs
+        _add(self.groups, group, runs)
 
 
-def read_shown(sources: list[Path], patterns: list[str], align: Align) -> DemoScene:
-    """All runs of `sources` whose name, or DRIVER/NAME, fits one of `patterns` (with * and ?).
+def read_shown(sources: Sequence[str | Path], patterns: list[str], align: Align | None) -> DemoScene:
+    """The runs of `sources` whose name, or DRIVER/NAME, fits one of `patterns` (with * and ?), and pilots.
 
-    Without patterns, a results folder shows its race only. UserError where nothing fits, or where the sources
-    are of different courses.
+    Without patterns, a results folder shows its race only. A source that names a pilot (see `asked_pilot`) is
+    flown in the episode of each run shown; without any other source, in that of the run that comes with the
+    package; without any source at all, those that come with the package are. UserError where nothing fits, or
+    where the sources are of different courses.
     """
-    parts = [_read(source) for source in sources]
-    courses = {part.course for part in parts}
-    if len(courses) > 1:
-        named = ", ".join(sorted(course.name if course else "none" for course in courses))
+    pilots = [asked_pilot(str(source)) for source in sources if names_pilot(str(source))]
+    folders = [Path(source) for source in sources if not names_pilot(str(source))]
+    if not sources:
+        pilots = [asked_pilot(name) for name in (*shipped_folders("pilots"), *BUILT_IN)]
+    folders = folders or list(shipped_folders("runs").values())
+    parts = [_read(folder) for folder in folders]
+    if len({_text(part.course) for part in parts}) > 1:
+        named = ", ".join(sorted(part.course.name if part.course else "none" for part in parts))
         raise UserError(f"these are runs of different courses ({named}); show each course by itself")
-    all_of_them = Found()
+    shown: dict[str, list[Run]] = {}
     for part in parts:
-        for group, runs in part.groups.items():
-            kept = [run for run in runs if _wanted(part, group, run, patterns)]
-            if kept:
-                all_of_them.add(group, kept)
-    if not all_of_them.groups:
-        known = [
-            f"{group}/{run.name}" for part in parts for group, runs in part.groups.items() for run in runs
-        ]
-        some = ", ".join(known[:6]) + (", …" if len(known) > 6 else "")
-        raise UserError(f"no run fits --runs {' '.join(patterns)}; there are {some}")
-    title = ", ".join(source.resolve().name for source in sources)
-    return demo_scene(title, all_of_them.groups, parts[0].course, parts[0].size, align)
+        kept = {
+            group: [run for run in runs if _wanted(part, group, run, patterns)]
+            for group, runs in part.groups.items()
+        }
+        for group, runs in kept.items():
+            if runs:
+                _add(shown, group, runs)
+        for pilot in pilots:
+            if any(kept.values()):
+                _add(shown, pilot.name, _beside(pilot, part, [run for runs in kept.values() for run in runs]))
+    if not shown:
+        raise UserError(_nothing_fits(parts, patterns))
+    first = parts[0]
+    one_boat = len({boat_digest(part.boat) for part in parts}) == 1
+    title = ", ".join(folder.resolve().name for folder in folders)
+    size = first.boat.length, first.boat.breadth
+    return demo_scene(title, shown, first.course, size, align, one_boat)
+
+
+def _text(course: Course | None) -> str:
+    return "" if course is None else course.model_dump_json()
+
+
+def _add(groups: dict[str, list[Run]], group: str, runs: list[Run]) -> None:
+    name, number = group, 1
+    while name in groups:
+        number += 1
+        name = f"{group} {number}"
+    groups[name] = runs
+
+
+def _beside(asked: Asked, part: Found, runs: list[Run]) -> list[Run]:
+    """The pilot's own runs, one in each of the episodes that the runs are of."""
+    if part.course is None:
+        raise UserError(f"{asked.name}: the runs have no course to fly on; name a dataset that has one")
+    pilot = opened_for(asked, part.boat, part.step)
+    episodes: list[Run] = []
+    for run in runs:
+        if not any(conditions([run, other]).same for other in episodes):
+            episodes.append(run)
+    return [flown(pilot, asked.name, run, part.boat, part.course, part.step) for run in episodes]
+
+
+def _nothing_fits(parts: list[Found], patterns: list[str]) -> str:
+    known = [f"{group}/{run.name}" for part in parts for group, runs in part.groups.items() for run in runs]
+    some = ", ".join(known[:6]) + (", …" if len(known) > 6 else "")
+    return f"no run fits --runs {' '.join(patterns)}; there are {some}"
 
 
 def _wanted(part: Found, group: str, run: Run, patterns: list[str]) -> bool:
@@ -73,18 +124,20 @@ def _read(source: Path) -> Found:
     if (source / RESULTS).is_file():
         return _read_results(source)
     if not source.is_dir():
-        raise UserError(f"{source}: no such file or folder; name a dataset, a results folder or a run's file")
+        raise UserError(
+            f"{source}: no such file or folder; name a dataset, a results folder, a run's file or a pilot"
+        )
     return _read_dataset(source)
 
 
 def _read_dataset(folder: Path, group: str | None = None, kept: Path | None = None) -> Found:
     """kept: the folder of courses that came with the results, for a dataset of before it had its own."""
     dataset = read_dataset(folder)
-    boat = dataset.boat
+    course = _course(folder, dataset.meta, kept)
     groups: dict[str, list[Run]] = {}
     for run in dataset.runs:
         groups.setdefault(group or _driver(run, dataset.meta.source), []).append(run)
-    return Found(groups, _course(folder, dataset.meta, kept), (boat.length, boat.breadth))
+    return Found(dataset.boat, 1.0 / dataset.meta.sample_rate, course, groups)
 
 
 def _driver(run: Run, source: str) -> str:
@@ -101,35 +154,34 @@ def _read_file(path: Path) -> Found:
     boat = boat_of(path.parent, meta)
     run = read_run(path)
     course = _course(path.parent, meta, None)
-    return Found({_driver(run, meta.source): [run]}, course, (boat.length, boat.breadth))
+    return Found(boat, 1.0 / meta.sample_rate, course, {_driver(run, meta.source): [run]})
 
 
 def _read_results(folder: Path) -> Found:
     """The runs learned from and the pilots' own; those of the race are chosen."""
     try:
-        results = parsed_json((folder / RESULTS).read_bytes())
+        results = parsed_json(ordinary(folder / RESULTS).read_bytes())
         race, data_source = dict(results["race"]["runs"]), str(results["data"]["source"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UserError(f"{folder / RESULTS}: cannot be read ({error}); make the results again") from error
     driven = sorted(path for path in (folder / "driven").glob("*") if path.is_dir())
     if not driven:
         raise UserError(f"{folder}: keeps no runs of its pilots (driven/); make the results again")
-    found = Found()
     data, kept = folder / "data", folder / "config" / "courses"
     parts = [_read_dataset(data, data_source, kept)] if data.is_dir() else []
     parts += [
         _read_dataset(path, path.name if path.name != data_source else f"{path.name} pilot", kept)
         for path in driven
     ]
+    found = Found(parts[-1].boat, parts[-1].step, parts[-1].course)
     for part in parts:
         for group, runs in part.groups.items():
             found.add(group, runs)
-    found.course, found.size = parts[-1].course, parts[-1].size
     found.chosen = {f"{group}/{name}" for group, name in race.items()}
     return found
 
 
 def _course(folder: Path, meta: DatasetMeta, kept: Path | None) -> Course | None:
-    copy = None if kept is None or meta.copies else kept / f"{meta.course}.yaml"
+    copy = None if kept is None or meta.copies else file_in(kept, f"{meta.course}.yaml", YAML)
     found = copy if copy is not None and copy.is_file() else course_file(folder, meta)
     return None if found is None else load_course(found)

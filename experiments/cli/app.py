@@ -52,6 +52,10 @@ for catalogue in (effects, boats, courses, pilots):
     app.command()(catalogue)
 
 BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
+IgnoreOption = Annotated[
+    list[str] | None,
+    typer.Option("--ignore", help="Leave out what the run measured: wind or depth; may be repeated."),
+]
 
 
 def _print_version(wanted: bool) -> None:
@@ -80,6 +84,7 @@ def simulate(
     window: Annotated[
         float | None, typer.Option(help="Start anew from the measured state every so many seconds.")
     ] = None,
+    ignore: IgnoreOption = None,
 ) -> None:
     """Replay a run's commands from its first state through the simulator."""
     from swamp_rl.boat import load_boat
@@ -89,9 +94,9 @@ def simulate(
     if window is not None:
         from swamp_rl.experiments.cli.diagnose import simulate_windows
 
-        simulate_windows(commands, out, boat, window)
+        simulate_windows(commands, out, boat, window, ignore or [])
         return
-    simulated = replay(load_boat(boat), read_run(commands))
+    simulated = replay(load_boat(boat), read_run(commands), ignore or [])
     write_run(out, simulated)
     typer.echo(f"{out}: {simulated.duration:.1f} s, {simulated.path_length:.1f} m")
 
@@ -123,7 +128,7 @@ def record_scripted_runs(
         raise UserError(f"{out}: already exists; runs are recorded into a new folder, name another")
 
     def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
-        return GatesVectorEnv(n, boat, course, disturbances, senses)
+        return GatesVectorEnv(n, boat=boat, course=course, disturbances=disturbances, observation=senses)
 
     record_scripted(
         boats, out, boat=boat, course=course, count=count, failed=failed, seed=seed, skills=[skill]

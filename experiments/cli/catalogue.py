@@ -94,10 +94,26 @@ def pilots(
             sources = ("recorded runs",) * one.from_runs + ("the simulator",) * one.by_trying
             typer.echo(
                 f"{kind:<19} {'learns from ' + ' and '.join(sources) if sources else 'is not trained'}"
+                + "".join(f"; {told}" for told in _shipped(kind))
             )
         return
     for line in _option_lines(learner(name).settings):
         typer.echo(line)
+
+
+def _shipped(kind: str) -> list[str]:
+    """The trained pilots of a kind that come with the package, by the name that demo and evaluate take."""
+    from swamp_rl.files import shipped_folders
+    from swamp_rl.pilots.store import describe_pilot
+
+    lines = []
+    for name, folder in shipped_folders("pilots").items():
+        told = describe_pilot(folder)
+        if told.kind == kind:
+            fitted = f", of {len(told.fitted_on.runs)} {told.fitted_on.source} runs" if told.fitted_on else ""
+            made = f", by {told.made.package} for the boat {told.made.boat}" if told.made else ""
+            lines.append(f"shipped as {name}{fitted}{made}")
+    return lines
 
 
 def _refuse_unknown(what: str, name: str | None, known: Iterable[str]) -> None:
@@ -112,9 +128,21 @@ def _effect_lines(effect: "Effect") -> list[str]:
     return [
         f"{effect.name}: {effect.description}",
         f"  acts on: {effect.acts_on}; several of it {COMBINED[effect.combine]}; source: {effect.source}",
+        f"  {_searched(effect)}",
         *key,
         *(f"  {parameter.name}: {_parameter(parameter)}" for parameter in effect.parameters),
     ]
+
+
+def _searched(effect: "Effect") -> str:
+    if effect.begin is None:
+        return "never a cause in a diagnosis"
+    place = (
+        "the same in every run"
+        if effect.scope == "boat"
+        else f"may differ from {effect.scope} to {effect.scope}"
+    )
+    return place + ("; a nuisance in a diagnosis" if effect.nuisance else "")
 
 
 def _parameter(parameter: "Parameter") -> str:

@@ -64,7 +64,7 @@ def print_comparison(found: dict[str, Any]) -> None:
     from rich.table import Table
     from swamp_rl.experiments.reports.comparison import DIFFERENCE_HEADS, difference, heads, p_value, rows
 
-    console = Console()
+    console = Console(markup=False)
     table = Table(title="success [%], 95 % intervals", box=SIMPLE_HEAD)
     for head in ("pilot", "seeds", "level", "success"):
         table.add_column(head, justify="right" if head in ("seeds", "success") else "left")

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from swamp_rl.clipped import printable
 from swamp_rl.errors import UserError
 
 NOTHING_TO_DO = (
@@ -14,7 +15,14 @@ NOTHING_TO_DO = (
 
 
 def demo(
-    sources: Annotated[list[Path], typer.Argument(help="Results folders, datasets, or files of runs.")],
+    sources: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Results folders, datasets, files of runs; pilots to be flown beside them: a folder, "
+            "line-of-sight, sb3:MODEL.zip, onnx:PILOT.onnx or MODULE:CLASS[=FOLDER]. By default the pilots "
+            "and the run that come with the package."
+        ),
+    ] = None,
     runs: Annotated[
         list[str] | None,
         typer.Option(help="Runs to show by NAME or DRIVER/NAME, with * and ?; may be repeated."),
@@ -23,9 +31,12 @@ def demo(
         bool, typer.Option("--side-by-side/--overlay", help="A chart for each driver, or one for all.")
     ] = False,
     align: Annotated[
-        Literal["gate", "start"],
-        typer.Option(help="What all boats do at the same time: pass the first gate, or start."),
-    ] = "gate",
+        Literal["gate", "start"] | None,
+        typer.Option(
+            help="What all boats do at the same time: pass the first gate, or start. By default they start "
+            "together where start and weather are the same."
+        ),
+    ] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve rerun's viewer to a browser here.")] = False,
     port: Annotated[
         int | None, typer.Option(min=1, max=65535, help="Of --web; any free one by default.")
@@ -46,9 +57,8 @@ def demo(
     _check_names(
         {"--save": (save, (".rrd",)), "--video": (video, (".mp4", ".gif")), "--html": (html, (".html",))}
     )
-    scene = read_shown(sources, runs or [], align)
-    drivers = ", ".join(f"{sum(s.group == group for s in scene.shown)} {group}" for group in scene.groups)
-    typer.echo(f"{len(scene.shown)} runs: {drivers}; {scene.aligned}")
+    scene = read_shown(sources or [], runs or [], align)
+    typer.echo(printable(f"{len(scene.shown)} runs: {scene.about}"))
     layout: Literal["overlay", "side-by-side"] = "side-by-side" if side_by_side else "overlay"
     if save:
         from swamp_rl.demo.recording import write_recording

@@ -1,5 +1,6 @@
 """`swamp-rl diagnose` and `simulate --window`: a simulated boat against measured runs."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -24,6 +25,10 @@ def diagnose(
         list[str] | None,
         typer.Option(help="Of figures: groups to fit to, joined by commas; once for each stage."),
     ] = None,
+    ignore: Annotated[
+        list[str] | None,
+        typer.Option(help="Leave out what the runs measured: wind or depth; may be repeated."),
+    ] = None,
 ) -> None:
     """Find the causes of a model's error in measured runs, extend the boat by them, and measure the gain."""
     typer.echo(f"diagnosing {dataset} against boat {boat}")
@@ -39,16 +44,28 @@ def diagnose(
 
     from swamp_rl.criticism.diagnose import diagnose as examine
     from swamp_rl.criticism.progress import LOG
+    from swamp_rl.criticism.report.evidence import (
+        carry_over_sentence,
+        minor_sentence,
+        predictors_sentence,
+        share_text,
+    )
+    from swamp_rl.criticism.report.words import label_of, parameter_sets
 
     with progress(LOG):
-        found = examine(dataset, boat, out, holdout)
+        found = examine(dataset, boat, out, holdout, ignore=ignore or [])
     typer.echo(f"verdict: {found.verdict}")
+    for said in (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found)):
+        if said:
+            typer.echo(f"  {said}")
     if found.verdict == "indistinguishable":
         typer.echo("  the one with the lowest chi2:")
     for cause in found.causes:
-        on = f" {cause.thruster}" if cause.thruster else ""
-        numbers = ", ".join(_number(name, p) for name, p in cause.parameters.items())
-        typer.echo(f"  {cause.effect}{on}: {numbers}")
+        for where, parameters in parameter_sets(cause):
+            numbers = ", ".join(_number(name, p) for name, p in parameters.items())
+            typer.echo(f"  {label_of(cause)}{where}: {numbers}")
+        if said := share_text(cause):
+            typer.echo(f"    {said}")
     for names in found.indistinguishable:
         typer.echo(f"  cannot be distinguished: {'; '.join(names)}")
     if found.separating_trial:
@@ -134,7 +151,9 @@ def disturbances(
     typer.echo(f"{out}: {', '.join(entry['effect'] for entry in level['effects'])}")
 
 
-def simulate_windows(commands: Path, out: Path, boat: str, seconds: float) -> None:
+def simulate_windows(
+    commands: Path, out: Path, boat: str, seconds: float, ignore: Sequence[str] = ()
+) -> None:
     """`simulate --window`: the replay restarted every `seconds`, and the error at their ends."""
     import numpy as np
 
@@ -142,7 +161,7 @@ def simulate_windows(commands: Path, out: Path, boat: str, seconds: float) -> No
     from swamp_rl.runs import read_run, write_run
     from swamp_rl.simulator.restarts import replay_restarted
 
-    found = replay_restarted(load_boat(boat), read_run(commands, lost_rows=True), seconds)
+    found = replay_restarted(load_boat(boat), read_run(commands, lost_rows=True), seconds, ignore)
     write_run(out, found.run)
     position, heading = np.sqrt(np.mean(found.miss**2, axis=0))
     typer.echo(

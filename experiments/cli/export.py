@@ -13,11 +13,16 @@ def export(
     """Write a pilot's step as ONNX, and measure its difference from the step in NumPy and both times."""
     import numpy as np
 
+    from swamp_rl.errors import UserError
     from swamp_rl.export import OnnxPilot, greatest_difference, write_onnx
     from swamp_rl.export.timing import step_microseconds
+    from swamp_rl.pilots.arguments import asked_pilot
     from swamp_rl.pilots.store import describe_pilot, load_pilot
 
-    description, loaded = describe_pilot(pilot), load_pilot(pilot)
+    folder = asked_pilot(str(pilot)).folder
+    if folder is None:
+        raise UserError(f"{pilot}: only a stored pilot can be exported; name its folder")
+    description, loaded = describe_pilot(folder), load_pilot(folder)
     about = {"weights_sha256": description.weights.sha256}
     if description.fitted_on is not None:
         about["fitted_on"] = description.fitted_on.model_dump_json()

@@ -39,7 +39,7 @@ EXAMPLES = {
     "simulate": "simulate --commands runs/run_0001.csv --boat swamp --out simulated.csv",
     "record": "record --out runs --disturbances standard",
     "record-scripted": "record-scripted --out runs --count 10",
-    "demo": "demo results/camogli --video race.mp4",
+    "demo": "demo --web",
     "effects": "effects thruster_gain",
     "boats": "boats swamp",
     "courses": "courses camogli",

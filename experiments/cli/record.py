@@ -96,7 +96,7 @@ def _berth(folder: Path, boat: str, course: str, disturbances: str, source: str)
     from swamp_rl.teleop.recordings import Recordings
 
     def make_env(level: str | None, senses: tuple[str, ...]) -> "Env":
-        return GatesEnv(boat, course, level, observation=senses)
+        return GatesEnv(boat=boat, course=course, disturbances=level, observation=senses)
 
     make_env(disturbances, ("north",))
     levels = [disturbances, *(name for name in LEVELS if name != disturbances and _fits(make_env, name))]

@@ -63,6 +63,6 @@ def show(
     if out.suffix.lower() != ".png":
         raise UserError(f"{out}: the tracks are drawn as PNG; end the name in .png")
     dataset = read_dataset(folder, boat_for(folder, boat))
-    Console().print(run_table(dataset))
+    Console(markup=False).print(run_table(dataset))
     draw_tracks(dataset, out)
     typer.echo(f"tracks drawn in {out}")

@@ -5,14 +5,14 @@ entry is a function, so that what one kind needs is imported only where an exper
 `module:Class` is a researcher's own, see `swamp_rl.pilots.own`.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 from swamp_rl.experiments.config.scene import Scene
-from swamp_rl.experiments.config.schema import PilotPlan
+from swamp_rl.experiments.config.schema import PilotPlan, senses_in
 
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
@@ -23,7 +23,7 @@ from swamp_rl.pilots.settings import Settings
 if TYPE_CHECKING:
     from swamp_rl.envs.batched import GatesVectorEnv
 
-    from swamp_rl.pilots.description import FittedOn
+    from swamp_rl.pilots.description import FittedOn, Made
     from swamp_rl.pilots.pilot import Pilot
     from swamp_rl.runs import Dataset, Run
 
@@ -91,6 +91,8 @@ class Learner:
     "Options that name other pilots of the experiment, which are trained first; None names nobody."
     fitted_on: "Callable[[Training], FittedOn | None] | None" = None
     "The runs that are stored with the pilot as those it learned from; by default those of its training."
+    made: "Callable[[Training], Made | None] | None" = None
+    "For which boat it was made; by default the scene's."
 
 
 def learner(kind: str) -> Learner:
@@ -100,12 +102,26 @@ def learner(kind: str) -> Learner:
     """
     if kind in LEARNERS:
         return LEARNERS[kind]()
-    from swamp_rl.pilots.own import is_code, own_kinds
+    from swamp_rl.own_code import is_code
+    from swamp_rl.pilots.own import own_kinds
 
     if not is_code(kind) and kind not in own_kinds():
         known = [*LEARNERS, *own_kinds()]
         raise UserError(f"{kind!r} is no kind of pilot{nearest(kind, known)}, or module:Class of your own")
     return _own(kind)
+
+
+def check_logged(where: str, plan: PilotPlan, columns: Sequence[str] = ()) -> None:
+    """UserError where a built-in learner from runs is to sense what runs with these columns do not tell."""
+    if plan.kind not in LEARNERS or not learner(plan.kind).from_runs:
+        return
+    from swamp_rl.pilots.demonstrations import refuse_unlogged
+
+    for senses in senses_in(plan.options):
+        try:
+            refuse_unlogged(senses, columns)
+        except UserError as error:
+            raise UserError(f"{where}.senses: {error}") from error
 
 
 def needed(plan: PilotPlan) -> list[str]:
@@ -284,6 +300,7 @@ def _stored() -> Learner:
         train=lambda training: load_pilot(training.settings.folder),
         told=lambda plan: f"as it was stored in `{plan.options['folder']}`",
         fitted_on=lambda training: describe_pilot(training.settings.folder).fitted_on,
+        made=lambda training: describe_pilot(training.settings.folder).made,
     )
 
 

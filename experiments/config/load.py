@@ -1,19 +1,23 @@
 """Experiment files read strictly, with `extends:` and with overrides from the command line."""
 
 import os
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import yaml
-from swamp_rl.experiments.config.learners import in_order, learner
-from swamp_rl.experiments.config.schema import Experiment, PilotPlan
+from swamp_rl.envs.own_terms import own_term
+from swamp_rl.envs.reward import weights_of
+from swamp_rl.experiments.config.learners import check_logged, in_order, learner
+from swamp_rl.experiments.config.schema import Experiment, PilotPlan, senses_in
 from swamp_rl.experiments.config.smoke import shrunk
 
+from swamp_rl import own_code
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, is_file, read_yaml, validated
-from swamp_rl.pilots.own import is_code, is_named, runs_code
+from swamp_rl.own_code import is_code
+from swamp_rl.pilots.own import is_named, runs_code
 from swamp_rl.pilots.settings import settings_from
 from swamp_rl.yaml_text import DEEPEST, parsed
 
@@ -28,7 +32,7 @@ def load_experiment(name_or_path: str | Path, overrides: Iterable[str] = ()) -> 
     key and a YAML value, and come last. UserError names the file and the key of the first fault.
     """
     path, overrides = _file_of(name_or_path), tuple(overrides)
-    allowed = {override.partition("=")[2].strip() for override in overrides}
+    allowed = {text for override in overrides for text in _texts(_parsed(override))}
     return _read(path, _extended(path, (), allowed), overrides)
 
 
@@ -68,11 +72,16 @@ def _with_all_options(path: str | Path, experiment: Experiment) -> Experiment:
         _check_keys_of_kind(f"{path}: pilots.{name}", plan)
         settings = settings_from(f"{path}: pilots.{name}.options", learner(plan.kind).settings, plan.options)
         pilots[name] = plan.model_copy(update={"options": settings.model_dump(mode="json")})
+        if experiment.data.folder is None:
+            check_logged(f"{path}: pilots.{name}.options", pilots[name])
     try:
         in_order(pilots)
+        weights = weights_of(experiment.reward)
+        for name in filter(is_code, weights):
+            own_term("reward", name)
     except UserError as error:
         raise UserError(f"{path}: {error}") from error
-    whole = experiment.model_copy(update={"pilots": pilots})
+    whole = experiment.model_copy(update={"pilots": pilots, "reward": weights})
     return shrunk(whole) if experiment.smoke else whole
 
 
@@ -125,6 +134,18 @@ def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> d
     return merged(_extended(found, (*seen, path.resolve()), allowed), data)
 
 
+def _texts(data: Any) -> Iterator[str]:
+    """Every text in what was parsed, keys included."""
+    if isinstance(data, Mapping):
+        for key, value in data.items():
+            yield from (*_texts(key), *_texts(value))
+    elif isinstance(data, list | tuple):
+        for item in data:
+            yield from _texts(item)
+    elif isinstance(data, str):
+        yield data
+
+
 def _refuse_code(path: Path, data: dict[str, Any], allowed: Collection[str]) -> None:
     """UserError where a folder of results asks for code that its reader has not named."""
     pilots = data.get("pilots")
@@ -135,6 +156,16 @@ def _refuse_code(path: Path, data: dict[str, Any], allowed: Collection[str]) -> 
             raise UserError(
                 f"{path}: pilots.{name}.kind: {kind} runs code, which a folder of results may not ask for; "
                 f"if it is yours, name it: run with --set pilots.{name}.kind={kind}, evaluate with {argument}"
+            )
+    reward = data.get("reward")
+    terms = [("reward", term) for term in (reward if isinstance(reward, Mapping) else ())]
+    terms += [("pilots", term) for senses in senses_in(pilots) for term in senses]
+    for where, term in terms:
+        if is_code(term) and term not in allowed and not own_code.is_named(term):
+            raise UserError(
+                f"{path}: {where}: {term} is code, which a folder of results may not ask for; if it is "
+                f"yours, name it: run with --set 'reward={{{term}: WEIGHT}}' or --set "
+                f"'pilots.NAME.options.senses=[{term}, ...]', evaluate with {term}=FOLDER"
             )
 
 

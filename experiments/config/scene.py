@@ -8,18 +8,18 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from swamp_rl.envs.batched import GatesVectorEnv
-from swamp_rl.envs.observation import senses as places_of
-from swamp_rl.experiments.config.schema import Experiment
+from swamp_rl.envs.observation import observed
+from swamp_rl.experiments.config.schema import Experiment, senses_in
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.course import Course, course_files, load_course
+from swamp_rl.course import Course, course_files, limited, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml
 
 
 @dataclass(frozen=True)
 class Scene:
-    """An experiment with its boat and course."""
+    """An experiment with its boat and its course, the limits of whose episodes are the experiment's."""
 
     experiment: Experiment
     boat: Boat
@@ -46,22 +46,32 @@ class Scene:
         mode = AutoresetMode.SAME_STEP if at_once else AutoresetMode.NEXT_STEP
 
         def make(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
-            step = self.experiment.step
-            return GatesVectorEnv(n, self.boat, self.course, level, senses, step, autoreset_mode=mode)
+            return GatesVectorEnv(
+                n,
+                boat=self.boat,
+                course=self.course,
+                disturbances=level,
+                observation=senses,
+                reward=self.experiment.reward,
+                step=self.experiment.step,
+                autoreset_mode=mode,
+            )
 
         return make
 
 
 def read_scene(experiment: Experiment) -> Scene:
     """The files that an experiment names; UserError for the first that is wrong."""
-    scene = Scene(experiment, load_boat(experiment.boat), load_course(experiment.course))
+    course = limited(load_course(experiment.course), experiment.time_limit, experiment.bounds)
+    scene = Scene(experiment, load_boat(experiment.boat), course)
     for level in (None, *_levels(scene)):
         scene.boats_at(level)(1, ("north",)).close()
     for name, plan in experiment.pilots.items():
-        try:
-            places_of(plan.options.get("senses"))
-        except UserError as error:
-            raise UserError(f"pilots.{name}.options.senses: {error}") from error
+        for senses in senses_in(plan.options):
+            try:
+                observed(senses)
+            except UserError as error:
+                raise UserError(f"pilots.{name}.options.senses: {error}") from error
     return scene
 
 

@@ -1,8 +1,8 @@
 """What an experiment file holds: its keys, their kinds and bounds."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from swamp_rl.experiments.config.claims import Claims
@@ -17,6 +17,7 @@ Count = Annotated[int, Field(ge=1, le=100_000)]
 "Of runs or episodes, which are held in memory at once."
 Rate = Annotated[float, Field(ge=0.0, le=1.0)]
 Noise = Annotated[float, Field(ge=0.0)]
+Edge = Literal["south", "north", "west", "east"]
 
 
 def _few(given: Any) -> Any:
@@ -108,6 +109,15 @@ class PilotPlan(Part):
     options: dict[str, Any] = {}
 
 
+def senses_in(options: Any) -> Iterator[Sequence[str]]:
+    """Every list of observations in a pilot's options, those of a learner within it included."""
+    for key, value in options.items() if isinstance(options, Mapping) else ():
+        if key == "senses" and isinstance(value, list | tuple):
+            yield value
+        else:
+            yield from senses_in(value)
+
+
 class Evaluation(Part):
     """The same `episodes` for every pilot at every level; `shown` of them are drawn in the report."""
 
@@ -143,6 +153,10 @@ class Tracking(Part):
 class Experiment(Part):
     """One experiment, whole. boat, course and levels are names in `configs/` or paths; step in s.
 
+    reward: weights of terms by name, for training and evaluation alike. time_limit [s] and bounds [m], some
+    or all of the edges: in place of the course's. These are arguments of the environments too, and so are
+    the names that a pilot's `senses` give: docs/environment.md.
+
     With `hidden` it closes the loop from logs to pilots, see `experiments.studies.closed_loop`; with `claims`
     it tests hypotheses, see `experiments.studies.claims`; with `smoke` it is made too small to say anything,
     see `experiments.config.smoke`.
@@ -155,6 +169,9 @@ class Experiment(Part):
     boat: str
     course: str
     step: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1
+    reward: dict[str, float] = {}
+    time_limit: float | None = None
+    bounds: dict[Edge, float] = {}
     data: Data = Data()
     pilots: Annotated[dict[Name, PilotPlan], Field(min_length=1), BeforeValidator(_few)]
     evaluation: Evaluation

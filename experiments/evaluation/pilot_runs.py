@@ -5,6 +5,7 @@ from pathlib import Path
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.evaluation.episodes import Tried
 
+from swamp_rl.pilots.record import replayable
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, create_dataset
 from swamp_rl.runs.writer import append_runs
 
@@ -35,12 +36,11 @@ def write_driven(scene: Scene, tried: Tried, folder: Path) -> None:
 
 
 def _drawn(scene: Scene, level: str) -> list[dict[str, object]]:
-    """What disturbed the episodes that are shown, the same for every pilot."""
+    """How the episodes that are shown began and what disturbed them, the same for every pilot."""
     seeds = scene.seeds[: scene.experiment.evaluation.shown]
     boats = scene.boats_at(scene.levels[level])(len(seeds), ("north",))
     try:
         boats.reset(options={"episodes": seeds})
-        found = [boats.fleet.drawn(i) for i in range(len(seeds))]
+        return [replayable(boats, i) for i in range(len(seeds))]
     finally:
         boats.close()
-    return [{"disturbances": one["effects"], "gust_seed": one["gust_seed"]} for one in found]

@@ -118,6 +118,6 @@ def print_claims(results: Results, folder: Path) -> None:
         shape.add_column(head)
     for one in results["claims"]:
         shape.add_row(one["title"], one["verdict"])
-    console = Console()
+    console = Console(markup=False)
     console.print(shape)
     console.print(f"{results['measured']['total_seconds']:.0f} s: see {folder}/report.md")

@@ -21,7 +21,18 @@ TARGETS: dict[str, tuple[str, Callable[[float], str]]] = {
 
 def report(results: Results) -> str:
     """The report as Markdown; its pictures lie in `figures/` beside it."""
-    parts = [_opening, success, _targets, _training, _tracks, _commands, _costs, _differences, _again]
+    parts = [
+        _opening,
+        success,
+        _returns,
+        _targets,
+        _training,
+        _tracks,
+        _commands,
+        _costs,
+        _differences,
+        _again,
+    ]
     return "\n\n".join(part(results) for part in parts) + "\n"
 
 
@@ -72,6 +83,25 @@ def success(results: Results) -> str:
         + table(["pilot", *_levels(results)], rows)
         + "\n\n![Success rates](figures/success.png)"
     )
+
+
+def _returns(results: Results) -> str:
+    rows = [
+        [name, *(_mean_return(pilot["levels"][level]) for level in _levels(results))]
+        for name, pilot in results["pilots"].items()
+    ]
+    return (
+        "## Return\n\n"
+        "Mean over all episodes of the sum of the rewards, with its 95 % interval. `config/experiment.yaml` "
+        "has the weights of the reward.\n\n" + table(["pilot", *_levels(results)], rows)
+    )
+
+
+def _mean_return(summary: Mapping[str, Any]) -> str:
+    if summary.get("return_95") is None:
+        return "–" if "mean_return" not in summary else f"{summary['mean_return']:.2f}"
+    low, high = summary["return_95"]
+    return f"{summary['mean_return']:.2f} ({low:.2f} to {high:.2f})"
 
 
 def _targets(results: Results) -> str:

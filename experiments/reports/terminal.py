@@ -42,7 +42,7 @@ def print_results(results: Mapping[str, Any], folder: Path) -> None:
         table.add_column(level, justify="right", no_wrap=True)
     for name, pilot in results["pilots"].items():
         table.add_row(name, *(rate(pilot["levels"][level]) for level in levels))
-    console = Console()
+    console = Console(markup=False)
     console.print(table)
     console.print(targets_reached(results["targets"]))
     for target in (one for one in results["targets"] if not one["reached"]):

@@ -124,4 +124,4 @@ def _read(file: Path) -> Flight:
     table = {key.removeprefix("table/"): arrays[key] for key in arrays if key.startswith("table/")}
     nothing = np.empty((len(arrays["seeds"]), 0, 2))
     seeds, steps, outcome, pose = (arrays[name] for name in ("seeds", "steps", "outcome", "pose"))
-    return table, Rollout(seeds, steps, outcome, pose, nothing, nothing)
+    return table, Rollout(seeds, steps, outcome, pose, nothing, nothing, table["return"])

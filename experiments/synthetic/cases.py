@@ -7,22 +7,33 @@ go to one folder in the run format, the truth to a file elsewhere, so that who d
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.experiments.synthetic.draws import (
+    EFFECTS,
+    NOT_BESIDE_WEATHER,
+    RUNS,
+    WEATHER,
+    Rng,
+    signed,
+    thruster,
+    weather_by_run,
+)
 from swamp_rl.experiments.synthetic.drivers import RICH, Array, Driver, gate_run, straight
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.files import write_yaml
 from swamp_rl.runs import DatasetMeta, RunMeta
+from swamp_rl.runs.schema import Source
 from swamp_rl.runs.table import write_table
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.delay import delayed_command
-from swamp_rl.simulator.sensors import add_noise, observe
+from swamp_rl.simulator.sensors import add_noise, observe, rows_ahead
 from swamp_rl.simulator.state import EAST, HEADING, NORTH
 
 DT = 0.1
@@ -32,6 +43,7 @@ HULL_SPREAD = 0.1  # standard deviation of their scales at level D
 LEVELS = ("A", "B", "C", "D")
 POWER = "P"  # as A, single effects of any size down to nothing
 SMALL = (3e-4, 0.1)  # sizes of its effects
+EACH_RUN = "E"  # as A, another wind or current in each run, alone or beside one effect
 KINDS = ("single", "pair", "clean", "outside", "confounded")
 DEGREE = math.pi / 180
 # standard deviations of north, east [m], heading [rad], surge, sway [m/s], yaw rate [rad/s]
@@ -40,7 +52,6 @@ PLAIN = np.array([0.5, 0.5, 1.0 * DEGREE, np.inf, np.inf, 0.6 * DEGREE])
 DROPPED = 0.02  # share of the rows that are lost
 STEADY = 60.0  # s of straight running before a confounded case is recorded, so that it no longer gathers way
 
-Rng = np.random.Generator
 Hook = Callable[[NDArray[Any], Array, Array], None]
 
 
@@ -49,7 +60,8 @@ class Case:
     """The truth.
 
     effects: as a boat file has them; outside: what no library effect is; size: of the effect against a
-    typical one; hull: scale of each linear derivative.
+    typical one; hull: scale of each linear derivative; by_run: effects of each run alone, none where all runs
+    are alike.
     """
 
     level: str
@@ -58,80 +70,20 @@ class Case:
     size: float = 1.0
     outside: dict[str, Any] | None = None
     hull: dict[str, float] = field(default_factory=dict)
+    by_run: list[list[dict[str, Any]]] = field(default_factory=list)
+
+    def of_run(self, run: int) -> "Case":
+        """The truth of one run, as that of a case of its own."""
+        own = self.by_run[run] if self.by_run else []
+        return replace(self, effects=[*self.effects, *own], by_run=[])
+
+    @property
+    def names(self) -> list[str]:
+        """Of every effect, in order; one that each run has is named once."""
+        own = {effect["effect"] for run in self.by_run for effect in run}
+        return sorted([*(effect["effect"] for effect in self.effects), *own])
 
 
-def signed(rng: Rng, typical: float, size: float) -> float:
-    """+- typical times size."""
-    return float(rng.choice([-1.0, 1.0]) * typical * size)
-
-
-def thruster(rng: Rng, level: str) -> str:
-    """One that the data can show: gate runs use the bow's alone."""
-    return str(rng.choice(["bs", "bp"] if level == "C" else ["bs", "bp", "ss", "sp"]))
-
-
-def polar(rng: Rng, length: float) -> dict[str, float]:
-    """A vector of that length in any direction."""
-    angle = rng.uniform(-math.pi, math.pi)
-    return {"north": length * math.cos(angle), "east": length * math.sin(angle)}
-
-
-def drift(rng: Rng, size: float) -> dict[str, float]:
-    """A current that turns into another within a run."""
-    rates = polar(rng, 0.003 * size)
-    return polar(rng, 0.08) | {"north_rate": rates["north"], "east_rate": rates["east"]}
-
-
-def swap(rng: Rng) -> list[str]:
-    """Two thrusters."""
-    return [str(name) for name in rng.choice(["bs", "bp", "ss", "sp"], 2, replace=False)]
-
-
-def scale(rng: Rng, share: float, size: float) -> float:
-    """A scale that departs from 1 by a share either way."""
-    return math.exp(signed(rng, share, size))
-
-
-Draw = Callable[[Rng, float, str], dict[str, Any]]
-EFFECTS: dict[str, Draw] = {
-    "current": lambda g, s, _: polar(g, 0.12 * s),
-    "drifting_current": lambda g, s, _: drift(g, s),
-    "wind": lambda g, s, _: {"speed": 5.0 * s, "from": float(g.uniform(-math.pi, math.pi))},
-    "waves": lambda g, s, _: {
-        "force": 4.0 * s,
-        "frequency": float(g.uniform(0.1, 0.5)),
-        "from": float(g.uniform(-math.pi, math.pi)),
-    },
-    "shallow_water": lambda g, s, _: {"depth_over_draught": 1.0 + 1.2 / min(s, 1.5)},
-    "thruster_gain": lambda g, s, v: {"thruster": thruster(g, v), "gain": 1.0 + max(signed(g, 0.3, s), -0.9)},
-    "thruster_failure": lambda g, s, v: {"thruster": thruster(g, v), "time": float(g.uniform(15.0, 60.0))},
-    "azimuth_offset": lambda g, s, v: {
-        "thruster": "all" if g.random() < 0.4 else thruster(g, v),
-        "offset": signed(g, 0.15, s),
-    },
-    "azimuth_lag": lambda g, s, _: {"time_constant": 0.1 + 0.6 * s},
-    "command_delay": lambda g, s, _: {"delay": 0.5 * s},
-    "pump_lag": lambda g, s, _: {"time_constant": 0.8 * s},
-    "channel_swap": lambda g, s, _: {"thruster": swap(g)},
-    "thrust_scale": lambda g, s, _: {"scale": scale(g, 0.2, s)},
-    "advance_thrust_loss": lambda g, s, _: {"factor": 0.8 * s},
-    "crossflow_thrust_loss": lambda g, s, _: {"coefficient": 12.0 * s},
-    "thrust_deduction": lambda g, s, _: {"low": 1.0 - 0.4 * s, "high": 1.0 - 0.1 * s},
-    "thrust_sag": lambda g, s, _: {"rate": 0.004 * s},
-    "resistance": lambda g, s, _: {"scale": scale(g, 0.35, s)},
-    "linear_drag": lambda g, s, _: {"coefficient": 6.0 * s},
-    "mass": lambda g, s, _: {"mass": 58.0 * scale(g, 0.2, s)},
-    "centre_of_gravity": lambda g, s, _: {"x_g": signed(g, 0.08, s)},
-    "yaw_inertia": lambda g, s, _: {"scale": scale(g, 0.4, s)},
-    "sway_drag": lambda g, s, _: {"scale": scale(g, 0.4, s)},
-    "yaw_damping": lambda g, s, _: {"scale": scale(g, 0.5, s)},
-    "demihull_spacing": lambda g, s, _: {"spacing": 0.8 * scale(g, 0.5, s)},
-    "hull_asymmetry": lambda g, s, _: {"yaw_moment": signed(g, 2.0, s)},
-    "external_force": lambda g, s, _: polar(g, 2.0 * s),
-    "heading_bias": lambda g, s, _: {"bias": signed(g, 0.1, s)},
-    "position_delay": lambda g, s, _: {"delay": 0.5 * s},
-    "position_lever_arm": lambda g, s, _: (lambda p: {"x": p["north"], "y": p["east"]})(polar(g, 0.4 * s)),
-}
 # both bow thrusters obey the same lever, which is nearly always at its end
 NOT_IN_GATE_RUNS = ("channel_swap", "dead_zone")
 ONE_PURPOSE = (
@@ -153,13 +105,17 @@ def draw_case(
         return Case(level, kind, [], size, OUTSIDE[str(rng.choice(possible))](rng, size, level), hull)
     if kind == "confounded":
         names = (str(rng.choice(["thrust_scale", "resistance"])),)
-    count = {"clean": 0, "pair": 2}.get(kind, 1)
+    count, by_run = {"clean": 0, "pair": 2}.get(kind, 1), []
+    if level == EACH_RUN:
+        weather = str(rng.choice(sorted(WEATHER)))
+        by_run, count = weather_by_run(rng, weather, size), count - 1
     while len(names) < count:
-        possible = [n for n in EFFECTS if level != "C" or n not in NOT_IN_GATE_RUNS]
+        without = {"C": NOT_IN_GATE_RUNS, EACH_RUN: NOT_BESIDE_WEATHER}.get(level, ())
+        possible = [name for name in EFFECTS if name not in without]
         drawn = tuple(str(n) for n in rng.choice(possible, count, replace=False))
         names = () if any(set(drawn) == set(pair) for pair in ONE_PURPOSE) else drawn
     effects = [{"effect": name} | EFFECTS[name](rng, size, level) for name in names]
-    return Case(level, kind, effects, size, None, hull)
+    return Case(level, kind, effects, size, None, hull, by_run)
 
 
 def mooring(rng: Rng, size: float, level: str) -> dict[str, Any]:
@@ -231,7 +187,8 @@ def hook_of(outside: Mapping[str, Any] | None, boat: Boat) -> Hook:
 class Voyage:
     """A run as it truly was, T + 1 rows of `DT` or another step.
 
-    track: (T + 1, S) states; commands: (T + 1, 2K) as asked; record: (1,) of the true boat.
+    track: (T + 1, S) states, and more where a receiver's clock is behind; commands: (T + 1, 2K) as asked;
+    record: (1,) of the true boat.
     """
 
     track: Array
@@ -246,9 +203,10 @@ def sail(
     tick [s]: of one step.
     """
     params = true_record(boat, case)
+    after = rows_ahead(params, (before + steps) * tick, tick)
     true, hook = params.copy(), hook_of(case.outside, boat)
     state = initial_state(params, start[None])
-    every = before + steps
+    every = before + steps + after
     asked, arrived = np.zeros((every + 1, 2 * len(boat.thrusters))), np.zeros(2 * len(boat.thrusters))
     track = np.zeros((every + 1, state.shape[1]))
     track[0] = state[0]
@@ -258,8 +216,8 @@ def sail(
         hook(params, state[0], arrived)
         step(state, params, tank(boat), arrived[None], np.zeros(1, np.uint64), tick, round(tick / SUBSTEP))
         track[row + 1] = state[0]
-    asked[-1] = asked[-2]
-    return Voyage(track[before:], asked[before:], true)
+    asked[before + steps] = asked[before + steps - 1]
+    return Voyage(track[before:], asked[before : before + steps + 1], true)
 
 
 def true_record(boat: Boat, case: Case) -> NDArray[Any]:
@@ -271,11 +229,12 @@ def true_record(boat: Boat, case: Case) -> NDArray[Any]:
     return params
 
 
-def voyages(case: Case, rng: Rng, runs: int = 5, seconds: float = 80.0) -> list[Voyage]:
+def voyages(case: Case, rng: Rng, runs: int = RUNS, seconds: float = 80.0) -> list[Voyage]:
     """The runs of a case as they truly were."""
     boat, steps = load_boat("swamp"), round(seconds / DT)
     before = round(STEADY / DT) if case.kind == "confounded" else 0
-    return [sail(boat, case, driver, start, steps, before) for driver, start in drivers(case, rng, runs)]
+    driven = enumerate(drivers(case, rng, runs))
+    return [sail(boat, case.of_run(run), driver, start, steps, before) for run, (driver, start) in driven]
 
 
 def deviations(level: str) -> Array:
@@ -299,37 +258,47 @@ def write_case(
     rng: Rng,
     data: Path,
     truth: Path,
-    runs: int = 5,
+    runs: int = RUNS,
     seconds: float = 80.0,
     velocities: bool = True,
 ) -> None:
     """Sail the case and write its runs into the folder `data` and what is wrong into the file `truth`."""
     boat, noise = load_boat("swamp"), deviations(case.level)
-    data.mkdir(parents=True)
-    listed = []
-    for number, voyage in enumerate(voyages(case, rng, runs, seconds)):
+    tables = []
+    for voyage in voyages(case, rng, runs, seconds):
         measured, kept = measure(voyage, noise, rng)
         columns = table(boat, measured, voyage.commands, velocities and case.level != "B")
-        name = f"run_{number}.csv"
-        write_table(data / name, {key: values[kept] for key, values in columns.items()})
-        listed.append(RunMeta(file=name, rows=int(kept.sum())))
-    meta = DatasetMeta(
-        vehicle="swamp",
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=1 / DT,
-        source="measured",
-        runs=listed,
-    )
-    write_yaml(data / "dataset.yaml", meta.model_dump(exclude_defaults=True))
+        tables.append({key: values[kept] for key, values in columns.items()})
+    data.mkdir(parents=True)
+    write_runs(data, "swamp", boat, tables, "measured", "csv")
     truth.parent.mkdir(parents=True, exist_ok=True)
     truth.write_text(json.dumps(vars(case), indent=1))
 
 
+def write_runs(
+    data: Path, vehicle: str, boat: Boat, tables: list[dict[str, NDArray[Any]]], source: Source, suffix: str
+) -> None:
+    """A file of that suffix for each run into the folder `data`, and the `dataset.yaml` of them all."""
+    listed = []
+    for number, columns in enumerate(tables):
+        name = f"run_{number}.{suffix}"
+        write_table(data / name, columns)
+        listed.append(RunMeta(file=name, rows=len(columns["time"])))
+    meta = DatasetMeta(
+        vehicle=vehicle,
+        mass=boat.mass,
+        draught=boat.draught,
+        water_density=boat.water_density,
+        sample_rate=1 / DT,
+        source=source,
+        runs=listed,
+    )
+    write_yaml(data / "dataset.yaml", meta.model_dump(exclude_defaults=True))
+
+
 def measure(voyage: Voyage, noise: Array, rng: Rng) -> tuple[Array, NDArray[np.bool_]]:
     """(T + 1, 6) channels with noise of those deviations, and (T + 1,) which rows are kept."""
-    seen = observe(voyage.track[None], voyage.record, DT)[0]
+    seen = observe(voyage.track[None], voyage.record, DT)[0, : len(voyage.commands)]
     measured = add_noise(seen, np.where(np.isfinite(noise), noise, 0.0), rng)
     kept = rng.random(len(measured)) >= DROPPED
     kept[[0, -1]] = True
@@ -343,5 +312,5 @@ def table(boat: Boat, measured: Array, asked: Array, velocities: bool) -> dict[s
     if velocities:
         columns |= {"surge": measured[:, 3], "sway": measured[:, 4]}
     columns["yaw_rate"] = measured[:, 5]
-    names = [f"{kind}_{name}" for kind in ("azimuth", "throttle") for name in boat.thruster_names]
-    return columns | dict(zip(names, asked.T, strict=True))
+    names = [thruster.command_columns[kind] for kind in (0, 1) for thruster in boat.thrusters]
+    return columns | {name: values for name, values in zip(names, asked.T, strict=True) if name}

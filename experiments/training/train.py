@@ -7,17 +7,19 @@ from pathlib import Path
 from swamp_rl.experiments.artifacts.job import say
 from swamp_rl.experiments.artifacts.provenance import TENSORBOARD
 from swamp_rl.experiments.artifacts.stages import Stages
-from swamp_rl.experiments.config.learners import Training, in_order, learner
+from swamp_rl.experiments.config.learners import Training, check_logged, in_order, learner
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.training.coverage import warning
 from swamp_rl.experiments.training.curves import CURVE, write_curve
 from swamp_rl.experiments.training.tracking import tracked
 
+from swamp_rl import __version__
+from swamp_rl.boat.digest import boat_digest
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import choose_runs
-from swamp_rl.pilots.description import FittedOn
+from swamp_rl.pilots.description import FittedOn, Made
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import record_scripted
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
@@ -74,6 +76,9 @@ def train_pilots(
     """
     plans = scene.experiment.pilots
     order = in_order(plans, only)
+    columns = set.intersection(*(set(run.columns) for run in dataset.runs)) if dataset.runs else set()
+    for name in order:
+        check_logged(f"pilots.{name}.options", plans[name], sorted(columns))
     pilots: dict[str, Pilot] = {}
     for name in order:
         if not (folder / name).exists():
@@ -106,7 +111,7 @@ def _train_into(
         training = _training(scene, dataset, plan, tick, checkpoint, trained, hear)
         pilot = learner(plan.kind).train(training)
     with folder_beside(folder / name) as part:
-        save_pilot(with_takeover(scene, plan, pilot), part, _fitted_on(training))
+        save_pilot(with_takeover(scene, plan, pilot), part, _fitted_on(training), _made(training))
         if curve:
             write_curve(part / CURVE, curve)
 
@@ -154,6 +159,19 @@ def _fitted_on(training: Training) -> FittedOn | None:
     if learns.fitted_on is not None:
         return learns.fitted_on(training)
     return training.fitted_on() if learns.from_runs else None
+
+
+def _made(training: Training) -> Made | None:
+    learns, scene = learner(training.plan.kind), training.scene
+    if learns.made is not None:
+        return learns.made(training)
+    return Made(
+        package=f"swamp_rl {__version__}",
+        boat=scene.boat.name,
+        boat_sha256=boat_digest(scene.boat),
+        course=scene.course.name,
+        step=scene.experiment.step,
+    )
 
 
 def _add_point(curve: list[dict[str, float]], log: Log, step: int, values: Mapping[str, float]) -> None:

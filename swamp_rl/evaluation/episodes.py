@@ -13,16 +13,21 @@ from swamp_rl.errors import UserError
 from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_power, path_length
 from swamp_rl.evaluation.rollout import Rollout
 from swamp_rl.evaluation.statistics import Interval, paired_difference, wilson
+from swamp_rl.names import refuse_odd_label
+from swamp_rl.ordinary import ordinary
 
 Table = dict[str, NDArray[Any]]
 COSTS = ("time", "path_length", "command_change", "energy")
 """Costs of an episode: s, m, 1 per step, J. Failed ones have them too, but only successes are averaged."""
 
+RETURN = "return"
+"""Sum of an episode's rewards."""
 COLUMNS = ("seed", "success", "outcome", *COSTS)
+"""What every table of episodes has; older ones have no `RETURN`."""
 
 
 def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
-    """`COLUMNS`, each (n,): time in s, path_length in m, command_change in 1, energy in J."""
+    """`COLUMNS` and `RETURN`, each (n,): time [s], path_length [m], command_change [1], energy [J]."""
     linear, quadratic = np.array([item.thrust_curve(boat.water_density) for item in boat.thrusters]).T
     power = jet_power(bollard_thrust(rollout.throttle, linear, quadratic), boat.water_density).sum(axis=-1)
     episodes = range(len(rollout.seeds))
@@ -34,11 +39,12 @@ def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
         "path_length": np.array([path_length(rollout.track(i)) for i in episodes]),
         "command_change": np.array([command_change(rollout.levers(i)) for i in episodes]),
         "energy": np.array([power[i, : rollout.steps[i]].sum() * step for i in episodes]),
+        RETURN: rollout.returns,
     }
 
 
 def summary(table: Table) -> dict[str, Any]:
-    """Success rate with its interval, outcomes counted, and the mean costs of the successful episodes."""
+    """Success and mean return with their intervals, outcomes, and mean costs of the successful episodes."""
     won = table["success"]
     rate = wilson(int(won.sum()), len(won))
     costs = {name: float(table[name][won].mean()) if won.any() else None for name in COSTS}
@@ -49,7 +55,15 @@ def summary(table: Table) -> dict[str, Any]:
         "wilson_95": [rate.low, rate.high],
         "outcomes": dict(sorted(Counter(table["outcome"].tolist()).items())),
         "mean_of_successes": costs,
+        **(_mean_return(table[RETURN]) if RETURN in table else {}),
     }
+
+
+def _mean_return(returns: NDArray[np.float64]) -> dict[str, Any]:
+    """The mean over all episodes with its 95 % interval, by the central limit theorem."""
+    mean, n = float(returns.mean()), len(returns)
+    half = 1.96 * float(returns.std(ddof=1)) / n**0.5 if n > 1 else None
+    return {"mean_return": mean, "return_95": None if half is None else [mean - half, mean + half]}
 
 
 def differences(a: Table, b: Table, rng: np.random.Generator) -> dict[str, Interval]:
@@ -84,7 +98,7 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
     import pyarrow.parquet as pq
 
     try:
-        read = pq.read_table(path, page_checksum_verification=True)
+        read = pq.read_table(ordinary(path), page_checksum_verification=True)
     except (OSError, pa.ArrowException) as error:
         raise UserError(f"{path}: is no readable Parquet file; run the experiment again") from error
     missing = [name for name in ("pilot", "level", *COLUMNS) if name not in read.column_names]
@@ -95,4 +109,6 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
     rows: dict[tuple[str, str], list[int]] = {}
     for row, key in enumerate(keys):
         rows.setdefault(key, []).append(row)
+    for name in {str(part) for key in rows for part in key}:
+        refuse_odd_label(path, name)
     return {key: {name: column[at] for name, column in columns.items()} for key, at in rows.items()}

@@ -75,6 +75,8 @@ class Rollout:
     "(n, T, 2) levers: throttle, angle [1]"
     throttle: Array
     "(n, T, K) what the pumps did [1]"
+    returns: Array
+    "(n,) sum of the rewards"
 
     def track(self, i: int) -> Array:
         """Pose (steps + 1, 3) of episode i."""
@@ -124,6 +126,7 @@ def _drive(pilot: Pilot, boats: Boats, seeds: Array, tick: Callable[[int], None]
     running = np.ones(n, dtype=bool)
     steps = np.zeros(n, dtype=np.int64)
     outcome = np.full(n, "", dtype=object)
+    returns = np.zeros(n)
     pose, commands, throttle = [boats.pose.copy()], [], []
     while running.any():
         going = running[steered]
@@ -132,7 +135,8 @@ def _drive(pilot: Pilot, boats: Boats, seeds: Array, tick: Callable[[int], None]
             steered = steered[going]
         levers = np.zeros((n, 2))
         levers[steered] = pilot.act(observation[steered])
-        observation, _, terminated, truncated, info = boats.step(levers)
+        observation, rewards, terminated, truncated, info = boats.step(levers)
+        returns += np.where(running, rewards, 0.0)
         pose.append(boats.pose.copy())
         commands.append(levers)
         throttle.append(np.split(boats.applied, 2, axis=1)[1].copy())
@@ -141,5 +145,5 @@ def _drive(pilot: Pilot, boats: Boats, seeds: Array, tick: Callable[[int], None]
         outcome[ended] = info["outcome"][ended] if ended.any() else ""
         running &= ~ended
         tick(n - int(running.sum()))
-    by_episode = [np.stack(values, axis=1) for values in (pose, commands, throttle)]
-    return Rollout(seeds, steps, outcome.astype(str), *by_episode)
+    poses, actions, throttles = (np.stack(values, axis=1) for values in (pose, commands, throttle))
+    return Rollout(seeds, steps, outcome.astype(str), poses, actions, throttles, returns)

@@ -19,6 +19,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.runs import Run, RunMeta, append_run, read_dataset, read_run, write_run
 from swamp_rl.simulator import replay
 from tests.support.command_line import Call, assert_complains
+from tests.support.patience import PATIENCE
 from tests.support.runs import circling
 
 VERBS = ("run", "simulate", "record", "record-scripted", "bench", "runs", "demo")
@@ -28,7 +29,9 @@ HEAVY = ("torch", "starlette", "matplotlib", "numba", "pyarrow", "scipy", "reser
 def separately(*words: object, **options: object) -> subprocess.CompletedProcess[str]:
     """The command line in a process of its own."""
     start = [sys.executable, "-c", "from swamp_rl.experiments.cli import main; main()"]
-    return subprocess.run([*start, *map(str, words)], capture_output=True, text=True, timeout=60, **options)
+    return subprocess.run(
+        [*start, *map(str, words)], capture_output=True, text=True, timeout=PATIENCE, **options
+    )
 
 
 def test_help_lists_the_verbs_and_version_is_the_packages(call: Call) -> None:
@@ -54,7 +57,7 @@ def test_help_waits_for_no_heavy_library() -> None:
     look = "sys.argv[1:] = ['--help']\ntry: main()\nexcept SystemExit: pass\n"
     check = f"print([name for name in {HEAVY} if name in sys.modules], file=sys.stderr)"
     script = f"import sys\nfrom swamp_rl.experiments.cli import main\n{look}{check}"
-    called = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+    called = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=PATIENCE)
     assert called.stderr == "[]\n"
 
 
@@ -276,7 +279,7 @@ def test_a_signal_that_a_callback_swallows_still_ends_the_verb(
     def swallow(folder: Path, boat: str | None) -> None:
         noisy = Noisy()
         del noisy  # an exception in there goes nowhere
-        time.sleep(30)
+        time.sleep(PATIENCE)
 
     monkeypatch.setattr("swamp_rl.runs.inspect_dataset", swallow)
     assert_complains(call("runs", "check", "anywhere"), word, code=code)
@@ -303,7 +306,7 @@ def test_output_may_be_cut_short_by_its_reader(folder: Path) -> None:
         "check",
         str(folder),
     ]
-    called = subprocess.run(start, stdout=writing, stderr=subprocess.PIPE, text=True, timeout=60)
+    called = subprocess.run(start, stdout=writing, stderr=subprocess.PIPE, text=True, timeout=PATIENCE)
     os.close(writing)
     assert called.returncode == 1
     assert called.stderr == ""

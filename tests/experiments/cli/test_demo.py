@@ -1,16 +1,24 @@
 """`swamp-rl demo`: which runs it shows, what it says, and where its server listens."""
 
 import json
+import shutil
 import signal
 from pathlib import Path
 
 import psutil
 import pytest
+from swamp_rl.experiments.artifacts import demo_runs, flown
 from swamp_rl.experiments.artifacts.demo_runs import read_shown
 
 from swamp_rl.errors import UserError
+from swamp_rl.files import shipped_folders
+from swamp_rl.pilots import arguments
+from swamp_rl.pilots.description import Made
+from swamp_rl.pilots.line_of_sight import LineOfSightPilot
+from swamp_rl.pilots.store import save_pilot
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
 from tests.support.demo import dataset, started
+from tests.support.patience import PATIENCE
 from tests.support.runs import circling, described
 
 pytestmark = pytest.mark.slow
@@ -83,9 +91,58 @@ def test_what_cannot_be_shown_is_said(results: Path, tmp_path: Path) -> None:
 )
 def test_what_is_asked_wrongly_is_one_line(results: Path, words: list[str], part: str) -> None:
     process = started("demo", results, *words)
+    _, said = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 2
+    assert part in said and len(said.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("sources", "part"),
+    [
+        (
+            ["nowhere"],
+            "nowhere: no such file or folder; name a dataset",
+        ),
+        (["sb3:missing.zip"], "missing.zip: No such file"),
+        (["onnx:missing.onnx"], "missing.onnx: No such file"),
+        (["nothing.like.it:Pilot"], "nothing.like.it:Pilot: cannot be imported"),
+        (["pond", "line-of-sight"], "the runs have no course"),
+        (["other"], "was made for the boat swamp-light, the runs shown are of swamp"),
+        (["damaged"], "pilot.json: was changed since it was written"),
+        (["pond", "--html", "file/a.html"], "a folder is needed there"),
+    ],
+)
+def test_a_source_that_cannot_be_shown_is_one_line_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sources: list[str], part: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    dataset(tmp_path / "pond", "human", ["x"], course=None)
+    told = {"package": "swamp_rl 0", "boat": "swamp-light", "boat_sha256": "0" * 64}
+    made = Made.model_validate(told | {"course": "camogli", "step": 0.1})
+    for name in ("other", "damaged"):
+        save_pilot(LineOfSightPilot(), tmp_path / name, made=made)
+    description = tmp_path / "damaged" / "pilot.json"
+    description.write_text(description.read_text().replace("swamp-light", "swamp-heavy"))
+    (tmp_path / "file").write_text("")
+    process = started("demo", *sources, *([] if "--html" in sources else ["--html", "a.html"]))
     _, said = process.communicate(timeout=60)
     assert process.returncode == 2
     assert part in said and len(said.splitlines()) == 1
+    assert {path.name for path in tmp_path.iterdir()} == {"pond", "other", "damaged", "file"}
+
+
+def test_a_damaged_pilot_of_the_package_asks_for_a_new_installation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    copy = tmp_path / "pilots" / "reservoir"
+    shutil.copytree(shipped_folders("pilots")["reservoir"], copy)
+    (copy / "weights.safetensors").write_bytes(b"")
+    runs = shipped_folders("runs")
+    for module in (demo_runs, flown, arguments):
+        shipped = {"pilots": {"reservoir": copy}, "runs": runs}
+        monkeypatch.setattr(module, "shipped_folders", shipped.__getitem__)
+    with pytest.raises(UserError, match=r"is damaged.*install swamp-rl again"):
+        read_shown([], [], None)
 
 
 def test_the_web_viewer_listens_on_this_machine_only_and_ends_when_told(results: Path) -> None:
@@ -106,6 +163,6 @@ def test_the_web_viewer_listens_on_this_machine_only_and_ends_when_told(results:
         assert any(address.startswith(f"http://127.0.0.1:{place.port}/?url=") for place in listening)
     finally:
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=30)
-    gone, left = psutil.wait_procs(children, timeout=10)
+        process.communicate(timeout=PATIENCE)
+    gone, left = psutil.wait_procs(children, timeout=PATIENCE)
     assert left == [] and len(gone) == len(children)

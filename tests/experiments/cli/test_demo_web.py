@@ -14,6 +14,7 @@ from PIL import Image
 from playwright.sync_api import ViewportSize, sync_playwright
 
 from tests.support.demo import dataset, started
+from tests.support.patience import PATIENCE, patient
 
 pytestmark = pytest.mark.slow
 
@@ -28,7 +29,6 @@ FLAGS = [
 SIZE: ViewportSize = {"width": 1000, "height": 600}
 CHART, SEA = (18, 34, 48), (30, 70, 105)
 ENOUGH = (0.5, 0.4, 0.5)  # of each view; they are painted one after another, so all are waited for
-PATIENCE = 150.0  # s, with other tests beside it
 
 
 def share(picture: np.ndarray, colour: tuple[int, ...]) -> float:
@@ -52,7 +52,7 @@ def test_the_web_viewer_shows_chart_space_and_series_at_first_sight(tmp_path: Pa
         address = process.stdout.readline()
         with sync_playwright() as browsers:
             browser = browsers.chromium.launch(executable_path=chromium, args=FLAGS)
-            page = browser.new_page(viewport=SIZE)
+            page = patient(browser.new_page(viewport=SIZE))
             wrong: list[str] = []
             page.on("pageerror", lambda error: wrong.append(str(error)))
             page.goto(address)
@@ -60,11 +60,11 @@ def test_the_web_viewer_shows_chart_space_and_series_at_first_sight(tmp_path: Pa
             seen = (0.0, 0.0, 0.0)
             while not np.all(np.array(seen) > ENOUGH) and time.monotonic() < until:
                 page.wait_for_timeout(1000)
-                data = page.screenshot(path=tmp_path / "web.png", timeout=60_000)
+                data = page.screenshot(path=tmp_path / "web.png", timeout=1000.0 * PATIENCE)
                 seen = parts(np.asarray(Image.open(io.BytesIO(data)).convert("RGB")))
             browser.close()
     finally:
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=30)
+        process.communicate(timeout=PATIENCE)
     assert wrong == []
     assert np.all(np.array(seen) > ENOUGH), dict(zip(("chart", "space", "series"), seen, strict=True))

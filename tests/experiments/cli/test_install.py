@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.patience import PATIENCE
+
 pytestmark = pytest.mark.slow
 
 CHECKOUT = Path(__file__).parents[3]
@@ -21,7 +23,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pytest.importorskip("hatchling")
     made = tmp_path_factory.mktemp("wheel")
     build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(made)]
-    subprocess.run(build, cwd=CHECKOUT, check=True, capture_output=True, timeout=120)
+    subprocess.run(build, cwd=CHECKOUT, check=True, capture_output=True, timeout=PATIENCE)
     (found,) = made.glob("*.whl")
     return found
 
@@ -64,7 +66,7 @@ class Stranger:
     def _run(self, *words: str, cwd: Path | None = None) -> str:
         clean = {"PATH": os.environ["PATH"], "HOME": str(self.home), "PYTHONPATH": "."}
         done = subprocess.run(
-            words, cwd=cwd or self.home, env=clean, capture_output=True, text=True, timeout=600
+            words, cwd=cwd or self.home, env=clean, capture_output=True, text=True, timeout=PATIENCE
         )
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
@@ -77,7 +79,8 @@ def stranger(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Stranger:
 
 def test_the_wheel_holds_every_config(installed: Path) -> None:
     def files(folder: Path) -> set[str]:
-        return {str(path.relative_to(folder)) for path in folder.rglob("*.yaml")}
+        found = (path for path in folder.rglob("*") if path.is_file())
+        return {str(path.relative_to(folder)) for path in found}
 
     assert files(installed / "swamp_rl" / "configs") == files(CHECKOUT / "configs")
 
@@ -106,7 +109,7 @@ def test_an_installed_package_finds_its_configs_by_name(installed: Path, tmp_pat
         capture_output=True,
         text=True,
         check=True,
-        timeout=60,
+        timeout=PATIENCE,
     )
     assert Path(found.stdout.strip()) == installed / "swamp_rl" / "configs" / "boats" / "swamp.yaml"
 
@@ -133,6 +136,9 @@ def test_beside_a_strangers_packages_an_experiment_a_demo_and_a_diagnosis_run(st
     assert (stranger.home / "results" / "smoke" / "report.md").is_file()
     stranger.swamp_rl("demo", "results/smoke", "--html", "shown.html")
     assert (stranger.home / "shown.html").stat().st_size > 10_000
+    told = stranger.swamp_rl("demo", "--html", "shipped.html")
+    assert "1 scripted, 1 cloning, 1 reservoir, 1 line-of-sight; same start, same weather" in told
+    assert (stranger.home / "shipped.html").stat().st_size > 10_000
     stranger.swamp_rl("trial", "zig-zag", "--angle", "20", "--throttle", "0.6", "--out", "sea")
     told = stranger.swamp_rl("diagnose", "sea", "--boat", "swamp", "--out", "diagnosis")
     assert "\nverdict: " in told

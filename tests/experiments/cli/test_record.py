@@ -16,6 +16,7 @@ from websockets.sync.client import connect
 
 from swamp_rl.runs import read_dataset
 from tests.support.driving import aim
+from tests.support.patience import PATIENCE
 
 pytestmark = pytest.mark.slow
 
@@ -31,7 +32,7 @@ def started(folder: Path) -> Iterator[tuple["subprocess.Popen[str]", list[str], 
     )
     assert process.stdout is not None
     # A first start compiles, which takes a while.
-    guard = threading.Timer(150.0, process.kill)
+    guard = threading.Timer(PATIENCE, process.kill)
     guard.start()
     said = []
     try:
@@ -49,7 +50,7 @@ def started(folder: Path) -> Iterator[tuple["subprocess.Popen[str]", list[str], 
 
 def stopped(process: "subprocess.Popen[str]", how: signal.Signals) -> tuple[int, str]:
     process.send_signal(how)
-    out, _ = process.communicate(timeout=30)
+    out, _ = process.communicate(timeout=PATIENCE)
     return process.returncode, out
 
 
@@ -57,7 +58,7 @@ def drive_for_rows(host: str, table: Path, wanted: int, then: Callable[[], objec
     """Drive until so many rows are in the run's table, then do something while still connected."""
     with connect(f"ws://{host}/socket", origin=f"http://{host}") as socket:
         while not table.exists() or table.read_text().count("\n") <= wanted:
-            seen = json.loads(socket.recv(timeout=10))
+            seen = json.loads(socket.recv(timeout=PATIENCE))
             if seen["type"] != "frame":
                 continue
             assert seen["phase"] != "ended", seen["outcome"]
@@ -70,7 +71,7 @@ def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_inter
     folder = tmp_path / "runs"
     with started(folder) as (process, _, address):
         host = address.split("/")[2]
-        assert b"<canvas" in urllib.request.urlopen(address, timeout=10).read()
+        assert b"<canvas" in urllib.request.urlopen(address, timeout=PATIENCE).read()
         drive_for_rows(
             host, folder / "unfinished" / "run-0001.csv", 8, lambda: stopped(process, signal.SIGKILL)
         )

@@ -201,7 +201,9 @@ def test_tracks_of_the_datas_own_kind_are_once_as_far_and_copies_hardly_at_all()
         pose = np.array(tracks)
         n = len(pose)
         table = {"success": np.ones(n, bool), "seed": np.arange(n)}
-        rollout = Rollout(np.arange(n), np.full(n, 49), np.full(n, "success"), pose, pose[:, 1:, :2], pose)
+        rollout = Rollout(
+            np.arange(n), np.full(n, 49), np.full(n, "success"), pose, pose[:, 1:, :2], pose, np.zeros(n)
+        )
         flown = Flown({(named(20), "standard"): [(table, rollout)]}, [lesson], None, load_boat("swamp"))
         found = not_copied(Claims(pilot="x"), flown)
         return [float(np.exp(np.nanmean(one.values))) for one in found]

@@ -21,6 +21,7 @@ from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.settings import Settings
 from swamp_rl.unfinished import taken_up
+from tests.support.patience import PATIENCE
 from tests.support.tiny_experiment import content, write_tiny
 
 pytestmark = pytest.mark.slow
@@ -42,7 +43,7 @@ def test_killed_at_any_instant_and_begun_again_it_ends_with_the_same_result(
         env=os.environ | one_thread,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=PATIENCE,
     )
     assert done.returncode == 0, done.stderr
     assert int(done.stdout.splitlines()[-1]) > 2

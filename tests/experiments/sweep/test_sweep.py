@@ -24,6 +24,7 @@ from swamp_rl.experiments.sweep.store import Trial, opened
 
 from swamp_rl.errors import UserError
 from tests.support import sweeps as sweep_trials
+from tests.support.patience import PATIENCE
 from tests.support.sweep_crews import HereCrew, said, swept
 from tests.support.sweeps import DRAWN, sweep_of
 
@@ -95,14 +96,15 @@ def test_processes_take_up_what_failed_or_was_lost(dies: bool, tmp_path: Path) -
 def test_killed_at_any_moment_the_same_command_goes_on_and_loses_nothing(tmp_path: Path) -> None:
     asked = [sys.executable, "-m", "tests.support.sweeps", str(tmp_path)]
     kept: dict[int, Trial] = {}
+    chance = random.Random(1)
     for lines in (1, 3):
         with subprocess.Popen(asked, stdout=subprocess.PIPE, text=True) as running:
             assert running.stdout is not None
             heard = [int(running.stdout.readline()) for _ in range(lines)]
-            time.sleep(random.uniform(0.0, 0.3))
+            time.sleep(chance.uniform(0.0, 0.3))
             workers = psutil.Process(running.pid).children(recursive=True)
             running.kill()
-        assert psutil.wait_procs(workers, timeout=20)[1] == [], "workers outlive their sweep"
+        assert psutil.wait_procs(workers, timeout=PATIENCE)[1] == [], "workers outlive their sweep"
         if (tmp_path / "trials.sqlite").exists():
             with opened(tmp_path, sweep_of().model_dump(mode="json")) as store:
                 now = store.trials()

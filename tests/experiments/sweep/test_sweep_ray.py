@@ -14,6 +14,7 @@ from swamp_rl.experiments.sweep.run import run_sweep
 
 from swamp_rl.errors import UserError
 from tests.support import sweeps as sweep_trials
+from tests.support.patience import PATIENCE
 from tests.support.sweep_crews import HereCrew, said, swept
 from tests.support.sweeps import DRAWN, FORMULA, sweep_of
 
@@ -22,7 +23,6 @@ pytestmark = [
     pytest.mark.xdist_group("ray"),
 ]  # a cluster takes long to start: one for the whole module
 
-LONGEST = 240  # s: a cluster that hangs is a failure and no endless wait
 LOOPBACK_ONLY = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0", "RAY_USAGE_STATS_ENABLED": "0"}
 
 
@@ -38,7 +38,7 @@ def on_ray(tmp_path_factory: pytest.TempPathFactory) -> Path:
         asked, env=os.environ | LOOPBACK_ONLY, stderr=subprocess.PIPE, text=True
     ) as running:
         try:
-            _, error = running.communicate(timeout=LONGEST)
+            _, error = running.communicate(timeout=PATIENCE)
         finally:
             if running.poll() is None:
                 family = [psutil.Process(running.pid), *psutil.Process(running.pid).children(recursive=True)]
