@@ -1,4 +1,4 @@
-"""Write the measured tables of README.md and its picture from a folder of results and a benchmark's JSON.
+"""Write the tables of the main experiment and of the speed, and the picture of its tracks, into the documents.
 
 swamp-rl run configs/experiments/camogli.yaml
 swamp-rl bench --out bench.json
@@ -55,11 +55,12 @@ def speed_table(bench: dict[str, Any]) -> str:
 
 
 def main(folder: Path, bench: Path) -> None:
-    """Rewrite README.md in place."""
+    """Rewrite in place the tables of README.md, docs/experiments.md and docs/environment.md."""
     results = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     speed = json.loads(bench.read_text(encoding="utf-8"))
-    measured = f"{results_table(results)}\n\n{job_table(results)}"
-    write_parts(DOCS.parent / "README.md", {"results": measured, "speed": speed_table(speed)})
+    write_parts(DOCS.parent / "README.md", {"results": results_table(results)})
+    write_parts(DOCS / "experiments.md", {"job": job_table(results)})
+    write_parts(DOCS / "environment.md", {"speed": speed_table(speed)})
     shutil.copyfile(folder / "figures" / PICTURE, DOCS / PICTURE)
 
 
