@@ -1,4 +1,4 @@
-"""Write the tables of the main experiment and of the speed, and the picture of the tracks, into the documents.
+"""Write the tables of the main experiment and of speed, and the picture of the tracks, into the documents.
 
 swamp-rl run configs/experiments/camogli.yaml
 swamp-rl bench --out bench.json

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.evaluation.episodes import Tried
+from swamp_rl.experiments.evaluation.race import Race
 
 from swamp_rl.pilots.record import replayable
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, create_dataset
@@ -12,8 +13,8 @@ from swamp_rl.runs.writer import append_runs
 NOTES = "Driven in evaluation by the pilot of that name; each run tells its level and its disturbances."
 
 
-def write_driven(scene: Scene, tried: Tried, folder: Path) -> None:
-    """The runs of `tried.shown` as one dataset for each pilot, `folder`/PILOT."""
+def write_driven(scene: Scene, tried: Tried, race: Race, folder: Path) -> None:
+    """The runs of `tried.shown` and of the race as one dataset for each pilot, `folder`/PILOT."""
     drawn = {level: _drawn(scene, level) for level in scene.levels}
     for pilot, plan in scene.experiment.pilots.items():
         meta = DatasetMeta(
@@ -32,7 +33,7 @@ def write_driven(scene: Scene, tried: Tried, folder: Path) -> None:
             for run, disturbed in zip(tried.shown[pilot, level], drawn[level], strict=False):
                 told = run.meta.model_dump() | disturbed | {"pilot": pilot, "level": level}
                 runs.append(Run(run.name, run.columns, RunMeta.model_validate(told)))
-        append_runs(folder / pilot, runs)
+        append_runs(folder / pilot, runs + [run for who, run in race.items() if who == pilot])
 
 
 def _drawn(scene: Scene, level: str) -> list[dict[str, object]]:

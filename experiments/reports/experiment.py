@@ -150,8 +150,8 @@ def _commands(results: Results) -> str:
         rows.append([name, *(_number("command_change", change) for change in changes)])
     return (
         "## Commands\n\n"
-        f"Above, a run of the data ({data['source']}); below it, each learned pilot in one episode at the "
-        f"level `{results['race']['level']}`, the same for all.\n\n![Commands](figures/commands.png)\n\n"
+        f"Above, a run of the data ({data['source']}); below it, each learned pilot from the same "
+        "start and, where the run tells it, in the same weather.\n\n![Commands](figures/commands.png)\n\n"
         f"In the data the command changes by **{data['command_change']:.4f}** a step (throttle and angle "
         "together, each as a share of its range; 0 for a constant command). In the successful episodes it "
         "is:\n\n" + table(["pilot", *levels], rows)

@@ -11,8 +11,9 @@ from swamp_rl.experiments.config.digests import pilot_hash, write_hashes
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.evaluation.episodes import Tried, try_pilots
 from swamp_rl.experiments.evaluation.pilot_runs import write_driven
+from swamp_rl.experiments.evaluation.race import Race, fly_race
 from swamp_rl.experiments.reports.experiment import report
-from swamp_rl.experiments.reports.experiment_figures import choose_race, draw_figures, write_race
+from swamp_rl.experiments.reports.experiment_figures import draw_figures, write_race
 from swamp_rl.experiments.training.tracking import track_success
 from swamp_rl.experiments.training.train import get_data, train_pilots
 
@@ -32,22 +33,29 @@ def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any
         results["data"]["sha256"] = write_hashes(dataset.folder, folder)
         for name in pilots:
             results["pilots"][name]["sha256"] = pilot_hash(folder / "pilots" / name)
-    _show(scene, folder, dataset, tried, results, progress)
+    with progress.stage("race"):
+        race = fly_race(scene, dataset, pilots)
+    _show(scene, folder, dataset, tried, race, results, progress)
     results["measured"] = measured(progress)
     (folder / "report.md").write_text(report(results), encoding="utf-8")
     return results
 
 
 def _show(
-    scene: Scene, folder: Path, dataset: Dataset, tried: Tried, results: dict[str, Any], progress: Stages
+    scene: Scene,
+    folder: Path,
+    dataset: Dataset,
+    tried: Tried,
+    race: Race,
+    results: dict[str, Any],
+    progress: Stages,
 ) -> None:
     """Figures, recordings and the runs of the pilots, as far as an earlier life wrote any, anew."""
     for name in ("figures", "driven"):
         shutil.rmtree(folder / name, ignore_errors=True)
-    race = choose_race(scene, dataset, tried)
-    results["race"] = {"level": race.level, "runs": {who: run.name for who, run in race.runs.items()}}
+    results["race"] = {"runs": {who: run.name for who, run in race.items()}}
     with progress.stage("draw figures"):
         draw_figures(scene, dataset, tried, race, results, folder / "figures")
     with progress.stage("write recordings"):
         write_race(scene, race, folder / "demo.rrd")
-        write_driven(scene, tried, folder / "driven")
+        write_driven(scene, tried, race, folder / "driven")

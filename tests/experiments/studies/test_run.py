@@ -18,6 +18,7 @@ from swamp_rl.experiments.studies import main as main_job
 from swamp_rl.experiments.studies.run import run_experiment
 from swamp_rl.experiments.training import train as learn
 
+from swamp_rl.demo.conditions import conditions
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import drive
 from swamp_rl.pilots.store import load_pilot
@@ -231,3 +232,13 @@ def test_the_pilots_own_runs_are_kept_with_what_disturbed_them(folder: Path) -> 
     same_episode = read_dataset(folder / "driven" / "cloning").runs
     other = next(run for run in same_episode if run.name == "cloning-severe-0").meta
     assert (other.seed, other.disturbances) == (severe.seed, severe.disturbances)
+
+
+def test_the_race_puts_every_learned_pilot_in_the_start_and_weather_of_the_run_shown(folder: Path) -> None:
+    runs = json.loads((folder / "results.json").read_text())["race"]["runs"]
+    source = read_dataset(folder / "data")
+    shown = {run.name: run for run in source.runs}[runs.pop(source.meta.source)]
+    assert set(runs) == set(PILOTS) - {"scripted"}
+    for pilot, name in runs.items():
+        flown = {run.name: run for run in read_dataset(folder / "driven" / pilot).runs}[name]
+        assert conditions([shown, flown]).same
