@@ -7,14 +7,14 @@ from scipy.spatial import cKDTree
 from swamp_rl.experiments.config.scene import Scene
 
 from swamp_rl.pilots.arrays import Array
-from swamp_rl.pilots.demonstrations import by_a_teacher
+from swamp_rl.pilots.demonstrations import is_demonstration
 from swamp_rl.runs import Run
 
 
 def starts_outside(scene: Scene, runs: Sequence[Run]) -> float:
     """Share of the evaluation's starts that lie more than a boat's length from every row of `runs` that
     teaches."""
-    rows = np.concatenate([run.pose[by_a_teacher(run)] for run in runs])
+    rows = np.concatenate([run.pose[is_demonstration(run)] for run in runs])
     starts = np.concatenate([_starts(scene, level) for level in scene.levels.values()])
     distance, _ = cKDTree(rows[:, :2]).query(starts[:, :2])
     return float(np.mean(distance > scene.boat.length))

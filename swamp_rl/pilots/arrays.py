@@ -1,4 +1,4 @@
-"""What the pilots' arithmetic shares: the array type, the ends of the levers' ways, the wrap of an angle."""
+"""Arithmetic common to the pilots: array type, range of the levers, matrix product, wrapped angles."""
 
 from typing import Any
 
@@ -8,20 +8,20 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 
 LOWEST, HIGHEST = np.array([0.0, -1.0]), np.array([1.0, 1.0])
-"Ends of the levers' ways: throttle, angle [1]."
+"Range of the levers: throttle, angle [1]."
 
 
 ROWS = 8
-"Batches are filled up to a multiple of so many rows before a matrix multiplies them."
+"Batches are padded with zeros to a multiple of this many rows before a matrix product."
 
 
 def times(rows: Array, matrix: Array) -> Array:
-    """rows (n, d) by matrix (d, m), a row's result being the same bits whatever the others and their number.
+    """Multiply rows (n, d) by a matrix (d, m); the bits of a row do not depend on the other rows.
 
-    BLAS sums the rows at the ragged end of a batch in another order, so there is none: the last rows are
-    filled up with nought. In single precision its order depends on the place in a large batch as well, so it
-    gets few rows at a time. Measured with NumPy's OpenBLAS on x86_64
-    (`tests/evaluation/test_episodes_apart.py`); where another BLAS sums otherwise, levers agree to rounding.
+    BLAS sums the last rows of a batch that is no multiple of its block size in another order, so the batch is
+    padded with zeros. In single precision the order also depends on the position in a large batch, so it gets
+    ROWS rows at a time. Measured with NumPy's OpenBLAS on x86_64 (`tests/evaluation/test_episodes_apart.py`);
+    with a BLAS of other block sizes the levers agree to rounding.
     """
     n, (d, m) = len(rows), matrix.shape
     whole = np.ascontiguousarray(rows)
@@ -34,12 +34,11 @@ def times(rows: Array, matrix: Array) -> Array:
 
 
 def wrap(angle: Array) -> Array:
-    """The angle [rad], any shape, brought into [-pi, pi)."""
+    """Wrap an angle [rad] of any shape to [-pi, pi)."""
     return np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
 
 
 def levers_of(actions: Array) -> Array:
-    """Levers (..., 2) from actions in [-1, 1], which reach over the whole way of each; what is beyond stops
-    at the end."""
+    """Map actions in [-1, 1] to levers (..., 2) over their whole range; actions beyond are clipped."""
     middle, reach = 0.5 * (HIGHEST + LOWEST), 0.5 * (HIGHEST - LOWEST)
     return middle + reach * np.clip(actions, -1.0, 1.0)

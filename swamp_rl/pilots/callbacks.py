@@ -1,9 +1,9 @@
-"""What a training reports to while it runs."""
+"""Callbacks of a training."""
 
 from collections.abc import Callable, Mapping
 
 Tick = Callable[[float], None]
-"""Told how much of the stage's total is done so far."""
+"""Called with the share done, from 0 to 1."""
 
 Log = Callable[[int, Mapping[str, float]], None]
-"""Told points of the learning curve: decisions, epochs or rounds done, and what was measured then."""
+"""Called with points of the learning curve: actions, epochs or rounds done, and the measured values."""

@@ -1,4 +1,4 @@
-"""Boats that pay more for what they touch than they otherwise would; imported only by who trains with SB3."""
+"""A wrapper that adds a penalty for failed episodes; imported only for training by stable-baselines3."""
 
 from typing import Any
 
@@ -9,8 +9,7 @@ from swamp_rl.pilots.arrays import Array
 
 
 class CautiousBoats(VecEnvWrapper):
-    """A VecEnv that takes `caution` from the reward of an episode's last step, unless it ended with success
-    or by the clock, which no observation shows."""
+    """A VecEnv that subtracts `caution` from the last reward of episodes that fail before the time limit."""
 
     def __init__(self, boats: VecEnv, caution: float) -> None:
         super().__init__(boats)
@@ -21,7 +20,7 @@ class CautiousBoats(VecEnvWrapper):
         return self.venv.reset()
 
     def step_wait(self) -> tuple[Any, Array, Array, list[dict[str, Any]]]:
-        """As of the boats, but for the rewards (n,)."""
+        """As of the boats, with the penalty in the rewards (n,)."""
         seen, rewards, dones, infos = self.venv.step_wait()
         for i in np.flatnonzero(dones):
             if infos[i]["outcome"] != "success" and not infos[i]["TimeLimit.truncated"]:

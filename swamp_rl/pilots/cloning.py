@@ -1,4 +1,4 @@
-"""Behaviour cloning: a small network learns by regression what the logged pilots did where they were."""
+"""Behaviour cloning: regression of the logged levers on the observations by a small network."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -18,10 +18,10 @@ from swamp_rl.runs import Run
 
 
 class CloningSettings(RegressionSettings):
-    """What is sensed, how large the network is and how it is trained.
+    """Settings of behaviour cloning.
 
-    The defaults were chosen on episodes from seed 1000000 on, which the main job does not evaluate. A clone
-    that senses surge and sway as well does worse: from the motion it learns what the levers have just done.
+    The defaults were chosen on episodes of seeds from 1,000,000 on, which no experiment evaluates. With surge
+    and sway as observations a clone performs worse: it infers the previous action from them.
     """
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, "yaw_rate", *NEXT_GATE)
@@ -37,32 +37,34 @@ def fit_cloning(
     checkpoint: Path | None = None,
     log: Log = lambda epoch, values: None,
 ) -> NetworkPilot:
-    """A pilot regressed on `runs`; the same seed gives the same pilot on the same machine.
+    """Return a pilot fitted to `runs`; the same seed gives the same pilot on the same machine.
 
-    Where pilots at the same place held a lever hard over to either side, the clone holds it in between.
+    The fit is to the conditional mean: where drivers held a lever at either end, the clone holds its mean.
     `tick`, `checkpoint`, `log`: see `train_by_epochs`. UserError where a run lacks a column; those of the
-    next gate are put there by `swamp_rl.envs.hindsight.with_gates`.
+    next gate are added by `swamp_rl.envs.hindsight.with_gates`.
     """
     import torch
 
     settings = settings or CloningSettings()
-    seen, levers, taught = (
+    observations, levers, demonstrated = (
         np.concatenate(parts) for parts in examples(runs, settings.senses, settings.reaction)
     )
-    seen, levers = seen[taught], levers[taught]
-    mean, scale = seen.mean(axis=0), np.maximum(seen.std(axis=0), 1e-6)
-    inputs = torch.tensor((seen - mean) / scale, dtype=torch.float32)
+    observations, levers = observations[demonstrated], levers[demonstrated]
+    mean, scale = observations.mean(axis=0), np.maximum(observations.std(axis=0), 1e-6)
+    inputs = torch.tensor((observations - mean) / scale, dtype=torch.float32)
     targets = torch.tensor(levers, dtype=torch.float32)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(settings.seed)
         network = _network((len(settings.senses), *settings.hidden, 2))
 
-    def losses(chance: Any) -> Iterator[Any]:
-        for batch in torch.randperm(len(inputs), generator=chance).split(settings.batch_size):
-            noise = settings.noise * torch.randn(inputs[batch].shape, generator=chance)
+    def losses(generator: Any) -> Iterator[Any]:
+        for batch in torch.randperm(len(inputs), generator=generator).split(settings.batch_size):
+            noise = settings.noise * torch.randn(inputs[batch].shape, generator=generator)
             yield torch.nn.functional.mse_loss(network(inputs[batch] + noise), targets[batch])
 
-    train_by_epochs(network, losses, settings, task_of(settings, (seen, levers)), tick, checkpoint, log)
+    train_by_epochs(
+        network, losses, settings, task_of(settings, (observations, levers)), tick, checkpoint, log
+    )
     return NetworkPilot("cloning", settings.senses, {"mean": mean, "scale": scale, **layers_of(network)})
 
 

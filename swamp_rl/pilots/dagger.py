@@ -1,7 +1,7 @@
-"""DAgger (Ross, Gordon and Bagnell 2011): the learner drives, an expert says what it would have done there.
+"""DAgger (Ross, Gordon and Bagnell 2011): the learner drives, an expert labels the states it visits.
 
-Logged runs never show what to do where only a learner's mistakes lead. Each round adds runs that the learner
-drove itself, with the expert's levers in place of its own, and learns anew from all.
+Logged runs do not cover the states that a learner's errors lead to. Each round adds runs that the learner
+drives and the expert labels, and the learner is fitted again to all.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ from swamp_rl.pilots.settings import Many, Seed, Settings
 from swamp_rl.runs import Run
 
 STEADY = Habits(messy=0.0, gentle=0.0, guess_interval=1e6, hesitation_interval=1e6)
-"The scripted pilots' reactions, aims and dead bands without their slips, as of one who looks on at leisure."
+"The scripted pilot's reactions, aims and dead bands without slips."
 OwnSeed = Annotated[int, Field(ge=0, lt=2**32, exclude=True)]
 
 
@@ -58,19 +58,19 @@ Learner = ReservoirLearner | CloningLearner | GRULearner
 
 
 class DaggerSettings(Settings):
-    """What learns, in how many rounds, and who corrects it."""
+    """Settings of DAgger: learner, rounds and expert."""
 
     learner: Annotated[Learner, Field(discriminator="kind")] = ReservoirLearner()
     rounds: Many = 5
     runs: Annotated[int, Field(ge=1, le=1_000)] = 2
-    "Driven by the learner in each round, and corrected from start to end."
+    "Runs that the learner drives and the expert labels in each round."
     expert: Habits = STEADY
-    "Of the scripted pilots that correct, one for each run."
+    "Habits of the scripted pilots that label, one for each run."
     trials: Annotated[int, Field(ge=0, le=100_000)] = 200
-    """Episodes that the learner of each round drives alone: the one that succeeds in most is kept (of equals
-    the later). With none, the last."""
+    """Validation episodes of each round: the learner with most successes is returned (the later of equals);
+    with 0 episodes the last one."""
     seed: Seed = 0
-    "Of the rounds and of the learner."
+    "Seed of the rounds and of the learner."
 
     @field_validator("learner")
     @classmethod
@@ -92,21 +92,21 @@ def fit_dagger(
     log: Log = lambda number, values: None,
     checkpoint: Path | None = None,
 ) -> Pilot:
-    """A pilot that learned from the logged runs `first`, then from what it was corrected in.
+    """Return a pilot fitted to the logged runs `first` and to the labelled runs of each round.
 
-    make_boats: builds boats of `vehicle` that start anew a step after their end, disturbed as in the rounds;
-    look: adds to a run the columns that are sensed and not logged (`envs.hindsight.with_gates`). `tick` hears
-    the share done; `log`, after each round (0: before the first), how many runs were learned from and, where
-    there are trials, the learner's share of successes, those of an earlier life too. checkpoint: the file
-    that each round is kept in, and gone on from if it is of the same settings and first runs; beside it the
-    learner's own is kept within a round. UserError where a run lacks a column or the checkpoint is damaged.
+    make_boats: builds boats of `vehicle` that reset a step after their end, disturbed as in the rounds; look:
+    adds to a run the columns that are observed and not logged (`envs.hindsight.with_gates`). `tick` is called
+    with the share done; `log` after each round (0: before the first) with the number of runs fitted to and,
+    with validation episodes, the share of successes, including rounds before a resumption. checkpoint: a file
+    written after each round and resumed from if it has the same settings and first runs; the learner's own
+    checkpoint is beside it. UserError where a run lacks a column or the checkpoint is damaged.
     """
     settings = settings or DaggerSettings()
     task = task_of(settings, (column for run in first for column in run.columns.values()))
     rounds = Rounds() if checkpoint is None else load_rounds(checkpoint, task)
     within = None if checkpoint is None else checkpoint.with_name(f"{checkpoint.name}-round")
     rng = np.random.default_rng(settings.seed)
-    # All seeds are above any of an evaluation, so that no pilot is tried on what it learned from.
+    # All seeds are larger than any of an evaluation, so that no pilot is evaluated on its training data.
     trials = rng.integers(2**31, 2**32, settings.trials)
     drawn = [(rng.integers(2**32), rng.integers(2**31, 2**32, settings.runs)) for _ in range(settings.rounds)]
     for number in range(settings.rounds + 1):
@@ -137,7 +137,7 @@ def _learn(
     trials: Array,
     within: Path | None,
 ) -> None:
-    """One round's learner from all `runs`, tried in the episodes `trials` (n,)."""
+    """Fit one round's learner to all `runs` and evaluate it in the episodes `trials` (n,)."""
     rounds.learner = fit(runs, settings, within)
     success = succeeded(rounds.learner, make_boats, trials)
     if rounds.best is None or success >= max(rounds.successes):
@@ -146,12 +146,12 @@ def _learn(
 
 
 def _plain(run: Run) -> Run:
-    """The run as a file gives it back: a function of a strided column may differ in its last bit."""
+    """Return the run with contiguous columns, as read from a file: strided sums may differ in a last bit."""
     return Run(run.name, {name: np.ascontiguousarray(c) for name, c in run.columns.items()}, run.meta)
 
 
 def succeeded(pilot: Pilot, make_boats: MakeBoats, seeds: Array) -> int:
-    """In how many of the episodes of `seeds` (n,) the pilot succeeds."""
+    """Return the number of the episodes of `seeds` (n,) in which the pilot succeeds."""
     if len(seeds) == 0:
         return 0
     boats = make_boats(len(seeds), pilot.senses)
@@ -172,7 +172,7 @@ def succeeded(pilot: Pilot, make_boats: MakeBoats, seeds: Array) -> int:
 def fit(
     runs: Sequence[Run], settings: DaggerSettings, checkpoint: Path | None = None
 ) -> ReservoirPilot | NetworkPilot | GRUPilot:
-    """The learner as it comes out of these runs, and as it would come back from a file, bit for bit.
+    """Return the learner fitted to these runs, with the same bits as when read from a file.
 
     checkpoint: of the learner, where its kind has one.
     """
@@ -189,7 +189,7 @@ def fit(
 
 
 class Watched:
-    """A pilot drives while another, who sees the same, says what it would do."""
+    """A pilot that drives while an expert labels the same observations."""
 
     def __init__(self, driver: Pilot, expert: Pilot) -> None:
         self.driver, self.expert = driver, expert
@@ -197,26 +197,26 @@ class Watched:
         self._of_driver, self._of_expert = (
             [self.senses.index(name) for name in pilot.senses] for pilot in (driver, expert)
         )
-        self.said: list[Array] = []
-        "(n, 2) levers of the expert, each step."
+        self.labels: list[Array] = []
+        "Levers (n, 2) of the expert at each step."
 
     def reset(self, n: int) -> None:
-        """Begin with n boats."""
+        """Set the number of boats to n."""
         self.driver.reset(n)
         self.expert.reset(n)
-        self.said = []
+        self.labels = []
 
     def act(self, observation: Array) -> Array:
-        """The driver's levers (n, 2) from the observation (n, d)."""
-        self.said.append(self.expert.act(observation[:, self._of_expert]))
+        """Return the driver's levers (n, 2) for observations (n, d)."""
+        self.labels.append(self.expert.act(observation[:, self._of_expert]))
         return self.driver.act(observation[:, self._of_driver])
 
 
 def corrected_runs(
     driver: Pilot, expert: Pilot, make_boats: MakeBoats, vehicle: Boat, seeds: Array, step: float
 ) -> list[Run]:
-    """An episode for each of `seeds` (n,) as `driver` drove it, in `joy_thrust` and `joy_angle` the levers
-    of `expert`: nothing to be replayed from."""
+    """Return an episode of `driver` for each of `seeds` (n,), with the levers of `expert` in `joy_thrust` and
+    `joy_angle`; the runs cannot be replayed from these."""
     watched = Watched(driver, expert)
     boats = make_boats(len(seeds), watched.senses)
     watched.reset(len(seeds))
@@ -224,11 +224,11 @@ def corrected_runs(
         driven = drive_episodes(boats, watched, vehicle, seeds, step)
     finally:
         boats.close()
-    said = np.array(watched.said)
+    labels = np.array(watched.labels)
     runs = []
     for i, run in enumerate(driven):
         # The last row, where nothing more was decided, keeps the levers before it.
-        thrust, angle = said[np.minimum(np.arange(len(run.time)), len(run.time) - 2), i].T
+        thrust, angle = labels[np.minimum(np.arange(len(run.time)), len(run.time) - 2), i].T
         driven_by = {name: last_action(run, name) for name in LAST}  # by the driver, who is not the expert
         levers = {"joy_thrust": thrust, "joy_angle": angle}
         runs.append(Run(run.name, {**run.columns, **driven_by, **levers}, run.meta))

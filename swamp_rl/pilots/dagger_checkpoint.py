@@ -1,4 +1,4 @@
-"""The rounds of a DAgger on the disk, in one file without pickle: tensors, and JSON in its header."""
+"""Checkpoint of DAgger's rounds: a safetensors file with JSON in its header."""
 
 import json
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
 
 @dataclass
 class Rounds:
-    """What the rounds so far have come to."""
+    """Results of the rounds done."""
 
     corrected: list[Run] = field(default_factory=list)
     successes: list[int] = field(default_factory=list)
@@ -29,7 +29,7 @@ class Rounds:
 
 
 def save_rounds(path: Path, rounds: Rounds, task: str) -> None:
-    """Replace the checkpoint `path`, whole or not at all; UserError where it cannot be written."""
+    """Replace the checkpoint `path` atomically; UserError where it cannot be written."""
     from safetensors.numpy import save
 
     tensors: dict[str, Array] = {}
@@ -67,20 +67,20 @@ def load_rounds(path: Path, task: str) -> Rounds:
         if said["task"] != task:
             return Rounds()
         runs = []
-        for i, told in enumerate(said["runs"]):
-            columns = {name: tensors[f"run {i}/{name}"] for name in told["columns"]}
-            runs.append(Run(told["name"], columns, RunMeta.model_validate(told["meta"])))
+        for i, entry in enumerate(said["runs"]):
+            columns = {name: tensors[f"run {i}/{name}"] for name in entry["columns"]}
+            runs.append(Run(entry["name"], columns, RunMeta.model_validate(entry["meta"])))
         learner, best = (_pilot(role, said["pilots"][role], tensors) for role in ("learner", "best"))
         return Rounds(runs, said["successes"], learner, best)
     except (OSError, SafetensorError, LookupError, TypeError, AttributeError, ValueError) as error:
         raise UserError(f"{path}: is no checkpoint of DAgger's rounds ({error}); remove it") from error
 
 
-def _pilot(role: str, told: dict[str, Any], tensors: dict[str, Array]) -> Pilot:
+def _pilot(role: str, entry: dict[str, Any], tensors: dict[str, Array]) -> Pilot:
     from swamp_rl.pilots.store import KINDS
 
     own = {
         name.removeprefix(f"{role}/"): value for name, value in tensors.items() if name.startswith(f"{role}/")
     }
-    pilot: Pilot = KINDS[told["kind"]].build(told["settings"], own)
+    pilot: Pilot = KINDS[entry["kind"]].build(entry["settings"], own)
     return pilot

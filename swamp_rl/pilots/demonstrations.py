@@ -1,4 +1,4 @@
-"""Logged runs as examples to learn from: what the pilot could see, and what the levers then did."""
+"""Logged runs as demonstrations: observations and the levers that followed."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -16,9 +16,9 @@ NEXT_GATE = (*GATE, "gates_passed")
 LAST = {"last_throttle": "joy_thrust", "last_angle": "joy_angle"}
 "The action of the row before, by the column that holds those of all rows."
 LOGGED = (*POSE, *MOTION, *NEXT_GATE, *LAST)
-"What every log on a course can tell."
+"Observations that every log on a course provides."
 PERSON = 0.0
-"The person at the helm, in the column `driver` of runs with a pilot aboard."
+"Value of the column `driver` where a person has the helm, in runs with a pilot on board."
 
 
 def choose_runs(
@@ -27,9 +27,9 @@ def choose_runs(
     outcomes: Sequence[str] = ("success",),
     skill: str | None = None,
 ) -> list[Run]:
-    """The first `count` runs (None: all) that ended in one of `outcomes`, of a driver of that skill if given.
+    """Return the first `count` runs (None: all) with one of `outcomes`, of a driver of that skill if given.
 
-    UserError where there are none, or fewer than `count`.
+    UserError where there are none or fewer than `count`.
     """
     if skill is not None:
         runs = [run for run in runs if (run.meta.model_extra or {}).get("skill") == skill]
@@ -47,58 +47,60 @@ def choose_runs(
 
 
 def observed(run: Run, senses: Sequence[str]) -> Array:
-    """(T, d) the named observations, as far as a run's columns hold them; UserError for one they do not."""
+    """Return the named observations (T, d) of a run; UserError for one that its columns do not provide."""
     derived: dict[str, Callable[[], Array]] = {
         "cos_heading": lambda: np.cos(run.columns["heading"]),
         "sin_heading": lambda: np.sin(run.columns["heading"]),
         **{name: partial(last_action, run, name) for name in LAST},
     }
-    told = [name in run.columns or name not in derived for name in senses]
-    columns = [run.stacked((n,))[:, 0] if own else derived[n]() for n, own in zip(senses, told, strict=True)]
+    logged = [name in run.columns or name not in derived for name in senses]
+    columns = [
+        run.stacked((n,))[:, 0] if own else derived[n]() for n, own in zip(senses, logged, strict=True)
+    ]
     return np.column_stack(columns)
 
 
 def last_action(run: Run, name: str) -> Array:
-    """(T,) what one of LAST was at each row: the lever of the row before, 0 at the first."""
+    """Return one of LAST (T,): the lever of the row before, 0 at the first."""
     return np.concatenate([[0.0], run.columns[LAST[name]][:-1]])
 
 
 def refuse_unlogged(senses: Sequence[str], columns: Sequence[str] = ()) -> None:
-    """UserError for the first of `senses` that runs with these further columns do not tell."""
+    """Raise UserError for the first of `senses` that is neither logged nor one of `columns`."""
     for name in senses:
         if name not in LOGGED and name not in columns:
             raise UserError(
-                f"the runs do not tell {name}, which is learned from them; leave it out, or learn from runs "
-                f"that have a column of that name (all tell {', '.join(LOGGED)})"
+                f"the runs have no {name}, which the pilot observes; leave it out, or use runs with a column "
+                f"of that name (all have {', '.join(LOGGED)})"
             )
 
 
 def examples(
     runs: Sequence[Run], senses: Sequence[str], reaction: float = 0.0
 ) -> tuple[list[Array], list[Array], list[Array]]:
-    """Per run the observations (T, d), the levers (T, 2) `reaction` [s] later, as far as the run goes, and
-    whether those were a teacher's (T,).
+    """Return for each run the observations (T, d), the levers (T, 2) `reaction` [s] later and whether these
+    are demonstrations (T,).
 
-    UserError where a run lacks a column, or ends before anyone could react, or where nobody taught.
+    UserError where a run lacks a column or is shorter than the reaction, or no row is a demonstration.
     """
-    seen, levers, taught = [], [], []
+    observations, levers, demonstrated = [], [], []
     for run in runs:
         late = round(reaction * (len(run.time) - 1) / run.duration) if reaction > 0.0 else 0
         rows = len(run.time) - late
         if rows < 1:
             raise UserError(f"{run.name}: lasts {run.duration:g} s, less than the reaction of {reaction:g} s")
-        seen.append(observed(run, senses)[:rows])
+        observations.append(observed(run, senses)[:rows])
         levers.append(run.joypad[late:])
-        taught.append(by_a_teacher(run)[late:])
-    if not any(rows.any() for rows in taught):
+        demonstrated.append(is_demonstration(run)[late:])
+    if not any(rows.any() for rows in demonstrated):
         raise UserError(f"none of {len(runs)} runs has a row that a person drove; record some by hand")
-    return seen, levers, taught
+    return observations, levers, demonstrated
 
 
-def by_a_teacher(run: Run) -> Array:
-    """(T,) whether each row's levers are to be learned from.
+def is_demonstration(run: Run) -> Array:
+    """Return whether each row's levers are a demonstration (T,).
 
-    Where a pilot was aboard, only those of the person who corrected it are; its own would teach its faults.
+    With a pilot on board only the rows in which a person corrected it are.
     """
     if "driver" not in run.columns:
         return np.ones(len(run.time), dtype=bool)

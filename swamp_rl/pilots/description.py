@@ -1,4 +1,4 @@
-"""`pilot.json`: what a stored pilot is, sealed so that a changed byte of it or of its weights is told."""
+"""`pilot.json`, the description of a stored pilot, with checksums of itself and of the weights."""
 
 import hashlib
 import json
@@ -25,9 +25,9 @@ class Part(BaseModel):
 
 
 class FittedOn(Part):
-    """The runs that a pilot learned from.
+    """The runs that a pilot was trained on.
 
-    dataset: SHA-256 over the lines that `sha256sum` prints of its files; source: who drove, as it says.
+    dataset: SHA-256 over the lines that `sha256sum` prints of its files; source: its `source`.
     """
 
     dataset: Sha256
@@ -36,7 +36,7 @@ class FittedOn(Part):
 
 
 class Made(Part):
-    """What a pilot was made with and for.
+    """Package, boat, course and step that a pilot was made for.
 
     package: name and version; boat, course: their names; boat_sha256: `swamp_rl.boat.digest.boat_digest` of
     the boat; step: time between decisions [s].

@@ -28,7 +28,7 @@ class GRUSettings(RegressionSettings):
 
 
 class GRUPilot:
-    """One unit for all boats, with a memory (n, units) that is nought where a boat starts its run."""
+    """One network for all boats, with a state (n, units) that is zero at the start of a run."""
 
     kind: ClassVar[str] = "gru"
 
@@ -48,26 +48,26 @@ class GRUPilot:
         self.reset(0)
 
     def reset(self, n: int) -> None:
-        """Begin with n boats that remember nothing."""
+        """Set the number of boats to n and all states to zero."""
         self.memory = np.zeros((n, len(self._weights["Wout"])), dtype=np.float32)
 
     def reset_boats(self, mask: Array) -> None:
-        """The boats of `mask` (n,) forget."""
+        """Set the states of the boats of `mask` (n,) to zero."""
         self.memory[np.asarray(mask, dtype=bool)] = 0.0
 
     def keep(self, boats: Array) -> None:
-        """Go on with the boats of the places `boats` (m,) alone."""
+        """Keep only the boats with the indices `boats` (m,)."""
         self.memory = self.memory[boats]
 
     def act(self, observation: Array) -> Array:
-        """Levers (n, 2) from the observation (n, d); advances the memories by one step."""
+        """Levers (n, 2) from the observation (n, d); advances the states by one step."""
         w, h = self._weights, self.memory.shape[1]
         x = np.clip((observation - w["mean"]) / w["scale"], -REACH, REACH).astype(np.float32)
-        heard = times(x, w["input"]) + w["input_bias"]
-        recalled = times(self.memory, w["recurrent"]) + w["recurrent_bias"]
-        gates = _sigmoid(heard[:, : 2 * h] + recalled[:, : 2 * h])
+        driven = times(x, w["input"]) + w["input_bias"]
+        recurrent = times(self.memory, w["recurrent"]) + w["recurrent_bias"]
+        gates = _sigmoid(driven[:, : 2 * h] + recurrent[:, : 2 * h])
         reset, update = gates[:, :h], gates[:, h:]
-        candidate = np.tanh(heard[:, 2 * h :] + reset * recalled[:, 2 * h :])
+        candidate = np.tanh(driven[:, 2 * h :] + reset * recurrent[:, 2 * h :])
         self.memory = candidate + update * (self.memory - candidate)
         levers = (times(self.memory, w["Wout"]) + w["out"]).astype(np.float64)
         return np.clip(levers, LOWEST, HIGHEST)
@@ -77,7 +77,7 @@ class GRUPilot:
         return {"senses": list(self.senses)}
 
     def weights(self) -> dict[str, Array]:
-        """As given at first."""
+        """Return the weights, as given to the constructor."""
         return self._weights
 
     @classmethod
@@ -97,17 +97,17 @@ def fit_gru(
     checkpoint: Path | None = None,
     log: Log = lambda epoch, values: None,
 ) -> GRUPilot:
-    """A pilot regressed on whole `runs`, its memory empty at each start; otherwise as `fit_cloning`."""
+    """Return a pilot fitted to whole `runs`, its state zero at each start; otherwise as `fit_cloning`."""
     import torch
 
     settings = settings or GRUSettings()
-    seen, levers, taught = examples(runs, settings.senses, settings.reaction)
-    everything = np.concatenate(seen)
+    observations, levers, demonstrated = examples(runs, settings.senses, settings.reaction)
+    everything = np.concatenate(observations)
     mean, scale = everything.mean(axis=0), np.maximum(everything.std(axis=0), 1e-6)
-    # A row that nobody taught, or beyond a run's end, is of no weight.
-    inputs, targets, weighs = (
+    # Rows that are no demonstration, or beyond a run's end, have weight zero.
+    inputs, targets, row_weights = (
         torch.nn.utils.rnn.pad_sequence([torch.tensor(x).float() for x in parts], batch_first=True)
-        for parts in ([(x - mean) / scale for x in seen], levers, taught)
+        for parts in ([(x - mean) / scale for x in observations], levers, demonstrated)
     )
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(settings.seed)
@@ -119,9 +119,11 @@ def fit_gru(
         for batch in torch.randperm(len(inputs), generator=chance).split(settings.batch_size):
             noise = settings.noise * torch.randn(inputs[batch].shape, generator=chance)
             error = readout(memory(inputs[batch] + noise)[0]) - targets[batch]
-            yield (error.square().mean(dim=2) * weighs[batch]).sum() / weighs[batch].sum().clamp(min=1.0)
+            yield (error.square().mean(dim=2) * row_weights[batch]).sum() / row_weights[batch].sum().clamp(
+                min=1.0
+            )
 
-    task = task_of(settings, (everything, *levers, *taught))
+    task = task_of(settings, (everything, *levers, *demonstrated))
     train_by_epochs(network, losses, settings, task, tick, checkpoint, log)
     return GRUPilot(settings.senses, {"mean": mean, "scale": scale, **_arrays(memory, readout)})
 

@@ -1,7 +1,7 @@
-"""Trainings by trial in legs, each kept in one file without pickle: tensors, and JSON in its header.
+"""Reinforcement learning in legs, with a checkpoint after each: a safetensors file with JSON in its header.
 
-A leg starts all boats anew, with random numbers from the seed and the number of the leg alone: so a life that
-goes on from a checkpoint needs nothing of the boats, and ends with the same bits as one that was not broken.
+A leg resets all boats and seeds its random numbers from the training's seed and the leg's number alone. A
+resumed training therefore needs no state of the boats and ends with the same bits as an uninterrupted one.
 """
 
 import json
@@ -26,30 +26,30 @@ from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
 
 FORMAT = "1"
 FIRST_EPISODE = 2**31
-"Seeds of episodes to learn from begin here; those of experiments, which evaluate, end below."
+"Seeds of training episodes start here; those of evaluation are smaller."
 
 
 class ReinforcementSettings(Settings):
-    """What reinforcement learning has whatever the algorithm."""
+    """Settings common to all algorithms of reinforcement learning."""
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, *MOTION, *NEXT_GATE)
     hidden: Layers = (64, 64)
     hold: Many = 6
-    "Steps of the boat for which a decision is held, in training and after."
+    "Environment steps for which an action is held, in training and in evaluation."
     boats: Many
     decisions: Count
-    "Of all boats together."
+    "Total number of actions, over all boats."
     discount: Share = 0.98
-    "For each decision."
+    "Discount factor per action."
     leg: Count
-    """Between two checkpoints. Each leg starts all boats anew, with random numbers of its own, so it must
-    last longer than episodes do."""
+    """Length of a leg, between two checkpoints. Each leg resets all boats, so it must be longer than an
+    episode."""
     seed: Seed = 0
 
 
 @dataclass
 class Progress:
-    """How far a training is. curve: what each leg told, with the `step` it had reached, in decisions."""
+    """State of a training. curve: the means of each leg with the `step` reached, in actions."""
 
     settings: dict[str, Any]
     legs: int = 0
@@ -60,23 +60,23 @@ class Progress:
 
 @dataclass(frozen=True)
 class Legs:
-    """What is done in a leg and kept of it. learner: of stable-baselines3, with `num_timesteps`."""
+    """The functions of a training in legs. learner: of stable-baselines3, with `num_timesteps`."""
 
     learner: Any
     drive: Callable[[int], dict[str, float]]
-    "The leg of that number; what it tells, nothing where no episode ended."
+    "Run the leg of that number; return its means, empty where no episode ended."
     tensors: Callable[[], Mapping[str, Array]]
-    "All that a later leg needs."
+    "Return the state that the next leg needs."
     restore: Callable[[dict[str, Array]], None]
-    "Put it back; KeyError, ValueError or RuntimeError where it does not fit."
+    "Restore that state; KeyError, ValueError or RuntimeError where it does not fit."
 
 
 def train_in_legs(
     legs: Legs, settings: dict[str, Any], decisions: int, log: Log, checkpoint: Path | None
 ) -> None:
-    """Leg after leg, from the last checkpoint on. What was logged before it is logged again.
+    """Train leg by leg from the last checkpoint. What was logged before it is logged again.
 
-    UserError for a checkpoint that is damaged or of other settings.
+    UserError for a damaged checkpoint or one of other settings.
     """
     progress = Progress(settings)
     if checkpoint is not None:
@@ -101,42 +101,43 @@ def train_in_legs(
 def drive_leg(
     learner: Any, settings: ReinforcementSettings, leg: int, decisions: int, tick: Tick
 ) -> dict[str, float]:
-    """Learn from so many decisions of all boats; success, return and number of the episodes that ended.
+    """Train for `decisions` actions of all boats; return success, return and number of the episodes ended.
 
-    Boats and random numbers depend on the seed and the number of the leg alone. tick: told the share done.
+    Episodes and random numbers depend on the seed and the number of the leg alone. tick: called with the
+    share done.
     """
     from stable_baselines3.common.callbacks import ConvertCallback
 
     _begin_leg(learner, settings.seed, leg)
     tally = Tally(settings.boats)
 
-    def hear(known: dict[str, Any], _: dict[str, Any]) -> bool:
+    def record(known: dict[str, Any], _: dict[str, Any]) -> bool:
         tally.add(learner.env.get_original_reward(), known["dones"], known["infos"])
         tick(min(1.0, learner.num_timesteps / settings.decisions))
         return True
 
-    learner.learn(decisions, ConvertCallback(hear), reset_num_timesteps=False)
+    learner.learn(decisions, ConvertCallback(record), reset_num_timesteps=False)
     return tally.means()
 
 
 def _begin_leg(learner: Any, seed: int, leg: int) -> None:
-    """Random numbers and episodes that depend on the seed and the number of the leg alone."""
+    """Seed random numbers and episodes from the training's seed and the number of the leg alone."""
     from stable_baselines3.common.utils import set_random_seed
 
-    chance, episodes = np.random.SeedSequence([seed, leg]).generate_state(2).tolist()
-    set_random_seed(chance)
-    learner.action_space.seed(chance)
+    numbers, episodes = np.random.SeedSequence([seed, leg]).generate_state(2).tolist()
+    set_random_seed(numbers)
+    learner.action_space.seed(numbers)
     learner.env.seed(FIRST_EPISODE + episodes % FIRST_EPISODE)
-    learner._last_obs = None  # so that `learn` starts the boats anew
+    learner._last_obs = None  # `learn` then resets the boats
 
 
 def scaling_of(scaled: Any) -> dict[str, Array]:
-    """`mean` and `scale` (d,) of the observations, as a VecNormalize has learned them."""
+    """Return `mean` and `scale` (d,) of the observations from a VecNormalize."""
     return {"mean": scaled.obs_rms.mean, "scale": np.sqrt(scaled.obs_rms.var + scaled.epsilon)}
 
 
-def moments(owner: str, optimiser: Any) -> dict[str, Array]:
-    """The state of a torch optimiser, by names that begin with `owner`."""
+def optimiser_state(owner: str, optimiser: Any) -> dict[str, Array]:
+    """Return the state of a torch optimiser, by names that begin with `owner`."""
     return {
         f"{owner}.{i}.{name}": value.numpy()
         for i, known in optimiser.state_dict()["state"].items()
@@ -144,8 +145,8 @@ def moments(owner: str, optimiser: Any) -> dict[str, Array]:
     }
 
 
-def put_moments(owner: str, optimiser: Any, tensors: Mapping[str, Array]) -> None:
-    """Bring a torch optimiser to what `moments` told."""
+def load_optimiser_state(owner: str, optimiser: Any, tensors: Mapping[str, Array]) -> None:
+    """Load the state that `optimiser_state` returned into a torch optimiser."""
     import torch
 
     state: dict[int, dict[str, Any]] = {}
@@ -156,13 +157,13 @@ def put_moments(owner: str, optimiser: Any, tensors: Mapping[str, Array]) -> Non
     optimiser.load_state_dict({**optimiser.state_dict(), "state": state})
 
 
-def weights(policy: Any) -> dict[str, Array]:
-    """The weights of a policy of stable-baselines3, by names that begin with `policy`."""
+def policy_state(policy: Any) -> dict[str, Array]:
+    """Return the weights of a policy of stable-baselines3, by names that begin with `policy`."""
     return {f"policy.{name}": value.numpy() for name, value in policy.state_dict().items()}
 
 
-def put_weights(policy: Any, tensors: Mapping[str, Array]) -> None:
-    """Bring a policy to what `weights` told."""
+def load_policy_state(policy: Any, tensors: Mapping[str, Array]) -> None:
+    """Load the weights that `policy_state` returned into a policy."""
     import torch
 
     policy.load_state_dict(
@@ -170,20 +171,20 @@ def put_weights(policy: Any, tensors: Mapping[str, Array]) -> None:
     )
 
 
-def seen(owner: str, statistics: Any) -> dict[str, Array]:
-    """A RunningMeanStd, by names that begin with `owner`."""
-    told = {f"{owner}.mean": np.asarray(statistics.mean), f"{owner}.var": np.asarray(statistics.var)}
-    return told | {f"{owner}.count": np.asarray(statistics.count, dtype=np.float64)}
+def running_statistics(owner: str, statistics: Any) -> dict[str, Array]:
+    """Return a RunningMeanStd, by names that begin with `owner`."""
+    arrays = {f"{owner}.mean": np.asarray(statistics.mean), f"{owner}.var": np.asarray(statistics.var)}
+    return arrays | {f"{owner}.count": np.asarray(statistics.count, dtype=np.float64)}
 
 
-def put_seen(owner: str, statistics: Any, tensors: Mapping[str, Array]) -> None:
-    """Bring a RunningMeanStd to what `seen` told."""
+def load_running_statistics(owner: str, statistics: Any, tensors: Mapping[str, Array]) -> None:
+    """Load what `running_statistics` returned into a RunningMeanStd."""
     statistics.mean, statistics.var = tensors[f"{owner}.mean"], tensors[f"{owner}.var"]
     statistics.count = float(tensors[f"{owner}.count"])
 
 
 def _save(path: Path, progress: Progress, tensors: Mapping[str, Array]) -> None:
-    """Replace the checkpoint `path`, whole or not at all; UserError where it cannot be written."""
+    """Replace the checkpoint `path` atomically; UserError where it cannot be written."""
     from safetensors.numpy import save
 
     header = {
@@ -201,7 +202,7 @@ def _save(path: Path, progress: Progress, tensors: Mapping[str, Array]) -> None:
 
 
 def _load(path: Path, progress: Progress, legs: Legs) -> None:
-    """Bring `progress` and the learner to the checkpoint `path`, if one is there."""
+    """Load the checkpoint `path`, if there is one, into `progress` and the learner."""
     if not path.exists():
         return
     header, tensors = _read(path)

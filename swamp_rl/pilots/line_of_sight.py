@@ -1,4 +1,4 @@
-"""Line-of-sight steering to the next gate: a baseline that learned nothing (Fossen 2011, 10.3.2)."""
+"""Line-of-sight steering to the next gate, a baseline without learning (Fossen 2011, 10.3.2)."""
 
 from typing import Any, ClassVar
 
@@ -21,14 +21,14 @@ class LineOfSightSettings(Settings):
     damping: NotNegative = 0.5
     "Of the yaw rate [s/rad]."
     lead: Share = 0.6
-    "The point lies this share of the way that is left before the gate; 0 is the gate itself."
+    "The aim lies this share of the remaining distance before the gate; 0 is the gate itself."
     beyond: NotNegative = 0.0
-    "The point lies so far [m] behind that."
+    "The aim lies this distance [m] behind that."
     throttle: Share = 1.0
 
 
 class LineOfSightPilot:
-    """Proportional to the bearing of a point, damped by the yaw rate; it remembers nothing."""
+    """Proportional to the bearing of a point, damped by the yaw rate; no internal state."""
 
     kind: ClassVar[str] = "line-of-sight"
     senses: tuple[str, ...] = (*GATE, "yaw_rate")
@@ -38,13 +38,13 @@ class LineOfSightPilot:
         self.options = settings or LineOfSightSettings()
 
     def reset(self, n: int) -> None:
-        """Nothing is remembered."""
+        """Do nothing: there is no internal state."""
 
     def reset_boats(self, mask: Array) -> None:
-        """Nothing is remembered."""
+        """Do nothing: there is no internal state."""
 
     def keep(self, boats: Array) -> None:
-        """Nothing is remembered."""
+        """Do nothing: there is no internal state."""
 
     def act(self, observation: Array) -> Array:
         """Levers (n, 2), throttle and angle, from the observation (n, 5) in the order of `senses`."""
@@ -61,7 +61,7 @@ class LineOfSightPilot:
         return self.options.model_dump(mode="json")
 
     def weights(self) -> dict[str, Array]:
-        """Nothing was learned."""
+        """Return no arrays."""
         return {}
 
     @classmethod

@@ -1,4 +1,4 @@
-"""A short memory of n boats: what each saw at its last decisions, and the levers it then chose."""
+"""History of n boats: the observations and levers of the last decisions, as part of the observation."""
 
 from collections.abc import Sequence
 
@@ -10,10 +10,10 @@ LEVERS = 2
 
 
 class Memory:
-    """The last `depth` decisions of each boat, which tell a pilot of wind, current and a weak thruster.
+    """The last `depth` decisions of each boat.
 
-    From the change between two observations under known levers follows what else acts on the boat. Before
-    its first decision a boat has lain at its first observation with the levers at nought.
+    Wind, current or a weak thruster are not observed; they follow from the change between two observations
+    under known levers. The history of a boat's first decision is its first observation with levers at zero.
     """
 
     def __init__(self, depth: int, width: int) -> None:
@@ -23,24 +23,24 @@ class Memory:
 
     @property
     def seen_width(self) -> int:
-        """Numbers of an observation together with the past: d + depth (d + 2)."""
+        """Width of an observation with its history: d + depth (d + 2)."""
         return self.width + self.depth * (self.width + LEVERS)
 
     def begin(self, n: int) -> None:
-        """Begin with n boats that remember nothing."""
+        """Set the number of boats to n, without history."""
         self._past = np.zeros((n, self.depth, self.width + LEVERS))
         self._blank = np.ones(n, dtype=bool)
 
     def forget(self, mask: Array) -> None:
-        """The boats of `mask` (n,) remember nothing."""
+        """Clear the history of the boats of `mask` (n,)."""
         self._blank |= np.asarray(mask, dtype=bool)
 
     def choose(self, boats: Array) -> None:
-        """Go on with the boats of the places `boats` (m,) alone."""
+        """Keep only the boats with the indices `boats` (m,)."""
         self._past, self._blank = self._past[boats], self._blank[boats]
 
     def recall(self, observation: Array, boats: Array | Sequence[int] | slice = slice(None)) -> Array:
-        """Rows (m, seen_width): observation (m, d) of the boats chosen, then their past, latest first."""
+        """Return (m, seen_width): observation (m, d) of the chosen boats and their history, latest first."""
         if not self.depth:
             return observation
         past = self._past[boats]
@@ -52,7 +52,7 @@ class Memory:
     def keep(
         self, observation: Array, levers: Array, boats: Array | Sequence[int] | slice = slice(None)
     ) -> None:
-        """Remember what the boats chosen saw (m, d) and the levers (m, 2) that they decided on."""
+        """Append the observation (m, d) and the levers (m, 2) of the chosen boats to their history."""
         if not self.depth:
             return
         past = self.recall(observation, boats)[:, self.width :].reshape(-1, self.depth, self.width + LEVERS)

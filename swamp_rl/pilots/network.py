@@ -1,4 +1,4 @@
-"""The network that behaviour cloning and PPO leave behind as a pilot, in NumPy alone."""
+"""The network of behaviour cloning, PPO and SAC as a pilot, in NumPy alone."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -9,13 +9,13 @@ from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.memory import Memory
 
 REACH = 10.0
-"Inputs are held within so many standard deviations of what was seen in training."
+"Inputs are clipped to this many standard deviations of the training data."
 
 
 class NetworkPilot:
-    """Tanh layers, then a linear one; the levers stop at the ends of their ways.
+    """Tanh layers and a linear output layer, clipped to the range of the levers.
 
-    A decision depends on the present observation, and on what was seen and done at the `memory` decisions
+    A decision depends on the present observation and on the observations and levers of the `memory` decisions
     before. It is held for `hold` steps, counted for each boat from the start of its run.
     """
 
@@ -24,9 +24,9 @@ class NetworkPilot:
     ) -> None:
         """kind: how it was trained, `cloning`, `ppo` or `sac`; hold: steps from one decision to the next.
 
-        weights, float32: mean, scale (d,) of what `Memory` recalls, and for each layer i from 0
-        `weight_<i>` (in, out) and `bias_<i>` (out,). ValueError where their shapes do not fit, `hold` is no
-        whole number of at least 1, or `memory` none of at least 0.
+        weights, float32: mean, scale (d,) of the observation with its history (`Memory`), and for each layer
+        i from 0 `weight_<i>` (in, out) and `bias_<i>` (out,). ValueError where shapes do not fit, `hold`
+        is no whole number of at least 1, or `memory` none of at least 0.
         """
         _check_count("hold", hold, 1)
         _check_count("memory", memory, 0)
@@ -41,25 +41,25 @@ class NetworkPilot:
         self.reset(0)
 
     def reset(self, n: int) -> None:
-        """Begin with n boats, each of which decides at its next step."""
+        """Set the number of boats to n; each decides at its next step."""
         self._held_for = np.zeros(n, dtype=np.int64)
         self._levers = np.zeros((n, 2))
         self._memory.begin(n)
 
     def reset_boats(self, mask: Array) -> None:
-        """The boats of `mask` (n,) decide at their next step, whatever they held and had seen."""
+        """Clear the history of the boats of `mask` (n,), which decide at their next step."""
         self._held_for[np.asarray(mask, dtype=bool)] = 0
         self._memory.forget(mask)
 
     def keep(self, boats: Array) -> None:
-        """Go on with the boats of the places `boats` (m,) alone."""
+        """Keep only the boats with the indices `boats` (m,)."""
         self._held_for, self._levers = self._held_for[boats], self._levers[boats]
         self._memory.choose(boats)
 
     def act(self, observation: Array) -> Array:
-        """Levers (n, 2) from the observation (n, d): decided now, or held since an earlier step.
+        """Return levers (n, 2) for observations (n, d): a new decision or the one held.
 
-        Another number of boats than before are boats that begin now.
+        If the number of boats differs from before, all are reset.
         """
         if len(observation) != len(self._levers):
             self.reset(len(observation))
@@ -89,7 +89,7 @@ class NetworkPilot:
         }
 
     def weights(self) -> dict[str, Array]:
-        """As given at first."""
+        """Return the weights, as given to the constructor."""
         return self._weights
 
     @classmethod
@@ -117,7 +117,7 @@ def _check_count(name: str, value: Any, least: int) -> None:
 
 
 def layers_of(modules: Iterable[Any]) -> dict[str, Array]:
-    """`weight_<i>` (in, out) and `bias_<i>` (out,) of the torch modules that are linear, in their order."""
+    """Return `weight_<i>` (in, out) and `bias_<i>` (out,) of the linear torch modules, in their order."""
     import torch
 
     layers = [module for module in modules if isinstance(module, torch.nn.Linear)]

@@ -1,4 +1,4 @@
-"""What every pilot is: observation in, joypad out, for any number of boats at once."""
+"""The protocol of a pilot: observations to joypad levers, for a batch of boats."""
 
 from typing import Any, Protocol
 
@@ -6,33 +6,33 @@ from swamp_rl.pilots.arrays import Array
 
 
 class Pilot(Protocol):
-    """Batch first: n boats that share what was learned, each with a memory of its own.
+    """Batch first: n boats share the weights, and each has its own internal state.
 
-    What a boat is told depends on its own observations alone, to the last bit (see `arrays.times`).
+    The levers of a boat depend on its own observations alone, bit for bit (see `arrays.times`).
     """
 
     @property
     def kind(self) -> str:
-        """What it is, under which it is stored: scripted, reservoir, cloning, gru, ppo or takeover."""
+        """The kind under which it is stored: scripted, reservoir, cloning, gru, ppo or takeover."""
 
     @property
     def senses(self) -> tuple[str, ...]:
-        """Names of the d observations it wants, in order."""
+        """Names of its d observations, in order."""
 
     def reset(self, n: int) -> None:
-        """Begin a run with each of n boats; what came before is forgotten."""
+        """Set the number of boats to n and reset all internal states."""
 
     def reset_boats(self, mask: Array) -> None:
-        """Begin a new run with the boats of `mask` (n,) bool; the others go on."""
+        """Reset the internal states of the boats of `mask` (n,) bool."""
 
     def keep(self, boats: Array) -> None:
-        """Go on with the boats of the places `boats` (m,) alone, in that order, each with its memory."""
+        """Keep only the boats with the indices `boats` (m,), in that order, with their states."""
 
     def act(self, observation: Array) -> Array:
-        """Levers (n, 2), throttle in [0, 1] and angle in [-1, 1], from the observation (n, d), SI units."""
+        """Return levers (n, 2), throttle in [0, 1] and angle in [-1, 1], for observations (n, d) in SI."""
 
     def settings(self) -> dict[str, Any]:
-        """All that is not an array, as plain JSON; with `weights`, enough for `build`."""
+        """Return everything but the arrays as plain JSON; with `weights` it suffices for `build`."""
 
     def weights(self) -> dict[str, Array]:
-        """The arrays by name; empty where nothing was learned."""
+        """Return the arrays by name; empty for a pilot without weights."""

@@ -1,4 +1,4 @@
-"""PPO (Schulman and others 2017) by stable-baselines3, on a batch of boats that is handed in."""
+"""PPO (Schulman and others 2017) by stable-baselines3 on a given batch of boats."""
 
 import math
 from pathlib import Path
@@ -13,14 +13,14 @@ from swamp_rl.pilots.legs import (
     Legs,
     ReinforcementSettings,
     drive_leg,
-    moments,
-    put_moments,
-    put_seen,
-    put_weights,
+    load_optimiser_state,
+    load_policy_state,
+    load_running_statistics,
+    optimiser_state,
+    policy_state,
+    running_statistics,
     scaling_of,
-    seen,
     train_in_legs,
-    weights,
 )
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
 from swamp_rl.pilots.pilot import Pilot
@@ -29,36 +29,35 @@ from swamp_rl.pilots.settings import Count, Many, Positive
 
 
 class PPOSettings(ReinforcementSettings):
-    """How long and how it learns.
+    """Settings of PPO.
 
-    The learner decides every `hold` steps, for a lever that is moved ten times a second to and fro hardly
-    moves the boat. It explores by state-dependent noise (gSDE, Raffin and others 2021) which is drawn anew
-    every `keep` decisions.
+    An action is held for `hold` steps, since levers that alternate ten times a second hardly move the boat.
+    Exploration is state-dependent (gSDE, Raffin and others 2021), resampled every `keep` actions.
     """
 
     memory: Annotated[int, Field(ge=0, le=20)] = 0
-    "Earlier decisions that it knows of: what it then saw and chose."
+    "Number of earlier observations and actions that are part of the observation."
     caution: Annotated[float, Field(ge=0)] = 0.0
-    """Taken from the reward for a buoy touched or the bounds left, beyond what the environment takes. Without
-    it some time saved is worth a rare loss, and buoys are passed closer than by who wants to arrive."""
+    """Penalty for touching a buoy or leaving the bounds, in addition to the environment's. Without it the
+    policy trades a higher risk of failure for a shorter time."""
     boats: Many = 128
     decisions: Count = 1_200_000
     horizon: Many = 64
-    "Decisions of each boat between two updates."
+    "Actions of each boat between two updates."
     batch_size: Many = 1024
     epochs: Many = 8
     learning_rate: Positive = 7e-4
-    "At the start; it falls linearly to nought at the end, without which the success gained is lost again."
+    "Initial value, decreased linearly to zero; with a constant rate the success falls again."
     leg: Count = 8
-    "Updates between two checkpoints."
+    "Updates in a leg, between two checkpoints."
     start: str | None = None
-    "The clone, by its name in the experiment, that the policy begins as; its `hidden` must be the same."
+    "Name of the cloning pilot of the experiment whose weights initialise the policy; same `hidden`."
     settle: Annotated[int, Field(ge=0, le=10**6)] = 2
-    "Legs at the start in which a learner that begins as a clone fits its value function only."
+    "Initial legs in which a policy initialised by a clone is frozen and only the value function is fitted."
     keep: Count = 2
     exploration: Positive = 1.5
-    """Standard deviation of the weights of the noise at the start. It is large, so that the levers first go
-    from end to end: from 0.6 on, some seeds soon explored too little to find the gates."""
+    """Initial standard deviation of the exploration noise's weights. It is large, so that the levers cover
+    their range: with 0.6 some seeds explored too little to find the gates."""
 
 
 def train_ppo(
@@ -69,14 +68,14 @@ def train_ppo(
     checkpoint: Path | None = None,
     start: Pilot | None = None,
 ) -> NetworkPilot:
-    """Learn by trying in `boats`, a stable-baselines3 VecEnv of `settings.boats` observing `settings.senses`.
+    """Train PPO in `boats`, a stable-baselines3 VecEnv of `settings.boats` that observes `settings.senses`.
 
-    Its actions, from -1 to 1, are to reach over the whole way of each lever and to be held for
-    `settings.hold` steps of the boats. What comes back is the mean of the policy, without its exploration.
-    `tick` hears the share done; `log` hears success, return, episodes and seconds after each leg in which
-    episodes ended. With a file `checkpoint`, a training that was killed goes on from its last leg and ends
-    with the same bits as one that was not. start: the pilot that `settings.start` names. UserError for a
-    checkpoint that is damaged or of other settings, and for a `start` that does not fit.
+    Its actions in [-1, 1] must map to the whole range of each lever and be held for `settings.hold` steps.
+    Returns the mean of the policy, without exploration. `tick` is called with the share done, `log` with
+    success, return, episodes and seconds after each leg in which episodes ended. With a file `checkpoint`, a
+    killed training resumes from its last leg and ends with the same bits as an uninterrupted one. start: the
+    pilot that `settings.start` names. UserError for a damaged checkpoint or one of other settings, and for a
+    `start` that does not fit.
     """
     from stable_baselines3.common.vec_env import VecNormalize
 
@@ -90,7 +89,7 @@ def train_ppo(
         learner = _learner(scaled, settings)
         if start is not None:
             warm_start(learner, scaled, start, settings.senses)
-        scaled.training = start is None  # a clone's own scaling stays
+        scaled.training = start is None  # keep a clone's own scaling
         legs = _legs(learner, scaled, settings, tick, warm=start is not None)
         train_in_legs(legs, settings.model_dump(mode="json"), settings.decisions, log, checkpoint)
     learned = {**scaling_of(scaled), **mean_layers(learner.policy)}
@@ -98,7 +97,7 @@ def train_ppo(
 
 
 def mean_layers(policy: Any) -> dict[str, Array]:
-    """The mean of a policy with actions from -1 to 1, as the layers of a NetworkPilot, which moves levers."""
+    """Return the mean of a policy with actions in [-1, 1] as layers of a NetworkPilot (outputs: levers)."""
     layers = layers_of([*policy.mlp_extractor.policy_net, policy.action_net])
     last = len(layers) // 2 - 1
     reach = 0.5 * (HIGHEST - LOWEST)
@@ -108,7 +107,7 @@ def mean_layers(policy: Any) -> dict[str, Array]:
 
 
 def _legs(learner: Any, scaled: Any, settings: PPOSettings, tick: Tick, warm: bool) -> Legs:
-    """What is done in each leg and kept of it: weights, the optimiser's moments and what scales."""
+    """Return the training's functions; its state is weights, optimiser state and running statistics."""
 
     def drive(leg: int) -> dict[str, float]:
         freeze_policy(learner, frozen=warm and leg < settings.settle)
@@ -117,20 +116,24 @@ def _legs(learner: Any, scaled: Any, settings: PPOSettings, tick: Tick, warm: bo
         return drive_leg(learner, settings, leg, min(settings.leg, left) * update, tick)
 
     def tensors() -> dict[str, Array]:
-        kept = weights(learner.policy) | moments("optimiser", learner.policy.optimizer)
-        return kept | seen("observation", scaled.obs_rms) | seen("return", scaled.ret_rms)
+        kept = policy_state(learner.policy) | optimiser_state("optimiser", learner.policy.optimizer)
+        return (
+            kept
+            | running_statistics("observation", scaled.obs_rms)
+            | running_statistics("return", scaled.ret_rms)
+        )
 
     def restore(kept: dict[str, Array]) -> None:
-        put_weights(learner.policy, kept)
-        put_moments("optimiser", learner.policy.optimizer, kept)
-        put_seen("observation", scaled.obs_rms, kept)
-        put_seen("return", scaled.ret_rms, kept)
+        load_policy_state(learner.policy, kept)
+        load_optimiser_state("optimiser", learner.policy.optimizer, kept)
+        load_running_statistics("observation", scaled.obs_rms, kept)
+        load_running_statistics("return", scaled.ret_rms, kept)
 
     return Legs(learner, drive, tensors, restore)
 
 
 def _learner(scaled: Any, settings: PPOSettings) -> Any:
-    """stable-baselines3's PPO; its learning rate falls in a straight line over the whole training."""
+    """Return stable-baselines3's PPO with a learning rate that decreases linearly over the whole training."""
     from stable_baselines3 import PPO
 
     def rate(_: float) -> float:

@@ -1,4 +1,4 @@
-"""Record runs of the scripted pilot as a dataset, by the writer that any other driven run goes through."""
+"""Record runs of the scripted pilot as a dataset."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -14,9 +14,9 @@ from swamp_rl.pilots.scripted import SWAMP_LENGTH, Habits, ScriptedPilot, Skill,
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, dataset_beside
 
 AT_ONCE = 64
-"Boats driven side by side. Fixed, so that asking for more runs never changes the first ones."
+"Boats in a batch; fixed, so that the first runs do not depend on how many are asked for."
 ATTEMPTS = 20
-"Episodes tried for each run asked for, before giving up."
+"Largest number of episodes for each run asked for."
 NOTES = (
     "Driven by the scripted pilot, a programme that imitates how people drove; no person was at the joypad."
 )
@@ -31,18 +31,18 @@ class Named(Protocol):
 
 
 class Fleet(Protocol):
-    """What recording asks of the boats behind the environment."""
+    """Protocol of the boats behind the environment."""
 
     @property
     def level(self) -> Named:
-        """What they are disturbed by."""
+        """Their level of disturbance."""
 
     def drawn(self, i: int) -> dict[str, Any]:
         """`effects` and `gust_seed` of the episode of boat i."""
 
 
 class Boats(Protocol):
-    """What recording asks of n boats: a gymnasium VectorEnv that starts a boat anew a step after its end."""
+    """Protocol of n boats: a gymnasium VectorEnv that resets a boat a step after its end."""
 
     @property
     def pose(self) -> Array:
@@ -62,11 +62,11 @@ class Boats(Protocol):
 
     @property
     def commands(self) -> Array:
-        """What was asked of the thrusters, (n, 2K): azimuths [rad], then throttles [1]."""
+        """Commands of the thrusters, (n, 2K): azimuths [rad], then throttles [1]."""
 
     @property
     def applied(self) -> Array:
-        """What they did, as `commands`."""
+        """Actual azimuths and throttles, as `commands`."""
 
     @property
     def fleet(self) -> Fleet:
@@ -79,11 +79,11 @@ class Boats(Protocol):
         """Observation, reward, terminated, truncated, info."""
 
     def close(self) -> None:
-        """Free what it holds."""
+        """Release its resources."""
 
 
 class Driver(Protocol):
-    """What driving asks of a pilot that has been reset."""
+    """Protocol of a pilot that has been reset."""
 
     def act(self, observation: Array) -> Array:
         """Levers (n, 2) from the observation (n, d)."""
@@ -108,13 +108,13 @@ def record_scripted(
     format: Literal["parquet", "csv"] = "parquet",
     tick: Callable[[int], None] = lambda good: None,
 ) -> None:
-    """Write `count` successful runs into the dataset `out`, and the failed ones on the way, `failed` or more.
+    """Write `count` successful runs and at least `failed` failed ones into the dataset `out`.
 
-    make_boats: builds boats of `boat` on `course` at `step` [s], disturbed as the runs are to be. Each run
-    holds the seed, the initial state and the disturbances of its episode. habits: in place of those of
-    `skills`, of each of which there will be so many runs, in the same episodes, that say whose they are where
-    there are several. `tick` hears how many succeeded.
-    UserError where the folder holds something else than such runs, or the pilot hardly ever succeeds.
+    make_boats: builds boats of `boat` on `course` at `step` [s] with the disturbances of the runs. Each run
+    stores seed, initial state and disturbances of its episode. With several `skills` there are `count` runs of
+    each, in the same episodes, and each run stores its skill; habits replaces those of the skills.
+    `tick` is called with the number of successful runs.
+    UserError where the folder holds other data or the pilot hardly ever succeeds.
     """
     vehicle = load_boat(boat)
     meta = DatasetMeta(
@@ -132,9 +132,9 @@ def record_scripted(
         with dataset_beside(out, meta) as part:
             for number, skill in enumerate(skills):
                 pilot = ScriptedPilot(seed, habits or habits_of(skill, vehicle.length), step)
-                told, done = ({"skill": skill}, f"{skill}-") if len(skills) > 1 else ({}, "")
-                hear = partial(_after, tick, number * count)
-                _fill(part, boats, pilot, vehicle, (count, failed), seed, format, hear, (told, done))
+                stored, prefix = ({"skill": skill}, f"{skill}-") if len(skills) > 1 else ({}, "")
+                report = partial(_after, tick, number * count)
+                _fill(part, boats, pilot, vehicle, (count, failed), seed, format, report, (stored, prefix))
     finally:
         boats.close()
 
@@ -154,9 +154,8 @@ def _fill(
     tick: Callable[[int], None],
     named: tuple[Mapping[str, str], str],
 ) -> None:
-    """Append runs until there are `wanted` good and failed ones. named: their skill, and what begins
-    their names."""
-    # Above any seed of an evaluation, so that no pilot is tried on what it learned from.
+    """Append runs until there are `wanted` good and failed ones. named: their skill and prefix of names."""
+    # Larger than any seed of an evaluation, so that no pilot is evaluated on its training data.
     episodes = np.random.default_rng(seed)
     good = bad = 0
     pilot.reset(AT_ONCE)
@@ -182,11 +181,10 @@ def _fill(
 
 
 def drive_episodes(boats: Boats, pilot: Driver, vehicle: Boat, seeds: Array, step: float) -> list[Run]:
-    """One episode per boat, each as a run named by its seed; the pilot must have been reset for them.
+    """Return one episode per boat as a run named by its seed; the pilot must have been reset.
 
-    Row t holds the state at its time as the sensors report it, the levers and commands that are held until
-    the next row, and what the actuators then did. The last row, where nothing more was decided,
-    keeps the levers before it.
+    A row holds the state as the sensors report it, the levers and commands held until the next row, and the
+    actual azimuths and throttles. The last row repeats the levers before it.
     """
     observation, _ = boats.reset(options={"episodes": seeds})
     began = [replayable(boats, i) for i in range(len(seeds))]
@@ -213,7 +211,7 @@ def drive_episodes(boats: Boats, pilot: Driver, vehicle: Boat, seeds: Array, ste
 
 
 def _columns(parts: list[Array], vehicle: Boat, step: float) -> dict[str, Array]:
-    """The columns of the run format from pose, velocity, applied, levers and commands, each (T, ·).
+    """Return the columns of the run format from pose, velocity, applied, levers and commands, each (T, ·).
 
     A fixed thruster has no column of its azimuth.
     """
@@ -236,8 +234,7 @@ def _columns(parts: list[Array], vehicle: Boat, step: float) -> dict[str, Array]
 
 
 def replayable(boats: Boats, i: int) -> dict[str, Any]:
-    """What, beside the commands, the run that boat i begins is replayed from: its first state and what
-    disturbs it."""
+    """Return initial state and disturbances of boat i's run, which with its commands suffice to replay it."""
     names = ("north", "east", "heading", "surge", "sway", "yaw_rate")
     drawn = boats.fleet.drawn(i)
     return {

@@ -1,4 +1,4 @@
-"""Networks trained by regression in epochs, from a checkpoint where one was left, the same bit for bit."""
+"""Training of networks by regression in epochs, resumable from a checkpoint with the same bits."""
 
 import hashlib
 import json
@@ -19,22 +19,21 @@ from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seconds, Seed
 from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
 
 Losses = Callable[[Any], Iterable[Any]]
-"""The losses of an epoch's batches, one at a time, from the torch Generator of the epoch's chance."""
+"""The losses of an epoch's batches, one at a time, from the torch Generator of the epoch."""
 
 
 class RegressionSettings(Settings):
-    """What regression on logged runs has whatever the network: AdamW (Loshchilov and Hutter 2019), squared
-    error."""
+    """Settings common to all networks: AdamW (Loshchilov and Hutter 2019), squared error."""
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)]
     reaction: Seconds = 0.4
-    "Time [s] from what the logged pilot saw to the lever that it led to: the clone is to act at once."
+    "Reaction time [s] of the logged driver: the levers are shifted by it, the clone acts without delay."
     epochs: Count = 60
     learning_rate: Positive = 2e-3
-    "At the start; it falls to nought by half a cosine."
+    "Initial value; cosine decay to zero."
     weight_decay: NotNegative = 1e-3
     noise: NotNegative = 0.0
-    "Standard deviation of noise on the scaled observations, new each epoch, against learning by heart."
+    "Standard deviation of the noise on the scaled observations, new each epoch, to reduce overfitting."
     seed: Seed = 0
 
 
@@ -47,37 +46,37 @@ def train_by_epochs(
     checkpoint: Path | None = None,
     log: Log = lambda epoch, values: None,
 ) -> None:
-    """Train the torch `network` for `settings.epochs`; `tick` hears the share done, `log` each epoch's mean
-    `loss`, those of an earlier life too.
+    """Train the torch `network` for `settings.epochs`; `tick` is called with the share done, `log` with each
+    epoch's mean `loss`, including epochs before a resumption.
 
-    checkpoint: the file that each epoch is kept in, and gone on from if it is of the same `task` (from
-    `task_of`); another task's is written over. Each epoch's chance depends on the seed and the epoch alone.
+    checkpoint: a file written after each epoch and resumed from if it is of the same `task` (from `task_of`);
+    that of another task is overwritten. Random numbers of an epoch depend on the seed and the epoch alone.
     """
     import torch
 
     optimiser = torch.optim.AdamW(
         network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
     )
-    means = [] if checkpoint is None else _go_on(network, optimiser, checkpoint, task)
+    means = [] if checkpoint is None else _resume(network, optimiser, checkpoint, task)
     for epoch, mean in enumerate(means, 1):
         log(epoch, {"loss": mean})
     for epoch in range(len(means), settings.epochs):
         for group in optimiser.param_groups:
             group["lr"] = settings.learning_rate * 0.5 * (1.0 + math.cos(math.pi * epoch / settings.epochs))
-        heard = []
-        for loss in losses(chance_of(settings.seed, epoch)):
+        batch_losses = []
+        for loss in losses(generator_of(settings.seed, epoch)):
             optimiser.zero_grad()
             loss.backward()
             optimiser.step()
-            heard.append(float(loss.detach()))
-        means.append(float(np.mean(heard)))
+            batch_losses.append(float(loss.detach()))
+        means.append(float(np.mean(batch_losses)))
         if checkpoint is not None:
             _keep(network, optimiser, checkpoint, task, means)
         log(epoch + 1, {"loss": means[-1]})
         tick((epoch + 1) / settings.epochs)
 
 
-def chance_of(seed: int, epoch: int) -> Any:
+def generator_of(seed: int, epoch: int) -> Any:
     """The torch Generator of one epoch."""
     import torch
 
@@ -86,7 +85,7 @@ def chance_of(seed: int, epoch: int) -> Any:
 
 
 def task_of(settings: Settings, arrays: Iterable[Array]) -> str:
-    """A hash of the settings and of what is learned from, which tells one training from another."""
+    """Return a hash of the settings and the training data, which identifies a training."""
     hashed = hashlib.sha256(f"{type(settings).__name__} {settings.model_dump_json()}".encode())
     for array in arrays:
         hashed.update(np.ascontiguousarray(array).tobytes())
@@ -99,13 +98,13 @@ def _keep(network: Any, optimiser: Any, path: Path, task: str, means: list[float
     arrays = {f"network.{name}": value for name, value in network.state_dict().items()}
     for i, kept in optimiser.state_dict()["state"].items():
         arrays |= {f"optimiser.{i}.{name}": value for name, value in kept.items()}
-    said = {"training": json.dumps({"task": task, "losses": means}), KEY: BLANK}
+    header = {"training": json.dumps({"task": task, "losses": means}), KEY: BLANK}
     with write_beside(path) as part:
-        part.write_bytes(sealed(save({name: value.contiguous() for name, value in arrays.items()}, said)))
+        part.write_bytes(sealed(save({name: value.contiguous() for name, value in arrays.items()}, header)))
 
 
-def _go_on(network: Any, optimiser: Any, path: Path, task: str) -> list[float]:
-    """Mean losses of the epochs done already, their weights and the optimiser's put where they belong."""
+def _resume(network: Any, optimiser: Any, path: Path, task: str) -> list[float]:
+    """Load a checkpoint into network and optimiser; return the mean losses of the epochs done."""
     from safetensors import SafetensorError, safe_open
 
     if not path.exists():

@@ -1,4 +1,4 @@
-"""Boats whose observations hold their `Memory`; imported only by who trains with stable-baselines3."""
+"""A wrapper that adds `Memory` to the observation; imported only for training by stable-baselines3."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from swamp_rl.pilots.memory import Memory
 
 
 class RememberingBoats(VecEnvWrapper):
-    """A VecEnv with actions from -1 to 1, observing (n, d + depth (d + 2)) what `Memory` recalls."""
+    """A VecEnv with actions in [-1, 1] whose observations (n, d + depth (d + 2)) include the history."""
 
     def __init__(self, boats: VecEnv, depth: int) -> None:
         assert boats.observation_space.shape is not None
@@ -20,18 +20,18 @@ class RememberingBoats(VecEnvWrapper):
         super().__init__(boats, spaces.Box(-np.inf, np.inf, (self._memory.seen_width,), np.float32))
 
     def reset(self) -> Array:
-        """Observations (n, ...) of boats that remember nothing."""
+        """Return observations (n, ...) of boats without history."""
         self._seen = np.asarray(self.venv.reset())
         self._memory.begin(self.num_envs)
         return self._memory.recall(self._seen)
 
     def step_async(self, actions: Array) -> None:
-        """Remember the actions (n, 2) as levers, and note them for `step_wait`."""
+        """Append the actions (n, 2), as levers, to the history and pass them on."""
         self._memory.keep(self._seen, levers_of(actions))
         self.venv.step_async(actions)
 
     def step_wait(self) -> tuple[Array, Array, Array, list[dict[str, Any]]]:
-        """As of the boats; a last observation has its memory too, the first of the next run has none."""
+        """As of the boats; a terminal observation includes its history, a first one has none."""
         seen, rewards, dones, infos = self.venv.step_wait()
         for i in np.flatnonzero(dones):
             last = infos[i]["terminal_observation"]

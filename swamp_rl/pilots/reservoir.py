@@ -1,7 +1,7 @@
 """A pilot by reservoir computing, as at Camogli (thesis 7.3.3): an echo state network and its ridge readout.
 
-reservoirpy draws the reservoir. Learning runs all runs through it in one batch, and driving needs only the
-matrices, both in NumPy and SciPy.
+reservoirpy draws the reservoir. Training passes all runs through it in one batch; the pilot needs only the
+matrices. Both use NumPy and SciPy.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import POSE, examples
-from swamp_rl.pilots.readout import Moments, RecursiveReadout, as_far_as_taught, ridge_readout
+from swamp_rl.pilots.readout import Moments, RecursiveReadout, ridge_readout, variance_matched
 from swamp_rl.pilots.settings import NotNegative, Positive, Seconds, Seed, Settings, Share, Width
 from swamp_rl.runs import Run
 
@@ -23,7 +23,7 @@ ANGLES = ("cos_heading", "sin_heading", "gate_cos", "gate_sin")
 
 
 class ReservoirSettings(Settings):
-    """The defaults were chosen on episodes from seed 1000000 on, which the main job does not evaluate."""
+    """The defaults were chosen on episodes of seeds from 1,000,000 on, which no experiment evaluates."""
 
     senses: tuple[str, ...] = POSE
     units: Width = 200
@@ -31,25 +31,25 @@ class ReservoirSettings(Settings):
     leak: tuple[Share, Share] = (0.05, 1.0)
     "Range of the units' leak rates, log-uniform: memories from one step to some seconds."
     connectivity: Share = 0.1
-    "Share of the units that a unit hears."
+    "Share of the units that a unit is connected to."
     position_scaling: Positive = 4.0
-    "Input weights of a position that has been brought into [-1, 1]."
+    "Input weights of positions, scaled to [-1, 1]."
     input_scaling: Positive = 1.5
-    "Input weights of everything else."
+    "Input weights of all other inputs."
     ridge: Positive = 3.0
     noise: NotNegative = 0.0
-    "Standard deviation of noise on the scaled inputs while learning."
+    "Standard deviation of the noise on the scaled inputs in training."
     washout: Annotated[int, Field(ge=0, le=10**6)] = 0
-    "Samples at the start of each run that the readout does not learn from."
+    "Samples at the start of each run that are left out of the regression."
     reaction: Seconds = 0.0
-    """Time [s] from what the logged pilot saw to the lever that it led to, for a reservoir that acts at once.
-    Runs are learned from best without, for the reservoir then remembers what the pilot saw."""
+    """Reaction time [s] of the logged driver: the levers are shifted by it. 0 performs best, since the
+    reservoir's memory represents the delay."""
     forgetting: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
-    """With a number the readout is learned row by row in the order of the runs (recursive least squares),
-    what was learned weighing so much less with each row; 1.0 gives what learning from all at once does."""
+    """Forgetting factor of recursive least squares over the rows in the order of the runs; 1.0 gives the
+    batch solution, None (the default) computes it at once."""
     matched: bool = True
-    """Whether each lever is scaled to swing as far as the teacher's (`readout.as_far_as_taught`). Where
-    teachers push a lever now to one end and now to the other, the ridge readout alone steers too little."""
+    """Whether each lever's mean square is matched to the demonstrations' (`readout.variance_matched`). Where
+    drivers push the lever from end to end, the ridge readout alone steers too little."""
     seed: Seed = 0
 
 
@@ -68,23 +68,23 @@ class ReservoirPilot:
         self._weights = {name: np.asarray(weights[name], dtype=np.float64) for name in _NAMES}
         self._check_shapes()
         w = self._weights
-        # Few units are joined, and sparse sums have one order, whatever the number of boats.
+        # The matrix is sparse, and a sparse sum has one order whatever the number of boats.
         self._recurrent = csr_array(w["W"])
-        # Boats are rows, so the others are kept transposed; the scaling of the inputs is folded in.
+        # Boats are rows, so the input matrix is transposed; it includes the scaling of the inputs.
         self._input = np.ascontiguousarray((w["Win"] / w["scale"]).T)
         self._constant = w["bias"] - (w["centre"] / w["scale"]) @ w["Win"].T
         self.reset(0)
 
     def reset(self, n: int) -> None:
-        """Begin with n boats, all states zero."""
+        """Set the number of boats to n and all states to zero."""
         self.state = np.zeros((n, len(self._constant)))
 
     def reset_boats(self, mask: Array) -> None:
-        """Zero the states of the boats of `mask` (n,)."""
+        """Set the states of the boats of `mask` (n,) to zero."""
         self.state[np.asarray(mask, dtype=bool)] = 0.0
 
     def keep(self, boats: Array) -> None:
-        """Go on with the boats of the places `boats` (m,) alone."""
+        """Keep only the boats with the indices `boats` (m,)."""
         self.state = self.state[boats]
 
     def act(self, observation: Array) -> Array:
@@ -105,7 +105,7 @@ class ReservoirPilot:
         return {"senses": list(self.senses)}
 
     def weights(self) -> dict[str, Array]:
-        """As given at first."""
+        """Return the weights, as given to the constructor."""
         return self._weights
 
     @classmethod
@@ -126,7 +126,7 @@ _NAMES = ("centre", "scale", "W", "Win", "bias", "leak", "Wout", "out")
 
 @one_thread()
 def fit_reservoir(runs: Sequence[Run], settings: ReservoirSettings | None = None) -> ReservoirPilot:
-    """A pilot whose readout is fitted by ridge regression on `runs`; UserError where a run lacks a column."""
+    """Return a pilot with a readout fitted by ridge regression to `runs`; UserError for a missing column."""
     settings = settings or ReservoirSettings()
     matrices, states, levers = states_of(runs, settings)
     moments = Moments.of(states, levers)
@@ -138,31 +138,32 @@ def fit_reservoir(runs: Sequence[Run], settings: ReservoirSettings | None = None
             online.learn(*row)
         readout = online.readout
     if settings.matched:
-        readout = as_far_as_taught(readout, moments)
+        readout = variance_matched(readout, moments)
     return ReservoirPilot(settings.senses, {**matrices, "Wout": readout[:-1], "out": readout[-1]})
 
 
 def states_of(
     runs: Sequence[Run], settings: ReservoirSettings
 ) -> tuple[dict[str, Array], list[Array], list[Array]]:
-    """A reservoir's matrices, and per run the states (T, units) and levers (T, 2) that a readout learns from.
+    """Return a reservoir's matrices, and for each run states (T, units) and levers (T, 2) of the regression.
 
-    Those are the rows after the washout in which the levers were a teacher's.
+    These are the rows after the washout whose levers are demonstrations.
     """
-    seen, levers, taught = examples(runs, settings.senses, settings.reaction)
-    centre, scale = _scaling(seen, settings.senses)
+    observations, levers, demonstrated = examples(runs, settings.senses, settings.reaction)
+    centre, scale = _scaling(observations, settings.senses)
     rng = np.random.default_rng(settings.seed)
     matrices = _matrices(reservoir_node(settings, rng))
-    inputs = [(observation - centre) / scale for observation in seen]
+    inputs = [(observation - centre) / scale for observation in observations]
     inputs = [x + settings.noise * rng.standard_normal(x.shape) for x in inputs]
-    rows = [rows & (np.arange(len(rows)) >= settings.washout) for rows in taught]
+    rows = [rows & (np.arange(len(rows)) >= settings.washout) for rows in demonstrated]
     states = [x[kept] for x, kept in zip(states_along(matrices, inputs), rows, strict=True)]
     levers = [y[kept] for y, kept in zip(levers, rows, strict=True)]
     return {"centre": centre, "scale": scale, **matrices}, states, levers
 
 
 def states_along(matrices: dict[str, Array], inputs: Sequence[Array]) -> list[Array]:
-    """States (T, units) along scaled inputs (T, d) of each run from nought on, all runs in one batch:
+    """Return the states (T, units) along the scaled inputs (T, d) of each run, from zero, in one batch.
+
     x ← x + leak (tanh(W x + Win u + bias) − x) (Jaeger and others 2007).
     """
     longest_first = np.argsort([-len(run) for run in inputs], kind="stable")
@@ -183,7 +184,7 @@ def states_along(matrices: dict[str, Array], inputs: Sequence[Array]) -> list[Ar
 def untrained_reservoir(
     rng: np.random.Generator, settings: ReservoirSettings | None = None
 ) -> ReservoirPilot:
-    """A pilot of the same size with a readout of zeros: for measuring its speed."""
+    """Return a pilot of the same size with a readout of zeros, to measure its speed."""
     settings = settings or ReservoirSettings()
     d = len(settings.senses)
     reservoir = reservoir_node(settings, rng)
@@ -193,7 +194,7 @@ def untrained_reservoir(
 
 
 def reservoir_node(settings: ReservoirSettings, rng: np.random.Generator) -> Any:
-    """A reservoirpy Reservoir, drawn: each unit hears all inputs, and leaks span a range of memories."""
+    """Draw a reservoirpy Reservoir: every unit receives all inputs; leak rates are log-uniform."""
     from reservoirpy import mat_gen
     from reservoirpy.nodes import Reservoir
 
@@ -224,9 +225,9 @@ def _matrices(reservoir: Any) -> dict[str, Array]:
     return {**dense, "bias": np.ravel(dense["bias"]), "leak": reservoir.lr}
 
 
-def _scaling(seen: Sequence[Array], senses: Sequence[str]) -> tuple[Array, Array]:
-    """Centre and scale (d,) that bring what was seen into [-1, 1], north and east by the same scale."""
-    everything = np.concatenate(seen)
+def _scaling(observations: Sequence[Array], senses: Sequence[str]) -> tuple[Array, Array]:
+    """Return centre and scale (d,) that map the observations to [-1, 1], north and east by one scale."""
+    everything = np.concatenate(observations)
     low, high = everything.min(axis=0), everything.max(axis=0)
     centre, scale = 0.5 * (low + high), np.maximum(0.5 * (high - low), 1e-9)
     position = np.isin(senses, POSITION)

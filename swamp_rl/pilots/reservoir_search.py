@@ -1,7 +1,6 @@
-"""Hyper-parameters of a reservoir by cross-validation over runs: what is left out are whole runs, never rows.
+"""Hyper-parameters of a reservoir by cross-validation over whole runs.
 
-Rows of one run resemble each other so much that an error on some of them, learned from the others, would be
-no error on anything new.
+Rows of one run are strongly correlated, so leaving out rows would underestimate the error on new runs.
 """
 
 from collections.abc import Sequence
@@ -25,13 +24,13 @@ Some = Field(min_length=1)
 
 
 class Unsearched(ReservoirSettings):
-    """What all that is tried has in common."""
+    """Settings common to all candidates."""
 
     seed: Annotated[int, Field(ge=0, lt=2**32, exclude=True)] = 0
 
 
 class SearchedReservoirSettings(Settings):
-    """What is tried: each of the values with each of the others, all else as in `reservoir`."""
+    """The grid: the product of the lists below; all other settings as in `reservoir`."""
 
     reservoir: Unsearched = Unsearched()
     units: Annotated[tuple[Width, ...], Some] = (100, 200, 400)
@@ -40,7 +39,7 @@ class SearchedReservoirSettings(Settings):
     ridge: Annotated[tuple[Positive, ...], Some] = (0.3, 1.0, 3.0, 10.0, 30.0)
     folds: Annotated[int, Field(ge=2, le=1_000)] = 5
     seed: Seed = 0
-    "Of the reservoir."
+    "Seed of the reservoirs."
 
     @field_validator("reservoir")
     @classmethod
@@ -52,7 +51,7 @@ class SearchedReservoirSettings(Settings):
 
 @dataclass(frozen=True)
 class Scored:
-    """Settings, and the mean squared error of the levers that they lead to on runs left out [1]."""
+    """Settings and their cross-validated mean squared error of the levers [1]."""
 
     settings: ReservoirSettings
     error: float
@@ -64,7 +63,7 @@ def fit_searched_reservoir(
     settings: SearchedReservoirSettings | None = None,
     tick: Tick = lambda done: None,
 ) -> ReservoirPilot:
-    """The reservoir of the settings whose error is least, learned from all runs; UserError as for scores."""
+    """Fit the settings with the smallest error to all runs; UserError as for `scores`."""
     return fit_reservoir(runs, scores(runs, settings, tick)[0].settings)
 
 
@@ -74,9 +73,9 @@ def scores(
     settings: SearchedReservoirSettings | None = None,
     tick: Tick = lambda done: None,
 ) -> list[Scored]:
-    """All that is tried, the least error first; `tick` hears the share done.
+    """Return the grid sorted by error, smallest first; `tick` is called with the share done.
 
-    The states are those of one pass over all runs, and one Gram matrix for each fold serves all ridges.
+    Each reservoir passes over all runs once; one Gram matrix for each fold serves all ridges.
     UserError where a run lacks a column, or there are fewer runs than folds.
     """
     settings = settings or SearchedReservoirSettings()
@@ -107,9 +106,11 @@ def scores(
 def errors_left_out(
     runs: Sequence[Run], settings: ReservoirSettings, ridges: Sequence[float], folds: int
 ) -> Array:
-    """(R,) mean squared error for each ridge: run i belongs to fold i mod `folds`, and each fold is foretold
-    by the ridge readout of the others, before that is scaled to the teacher's swing (`matched`). What was
-    seen is scaled alike in all folds."""
+    """Return the cross-validated mean squared error (R,) of each ridge; run i belongs to fold i mod `folds`.
+
+    The error is that of the ridge readout before variance matching (`matched`). The scaling of the
+    observations is that of all runs.
+    """
     _, states, levers = states_of(runs, settings)
     parts = [Moments.of(states[k::folds], levers[k::folds]) for k in range(folds)]
     everything = sum(parts[1:], parts[0])

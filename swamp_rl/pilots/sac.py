@@ -1,4 +1,4 @@
-"""SAC (Haarnoja and others 2018) by stable-baselines3: another way of learning by trying, as a check."""
+"""SAC (Haarnoja and others 2018) by stable-baselines3: an off-policy algorithm to compare PPO with."""
 
 from pathlib import Path
 from typing import Any
@@ -12,35 +12,35 @@ from swamp_rl.pilots.legs import (
     Legs,
     ReinforcementSettings,
     drive_leg,
-    moments,
-    put_moments,
-    put_seen,
-    put_weights,
+    load_optimiser_state,
+    load_policy_state,
+    load_running_statistics,
+    optimiser_state,
+    policy_state,
+    running_statistics,
     scaling_of,
-    seen,
     train_in_legs,
-    weights,
 )
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
 from swamp_rl.pilots.settings import Count, Many, Positive
 
 BUFFER = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
-"Arrays of the replay buffer, a row for each decision of all boats."
+"Arrays of the replay buffer, a row for each action of all boats."
 
 
 class SACSettings(ReinforcementSettings):
-    """How long and how it learns."""
+    """Settings of SAC."""
 
     boats: Many = 64
     decisions: Count = 200_000
     random: Count = 5_000
-    "Decisions at the start that are drawn at random."
+    "Initial actions that are drawn at random."
     updates: Many = 8
-    "Gradient steps each time all boats have decided once."
+    "Gradient steps for each action of all boats."
     batch_size: Many = 256
     learning_rate: Positive = 1e-3
     leg: Count = 625
-    "Decisions of each boat between two checkpoints."
+    "Actions of each boat in a leg, between two checkpoints."
 
 
 def train_sac(
@@ -50,10 +50,10 @@ def train_sac(
     log: Log = lambda decisions, values: None,
     checkpoint: Path | None = None,
 ) -> NetworkPilot:
-    """Learn by trying in `boats`, a stable-baselines3 VecEnv as for `swamp_rl.pilots.ppo.train_ppo`.
+    """Train SAC in `boats`, a stable-baselines3 VecEnv as for `swamp_rl.pilots.ppo.train_ppo`.
 
-    What comes back is the policy without its exploration. `tick`, `log` and `checkpoint`, which holds the
-    replay buffer too, as there.
+    Returns the policy without exploration. `tick`, `log` and `checkpoint` as there; the checkpoint holds the
+    replay buffer as well.
     """
     from stable_baselines3.common.vec_env import VecNormalize
 
@@ -67,7 +67,7 @@ def train_sac(
 
 
 def _legs(learner: Any, scaled: Any, settings: SACSettings, tick: Tick) -> Legs:
-    """What is done in each leg, and kept of it: weights, moments, the entropy's weight, scaling, buffer."""
+    """Return the training's functions; its state is weights, optimisers, entropy weight, scaling, buffer."""
     policy, buffer = learner.policy, learner.replay_buffer
     optimisers = {
         "actor": policy.actor.optimizer,
@@ -76,18 +76,18 @@ def _legs(learner: Any, scaled: Any, settings: SACSettings, tick: Tick) -> Legs:
     }
 
     def tensors() -> dict[str, Array]:
-        kept = weights(policy) | seen("observation", scaled.obs_rms)
+        kept = policy_state(policy) | running_statistics("observation", scaled.obs_rms)
         kept["log_entropy"] = learner.log_ent_coef.detach().numpy()
         for name, optimiser in optimisers.items():
-            kept |= moments(name, optimiser)
+            kept |= optimiser_state(name, optimiser)
         return kept | {f"buffer.{name}": getattr(buffer, name)[: buffer.pos] for name in BUFFER}
 
     def restore(kept: dict[str, Array]) -> None:
-        put_weights(policy, kept)
-        put_seen("observation", scaled.obs_rms, kept)
+        load_policy_state(policy, kept)
+        load_running_statistics("observation", scaled.obs_rms, kept)
         learner.log_ent_coef.data[:] = float(kept["log_entropy"][0])
         for name, optimiser in optimisers.items():
-            put_moments(name, optimiser, kept)
+            load_optimiser_state(name, optimiser, kept)
         buffer.pos = len(kept["buffer.rewards"])
         for name in BUFFER:
             getattr(buffer, name)[: buffer.pos] = kept[f"buffer.{name}"]
@@ -106,7 +106,7 @@ def _learner(scaled: Any, settings: SACSettings) -> Any:
     return SAC(
         "MlpPolicy",
         scaled,
-        buffer_size=settings.decisions + 2 * settings.boats,  # so that it is never full
+        buffer_size=settings.decisions + 2 * settings.boats,  # never full
         learning_starts=settings.random,
         batch_size=settings.batch_size,
         gamma=settings.discount,
@@ -119,7 +119,7 @@ def _learner(scaled: Any, settings: SACSettings) -> Any:
 
 
 def _pilot(learner: Any, scaled: Any, settings: SACSettings) -> NetworkPilot:
-    """The mean of the policy, whose tanh at the end is one more layer before the levers' ways."""
+    """Return the mean of the policy; its final tanh is one more layer before the scaling to the levers."""
     actor = learner.policy.actor
     layers = layers_of([*actor.latent_pi, actor.mu])
     last = len(layers) // 2

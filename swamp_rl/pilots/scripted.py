@@ -1,7 +1,7 @@
-"""A scripted pilot that drives the way people drove at Camogli (thesis 7.3.3, figures 7.30 to 7.32, 7.35).
+"""A scripted pilot that imitates how people drove at Camogli (thesis 7.3.3, figures 7.30 to 7.32, 7.35).
 
-Full throttle nearly always, steering almost only at nought or at its ends, a reaction delay, moments of
-hesitation, wrong guesses, and now and then a messy run. It is a programme: what it records is `scripted`.
+Full throttle most of the time, steering at zero or at its ends, a reaction delay, hesitations, wrong guesses
+and a share of messy runs. Its runs are marked `scripted`.
 """
 
 from typing import Any, ClassVar, Literal
@@ -16,42 +16,42 @@ SWAMP_LENGTH = 1.24  # m
 
 
 class Habits(Settings):
-    """How the scripted people drive; each range is drawn from uniformly, once a run.
+    """Behaviour of the scripted driver; each range is drawn from uniformly, once a run.
 
     Angles in rad, times in s, distances in m, lever positions in [0, 1]. None of these is measured: they were
-    chosen so that the commands look like figure 7.35 and most runs succeed, as at the festival.
+    chosen so that the commands resemble figure 7.35 and most runs succeed, as at the festival.
     """
 
     reaction: Range = (0.2, 0.35)
-    "Delay from seeing to acting."
+    "Reaction time."
     dead_band: Range = (0.06, 0.15)
-    "Course error that is let be."
+    "Course error without reaction."
     anticipation: Range = (0.5, 0.9)
-    "How far ahead the turning is foreseen."
+    "Prediction horizon of the turning."
     drift_seen: Range = (0.5, 1.0)
-    "Share of the drift angle that is noticed."
+    "Share of the drift angle that is taken into account."
     aim_spread: NotNegative = 0.25
-    "How far off the middle of the gate the pilot aims, to either side."
+    "Largest lateral offset of the aim from the middle of the gate."
     swing: Range = (0.3, 0.5)
-    "How wide the S is: the point aimed at lies this share of the way before the gate."
+    "Width of the S: the aim lies this share of the distance before the gate."
     gentle: Share = 0.1
-    "Share of runs by the few who manage the intermediate angles."
+    "Share of runs with intermediate steering angles."
     excursion: Range = (0.5, 0.8)
-    "Steering of those few, while the course error is small."
+    "Steering angle in these runs while the course error is small."
     alarm: Positive = 0.35
-    "Course error at which those few too push the lever to its end."
+    "Course error above which the lever goes to its end in these runs too."
     guess_interval: Positive = 25.0
-    "Mean time between wrong guesses, which hold the lever the wrong way."
+    "Mean time between wrong guesses, with the lever to the wrong side."
     guess_duration: Range = (0.3, 0.7)
     hesitation_interval: Positive = 30.0
-    "Mean time between moments off the throttle."
+    "Mean time between hesitations, with the throttle at zero."
     hesitation_duration: Range = (0.3, 1.0)
     messy: Share = 0.15
     "Share of messy runs: slower reactions and many wrong guesses."
     messy_reaction: Range = (0.3, 0.5)
     messy_guess_interval: Positive = 5.0
     boat_length: Positive = SWAMP_LENGTH
-    "Of the boat driven: distances and the times of its turning are those of SWAMP, scaled by Froude's law."
+    "Length of the boat: distances and times of turning are those of SWAMP, scaled by Froude's law."
 
 
 SKILLS = {
@@ -81,7 +81,7 @@ SKILLS = {
         messy=0.0,
     ),
 }
-"Drivers who differ in reaction, foresight, slips and messiness; chosen and not measured, as `Habits` are."
+"Drivers of different skill; chosen, not measured, as `Habits` are."
 Skill = Literal["novice", "usual", "expert"]
 
 
@@ -91,11 +91,11 @@ def habits_of(skill: Skill, boat_length: float) -> Habits:
 
 
 SCHEDULE = 32
-"Slips drawn ahead for a run; past the last, the pilot makes no more of them."
+"Number of slips drawn for a run; there are none after the last."
 
 
 class ScriptedPilot:
-    """Bang-bang steering towards the next gate, going round for another try when the gate was missed.
+    """Bang-bang steering towards the next gate, with another approach when the gate was missed.
 
     Boat i draws its habits from the seed, i (its place at `reset`) and the number of runs it has begun, so
     its behaviour does not depend on how many others are driven beside it.
@@ -117,7 +117,7 @@ class ScriptedPilot:
         self.reset(0)
 
     def reset(self, n: int) -> None:
-        """Begin again with n boats, each at its first run."""
+        """Set the number of boats to n, each at its first run."""
         self._numbers = np.arange(n)
         self._runs = np.zeros(n, dtype=np.int64)
         self._traits = np.zeros(n, dtype=_TRAITS)
@@ -127,13 +127,13 @@ class ScriptedPilot:
         self._begin(np.arange(n))
 
     def reset_boats(self, mask: Array) -> None:
-        """Draw new habits for the boats of `mask` (n,), which begin their next run."""
+        """Draw new habits for the boats of `mask` (n,), which start their next run."""
         boats = np.flatnonzero(mask)
         self._runs[boats] += 1
         self._begin(boats)
 
     def keep(self, boats: Array) -> None:
-        """Go on with the boats of the places `boats` (m,) alone."""
+        """Keep only the boats with the indices `boats` (m,)."""
         self._numbers, self._runs, self._traits = self._numbers[boats], self._runs[boats], self._traits[boats]
         self._time, self._seen, self._lever = self._time[boats], self._seen[boats], self._lever[boats]
 
@@ -143,7 +143,7 @@ class ScriptedPilot:
         self._seen = np.roll(self._seen, 1, axis=1)
         self._seen[:, 0] = _course_error(observation / self._unit, traits)
         error = self._seen[np.arange(len(self._seen)), np.minimum(traits["delay"], self._ticks())]
-        # Hysteresis: a thumb once on the lever stays until the bow is about right.
+        # Hysteresis: the lever is released at a smaller error than it is pushed at.
         threshold = np.where(self._lever == 0.0, traits["dead_band"], 0.4 * traits["dead_band"])
         self._lever = np.where(np.abs(error) > threshold, np.sign(error), 0.0)
         guessing = self._within("guess")
@@ -223,7 +223,7 @@ def _draw_slips(traits: Any, slip: str, interval: float, duration: Range, rng: n
 
 
 def _course_error(observation: Array, traits: Array) -> Array:
-    """How far to starboard the boat should turn, (n,) [rad], less what its turning will do by itself."""
+    """Return the course error (n,) [rad], positive to starboard, less the predicted turning."""
     surge, sway, yaw_rate, ahead, starboard, gate_cos, gate_sin = observation.T
     along = -(ahead * gate_cos + starboard * gate_sin)
     across = ahead * gate_sin - starboard * gate_cos
@@ -237,12 +237,12 @@ def _course_error(observation: Array, traits: Array) -> Array:
 
 
 def _aim(along: Array, across: Array, traits: Array) -> tuple[Array, Array]:
-    """The point aimed at, in the gate's frame [m]: along its direction, and across, to starboard of it."""
+    """Return the aim in the gate's frame [m]: along its direction and across, positive to starboard."""
     to_go = np.maximum(-along - 1.5, 0.0)
     aim_along = np.where(to_go > 0.0, -traits["swing"] * to_go, 1.5)
     aim_across = traits["aim"]
-    # Beyond the gate, or too far aside to turn in: back on this side for another try, by a turning circle
-    # (about 8 m across) from the gate's middle line.
+    # Past the gate or too far to the side: return for another approach, by a turning circle (about 8 m in
+    # diameter) from the gate's middle line.
     side = np.where(across < 0.0, -1.0, 1.0)
     aside = np.abs(across) - 1.8
     missed = ((aside > 0.0) & (along > -0.5 * aside)) | (along > 0.3)

@@ -1,4 +1,4 @@
-"""How the settings of pilots are read: strictly, so that a misspelt option is told and not ignored."""
+"""Settings of pilots: strict models that refuse unknown keys."""
 
 from typing import Annotated, Any, TypeVar
 

@@ -1,4 +1,4 @@
-"""Another pilot drives for the first seconds while the learned one watches; then it takes over (7.3.3)."""
+"""Two pilots in sequence: the first drives for some seconds, then the second takes over (thesis 7.3.3)."""
 
 from typing import Any, ClassVar
 
@@ -9,7 +9,7 @@ from swamp_rl.pilots.pilot import Pilot
 
 
 class TakeoverPilot:
-    """Both pilots see the whole run, so that the second has a memory of it when it takes over."""
+    """Both pilots receive all observations, so that the second's state is up to date when it takes over."""
 
     kind: ClassVar[str] = "takeover"
 
@@ -24,25 +24,25 @@ class TakeoverPilot:
         self.reset(0)
 
     def reset(self, n: int) -> None:
-        """Begin with n boats, driven by the first pilot."""
+        """Set the number of boats to n, driven by the first pilot."""
         self._tick = np.zeros(n, dtype=np.int64)
         self.first.reset(n)
         self.then.reset(n)
 
     def reset_boats(self, mask: Array) -> None:
-        """The boats of `mask` (n,) begin again with the first pilot."""
+        """Return the boats of `mask` (n,) to the first pilot."""
         self._tick[np.asarray(mask, dtype=bool)] = 0
         self.first.reset_boats(mask)
         self.then.reset_boats(mask)
 
     def keep(self, boats: Array) -> None:
-        """Go on with the boats of the places `boats` (m,) alone."""
+        """Keep only the boats with the indices `boats` (m,)."""
         self._tick = self._tick[boats]
         self.first.keep(boats)
         self.then.keep(boats)
 
     def act(self, observation: Array) -> Array:
-        """Levers (n, 2) of whoever drives each boat, from the observation (n, d)."""
+        """Return the levers (n, 2) of the pilot that drives each boat, for observations (n, d)."""
         watched = self.then.act(observation[:, self._then_senses])
         early = self._tick < self._ticks_of_first
         self._tick += 1

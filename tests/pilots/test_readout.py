@@ -9,10 +9,10 @@ from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.readout import (
     Moments,
     RecursiveReadout,
-    as_far_as_taught,
     ridge_readout,
     ridge_readouts,
     squared_error,
+    variance_matched,
 )
 
 pytestmark = pytest.mark.numerical
@@ -92,13 +92,13 @@ def test_what_has_changed_is_learned_by_one_that_forgets_and_not_by_one_that_doe
     assert errors[1] < 0.05 * errors[0]
 
 
-def test_scaled_to_swing_as_far_as_taught_the_levers_have_the_teachers_mean_square() -> None:
+def test_variance_matched_levers_have_the_mean_square_of_the_demonstrations() -> None:
     states, levers = rows(3)
     moments = Moments.of([states], [np.sign(levers)])
     ridge = ridge_readout(moments, 30.0)
-    scaled = as_far_as_taught(ridge, moments)
-    foretold = states @ scaled[:-1] + scaled[-1]
-    np.testing.assert_allclose(np.square(foretold).mean(axis=0), 1.0, rtol=1e-9)
+    scaled = variance_matched(ridge, moments)
+    predicted = states @ scaled[:-1] + scaled[-1]
+    np.testing.assert_allclose(np.square(predicted).mean(axis=0), 1.0, rtol=1e-9)
     gains = scaled / ridge
     np.testing.assert_allclose(gains, np.broadcast_to(gains[0], gains.shape), rtol=1e-9)
     assert (gains > 1.0).all()
@@ -112,7 +112,7 @@ def test_of_one_state_about_nought_it_is_the_reduced_major_axis() -> None:
     state, levers = state - state.mean(axis=0), levers - levers.mean(axis=0)
     moments = Moments.of([state], [levers])
     for ridge in (1e-3, 300.0):
-        slope = as_far_as_taught(ridge_readout(moments, ridge), moments)[0]
+        slope = variance_matched(ridge_readout(moments, ridge), moments)[0]
         np.testing.assert_allclose(slope, [1.0, -1.0] * levers.std(axis=0) / state.std(), rtol=1e-9)
 
 
@@ -120,4 +120,4 @@ def test_a_lever_that_was_never_touched_stays_at_nought() -> None:
     states, levers = rows(5)
     levers[:, 0] = 0.0
     moments = Moments.of([states], [levers])
-    assert (as_far_as_taught(ridge_readout(moments, 1.0), moments)[:, 0] == 0.0).all()
+    assert (variance_matched(ridge_readout(moments, 1.0), moments)[:, 0] == 0.0).all()

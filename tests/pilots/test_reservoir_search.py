@@ -26,7 +26,7 @@ FEW = SearchedReservoirSettings(
 
 
 def test_the_error_is_that_of_readouts_that_never_saw_the_run() -> None:
-    """Against fits with each fold's runs taken away, their rows foretold one by one."""
+    """Against fits with each fold's runs taken away, their rows predicted one by one."""
     _, states, levers = states_of(RUNS, SMALL)
     squares: list[np.ndarray] = []
     for fold in range(4):

@@ -162,7 +162,7 @@ def test_a_pilot_whose_term_cannot_be_imported_any_more_is_refused_in_one_line(p
 def test_who_learns_from_recorded_runs_can_sense_only_what_they_tell(
     place: Path, pilot: str, sense: str
 ) -> None:
-    with pytest.raises(UserError, match=rf"pilots\.{pilot}\.options\.senses: the runs do not tell {sense}"):
+    with pytest.raises(UserError, match=rf"pilots\.{pilot}\.options\.senses: the runs have no {sense}"):
         load_experiment(experiment(place, pilot, ["north", "east", sense]))
 
 
