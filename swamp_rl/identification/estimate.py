@@ -1,4 +1,4 @@
-"""Least squares on rows of a time series, with intervals that know that neighbouring rows hang together."""
+"""Least squares on rows of a time series, with intervals that account for autocorrelation."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple

@@ -43,7 +43,7 @@ def piece_of(speed: float, tank: Any) -> tuple[int, float]:
     """Which piece of the curves a speed [m/s] falls into, and how far [m/s] from the piece's knot."""
     piece = 0
     for knot in range(1, tank.shape[2]):
-        piece += speed >= tank[0, SPEED, knot]  # a sum, for a branch here is foretold wrongly too often
+        piece += speed >= tank[0, SPEED, knot]  # a sum: a branch here is mispredicted too often
     return piece, max(speed - tank[0, SPEED, piece], 0.0)
 
 

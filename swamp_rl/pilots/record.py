@@ -111,7 +111,7 @@ def record_scripted(
     """Write `count` successful runs and at least `failed` failed ones into the dataset `out`.
 
     make_boats: builds boats of `boat` on `course` at `step` [s] with the disturbances of the runs. Each run
-    stores seed, initial state and disturbances of its episode. With several `skills` there are `count` runs of
+    stores seed, initial state and disturbances of its episode. With several `skills` there are `count` of
     each, in the same episodes, and each run stores its skill; habits replaces those of the skills.
     `tick` is called with the number of successful runs.
     UserError where the folder holds other data or the pilot hardly ever succeeds.
@@ -234,7 +234,7 @@ def _columns(parts: list[Array], vehicle: Boat, step: float) -> dict[str, Array]
 
 
 def replayable(boats: Boats, i: int) -> dict[str, Any]:
-    """Return initial state and disturbances of boat i's run, which with its commands suffice to replay it."""
+    """Return initial state and disturbances of boat i's run: with its commands they suffice to replay it."""
     names = ("north", "east", "heading", "surge", "sway", "yaw_rate")
     drawn = boats.fleet.drawn(i)
     return {
