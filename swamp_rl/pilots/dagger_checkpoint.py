@@ -14,6 +14,7 @@ from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.runs import Run, RunMeta
 from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
+from swamp_rl.tensors_file import tensors_in
 
 
 @dataclass
@@ -55,24 +56,23 @@ def load_rounds(path: Path, task: str) -> Rounds:
 
     UserError where it is damaged.
     """
-    from safetensors import SafetensorError, safe_open
+    from safetensors.numpy import load
 
     if not path.exists():
         return Rounds()
-    sealed_file(path, "remove it")
+    data = sealed_file(path, "remove it")
     try:
-        with safe_open(path, "numpy") as file:
-            said = parsed_json((file.metadata() or {})["rounds"])
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  not a mapping
+        told, tensors = tensors_in(data, load)
+        said = parsed_json(told["rounds"])
         if said["task"] != task:
             return Rounds()
         runs = []
-        for i, told in enumerate(said["runs"]):
-            columns = {name: tensors[f"run {i}/{name}"] for name in told["columns"]}
-            runs.append(Run(told["name"], columns, RunMeta.model_validate(told["meta"])))
+        for i, run in enumerate(said["runs"]):
+            columns = {name: tensors[f"run {i}/{name}"] for name in run["columns"]}
+            runs.append(Run(run["name"], columns, RunMeta.model_validate(run["meta"])))
         learner, best = (_pilot(role, said["pilots"][role], tensors) for role in ("learner", "best"))
         return Rounds(runs, said["successes"], learner, best)
-    except (OSError, SafetensorError, LookupError, TypeError, AttributeError, ValueError) as error:
+    except (LookupError, TypeError, AttributeError, ValueError) as error:
         raise UserError(f"{path}: is no checkpoint of DAgger's rounds ({error}); remove it") from error
 
 

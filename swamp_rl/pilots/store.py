@@ -23,6 +23,7 @@ from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.reservoir import ReservoirPilot
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.takeover import TakeoverPilot
+from swamp_rl.tensors_file import tensors_in
 from swamp_rl.unfinished import folder_beside
 
 DESCRIPTION, WEIGHTS = "pilot.json", "weights.safetensors"
@@ -90,17 +91,16 @@ def describe_pilot(folder: Path | str) -> Description:
 
 
 def _read_weights(path: Path, description: Description) -> dict[str, Array]:
-    from safetensors import SafetensorError
     from safetensors.numpy import load
 
     try:
         stored = ordinary(path).read_bytes()
         if hashlib.sha256(stored).hexdigest() != description.weights.sha256:
             raise UserError(f"{path}: is damaged, its SHA-256 is not in {DESCRIPTION}; train the pilot again")
-        weights = load(stored)
+        weights = tensors_in(stored, load)[1]
     except OSError as error:
         raise UserError(f"{path}: {error.strerror or 'cannot be read'}; train the pilot again") from error
-    except (SafetensorError, KeyError, ValueError) as error:
+    except ValueError as error:
         raise UserError(f"{path}: is damaged ({error}); train the pilot again") from error
     if described_arrays(weights, stored) != description.weights:
         raise UserError(f"{path}: holds other arrays than {DESCRIPTION} says; train the pilot again")
