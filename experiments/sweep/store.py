@@ -128,11 +128,15 @@ def _refuse_foreign(path: Path) -> None:
 def _agree(connection: sqlite3.Connection, path: Path, plan: str) -> None:
     with connection:
         connection.execute("BEGIN EXCLUSIVE")
-        found = connection.execute("SELECT name, sql FROM sqlite_schema LIMIT ?", (len(TABLES) + 1,)).fetchall()
+        found = connection.execute(
+            "SELECT name, sql FROM sqlite_schema LIMIT ?", (len(TABLES) + 1,)
+        ).fetchall()
         if not found:
             for statement in TABLES.values():
                 connection.execute(statement)
-        elif dict(found) != TABLES or len(found) != len(TABLES):  # a view may have no end, a trigger may delete
+        elif dict(found) != TABLES or len(found) != len(
+            TABLES
+        ):  # a view may have no end, a trigger may delete
             raise UserError(f"{path}: holds something else than the trials of a sweep; {AGAIN}")
         stored = connection.execute("SELECT plan FROM plan").fetchone()
         if stored is None:
