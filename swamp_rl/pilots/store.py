@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.errors import UserError
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import MOST_JSON, ordinary
 from swamp_rl.own_code import is_code, refuse_unnamed
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.description import Description, FittedOn, Made, described_arrays, sealed, unsealed
@@ -85,7 +85,7 @@ def describe_pilot(folder: Path | str) -> Description:
     """What the pilot stored in `folder` is, without its weights; UserError as for `load_pilot`."""
     path = Path(folder) / DESCRIPTION
     try:
-        return unsealed(path, ordinary(path).read_bytes())
+        return unsealed(path, ordinary(path, MOST_JSON).read_bytes())
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; name a folder that holds a pilot") from error
 

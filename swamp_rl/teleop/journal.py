@@ -12,7 +12,7 @@ from typing import Any, TextIO
 from swamp_rl.errors import UserError
 from swamp_rl.files import flush, os_error, write_beside
 from swamp_rl.json_text import parsed_json
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import MOST_JSON, ordinary
 
 
 class Journal:
@@ -114,7 +114,7 @@ def _need(folder: Path) -> None:
 def read_description(path: Path) -> dict[str, Any]:
     """What `write_description` wrote; nothing where that cannot be read."""
     try:
-        about = parsed_json(ordinary(path).read_bytes())
+        about = parsed_json(ordinary(path, MOST_JSON).read_bytes())
     except (OSError, ValueError):
         return {}
     return about if isinstance(about, dict) else {}
