@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.errors import UserError
-from swamp_rl.ordinary import MOST_JSON, ordinary
+from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.own_code import is_code, refuse_unnamed
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.description import Description, FittedOn, Made, described_arrays, sealed, unsealed
@@ -85,7 +85,7 @@ def describe_pilot(folder: Path | str) -> Description:
     """What the pilot stored in `folder` is, without its weights; UserError as for `load_pilot`."""
     path = Path(folder) / DESCRIPTION
     try:
-        return unsealed(path, ordinary(path, MOST_JSON).read_bytes())
+        return unsealed(path, contents(path, MOST_JSON))
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; name a folder that holds a pilot") from error
 
@@ -94,7 +94,7 @@ def _read_weights(path: Path, description: Description) -> dict[str, Array]:
     from safetensors.numpy import load
 
     try:
-        stored = ordinary(path).read_bytes()
+        stored = contents(path)
         if hashlib.sha256(stored).hexdigest() != description.weights.sha256:
             raise UserError(f"{path}: is damaged, its SHA-256 is not in {DESCRIPTION}; train the pilot again")
         weights = tensors_in(stored, load)[1]
