@@ -42,7 +42,16 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
     """What `write_arrays` wrote; UserError where it is damaged or something else."""
     data = sealed_file(path, AGAIN)
     try:
+        _refuse_unpacked(data)
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
     except BROKEN as error:
         raise UserError(f"{path}: holds no arrays ({' '.join(str(error).split())}); {AGAIN}") from error
+
+
+def _refuse_unpacked(data: bytes) -> None:
+    """ValueError where the arrays are more than the bytes that hold them: none is packed, no two overlap."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        members = archive.infolist()
+    if sum(max(member.file_size, member.compress_size) for member in members) > len(data):
+        raise ValueError("its arrays are packed or lie over each other")

@@ -63,6 +63,8 @@ def write_beside(path: Path | str) -> Iterator[Path]:
 
 def refuse_to_replace(path: Path, replaces: Collection[str]) -> None:
     """UserError unless folder `path` is absent, empty, or holds one of the files named `replaces`."""
+    if path.is_symlink():
+        raise UserError(f"{path}: is a link, a folder was to be written here; name that or remove the link")
     if not path.exists():
         return
     if not path.is_dir():

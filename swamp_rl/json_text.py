@@ -6,7 +6,7 @@ from typing import Any
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import MOST_JSON, contents
 
 
 def parsed_json(text: str | bytes) -> Any:
@@ -20,7 +20,7 @@ def parsed_json(text: str | bytes) -> Any:
 def read_json(path: Path | str, remedy: str) -> dict[str, Any]:
     """The object in a JSON file; UserError, which ends in `remedy`, where it cannot be read or is another."""
     try:
-        found = parsed_json(ordinary(path).read_bytes())
+        found = parsed_json(contents(path, MOST_JSON))
     except OSError as error:
         raise UserError(f"{path}: {error.strerror or 'cannot be read'}; {remedy}") from error
     except ValueError as error:

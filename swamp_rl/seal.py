@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 
 from swamp_rl.errors import UserError
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import contents
 
 MARK = b"swamp_rl-sha256:"
 BLANK = MARK.decode() + 64 * "0"
@@ -40,7 +40,7 @@ def refuse_changed(where: Path | str, data: bytes, remedy: str) -> None:
 def sealed_file(path: Path | str, remedy: str) -> bytes:
     """The bytes of a file as `sealed` left them; UserError where it cannot be read or they have changed."""
     try:
-        data = ordinary(path).read_bytes()
+        data = contents(path)
     except OSError as error:
         raise UserError(f"{path}: {error.strerror or 'cannot be read'}; {remedy}") from error
     refuse_changed(path, data, remedy)

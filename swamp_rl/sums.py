@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from swamp_rl.errors import UserError
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import MOST_JSON, contents
 
 SUMS = "SHA256SUMS"
 _LINE = re.compile(r"([0-9a-f]{64})  (.+)")
@@ -24,7 +24,7 @@ def changed(folder: Path) -> list[str]:
     if not path.exists():
         return []
     try:
-        lines = ordinary(path).read_text(encoding="utf-8").splitlines()
+        lines = contents(path, MOST_JSON).decode("utf-8").splitlines()
     except (OSError, UnicodeDecodeError):
         return [f"{SUMS} cannot be read; export the dataset again"]
     found = []

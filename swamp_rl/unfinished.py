@@ -157,6 +157,10 @@ def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], No
     if part.is_symlink():
         part.unlink()
     part.mkdir(exist_ok=True)
+    if part.lstat().st_uid != os.geteuid():
+        raise UserError(
+            f"{part}: belongs to another user, who could change what is made; name another folder"
+        )
     for link in [found for found in part.rglob("*") if found.is_symlink()]:
         link.unlink()
     found = {name: (part / name).read_bytes() for name in description if (part / name).is_file()}

@@ -170,3 +170,29 @@ def test_a_lock_that_is_a_link_is_not_followed(tmp_path: Path) -> None:
     with pytest.raises(UserError), folder_beside(tmp_path / "out"):
         pass
     assert not (tmp_path / "made").exists()
+
+
+@pytest.mark.parametrize("leads_to", ["nowhere", "folder", "file"])
+def test_a_link_in_the_folders_place_is_refused_before_any_work_and_stays(
+    leads_to: str, tmp_path: Path
+) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").write_text("mine")
+    out = tmp_path / "out"
+    out.symlink_to(tmp_path / leads_to)
+    with pytest.raises(UserError, match="is a link"), folder_beside(out):
+        raise AssertionError("work is begun")
+    with pytest.raises(UserError, match="is a link"), taken_up(out, ("mark",), SAME):
+        raise AssertionError("work is begun")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder", "out"]
+    assert out.is_symlink() and (tmp_path / "file").read_text() == "mine"
+
+
+def test_what_another_user_laid_down_as_an_earlier_life_is_not_taken_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    interrupted(tmp_path / "out")
+    owner = os.geteuid()
+    monkeypatch.setattr(os, "geteuid", lambda: owner + 1)
+    with pytest.raises(UserError, match="belongs to another user"), taken_up(tmp_path / "out", (), SAME):
+        raise AssertionError("work is begun")

@@ -19,13 +19,11 @@ from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
-from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 
+from benchmarks.attack.cheaper import cheaper, imported
 from benchmarks.attack.counts import Count
 from benchmarks.attack.samples import parse_once
 from benchmarks.attack.syscalls import (
@@ -42,7 +40,7 @@ from benchmarks.attack.syscalls import (
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EMFILE, errno.EACCES)
 CALLS = ("open", "write", "fsync", "rename", "close")
 PLACES, QUICK_PLACES = 24, 2  # values of N for each command, call and error; spread over all calls it makes
-SLOW_PLACES = 4  # of commands that take seconds
+SLOW_PLACES = 4  # of a command that takes seconds
 SEED = 0
 LIMIT = 900.0  # s for one case, on a machine that is busy with other work
 
@@ -130,23 +128,6 @@ def record(case: Path) -> int:
         print("swamp-rl:", error, file=sys.stderr)
         return 2
     return 0
-
-
-def diagnose(case: Path) -> None:
-    """The verb; its search among runs in memory, which touches no file, is done once for all cases."""
-    module = import_module("swamp_rl.criticism.diagnose")
-    search = module.examine
-
-    def once(*given: Any) -> Any:
-        FOUND.extend([] if FOUND else [search(*given)])
-        return FOUND[0]
-
-    with patch.object(module, "examine", once):
-        verb("diagnose", "{}/inputs/runs", "--out", "{}/out")(case)
-
-
-FOUND: list[Any] = []
-"What the search found."
 
 
 def write_course(case: Path) -> None:
@@ -246,7 +227,7 @@ COMMANDS = {
         places=SLOW_PLACES,
         warmed_by="train",
     ),
-    "diagnose": Command(diagnose),
+    "diagnose": Command(verb("diagnose", "{}/inputs/runs", "--out", "{}/out")),
 }
 
 
@@ -372,7 +353,9 @@ def attacked(name: str, places: int, root: Path) -> Count:
                     at = f"{kind} {nth} of {one.calls[kind]}" + (" and after" if lasting else "")
                     unexplained.append(f"{errno.errorcode[error]} at {at}: {wrong}")
                     print(f"{name}: {unexplained[-1]}", file=sys.stderr, flush=True)
-    return Count("faults", name, cases, unexplained, "")
+    every = places >= max(one.calls[kind] for kind in CALLS)
+    note = "every call" if every else f"at most {places} places of each kind of call"
+    return Count("faults", name, cases, unexplained, note)
 
 
 def attack(asked: Namespace) -> Iterator[Count]:
@@ -385,6 +368,7 @@ def attack(asked: Namespace) -> Iterator[Count]:
 
 if __name__ == "__main__":
     parse_once()
-    with scratch() as root:
+    imported()
+    with scratch() as root, cheaper():
         prepare(root / "inputs")
         report(attacked(sys.argv[1], int(sys.argv[2]), root))

@@ -137,7 +137,7 @@ def forked(work: Callable[[], int | None], limit: float = 60.0) -> Ended:
             except BaseException:
                 traceback.print_exc()
             finally:
-                _leave(code)
+                leave(code)
         hung = not _ended(child, limit)
         if hung:
             os.kill(child, signal.SIGKILL)
@@ -149,7 +149,7 @@ def forked(work: Callable[[], int | None], limit: float = 60.0) -> Ended:
     return Ended(code, texts[0], texts[1], hung)
 
 
-def _leave(code: int) -> None:
+def leave(code: int) -> None:
     """End a fork as a process ends, with what Python and libraries do at exit, but for the frames above."""
     gc.collect()
     atexit._run_exitfuncs()

@@ -16,7 +16,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import shipped_folders
 from swamp_rl.json_text import parsed_json
 from swamp_rl.names import YAML, file_in
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.pilots.arguments import BUILT_IN, Asked, asked_pilot, names_pilot
 from swamp_rl.runs import DatasetMeta, Run, read_dataset, read_run
 from swamp_rl.runs.copies import course_file
@@ -160,7 +160,7 @@ def _read_file(path: Path) -> Found:
 def _read_results(folder: Path) -> Found:
     """The runs learned from and the pilots' own; those of the race are chosen."""
     try:
-        results = parsed_json(ordinary(folder / RESULTS).read_bytes())
+        results = parsed_json(contents(folder / RESULTS, MOST_JSON))
         race, data_source = dict(results["race"]["runs"]), str(results["data"]["source"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UserError(f"{folder / RESULTS}: cannot be read ({error}); make the results again") from error

@@ -10,10 +10,20 @@ from typing import Any
 
 from swamp_rl.errors import UserError
 from swamp_rl.json_text import parsed_json
+from swamp_rl.ordinary import ordinary
 from swamp_rl.seal import BLANK, KEY, refuse_changed, sealed
 
 FILE = "trials.sqlite"
 AGAIN = "remove the file to begin anew, or name another folder with --out"
+TABLES = {
+    "trials": "CREATE TABLE trials (number INTEGER PRIMARY KEY, trial TEXT)",
+    "plan": "CREATE TABLE plan (plan TEXT)",
+}
+LONGEST = 2**24
+"Bytes of a row."
+END = bytes.fromhex("d9d505f920a163d7")
+"""Of a journal that names another file, which SQLite deletes after it has rolled the journal back
+(https://sqlite.org/fileformat2.html#the_rollback_journal and `pager_delsuper` of its source)."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +90,9 @@ def opened(folder: Path, plan: dict[str, Any]) -> Iterator[Store]:
             raise UserError(
                 f"{folder}: already exists and is no earlier sweep; name another folder with --out"
             )
+        _refuse_foreign(path)
         connection = sqlite3.connect(path, timeout=0.5)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST)
         connection.execute("PRAGMA locking_mode = EXCLUSIVE")
         connection.execute("PRAGMA synchronous = FULL")
         _agree(connection, path, json.dumps(plan, sort_keys=True))
@@ -91,18 +103,41 @@ def opened(folder: Path, plan: dict[str, Any]) -> Iterator[Store]:
         raise UserError(
             f"{path}: {error}; is another sweep at work there? wait for it, or name --out"
         ) from error
-    except sqlite3.DatabaseError as error:
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
         raise UserError(f"{path}: {error}; name another folder with --out, or remove it") from error
     finally:
         if connection is not None:
             connection.close()
 
 
+def _refuse_foreign(path: Path) -> None:
+    """UserError for a link, which leads to a file elsewhere, and for a journal that names one."""
+    journal = path.with_name(f"{path.name}-journal")
+    for one in (path, journal, path.with_name(f"{path.name}-wal"), path.with_name(f"{path.name}-shm")):
+        if one.is_symlink():
+            raise UserError(f"{one}: is a link; {AGAIN}")
+    if path.exists():
+        ordinary(path)
+    if journal.exists():
+        with ordinary(journal).open("rb") as file:
+            file.seek(max(journal.stat().st_size - len(END), 0))
+            if file.read() == END:
+                raise UserError(f"{journal}: names a file elsewhere, which no sweep does; remove it")
+
+
 def _agree(connection: sqlite3.Connection, path: Path, plan: str) -> None:
     with connection:
         connection.execute("BEGIN EXCLUSIVE")
-        connection.execute("CREATE TABLE IF NOT EXISTS trials (number INTEGER PRIMARY KEY, trial TEXT)")
-        connection.execute("CREATE TABLE IF NOT EXISTS plan (plan TEXT)")
+        found = connection.execute(
+            "SELECT name, sql FROM sqlite_schema LIMIT ?", (len(TABLES) + 1,)
+        ).fetchall()
+        if not found:
+            for statement in TABLES.values():
+                connection.execute(statement)
+        elif dict(found) != TABLES or len(found) != len(
+            TABLES
+        ):  # a view may have no end, a trigger may delete
+            raise UserError(f"{path}: holds something else than the trials of a sweep; {AGAIN}")
         stored = connection.execute("SELECT plan FROM plan").fetchone()
         if stored is None:
             connection.execute("INSERT INTO plan VALUES (?)", (plan,))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.json_text import parsed_json
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import MOST_JSON, contents
 
 Array = NDArray[np.float64]
 Curve = tuple[Array, Array]
@@ -42,7 +42,7 @@ def read_curve(path: Path | str, quantity: str = "success") -> Curve:
     """
     points: list[tuple[float, float]] = []
     try:
-        lines = ordinary(path).read_text(encoding="utf-8").splitlines()
+        lines = contents(path, MOST_JSON).decode("utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{path}: cannot be read as text ({error}); name a curve's .jsonl file") from error
     for number, line in enumerate(lines, 1):

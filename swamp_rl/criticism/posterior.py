@@ -13,7 +13,7 @@ from swamp_rl.effects.declare import LIBRARY, Parameter
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.files import find_config, read_yaml, write_yaml
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import MOST_JSON, contents
 
 REACH = 5.0
 "Standard errors to either side beyond which nothing is drawn."
@@ -53,7 +53,7 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
 def _read(path: Path) -> Diagnosis | FiguresDiagnosis:
     """A diagnosis of runs, or of printed figures, which has stages."""
     try:
-        text = ordinary(path).read_text(encoding="utf-8")
+        text = contents(path, MOST_JSON).decode("utf-8")
         model = FiguresDiagnosis if '"stages"' in text else Diagnosis
         return model.model_validate_json(text)
     except (OSError, UnicodeDecodeError) as error:

@@ -98,8 +98,10 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
     import pyarrow.parquet as pq
 
     try:
-        read = pq.read_table(ordinary(path), page_checksum_verification=True)
-    except (OSError, pa.ArrowException) as error:
+        schema = pq.read_schema(ordinary(path))
+        texts = [one.name for one in schema if pa.types.is_string(one.type)]  # not one copy for each row
+        read = pq.read_table(path, page_checksum_verification=True, read_dictionary=texts)
+    except (OSError, UnicodeDecodeError, pa.ArrowException) as error:
         raise UserError(f"{path}: is no readable Parquet file; run the experiment again") from error
     missing = [name for name in ("pilot", "level", *COLUMNS) if name not in read.column_names]
     if missing:

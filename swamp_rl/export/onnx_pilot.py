@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.export.graph import NEXT, STATE
 from swamp_rl.export.steps import FIRST_LEVERS
@@ -21,7 +22,7 @@ class OnnxPilot:
 
     def __init__(self, path: Path | str) -> None:
         """UserError where the file is no pilot's, is damaged, or onnxruntime is not installed."""
-        self._session = _session(path)
+        self._path, self._session = path, _session(path)
         known = self._session.get_modelmeta().custom_metadata_map
         inputs = {given.name: given for given in self._session.get_inputs()}
         if not {"kind", "senses"} <= set(known) or "observation" not in inputs:
@@ -58,7 +59,11 @@ class OnnxPilot:
         given = {"observation": np.asarray(observation, dtype=np.float64), **self._kept}
         if self.wants_first:
             given[FIRST_LEVERS] = np.asarray(first_levers, dtype=np.float64)
-        out = dict(zip(self._outputs, self._session.run(None, given), strict=True))
+        try:
+            out = dict(zip(self._outputs, self._session.run(None, given), strict=True))
+        except Exception as error:  # onnxruntime's own errors have no common base
+            first = clipped(str(error).splitlines()[0], 300)
+            raise UserError(f"{self._path}: cannot be computed ({first}); export the pilot again") from error
         self._kept = {name: out[NEXT + name.removeprefix(STATE)] for name in self._kept}
         return out["levers"]
 

@@ -14,6 +14,7 @@ from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.runs import Run, RunMeta
 from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
+from swamp_rl.tensors_file import tensors_in
 
 
 @dataclass
@@ -55,15 +56,14 @@ def load_rounds(path: Path, task: str) -> Rounds:
 
     UserError where it is damaged.
     """
-    from safetensors import SafetensorError, safe_open
+    from safetensors.numpy import load
 
     if not path.exists():
         return Rounds()
-    sealed_file(path, "remove it")
+    data = sealed_file(path, "remove it")
     try:
-        with safe_open(path, "numpy") as file:
-            said = parsed_json((file.metadata() or {})["rounds"])
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  not a mapping
+        told, tensors = tensors_in(data, load)
+        said = parsed_json(told["rounds"])
         if said["task"] != task:
             return Rounds()
         runs = []
@@ -72,7 +72,7 @@ def load_rounds(path: Path, task: str) -> Rounds:
             runs.append(Run(entry["name"], columns, RunMeta.model_validate(entry["meta"])))
         learner, best = (_pilot(role, said["pilots"][role], tensors) for role in ("learner", "best"))
         return Rounds(runs, said["successes"], learner, best)
-    except (OSError, SafetensorError, LookupError, TypeError, AttributeError, ValueError) as error:
+    except (LookupError, TypeError, AttributeError, ValueError) as error:
         raise UserError(f"{path}: is no checkpoint of DAgger's rounds ({error}); remove it") from error
 
 

@@ -23,6 +23,7 @@ from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
 from swamp_rl.pilots.settings import Count, Layers, Many, Seed, Settings, Share
 from swamp_rl.pilots.tally import Tally
 from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
+from swamp_rl.tensors_file import tensors_in
 
 FORMAT = "1"
 FIRST_EPISODE = 2**31
@@ -224,11 +225,10 @@ def _load(path: Path, progress: Progress, legs: Legs) -> None:
 
 
 def _read(path: Path) -> tuple[dict[str, str], dict[str, Array]]:
-    from safetensors import SafetensorError, safe_open
+    from safetensors.numpy import load
 
-    sealed_file(path, "remove it to train anew")
+    data = sealed_file(path, "remove it to train anew")
     try:
-        with safe_open(path, "numpy") as file:
-            return file.metadata() or {}, {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-    except (OSError, SafetensorError) as error:
+        return tensors_in(data, load)
+    except ValueError as error:
         raise UserError(f"{path}: is damaged ({error}); remove it to train anew") from error

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 
 from swamp_rl.errors import UserError
 from swamp_rl.names import file_in
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import contents
 from swamp_rl.own_code import is_code, own_code
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.settings import Settings
@@ -166,7 +166,9 @@ class OwnPilot:
             files = sorted(Path(folder).iterdir())
             if any(not file.is_file() for file in files):
                 raise UserError(f"{self.kind}.save: wrote a folder; write files only")
-            kept = {file.name: file_in(Path(folder), file.name, ANY).read_bytes() for file in files}
+            kept = {
+                file.name: contents(file_in(Path(folder), file.name, ANY), follow=False) for file in files
+            }
         return {name: np.frombuffer(content, dtype=np.uint8) for name, content in kept.items()}
 
     @classmethod
@@ -187,7 +189,7 @@ class OwnPilot:
 def model_file(file: str, sha256: str | None = None) -> bytes:
     """The content of a model's file; UserError where it cannot be read or is not the one of `sha256`."""
     try:
-        content = ordinary(file).read_bytes()
+        content = contents(file)
     except OSError as error:
         raise UserError(f"{file}: {error.strerror}; name the file of a model") from error
     found = hashlib.sha256(content).hexdigest()

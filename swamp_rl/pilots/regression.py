@@ -17,6 +17,7 @@ from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seconds, Seed, Settings
 from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
+from swamp_rl.tensors_file import tensors_in
 
 Losses = Callable[[Any], Iterable[Any]]
 """The losses of an epoch's batches, one at a time, from the torch Generator of the epoch."""
@@ -105,16 +106,15 @@ def _keep(network: Any, optimiser: Any, path: Path, task: str, means: list[float
 
 def _resume(network: Any, optimiser: Any, path: Path, task: str) -> list[float]:
     """Load a checkpoint into network and optimiser; return the mean losses of the epochs done."""
-    from safetensors import SafetensorError, safe_open
+    from safetensors.torch import load
 
     if not path.exists():
         return []
-    sealed_file(path, "remove it")
+    data = sealed_file(path, "remove it")
     try:
-        with safe_open(path, "pt") as file:
-            said = parsed_json((file.metadata() or {}).get("training", "{}"))
-            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  not a mapping
-    except (OSError, SafetensorError, ValueError) as error:
+        told, arrays = tensors_in(data, load)
+        said = parsed_json(told.get("training", "{}"))
+    except ValueError as error:
         raise UserError(f"{path}: is no checkpoint of a training ({error}); remove it") from error
     if said.get("task") != task or "losses" not in said:
         return []

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from swamp_rl.errors import UserError
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import contents
 from swamp_rl.pilots.arrays import Array, levers_of
 from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
 from swamp_rl.pilots.own import is_known_model, model_file
@@ -70,7 +70,7 @@ class SB3Zip:
     @classmethod
     def load(cls, folder: Path, settings: Any) -> "SB3Zip":
         """The stored copy; UserError where it is not one that the user has named in this process."""
-        content = ordinary(folder / MODEL).read_bytes()
+        content = contents(folder / MODEL)
         if not is_known_model(content):
             raise UserError(
                 "the pilot is a model of stable-baselines3, which can run code; if it is yours, name its "

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.errors import UserError
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.own_code import is_code, refuse_unnamed
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.description import Description, FittedOn, Made, described_arrays, sealed, unsealed
@@ -23,6 +23,7 @@ from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.reservoir import ReservoirPilot
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.takeover import TakeoverPilot
+from swamp_rl.tensors_file import tensors_in
 from swamp_rl.unfinished import folder_beside
 
 DESCRIPTION, WEIGHTS = "pilot.json", "weights.safetensors"
@@ -84,23 +85,22 @@ def describe_pilot(folder: Path | str) -> Description:
     """What the pilot stored in `folder` is, without its weights; UserError as for `load_pilot`."""
     path = Path(folder) / DESCRIPTION
     try:
-        return unsealed(path, ordinary(path).read_bytes())
+        return unsealed(path, contents(path, MOST_JSON))
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; name a folder that holds a pilot") from error
 
 
 def _read_weights(path: Path, description: Description) -> dict[str, Array]:
-    from safetensors import SafetensorError
     from safetensors.numpy import load
 
     try:
-        stored = ordinary(path).read_bytes()
+        stored = contents(path)
         if hashlib.sha256(stored).hexdigest() != description.weights.sha256:
             raise UserError(f"{path}: is damaged, its SHA-256 is not in {DESCRIPTION}; train the pilot again")
-        weights = load(stored)
+        weights = tensors_in(stored, load)[1]
     except OSError as error:
         raise UserError(f"{path}: {error.strerror or 'cannot be read'}; train the pilot again") from error
-    except (SafetensorError, KeyError, ValueError) as error:
+    except ValueError as error:
         raise UserError(f"{path}: is damaged ({error}); train the pilot again") from error
     if described_arrays(weights, stored) != description.weights:
         raise UserError(f"{path}: holds other arrays than {DESCRIPTION} says; train the pilot again")

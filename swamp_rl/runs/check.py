@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.clipped import clipped
+from swamp_rl.names import LONGEST
 from swamp_rl.runs.columns import ENDLESS, ONE_TURN, Span, UnknownThrusterError, missing_columns, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
 from swamp_rl.runs.table import Table
@@ -15,6 +17,12 @@ DRIFT_TOLERANCE = 0.5  # of the period, over the whole run
 DEGREES = 180.0 / math.pi
 FASTEST_TURN = 1.5  # rad/s that a boat keeps up; in degrees a second hardly more than a drift
 WRAP = "wrap it into that range"
+FORMULA = "=+-@"
+"What a spreadsheet takes for the beginning of a formula, in a header too, when it opens a run as CSV."
+ODD_NAME = (
+    f"is no name of a column: it has at most {LONGEST} bytes, all print and the first is none of {FORMULA}; "
+    "rename it"
+)
 
 
 def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float | None) -> list[Fault]:
@@ -22,6 +30,7 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
     faults = list(table.faults)
     if not table.columns:
         return faults
+    faults += [Fault(file, None, clipped(name), ODD_NAME) for name in table.columns if _is_odd(name)]
     faults += [
         Fault(file, None, name, f"is missing; add it{_near_miss(name, list(table.columns))}")
         for name in missing_columns(list(table.columns), boat)
@@ -42,6 +51,11 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
         late = _check_time(file, table.columns["time"], table.rows, sample_rate)
         faults += late or _check_degrees_against_yaw_rate(file, table.columns)
     return faults
+
+
+def _is_odd(name: str) -> bool:
+    size = len(name.encode("utf-8", "surrogatepass"))
+    return size > LONGEST or not name.isprintable() or name.lstrip()[:1] in tuple(FORMULA)
 
 
 def unknown_columns(names: list[str], boat: Boat | None) -> list[str]:

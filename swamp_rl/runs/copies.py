@@ -10,9 +10,11 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.load import boat_chain
 from swamp_rl.course import load_course
 from swamp_rl.errors import UserError
-from swamp_rl.files import find_config, read_yaml, yaml_text
+from swamp_rl.files import find_config, os_error, read_yaml, yaml_text
 from swamp_rl.names import YAML, file_in, plain_name
+from swamp_rl.ordinary import contents
 from swamp_rl.runs.schema import COURSE, META, DatasetMeta
+from swamp_rl.yaml_text import MOST_BYTES
 
 Files = dict[str, bytes]
 _EXTENDS = re.compile(rb"^extends[ \t]*:.*$", re.MULTILINE)
@@ -111,11 +113,18 @@ def refuse_changed(folder: Path, meta: DatasetMeta) -> None:
         path = file_in(folder, name, YAML)
         if not path.is_file():
             raise UserError(f"{path}: no such file, but {META} lists it under copies; put it back")
-        if hashlib.sha256(path.read_bytes()).hexdigest() != digest:
+        if hashlib.sha256(_held(path)).hexdigest() != digest:
             raise UserError(
                 f"{path}: is not the file that these runs were made with (its SHA-256 is not that under "
                 f"copies in {META}); put that back, or drop the entry to take this one"
             )
+
+
+def _held(path: Path) -> bytes:
+    try:
+        return contents(path, MOST_BYTES, follow=False)
+    except OSError as error:
+        raise os_error(error, path) from error
 
 
 def _refuse_reaching_out(folder: Path, boat: str | Path) -> None:

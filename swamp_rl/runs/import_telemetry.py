@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import os_error
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import contents
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.schema import RunMeta
 from swamp_rl.runs.table import Table
@@ -83,7 +83,7 @@ def _lines(path: Path) -> tuple[list[int], list[list[str]]]:
     """Numbers from 1 and words of the lines that are not empty, each of 40 finite numbers."""
     try:
         # Packets are C strings; a log of them may keep the byte that ends each.
-        text = ordinary(path).read_bytes().replace(b"\0", b"").decode("ascii")
+        text = contents(path).replace(b"\0", b"").decode("ascii")
     except OSError as error:
         raise os_error(error, path) from error
     except UnicodeDecodeError as error:

@@ -1,6 +1,7 @@
 """Runs as MCAP files, which robot recorders and viewers share: JSON messages with their schema."""
 
 import hashlib
+import importlib
 import json
 import math
 from collections.abc import Iterator, Mapping
@@ -69,15 +70,11 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
     others: set[str] = set()
     told: dict[str, dict[str, str]] = {}
     with _reading(path), ordinary(path, None).open("rb") as stream:
-        reader = _mcap("mcap.reader").make_reader(stream, validate_crcs=True)
-        summary = reader.get_summary()
-        size = sum(chunk.uncompressed_size for chunk in summary.chunk_indexes) if summary else 0
-        if size > MOST_BYTES:
-            raise UserError(f"{path}: holds {size / 2**30:.3g} GiB unpacked; divide it into runs")
-        told = {record.name: record.metadata for record in reader.iter_metadata()}
-        if reader.get_header().library == RECORD:
+        _refuse_unpacked(path, stream)
+        told = {record.name: record.metadata for record in _reader(stream).iter_metadata()}
+        if _reader(stream).get_header().library == RECORD:
             told.setdefault(RECORD, {})
-        for _, channel, message in reader.iter_messages(log_time_order=False):
+        for _, channel, message in _reader(stream).iter_messages(log_time_order=False):
             if channel.message_encoding != "json":
                 others.add(channel.topic)
                 continue
@@ -88,13 +85,33 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
     return Foreign(path.name, path.stem, _table(path, messages[chosen]), meta, dataset, copies)
 
 
+def _refuse_unpacked(path: Path, stream: Any) -> None:
+    """UserError where the chunks hold more than MOST_BYTES unpacked, ValueError where one has another size
+    than it says: LZ4 unpacks as much as there is."""
+    size = 0
+    for record in _mcap("mcap.stream_reader").StreamReader(stream, emit_chunks=True).records:
+        if type(record).__name__ != "Chunk":
+            continue
+        size += record.uncompressed_size
+        if size > MOST_BYTES:
+            raise UserError(f"{path}: holds {size / 2**30:.3g} GiB unpacked; divide it into runs")
+        if record.compression == "lz4":
+            whole = importlib.import_module("lz4.frame").LZ4FrameDecompressor()
+            if len(whole.decompress(record.data, record.uncompressed_size + 1)) > record.uncompressed_size:
+                raise ValueError("a chunk holds more than it says")
+
+
+def _reader(stream: Any) -> Any:
+    """From the file's beginning to its end; one that follows the index could be led to other chunks."""
+    stream.seek(0)
+    return _mcap("mcap.reader").NonSeekingReader(stream, validate_crcs=True)
+
+
 def _digest(told: Mapping[str, str]) -> str:
     return hashlib.sha256("\n".join(told[key] for key in ("run", "dataset", "copies")).encode()).hexdigest()
 
 
 def _mcap(name: str) -> Any:
-    import importlib
-
     try:
         return importlib.import_module(name)
     except ImportError as error:

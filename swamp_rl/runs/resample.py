@@ -10,7 +10,7 @@ from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
 
-MOST_ROWS = 10_000_000
+MOST_ROWS, MOST_CELLS = 10_000_000, 2 * 10**7
 """Of a resampled run."""
 ANGLES = ("heading", "wind_from")
 HELD = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_")
@@ -20,14 +20,13 @@ def resampled(columns: Mapping[str, Array], rate: float) -> dict[str, Array]:
     """Columns (T,) with increasing times as columns at `rate` [Hz] from the first time on.
 
     Values are in proportion between rows, angles the short way round; commands are held until the next row.
-    UserError for more than MOST_ROWS.
+    UserError for more than MOST_ROWS, or MOST_CELLS.
     """
     time = columns["time"]
     rows = (time[-1] - time[0]) * rate + 1.0 + 1e-9
-    if not rows < MOST_ROWS:
-        raise UserError(
-            f"{rows:.3g} rows at {rate:g} a second, at most {MOST_ROWS}; resample at a lower rate"
-        )
+    most = min(MOST_ROWS, MOST_CELLS // len(columns))
+    if not rows < most:
+        raise UserError(f"{rows:.3g} rows at {rate:g} a second, at most {most}; resample at a lower rate")
     even = time[0] + np.arange(math.floor(rows)) / rate
     row = np.searchsorted(time, even + 1e-9, side="right") - 1
     found = {}

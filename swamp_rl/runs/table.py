@@ -68,7 +68,16 @@ def _read_parquet(path: Path) -> Table:
         )
     if file.metadata.num_rows * file.metadata.num_columns > MOST_CELLS:
         return _unreadable(path, f"says that it has {file.metadata.num_rows} rows; divide it into runs")
-    data = file.read()
+    odd = [one for one in file.schema_arrow if pa.types.is_nested(one.type)]
+    if odd:
+        kind = clipped(odd[0].type)
+        return _unreadable(path, f"column {clipped(odd[0].name)} holds {kind}; leave it out")
+    chunks = (file.metadata.row_group(group) for group in range(file.metadata.num_row_groups))
+    if sum(chunk.total_byte_size for chunk in chunks) > LARGEST:
+        return _unreadable(path, f"is larger than {LARGEST / 2**30:g} GiB unpacked; divide it into runs")
+    # A text that many rows share would otherwise be there once for each.
+    texts = [one.name for one in file.schema_arrow if not _numeric(one.type)]
+    data = pa.parquet.read_table(path, read_dictionary=texts, page_checksum_verification=True)
     return _numbers(path.name, data, np.arange(1, data.num_rows + 1), [])
 
 
@@ -129,7 +138,7 @@ def _numbers(file: str, data: pa.Table, rows: NDArray[np.int64], faults: list[Fa
             continue
         values, unread = _floats(cells)
         table.columns[name], table.unread[name] = values, unread
-        if unread.size and unread.all() and not any(cells.to_pylist()):
+        if unread.size and unread.all() and not any(cells.unique().to_pylist()):
             table.faults.append(Fault(file, None, name, NO_NUMBER))
         else:
             table.faults += faults_at(file, name, rows, unread, partial(_no_number, cells))
@@ -146,6 +155,8 @@ def _no_number(cells: pa.ChunkedArray, index: int) -> str:
 
 def _floats(cells: pa.ChunkedArray) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Cells as float64, and which of them are no float64 exactly."""
+    if pa.types.is_dictionary(cells.type):
+        return _each_once(cells)
     text = pa.types.is_string(cells.type) or pa.types.is_large_string(cells.type)
     if text:
         cells = pc.utf8_trim_whitespace(cells)
@@ -154,12 +165,22 @@ def _floats(cells: pa.ChunkedArray) -> tuple[NDArray[np.float64], NDArray[np.boo
     except pa.ArrowInvalid:
         values = None
     if values is None:
-        found = [_float(cell) for cell in cells.to_pylist()]
-        return np.array([np.nan if f is None else f for f in found]), np.array(
-            [f is None for f in found], bool
-        )
+        return _each_once(cells.dictionary_encode())
     unread = np.asarray(pc.is_null(values), bool)
     return np.array(pc.fill_null(values, np.nan), np.float64), unread
+
+
+def _each_once(cells: pa.ChunkedArray) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """As `_floats`, cell by cell, each that comes again looked at once."""
+    cells = cells.unify_dictionaries()
+    if cells.num_chunks == 0:
+        return np.zeros(0), np.zeros(0, bool)
+    known = [_float(cell) for cell in cells.chunk(0).dictionary.to_pylist()]
+    numbers = np.array([np.nan if number is None else number for number in [*known, None]])
+    unread = np.array([number is None for number in [*known, None]])
+    places = [pc.fill_null(chunk.indices, len(known)) for chunk in cells.chunks]
+    at = np.concatenate([np.asarray(place, np.int64) for place in places])
+    return numbers[at], unread[at]
 
 
 def _numeric(kind: pa.DataType) -> bool:

@@ -28,7 +28,8 @@ def create_dataset(
     """Make a folder for runs yet to be appended, with copies of its boat's and its course's files.
 
     boat, course: names or paths of these, by default those that `meta` gives, a file in the folder first.
-    UserError if the folder already holds a dataset, other runs or other files of the copies' names.
+    UserError if the folder already holds a dataset, other runs or other files of the copies' names; the same
+    files are of a process that was killed before it wrote `dataset.yaml`.
     """
     folder = Path(folder)
     boat, course = boat or _there(folder, meta.vehicle), course or _there(folder, meta.course)
@@ -37,16 +38,22 @@ def create_dataset(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         names = sorted(path.name for path in folder.iterdir())
+        held = [name for name in names if name == META or Path(name).suffix[1:] in FORMATS]
+        foreign = [name for name in names if name in copies.keys() - own]
+        held += [name for name in foreign if not _holds(folder / name, copies[name])]
     except OSError as error:
         raise os_error(error, folder) from error
-    held = [name for name in names if name == META or Path(name).suffix[1:] in FORMATS]
-    held += [name for name in names if name in copies.keys() - own]
     if held:
         raise UserError(f"{folder}: already holds {held[0]}; name another folder for the new dataset")
     for name, copy in copies.items():
         with write_beside(folder / name) as part:
             part.write_bytes(copy)
     _write_meta(folder, _as_yaml(folder, meta))
+
+
+def _holds(path: Path, copy: bytes) -> bool:
+    same = not path.is_symlink() and path.is_file() and path.stat().st_size == len(copy)
+    return same and path.read_bytes() == copy
 
 
 def _there(folder: Path, name: str | None) -> str | Path | None:

@@ -10,7 +10,8 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from swamp_rl.teleop.allowance import Allowance
 
 MOST = 256
-"Connections; the one that has been silent the longest makes room for another."
+"""Connections. For another the oldest makes room that is no WebSocket: of the silent ones, and of all others
+where none is silent, or strangers with whole requests would keep a page out."""
 SILENT = 10.0  # s that a connection may take for the headers of its first request
 LONGEST = 60.0  # s that a connection lasts that does not become a WebSocket
 PING = 20.0  # s between two pings of a WebSocket, and until it is closed that answers none
@@ -26,8 +27,9 @@ class BoundedProtocol(H11Protocol):
         self.begun = self.loop.time()
         self._end = self.loop.call_later(SILENT, self._end_if_silent)
         if len(self.connections) > MOST:
-            waiting = (other for other in self.connections if isinstance(other, BoundedProtocol))
-            min((other for other in waiting if other.silent), key=lambda other: other.begun).abort()
+            others = [one for one in self.connections if isinstance(one, BoundedProtocol) and one is not self]
+            silent = [one for one in others if one.silent]
+            min(silent or others or [self], key=lambda one: one.begun).abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """As asyncio has it."""

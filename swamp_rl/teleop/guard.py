@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, MutableMapping
 from dataclasses import dataclass
 from http.cookies import CookieError, SimpleCookie
-from ipaddress import ip_address, ip_network
+from ipaddress import IPv6Address, ip_address, ip_network
 from typing import Any
 from urllib.parse import parse_qs
 
@@ -115,9 +115,15 @@ class Guard:
 
 
 def _address(scope: Scope) -> str:
-    """Whose tries count together: an address, of IPv6 the network of 64 bits that one holder has."""
-    host = (scope.get("client") or ("", 0))[0]
-    return str(ip_network(f"{host.partition('%')[0]}/64", strict=False)) if ":" in host else host
+    """Whose tries count together: an address, of IPv6 the network of 64 bits that one holder has.
+
+    A socket of both kinds tells an address of IPv4 as one of IPv6, and all of them are in one such network.
+    """
+    host = (scope.get("client") or ("", 0))[0].partition("%")[0]
+    if ":" not in host:
+        return host
+    mapped = IPv6Address(host).ipv4_mapped
+    return str(mapped or ip_network(f"{host}/64", strict=False))
 
 
 def _header(scope: Scope, name: bytes) -> str:

@@ -12,7 +12,7 @@ from typing import Any, TextIO
 from swamp_rl.errors import UserError
 from swamp_rl.files import flush, os_error, write_beside
 from swamp_rl.json_text import parsed_json
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import MOST_JSON, contents
 
 
 class Journal:
@@ -114,7 +114,7 @@ def _need(folder: Path) -> None:
 def read_description(path: Path) -> dict[str, Any]:
     """What `write_description` wrote; nothing where that cannot be read."""
     try:
-        about = parsed_json(ordinary(path).read_bytes())
+        about = parsed_json(contents(path, MOST_JSON))
     except (OSError, ValueError):
         return {}
     return about if isinstance(about, dict) else {}
@@ -124,7 +124,7 @@ def cut_torn_rows(table: Path) -> int:
     """Cut the end of a table that was being written: what follows the last line end, and from the first row
     that holds a NUL, which a power cut leaves in place of bytes not yet on the disk. The number of rows left.
     """
-    text = ordinary(table).read_bytes()
+    text = contents(table)
     sound = text.partition(b"\0")[0]
     whole = sound[: sound.rfind(b"\n") + 1]
     if len(whole) < len(text):

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -315,3 +316,22 @@ def test_a_run_with_a_fault_is_never_written(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"row 5 \(line 6\), column north"):
         write_run(tmp_path / "run.csv", Run("run", columns))
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "name", ["=HYPERLINK(0)", "+1", "-2", "@SUM(A1)", " =1", "\t=1", "a\x1b[31m", "two\nlines", "y" * 201]
+)
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+def test_a_column_on_whose_name_a_spreadsheet_or_a_terminal_acts_is_named_and_never_written(
+    kind: Literal["csv", "parquet"], name: str, tmp_path: Path
+) -> None:
+    create_dataset(tmp_path, described())
+    columns = circling(0.5)
+    with pytest.raises(UserError, match="is no name of a column"):
+        append_run(tmp_path, Run("run", columns | {name: columns["north"]}), kind)
+    assert not list(tmp_path.glob("run.*"))
+    path = append_run(tmp_path, Run("run", columns), kind)
+    write_table(path, columns | {name: columns["north"]})
+    faults = [str(fault) for fault in check_dataset(tmp_path)]
+    assert [fault for fault in faults if "is no name of a column" in fault] != []
+    assert all(fault.isprintable() and len(fault) < 400 for fault in faults)

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +93,34 @@ def test_a_run_is_never_overwritten_not_even_in_the_other_format(folder: Path) -
 def test_a_dataset_is_never_created_over_another(folder: Path) -> None:
     with pytest.raises(UserError, match=r"already holds dataset\.yaml"):
         create_dataset(folder, described())
+
+
+def test_a_dataset_is_created_where_a_process_was_killed_after_any_of_its_files(tmp_path: Path) -> None:
+    create_dataset(tmp_path / "whole", described())
+    copies = sorted(path for path in (tmp_path / "whole").iterdir() if path.name != "dataset.yaml")
+    for number in range(1, len(copies) + 1):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        for copy in copies[:number]:
+            shutil.copy(copy, folder)
+        create_dataset(folder, described())
+        append_run(folder, Run("one", circling(), RunMeta()))
+        assert check_dataset(folder) == []
+
+
+@pytest.mark.parametrize("link", [False, True])
+def test_another_file_of_a_copys_name_is_left_alone(link: bool, tmp_path: Path) -> None:
+    create_dataset(tmp_path / "whole", described())
+    copy = next(path for path in (tmp_path / "whole").iterdir() if "course" in path.name)
+    folder = tmp_path / "other"
+    folder.mkdir()
+    if link:
+        (folder / copy.name).symlink_to(copy)
+    else:
+        (folder / copy.name).write_text("mine: 1")
+    with pytest.raises(UserError, match="already holds"):
+        create_dataset(folder, described())
+    assert [path.name for path in folder.iterdir()] == [copy.name]
 
 
 def test_a_run_that_does_not_fit_the_dataset_is_refused(folder: Path) -> None:

@@ -137,6 +137,21 @@ def test_of_too_many_silent_connections_the_oldest_makes_room_for_a_page(
         hear(driver, lambda message: message["type"] == "frame")
 
 
+def test_strangers_with_whole_requests_do_not_keep_a_page_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(connections, "MOST", 8)
+    with serving(tmp_path / "runs") as (address, _), driving(address) as driver, ExitStack() as stack:
+        held = [stack.enter_context(socket.create_connection(place(address))) for _ in range(7)]
+        for one in held:
+            one.sendall(b"POST / HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 9\r\n\r\nhalf")
+            assert one.recv(65536)
+        assert status(address) == 200
+        with driving(address) as watcher:
+            hear(watcher, lambda message: message["type"] == "scene")
+        hear(driver, lambda message: message["type"] == "frame")
+
+
 @pytest.fixture
 def many_files() -> Iterator[None]:
     """Room for both ends of MANY connections in this process."""
@@ -254,6 +269,11 @@ def test_an_address_that_tries_tokens_is_locked_out_for_a_while_and_no_other_is(
     for i in range(WRONG):
         answered("wrong", f"2001:db8::{i:x}")
     assert answered(TOKEN, "2001:db8::ffff") == 429 and answered(TOKEN, "2001:db8:0:1::1") == 200
+    # One of IPv4 has itself alone, however the socket tells it.
+    for _ in range(WRONG):
+        answered("wrong", "::ffff:10.0.0.7")
+    assert answered(TOKEN, "::ffff:10.0.0.7") == 429 and answered(TOKEN, "10.0.0.7") == 429
+    assert answered(TOKEN, "::ffff:10.0.0.8") == 200
 
 
 def test_one_who_is_let_in_drives_on_while_its_address_is_locked_out(tmp_path: Path) -> None:
