@@ -12,10 +12,11 @@ from swamp_rl.envs.reward import DEFAULTS, weights_of
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.load import refuse_untested_depth
-from swamp_rl.course import Course, limited, load_course
+from swamp_rl.course import Course, fitted, limited, load_course
 from swamp_rl.effects import Level, load_disturbances
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
+from swamp_rl.simulator.reference import reference_of
 
 Disturbances = str | Path | Sequence[Mapping[str, Any]] | None
 
@@ -29,7 +30,7 @@ class TaskArguments(TypedDict, total=False):
     boat: str | Path | Boat
     "A name in `configs/boats`, a path, or the thing itself; `swamp`."
     course: str | Path | Course
-    "As `boat`; `camogli`."
+    "As `boat`; `camogli`. One that names a boat is scaled to this one, see `swamp_rl.course.fit`."
     disturbances: Disturbances
     "A level by name or path, or a list of effects; none."
     observation: Sequence[str] | None
@@ -76,6 +77,7 @@ class Task:
         boat, course = given.get("boat", "swamp"), given.get("course", "camogli")
         boat = boat if isinstance(boat, Boat) else load_boat(boat)
         course = course if isinstance(course, Course) else load_course(course)
+        course = fitted(course, boat.length, reference_of(boat).speed)
         level = load_disturbances(given.get("disturbances"), boat.thruster_names)
         drawn = (entry.effect for entry in level.entries)
         refuse_untested_depth(boat, drawn, f"disturbances {level.name}")

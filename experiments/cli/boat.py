@@ -11,7 +11,8 @@ boat_app = typer.Typer(help="Boat files: a new one by estimates, or one looked o
 
 HEAD = """Boat {name}, {kind}: by `swamp-rl boat new` from length, breadth, mass and thrust.
 Every number is an estimate: `sd` is the standard deviation of its prior. Replace what was measured, with
-provenance measured and its source; a bare number counts as assumed. SI units, radians; x forward, y to starboard."""
+provenance measured and its source; a bare number counts as assumed. SI units, radians; x is forward of
+midship, y to starboard."""
 
 
 @boat_app.command()

@@ -16,13 +16,13 @@ RELATIVE = "of no use with the model `relative`"
 
 
 def assumed(value: Any, unit: str, source: str, sd: Any = None) -> dict[str, Any]:
-    """A number of a boat file that was not measured; sd: standard deviation of its prior, in the same unit."""
+    """A number of a boat file that was not measured; sd: standard deviation of its prior, in its unit."""
     spread = {} if sd is None else {SPREAD: sd}
     return {"value": value, "unit": unit, "provenance": "assumed", "source": source, **spread}
 
 
 def defaults_of(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """Sections `wind`, `current` and `joypad` of the merged file `raw`, each with the keys that it leaves out.
+    """What the merged file `raw` leaves out of its sections `wind`, `current` and `joypad`, by section and key.
 
     Nothing where `raw` lacks what they follow from: the schema then refuses the file.
     """

@@ -171,7 +171,7 @@ def _lines(section: Mapping[str, Any], model: type[BaseModel], indent: str) -> I
 
 
 def _leaf(value: Any, named: bool) -> str:
-    """A leaf as YAML in one line, which JSON is, numbers to four digits; named: whether it is a boat's name."""
+    """A leaf as YAML in one line, numbers to four digits; named: a boat's name stays in quotes."""
     if not is_quantity(value):
         text = json.dumps(_short(value), ensure_ascii=False)
         return text if text.startswith('"') and named else text.replace('"', "")

@@ -1,7 +1,7 @@
-"""Published estimates of a hull's numbers from length L, breadth B, draught d [m] and block coefficient C_B.
+"""Published estimates of a hull's numbers from length L, breadth B, draught d [m] and block coefficient.
 
-Sources: Lamb, *Hydrodynamics* (6th ed. 1932), articles 114 and 115; Kijima et al. (1990); Yoshimura and Masumoto
-(2012), whose database ends at L/B = 2.6; Hoerner, *Fluid-Dynamic Drag* (1965), as tabulated by Fossen (2011).
+Sources: Lamb, *Hydrodynamics* (6th ed. 1932), articles 114 and 115; Kijima et al. (1990); Yoshimura and
+Masumoto (2012), whose database ends at L/B = 2.6; Hoerner, *Fluid-Dynamic Drag* (1965), as tabulated by Fossen (2011).
 """
 
 import math
@@ -25,10 +25,10 @@ def draught_of(mass: float, length: float, breadth: float, density: float, block
 
 
 def ellipsoid_shares(a: float, b: float, c: float) -> tuple[float, float, float]:
-    """Added mass ahead and abeam over the mass of the displaced water, added inertia in yaw over its inertia [1].
+    """Added mass ahead, abeam over the displaced water's mass, added inertia in yaw over its inertia [1].
 
     a, b, c: semi-axes ahead, abeam, down (Lamb 114: k = α_0/(2 − α_0); 115 for the rotation about the third):
-    α_0 = abc ∫_0^∞ dλ / ((a² + λ) Δ), Δ² = (a² + λ)(b² + λ)(c² + λ), which is ⅔ abc R_D(b², c², a²) of Carlson.
+    α_0 = abc ∫_0^∞ dλ / ((a² + λ) Δ), Δ² = (a² + λ)(b² + λ)(c² + λ): ⅔ abc R_D(b², c², a²) by Carlson.
     """
     ahead = 2.0 / 3.0 * a * b * c * float(elliprd(b * b, c * c, a * a))
     abeam = 2.0 / 3.0 * a * b * c * float(elliprd(c * c, a * a, b * b))

@@ -12,7 +12,7 @@ Origin = Literal["measured", "fitted", "assumed"]
 ORIGINS = get_args(Origin)
 KEYS = ("value", "unit", "provenance", "source")
 SPREAD = "sd"
-"""Optional key: standard deviation in the same unit, of the prior where assumed, of the estimate where fitted."""
+"Optional key: standard deviation in the same unit, of the prior where assumed, of the estimate where fitted."
 
 
 @dataclass(frozen=True)

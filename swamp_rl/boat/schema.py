@@ -78,7 +78,7 @@ class Thruster(Part):
     astern_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
     "The same for p < 0; both 0: it does not reverse."
     dead_band: Annotated[float, NOT_NEGATIVE, DEAD_BAND, Unit("1")] = 0.0
-    "Share of the greatest throttle, either way, below which it gives no thrust; the rest is stretched over it."
+    "Throttle, either way, below which it gives no thrust; the curve is stretched over the rest."
     nozzle_area: Annotated[float, NOT_NEGATIVE, Unit("m2")] = 0.0
     "Of the jet; 0: no momentum drag."
     advance_loss: Annotated[float, NOT_NEGATIVE, Unit("1")] = 0.0
