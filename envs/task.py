@@ -14,6 +14,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.load import refuse_untested_depth
 from swamp_rl.course import Course, fitted, limited, load_course
 from swamp_rl.effects import Level, load_disturbances
+from swamp_rl.effects.fit import Size
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.simulator.reference import reference_of
@@ -77,8 +78,9 @@ class Task:
         boat, course = given.get("boat", "swamp"), given.get("course", "camogli")
         boat = boat if isinstance(boat, Boat) else load_boat(boat)
         course = course if isinstance(course, Course) else load_course(course)
-        course = fitted(course, boat.length, reference_of(boat).speed)
-        level = load_disturbances(given.get("disturbances"), boat.thruster_names)
+        size = Size(boat.length, reference_of(boat).speed, boat.mass)
+        course = fitted(course, size.length, size.speed)
+        level = load_disturbances(given.get("disturbances"), boat.thruster_names, size)
         drawn = (entry.effect for entry in level.entries)
         refuse_untested_depth(boat, drawn, f"disturbances {level.name}")
         weights = weights_of(given.get("reward"))

@@ -22,7 +22,7 @@ def assumed(value: Any, unit: str, source: str, sd: Any = None) -> dict[str, Any
 
 
 def defaults_of(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """What the merged file `raw` leaves out of its sections `wind`, `current` and `joypad`, by section and key.
+    """What the merged file leaves out of its sections `wind`, `current` and `joypad`, by section and key.
 
     Nothing where `raw` lacks what they follow from: the schema then refuses the file.
     """

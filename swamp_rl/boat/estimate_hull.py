@@ -1,7 +1,8 @@
 """Published estimates of a hull's numbers from length L, breadth B, draught d [m] and block coefficient.
 
 Sources: Lamb, *Hydrodynamics* (6th ed. 1932), articles 114 and 115; Kijima et al. (1990); Yoshimura and
-Masumoto (2012), whose database ends at L/B = 2.6; Hoerner, *Fluid-Dynamic Drag* (1965), as tabulated by Fossen (2011).
+Masumoto (2012), whose database ends at L/B = 2.6; Hoerner, *Fluid-Dynamic Drag* (1965), as in
+Fossen (2011).
 """
 
 import math
