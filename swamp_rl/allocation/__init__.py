@@ -1,4 +1,4 @@
-"""Thrust allocation: a wanted force and moment shared out among jets or propellers, and what they can hold."""
+"""Thrust allocation: a wanted force and moment shared out among jets or propellers; what they can hold."""
 
 from swamp_rl.allocation.allocate import Allocation, allocate
 from swamp_rl.allocation.attainable import force_region, largest_multiple
