@@ -56,9 +56,8 @@ def new(
             raise UserError(
                 f"{first}; check --length, --breadth, --mass, --thrust and --top-speed"
             ) from error
-    typer.echo(
-        f"{path}: {kind}, draught {content['draught']['value']:.3g} m; look it over with: boat check {path}"
-    )
+    draught = content["draught"]["value"]
+    typer.echo(f"{path}: {kind}, draught {draught:.3g} m; look it over with: swamp-rl boat check {path}")
 
 
 @boat_app.command()
