@@ -14,10 +14,12 @@ def fitted(course: Course, length: float, speed: float | None = None) -> Course:
     """
     if course.boat_length is None:
         return course
-    scale = length / course.boat_length
-    whole = scaled_lengths(course.model_dump(mode="json"), scale)
-    if speed is not None and course.boat_speed is not None:
-        whole["time_limit"] *= max(1.0, course.boat_speed * math.sqrt(scale) / max(speed, 1e-9))
-    whole["time_limit"] = min(max(whole["time_limit"], SHORTEST), LONGEST)
+    scale, slower = length / course.boat_length, 1.0
     own = {"boat_length": None, "boat_speed": None}
+    if speed is not None and course.boat_speed is not None:
+        slower = max(1.0, course.boat_speed * math.sqrt(scale) / max(speed, 1e-9))
+    if scale == slower == 1.0:
+        return course.model_copy(update=own)
+    whole = scaled_lengths(course.model_dump(mode="json"), scale)
+    whole["time_limit"] = min(max(slower * whole["time_limit"], SHORTEST), LONGEST)
     return validated(f"course {course.name} for a boat of {length:g} m", Course, {**whole, **own})
