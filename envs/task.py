@@ -12,10 +12,12 @@ from swamp_rl.envs.reward import DEFAULTS, weights_of
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.load import refuse_untested_depth
-from swamp_rl.course import Course, limited, load_course
+from swamp_rl.course import Course, fitted, limited, load_course
 from swamp_rl.effects import Level, load_disturbances
+from swamp_rl.effects.fit import Size
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
+from swamp_rl.simulator.reference import reference_of
 
 Disturbances = str | Path | Sequence[Mapping[str, Any]] | None
 
@@ -29,7 +31,7 @@ class TaskArguments(TypedDict, total=False):
     boat: str | Path | Boat
     "A name in `configs/boats`, a path, or the thing itself; `swamp`."
     course: str | Path | Course
-    "As `boat`; `camogli`."
+    "As `boat`; `camogli`. One that names a boat is scaled to this one, see `swamp_rl.course.fit`."
     disturbances: Disturbances
     "A level by name or path, or a list of effects; none."
     observation: Sequence[str] | None
@@ -76,7 +78,9 @@ class Task:
         boat, course = given.get("boat", "swamp"), given.get("course", "camogli")
         boat = boat if isinstance(boat, Boat) else load_boat(boat)
         course = course if isinstance(course, Course) else load_course(course)
-        level = load_disturbances(given.get("disturbances"), boat.thruster_names)
+        size = Size(boat.length, reference_of(boat).speed, boat.mass)
+        course = fitted(course, size.length, size.speed)
+        level = load_disturbances(given.get("disturbances"), boat.thruster_names, size)
         drawn = (entry.effect for entry in level.entries)
         refuse_untested_depth(boat, drawn, f"disturbances {level.name}")
         weights = weights_of(given.get("reward"))

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from docs.generate.command_line import command_line
 from docs.generate.effects import effects
+from docs.generate.estimates import estimates
 from docs.generate.examples import examples
 from docs.generate.files import boat_file, course_file, experiment_file, plan_file, sweep_file
 from docs.generate.interface import modules, public_names
@@ -13,6 +14,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "command line": command_line,
     "course file": course_file,
     "effects": effects,
+    "estimates": estimates,
     "examples": examples,
     "experiment file": experiment_file,
     "modules": modules,

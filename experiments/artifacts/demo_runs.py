@@ -9,7 +9,7 @@ from swamp_rl.experiments.artifacts.flown import flown, opened_for
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat.digest import boat_digest
-from swamp_rl.course import Course, load_course
+from swamp_rl.course import Course, fitted, load_course
 from swamp_rl.demo.conditions import conditions
 from swamp_rl.demo.scene import Align, DemoScene, demo_scene
 from swamp_rl.errors import UserError
@@ -133,7 +133,7 @@ def _read(source: Path) -> Found:
 def _read_dataset(folder: Path, group: str | None = None, kept: Path | None = None) -> Found:
     """kept: the folder of courses that came with the results, for a dataset of before it had its own."""
     dataset = read_dataset(folder)
-    course = _course(folder, dataset.meta, kept)
+    course = _course(folder, dataset.meta, kept, dataset.boat)
     groups: dict[str, list[Run]] = {}
     for run in dataset.runs:
         groups.setdefault(group or _driver(run, dataset.meta.source), []).append(run)
@@ -153,7 +153,7 @@ def _read_file(path: Path) -> Found:
     meta = read_meta(path.parent)
     boat = boat_of(path.parent, meta)
     run = read_run(path)
-    course = _course(path.parent, meta, None)
+    course = _course(path.parent, meta, None, boat)
     return Found(boat, 1.0 / meta.sample_rate, course, {_driver(run, meta.source): [run]})
 
 
@@ -181,7 +181,7 @@ def _read_results(folder: Path) -> Found:
     return found
 
 
-def _course(folder: Path, meta: DatasetMeta, kept: Path | None) -> Course | None:
+def _course(folder: Path, meta: DatasetMeta, kept: Path | None, boat: Boat) -> Course | None:
     copy = None if kept is None or meta.copies else file_in(kept, f"{meta.course}.yaml", YAML)
     found = copy if copy is not None and copy.is_file() else course_file(folder, meta)
-    return None if found is None else load_course(found)
+    return None if found is None else fitted(load_course(found), boat.length)

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 import swamp_rl.experiments.cli.runs_exchange
 import swamp_rl.experiments.cli.trial_captive  # noqa: F401  it adds its verbs to `trial`
 import typer
+from swamp_rl.experiments.cli.boat import boat_app
 from swamp_rl.experiments.cli.catalogue import boats, courses, effects, pilots
 from swamp_rl.experiments.cli.compare import compare
 from swamp_rl.experiments.cli.demo import demo
@@ -36,6 +37,7 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
+app.add_typer(boat_app, name="boat")
 app.add_typer(runs_app, name="runs")
 app.add_typer(identify_app, name="identify")
 app.add_typer(trial_app, name="trial")

@@ -72,6 +72,8 @@ def courses(
         course = load_course(known)
         pose, edge = course.start.pose, course.bounds
         typer.echo(f"{course.name}: {len(course.gates)} gates, time limit {course.time_limit:g} s")
+        if course.boat_length is not None:
+            typer.echo(f"  for a boat of {course.boat_length:g} m; for others scaled by their length")
         for gate in course.gates:
             typer.echo(
                 f"  gate {gate.name}: north {gate.centre.north:g}, east {gate.centre.east:g} m, "

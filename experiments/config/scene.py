@@ -12,9 +12,10 @@ from swamp_rl.envs.observation import observed
 from swamp_rl.experiments.config.schema import Experiment, senses_in
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.course import Course, course_files, limited, load_course
+from swamp_rl.course import Course, course_files, fitted, limited, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml
+from swamp_rl.simulator.reference import reference_of
 
 
 @dataclass(frozen=True)
@@ -62,8 +63,9 @@ class Scene:
 
 def read_scene(experiment: Experiment) -> Scene:
     """The files that an experiment names; UserError for the first that is wrong."""
-    course = limited(load_course(experiment.course), experiment.time_limit, experiment.bounds)
-    scene = Scene(experiment, load_boat(experiment.boat), course)
+    boat = load_boat(experiment.boat)
+    course = fitted(load_course(experiment.course), boat.length, reference_of(boat).speed)
+    scene = Scene(experiment, boat, limited(course, experiment.time_limit, experiment.bounds))
     for level in (None, *_levels(scene)):
         scene.boats_at(level)(1, ("north",)).close()
     for name, plan in experiment.pilots.items():

@@ -82,7 +82,7 @@ def jets_of(
         if not isinstance(thruster, Thruster):
             raise UserError(
                 f"boat {boat.name}: thrusters.{thruster.name} is a propeller with its rudder, whose force "
-                "hangs on the boat's speed; thrust allocation needs jets (kind azimuth or fixed)"
+                "hangs on the boat's speed; this needs jets (kind azimuth or fixed)"
             )
     names = boat.thruster_names
     _refuse_strangers(forbidden or {}, names, "forbidden sector of thruster")

@@ -8,9 +8,10 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from swamp_rl.boat.defaults import defaults_of
 from swamp_rl.boat.merge import Key, is_quantity, leaves, merge
 from swamp_rl.boat.plausible import implausible
-from swamp_rl.boat.quantity import Provenance, units
+from swamp_rl.boat.quantity import SPREAD, Provenance, units
 from swamp_rl.boat.resistance import DRIFT, TABLE, DriftResistance
 from swamp_rl.boat.resolve import TEMPLATE, resolved
 from swamp_rl.boat.schema import JET, PROPELLER, Boat
@@ -25,9 +26,10 @@ TAGS = (JET, PROPELLER, TABLE, DRIFT)
 def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = None) -> Boat:
     """The boat of a file given by path or, in configs/boats, by bare name.
 
-    A file that `extends` another holds only what differs; its `effects` follow the other's. Its numbers may
-    be bare, which counts as assumed; a key that it sets to null is removed. `thrusters` as a list replaces
-    the other's; as a mapping by name it changes, adds, and where null removes those that it names.
+    A number may be bare, which counts as assumed. A file that `extends` another holds only what differs; its
+    `effects` follow the other's; a key that it sets to null is removed. `thrusters` as a list replaces the
+    other's; as a mapping by name it changes, adds, and where null removes those that it names. What `wind`,
+    `current` and `joypad` leave out is filled in by `swamp_rl.boat.defaults`.
     replaced: keys in place of the file's, as a file that extends it would have them. UserError names every
     fault on its line: file, key and what is allowed.
     """
@@ -38,14 +40,15 @@ def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = Non
     origins: dict[Key, tuple[Path, Any]] = {}
     for path, data in chain:
         own = {key: value for key, value in data.items() if key not in ("extends", "effects")}
-        if "extends" not in data:
-            _refuse_bare_numbers(path, own)
         raw = merge(raw, {"name": path.stem} | own)
         left = {key for key, _ in leaves(raw)}
         origins = {key: origin for key, origin in origins.items() if key in left}
         origins |= {key: (path, leaf) for key, leaf in leaves(own)}
     asked = chain[-1][0]
-    boat = _validated(resolved(raw, asked), origins, asked)
+    whole = resolved(raw, asked)
+    added = defaults_of(whole)
+    origins |= {key: (asked, leaf) for key, leaf in leaves(added)}
+    boat = _validated(merge(whole, added), origins, asked)
     effects = [
         entry
         for path, data in chain
@@ -80,16 +83,6 @@ def boat_chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:
         if any(path.resolve() == seen.resolve() for seen, _ in chain):
             way = " -> ".join(str(file) for file, _ in reversed(chain))
             raise UserError(f"{way} -> {path}: extends goes round in a circle; remove one of them")
-
-
-def _refuse_bare_numbers(path: Path, own: Mapping[str, Any]) -> None:
-    for key, leaf in leaves(own):
-        items = leaf if isinstance(leaf, list) else [leaf]
-        if any(isinstance(item, int | float) and not isinstance(item, bool) for item in items):
-            raise UserError(
-                f"{path}: {'.'.join(key)}: a bare number; write {{value, unit, provenance, source}} "
-                "(only a file that extends another may leave the last three out)"
-            )
 
 
 def _validated(raw: dict[str, Any], origins: Mapping[Key, tuple[Path, Any]], asked: Path) -> Boat:
@@ -160,8 +153,10 @@ def _provenance(boat: Boat, origins: Mapping[Key, tuple[Path, Any]]) -> dict[str
         if origin is None or origin[1] is None:
             continue
         path, leaf = origin
-        given = (
-            (leaf["provenance"], leaf["source"]) if is_quantity(leaf) else ("assumed", f"set in {path.name}")
-        )
-        found[".".join(key)] = Provenance(unit, *given)
+        if is_quantity(leaf):
+            sd = leaf.get(SPREAD)
+            told = (leaf["provenance"], leaf["source"], tuple(sd) if isinstance(sd, list) else sd)
+            found[".".join(key)] = Provenance(unit, *told)
+        else:
+            found[".".join(key)] = Provenance(unit, "assumed", f"set in {path.name}")
     return found

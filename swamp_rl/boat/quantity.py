@@ -11,22 +11,29 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 Origin = Literal["measured", "fitted", "assumed"]
 ORIGINS = get_args(Origin)
 KEYS = ("value", "unit", "provenance", "source")
+SPREAD = "sd"
+"Optional key: standard deviation in the same unit, of the prior where assumed, of the estimate where fitted."
 
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a number comes from. unit: SI; source: the page, the trial, or the file that set it bare."""
+    """Where a number comes from. unit: SI; source: the page, the trial, or the file that set it bare.
+
+    sd: standard deviation in that unit, one number or one for each of a list; None where the file has none.
+    """
 
     unit: str
     provenance: Origin
     source: str
+    sd: float | tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True)
 class Unit:
     """Annotation of a field: the one unit its value may have.
 
-    In YAML the field is `{value, unit, provenance, source}`, or the bare value; the model holds the value.
+    In YAML the field is `{value, unit, provenance, source}`, with `sd` if known, or the bare value; the model
+    holds the value.
     """
 
     name: str
@@ -39,17 +46,26 @@ class Unit:
         if not isinstance(given, Mapping):
             return given
         faults = [f"lacks {key}" for key in KEYS if key not in given]
-        faults += [f"has an unknown key {key!r}" for key in given if key not in KEYS]
+        faults += [f"has an unknown key {key!r}" for key in given if key not in (*KEYS, SPREAD)]
         if not faults and given["unit"] != self.name:
             faults = [f"has unit {given['unit']!r}, allowed is {self.name!r}"]
         if not faults and given["provenance"] not in ORIGINS:
             faults = [f"has provenance {given['provenance']!r}, allowed are {', '.join(ORIGINS)}"]
         if not faults and not (isinstance(given["source"], str) and given["source"].strip()):
             faults = ["has an empty source; say where the number comes from"]
+        if not faults and SPREAD in given and not _is_spread(given[SPREAD], given["value"]):
+            faults = ["has an sd that is no number of at least 0, nor a list of one for each value"]
         if faults:
             needs = f"the number {faults[0]}; write {{value, unit: {self.name}, provenance, source}}"
             raise PydanticCustomError("quantity", "{needs}", {"needs": needs})
         return given["value"]
+
+
+def _is_spread(sd: Any, value: Any) -> bool:
+    many = sd if isinstance(sd, list) else [sd]
+    numbers = all(isinstance(one, int | float) and not isinstance(one, bool) for one in many)
+    fits = not isinstance(sd, list) or (isinstance(value, list) and len(value) == len(sd))
+    return numbers and fits and all(0.0 <= one < math.inf for one in many)
 
 
 def units(model: BaseModel) -> Iterator[tuple[tuple[str, ...], str]]:

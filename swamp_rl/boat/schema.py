@@ -11,6 +11,7 @@ from swamp_rl.boat.quantity import Provenance, Unit
 from swamp_rl.boat.resistance import Resistance
 from swamp_rl.effects import EffectEntry
 
+DEAD_BAND = Field(lt=0.9)
 JET, PROPELLER = "a jet", "a propeller with its rudder"  # tags of the two kinds, never seen in a message
 
 
@@ -76,6 +77,8 @@ class Thruster(Part):
     "The same for p < 0."
     astern_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
     "The same for p < 0; both 0: it does not reverse."
+    dead_band: Annotated[float, NOT_NEGATIVE, DEAD_BAND, Unit("1")] = 0.0
+    "Throttle, either way, below which it gives no thrust; the curve is stretched over the rest."
     nozzle_area: Annotated[float, NOT_NEGATIVE, Unit("m2")] = 0.0
     "Of the jet; 0: no momentum drag."
     advance_loss: Annotated[float, NOT_NEGATIVE, Unit("1")] = 0.0

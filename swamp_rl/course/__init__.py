@@ -1,5 +1,6 @@
 """Courses: gates to pass in order, the buoys that mark them, the start and the bounds."""
 
+from swamp_rl.course.fit import fitted
 from swamp_rl.course.schema import (
     Bounds,
     Course,
@@ -22,6 +23,7 @@ __all__ = [
     "Start",
     "buoy_table",
     "course_files",
+    "fitted",
     "gate_table",
     "limited",
     "load_course",

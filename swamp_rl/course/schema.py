@@ -13,7 +13,8 @@ from swamp_rl.files import extended_config, find_config, read_yaml, validated
 Metres = Annotated[float, Field(ge=-1e6, le=1e6)]
 Radians = Annotated[float, Field(ge=-2.0 * math.pi, le=2.0 * math.pi)]
 Positive = Annotated[float, Field(gt=0.0, le=1e6)]
-Seconds = Annotated[float, Field(ge=1.0, le=86400.0)]
+SHORTEST, LONGEST = 1.0, 86400.0  # s
+Seconds = Annotated[float, Field(ge=SHORTEST, le=LONGEST)]
 
 
 class _Strict(BaseModel):
@@ -88,7 +89,12 @@ class Bounds(_Strict):
 
 
 class Course(_Strict):
-    """Gates to be passed in their order, each from behind; frozen, lengths in m, `time_limit` in s."""
+    """Gates to be passed in their order, each from behind; frozen, lengths in m, `time_limit` in s.
+
+    boat_length [m]: of the boat that it is laid out for; for a boat of another length all its lengths are
+    scaled (`swamp_rl.course.fit`). boat_speed [m/s]: top speed for which that boat needs no longer limit.
+    Without boat_length the course is what it is, whatever boat sails it.
+    """
 
     name: Annotated[str, Field(min_length=1)]
     notes: str = ""
@@ -97,6 +103,8 @@ class Course(_Strict):
     bounds: Bounds
     buoy_radius: Positive
     time_limit: Seconds
+    boat_length: Positive | None = None
+    boat_speed: Positive | None = None
 
     @model_validator(mode="after")
     def _can_be_sailed(self) -> "Course":
@@ -134,6 +142,7 @@ def limited(course: Course, time_limit: float | None, bounds: Mapping[Any, float
     return validated(f"course {course.name} with other limits", Course, {**course.model_dump(), **given})
 
 
+OWN_LAYOUT = {"gates", "start", "bounds", "buoy_radius"}
 LENGTHS = ("north", "east", "south", "west", "width", "buoy_radius")
 
 
@@ -141,18 +150,22 @@ def load_course(name_or_path: str | Path) -> Course:
     """The course of a file in `configs/courses` by its bare name, or of any file by its path.
 
     A file that `extends` another holds only what differs, and may lay the other out for a boat of another
-    size by `scale`: all its lengths times that, its time limit times the square root (Froude's law).
+    size by `scale`: all its lengths times that, its time limit times the square root (Froude's law). Where it
+    has a scale or lengths of its own, it is laid out as it stands: the other's `boat_length` does not hold.
     UserError with file and key if it is missing, malformed or cannot be sailed.
     """
     files = course_files(name_or_path)
     whole: dict[str, Any] = read_yaml(files[-1])
     for file in reversed(files[:-1]):
         own = read_yaml(file)
+        named = set(own)
         scale = own.pop("scale", 1.0)
         if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0.0 < scale < math.inf:
             raise UserError(f"{file}: scale: must be a number above 0, not {scale!r}")
         del own["extends"]
-        whole = {**_scaled(whole, scale), "name": file.stem, **own}
+        if not (OWN_LAYOUT | {"scale"}).isdisjoint(named):
+            whole = {key: value for key, value in whole.items() if key not in ("boat_length", "boat_speed")}
+        whole = {**scaled_lengths(whole, scale), "name": file.stem, **own}
     return validated(files[0], Course, whole)
 
 
@@ -166,12 +179,12 @@ def course_files(name_or_path: str | Path) -> list[Path]:
     return files
 
 
-def _scaled(given: Any, scale: float, key: str = "") -> Any:
+def scaled_lengths(given: Any, scale: float, key: str = "") -> Any:
     """What a course file holds under `key`, with every length times `scale`."""
     if isinstance(given, dict):
-        return {name: _scaled(value, scale, name) for name, value in given.items()}
+        return {name: scaled_lengths(value, scale, name) for name, value in given.items()}
     if isinstance(given, list):
-        return [_scaled(item, scale) for item in given]
+        return [scaled_lengths(item, scale) for item in given]
     if isinstance(given, bool) or not isinstance(given, int | float):
         return given
     times = scale if key in LENGTHS else math.sqrt(scale) if key == "time_limit" else 1.0

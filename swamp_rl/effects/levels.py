@@ -14,6 +14,7 @@ from swamp_rl.effects.correlated import Correlated, parse_correlated
 from swamp_rl.effects.declare import FULL_TURN
 from swamp_rl.effects.distributions import Array, Distribution, columns, parse_distribution
 from swamp_rl.effects.entries import entry_list, suggestion
+from swamp_rl.effects.fit import Size, fitted_level
 from swamp_rl.effects.random_entry import RandomEntry, parse_random_entry
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml
@@ -75,17 +76,21 @@ class Level:
 
 
 def load_disturbances(
-    source: str | Path | Sequence[Mapping[str, Any]] | None, thruster_names: Sequence[str]
+    source: str | Path | Sequence[Mapping[str, Any]] | None,
+    thruster_names: Sequence[str],
+    size: Size | None = None,
 ) -> Level:
     """A level by bare name or path; a list of effects, with numbers or distributions; None is no disturbance.
 
+    size: of the boat, to which a file that names the boat it was made for is fitted (`effects.fit`).
     UserError names file, entry and key of the first fault.
     """
     if source is None:
         return _level("none", "no disturbances", {}, thruster_names)
     if isinstance(source, str | Path):
         path = find_config("disturbances", source)
-        return _level(path.stem, str(path), read_yaml(path), thruster_names)
+        given = fitted_level(read_yaml(path), str(path), size, thruster_names)
+        return _level(path.stem, str(path), given, thruster_names)
     return _level("effects", "disturbances", {"effects": source}, thruster_names)
 
 

@@ -5,15 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.allocation import Jets, allocate
+from swamp_rl.guidance.drive import Drive, allocated
 from swamp_rl.guidance.heading import wrapped
 from swamp_rl.guidance.integral_line_of_sight import drift_corrected
 from swamp_rl.guidance.line_of_sight import Waypoint, leg_after
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.guidance.servo import VelocityServo
+from swamp_rl.guidance.servo import SWAMP_LENGTH, VelocityServo
 
 Array = NDArray[np.float64]
 
+# Of a boat as long as SWAMP; others by Froude's law.
 HEADING_GAIN = 0.5  # 1/s, yaw rate asked for per heading error, a third of the inner loop's speed
 YAW_RATE_LIMIT = 0.4  # rad/s
 RADIUS = 1.5  # m from a waypoint at which the next leg begins
@@ -24,11 +25,20 @@ INTEGRAL = 0.3  # of the line of sight: a third of the way back to the line at o
 class PathFollower:
     """Follows the legs between waypoints at a set speed over ground [m/s], and stops thrusting at the last.
 
-    It steers by azimuths and thrust alike: surge force and yaw moment are wanted, sway force is not.
+    It steers by azimuths, rudders and thrust alike: surge force and yaw moment are wanted, sway force is not.
+    length [m]: of the boat, by which distances and times are scaled.
     """
 
-    def __init__(self, jets: Jets, servo: VelocityServo, waypoints: Sequence[Waypoint], speed: float) -> None:
-        self.jets = jets
+    def __init__(
+        self,
+        drive: Drive,
+        servo: VelocityServo,
+        waypoints: Sequence[Waypoint],
+        speed: float,
+        length: float = SWAMP_LENGTH,
+    ) -> None:
+        self.drive = drive
+        self.scale = length / SWAMP_LENGTH
         self.servo = servo
         self.waypoints = waypoints
         self.speed = speed
@@ -38,24 +48,25 @@ class PathFollower:
     def act(self, seen: Seen, dt: float) -> Array:
         """(2K,) azimuths [rad] then throttles [1]."""
         place = Waypoint(seen.north, seen.east)
-        leg = leg_after(place, self.waypoints, self.leg, RADIUS)
+        leg = leg_after(place, self.waypoints, self.leg, RADIUS * self.scale)
         if leg != self.leg:
             self.leg, self.drift = leg, 0.0
         if self.leg >= len(self.waypoints) - 1:
             return np.concatenate([seen.azimuth, np.zeros(len(seen.azimuth))])
         start, end = self.waypoints[self.leg], self.waypoints[self.leg + 1]
-        heading, self.drift = drift_corrected(place, start, end, LOOKAHEAD, INTEGRAL, self.drift, dt)
+        lookahead = LOOKAHEAD * self.scale
+        heading, self.drift = drift_corrected(place, start, end, lookahead, INTEGRAL, self.drift, dt)
         return self.steer(heading, seen, dt)
 
     def steer(self, heading: float, seen: Seen, dt: float) -> Array:
         """Commands that bring the bow to `heading` [rad] and the speed to the set one."""
         error = wrapped(heading - seen.heading)
-        turning = float(np.clip(HEADING_GAIN * error, -YAW_RATE_LIMIT, YAW_RATE_LIMIT))
+        turning = float(np.clip(HEADING_GAIN * error, -YAW_RATE_LIMIT, YAW_RATE_LIMIT)) / self.scale**0.5
         actual = seen.velocity
         wanted = np.array([self.speed, actual[1], turning])
         asked = self.servo.force(wanted, actual)
         asked[1] = 0.0
-        found = allocate(self.jets, asked, seen.azimuth, dt)
+        found = allocated(self.drive, asked, seen, dt)
         self.servo.learn(wanted, actual, asked, found.achieved, dt)
         self.servo.memory[1] = 0.0
         return found.commands

@@ -5,7 +5,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.holding import Holding, best_holding, holding_at
 from swamp_rl.guidance.one_jet import OneJetKeeper
-from swamp_rl.guidance.servo import VelocityServo, inertia_of
+from swamp_rl.guidance.servo import servo_of
 from swamp_rl.guidance.station import Station, StationKeeper
 
 
@@ -24,4 +24,4 @@ def keeper_for(
     if alone:
         return OneJetKeeper(boat, jets, place, held), held
     station = Station(*place, held.heading)
-    return StationKeeper(jets, VelocityServo(inertia_of(boat)), station), held
+    return StationKeeper(jets, servo_of(boat), station, length=boat.length), held

@@ -10,7 +10,8 @@ from swamp_rl.boat import Boat
 Array = NDArray[np.float64]
 
 DAMPING = 1.0  # of both poles: no overshoot of the linear loop
-BANDWIDTH = (0.8, 0.8, 1.2)  # rad/s of surge, sway, yaw
+BANDWIDTH = (0.8, 0.8, 1.2)  # rad/s of surge, sway, yaw, of a boat as long as SWAMP
+SWAMP_LENGTH = 1.24  # m
 
 
 def inertia_of(boat: Boat) -> Array:
@@ -50,3 +51,8 @@ class VelocityServo:
         towards = self.bandwidth**2 * self.inertia * (wanted - actual)
         lost = self.bandwidth / (2.0 * self.damping) * (achieved - asked)
         self.memory = self.memory + dt * (towards + lost)
+
+
+def servo_of(boat: Boat) -> VelocityServo:
+    """The inner loop of a boat, its bandwidth that of SWAMP by Froude's law."""
+    return VelocityServo(inertia_of(boat), np.array(BANDWIDTH) / (boat.length / SWAMP_LENGTH) ** 0.5)

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from swamp_rl.allocation import Jets, Wish, allocate
 from swamp_rl.guidance.heading import wrapped
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.guidance.servo import VelocityServo
+from swamp_rl.guidance.servo import SWAMP_LENGTH, VelocityServo
 
 Array = NDArray[np.float64]
 
+# Of a boat as long as SWAMP; others by Froude's law.
 POSITION_GAIN, HEADING_GAIN = 0.25, 0.4  # 1/s, a third of the inner loop's bandwidth
 SPEED_LIMIT, TURN_LIMIT = 0.3, 0.3  # m/s, rad/s at which the boat returns at most
 WISH = Wish(change=0.05, moment=5.0)  # a boat turned away from its heading cannot hold what it could
@@ -27,13 +28,24 @@ class Station(NamedTuple):
 
 
 class StationKeeper:
-    """Brings the boat back to its station and holds it there against steady pushes, which it learns."""
+    """Brings the boat back to its station and holds it there against steady pushes, which it learns.
 
-    def __init__(self, jets: Jets, servo: VelocityServo, station: Station, wish: Wish = WISH) -> None:
+    length [m]: of the boat, by which speeds and times are scaled.
+    """
+
+    def __init__(
+        self,
+        jets: Jets,
+        servo: VelocityServo,
+        station: Station,
+        wish: Wish = WISH,
+        length: float = SWAMP_LENGTH,
+    ) -> None:
         self.jets = jets
         self.servo = servo
         self.station = station
         self.wish = wish
+        self.pace = (length / SWAMP_LENGTH) ** 0.5
         self.before = np.zeros((len(jets.names), 2))
 
     def act(self, seen: Seen, dt: float) -> Array:
@@ -47,15 +59,16 @@ class StationKeeper:
 
     def velocity_wanted(self, seen: Seen) -> Array:
         """(3,) surge, sway [m/s over ground], yaw rate [rad/s] back to the station, never too fast."""
-        north = POSITION_GAIN * (self.station.north - seen.north)
-        east = POSITION_GAIN * (self.station.east - seen.east)
-        slower = min(1.0, SPEED_LIMIT / max(math.hypot(north, east), 1e-9))
+        north = POSITION_GAIN / self.pace * (self.station.north - seen.north)
+        east = POSITION_GAIN / self.pace * (self.station.east - seen.east)
+        slower = min(1.0, SPEED_LIMIT * self.pace / max(math.hypot(north, east), 1e-9))
         cos, sin = math.cos(seen.heading), math.sin(seen.heading)
-        turning = HEADING_GAIN * wrapped(self.station.heading - seen.heading)
+        turning = HEADING_GAIN / self.pace * wrapped(self.station.heading - seen.heading)
+        limit = TURN_LIMIT / self.pace
         return np.array(
             [
                 slower * (north * cos + east * sin),
                 slower * (east * cos - north * sin),
-                min(max(turning, -TURN_LIMIT), TURN_LIMIT),
+                min(max(turning, -limit), limit),
             ]
         )

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.course import Course, load_course
+from swamp_rl.course import Course, fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.names import YAML, file_in
 from swamp_rl.runs.check import check_table, unknown_columns
@@ -58,7 +58,7 @@ class Dataset:
     def course(self) -> Course | None:
         """Its course, None where it has none; UserError as `course_of`."""
         found = self.course_file
-        return None if found is None else load_course(found)
+        return None if found is None else fitted(load_course(found), self.boat.length)
 
 
 @dataclass
@@ -126,16 +126,16 @@ def inspect_dataset(
         rate, found.faults = common_rate(found.runs)
         found.meta = meta.model_copy(update={"sample_rate": rate})
     if "runs" in told.lacking and not found.faults and vessel is not None:
-        found.runs = with_outcomes(found.runs, _course(folder, told.named_course, meta), vessel)
+        found.runs = with_outcomes(found.runs, _course(folder, told.named_course, meta, vessel), vessel)
         found.meta = found.meta.model_copy(update={"runs": [run.meta for run in found.runs]})
     found.notes += noted(told, found.meta)
     _look_for_unlisted_files(folder, found)
     return found
 
 
-def _course(folder: Path, named: str | Path | None, meta: DatasetMeta) -> Course | None:
+def _course(folder: Path, named: str | Path | None, meta: DatasetMeta, vessel: Boat) -> Course | None:
     source = named or course_file(folder, meta)
-    return None if source is None else load_course(source)
+    return None if source is None else fitted(load_course(source), vessel.length)
 
 
 def read_meta(folder: Path) -> DatasetMeta:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.course import load_course
+from swamp_rl.course import fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.names import YAML, file_in
 from swamp_rl.runs.copies import boat_file, course_file
@@ -99,7 +99,7 @@ def _ended(runs: list[Run], about: About, course: str | Path | None, boat: Boat,
         return [_with(run, outcome=about.outcome) for run in runs]
     if about.outcome == "auto" and course is None:
         raise UserError("--outcome auto: is worked out from a course; name it (--course NAME)")
-    found = None if course is None else load_course(course)
+    found = None if course is None else fitted(load_course(course), boat.length)
     if about.outcome == "auto" and found is not None:
         return [with_outcome(run, found, boat) for run in runs]
     return with_outcomes(runs, found, boat) if foreign else runs

@@ -25,6 +25,7 @@ JET_FIELDS = (
     "thrust_quadratic",
     "astern_linear",
     "astern_quadratic",
+    "dead_band",
     "nozzle_area",
     "advance_loss",
 )

@@ -133,11 +133,10 @@ def test_a_number_with_half_its_provenance_is_refused(tmp_path: Path, quantity: 
     assert told in refused(tmp_path, f"extends: swamp\nmass: {quantity}\n")
 
 
-def test_a_file_that_extends_nothing_must_give_each_number_its_provenance(tmp_path: Path) -> None:
-    text = find_config("boats", "swamp").read_text()
-    full = '{value: 1.10, unit: m, provenance: measured, source: "thesis 4.2.1, design breadth; table 4.7"}'
-    assert full in text
-    assert ": breadth: a bare number" in refused(tmp_path, text.replace(full, "1.10"))
+@pytest.mark.parametrize("sd", ["-1.0", ".nan", "wide", "[1.0]", "true"])
+def test_a_standard_deviation_that_is_none_is_refused(tmp_path: Path, sd: str) -> None:
+    quantity = f"{{value: 50, unit: kg, provenance: assumed, source: scales, sd: {sd}}}"
+    assert "has an sd that is no number" in refused(tmp_path, f"extends: swamp\nmass: {quantity}\n")
 
 
 def test_a_key_that_is_left_out_is_named(tmp_path: Path) -> None:

@@ -112,10 +112,13 @@ def test_the_levers_of_twin_fixed_thrusters_are_mixed_as_differential_thrust(
     assert env.fleet.commands[0, 2:] == pytest.approx(expected)
 
 
-def test_a_joypad_of_thrusters_that_turn_needs_their_azimuth(tmp_path: Path) -> None:
-    joypad = {key: value for key, value in BOATS["ferry"]["joypad"].items() if key != "azimuth"}
-    with pytest.raises(Exception, match=r"joypad\.azimuth: is missing; add it, for bow can turn"):
-        load_boat(written(tmp_path, "ferry", joypad=joypad))
+@pytest.mark.parametrize(("name", "degrees"), [("ferry", 60.0), ("toy", math.degrees(0.7))])
+def test_a_joypad_without_an_azimuth_turns_its_thrusters_as_far_as_they_go_or_60_degrees(
+    tmp_path: Path, name: str, degrees: float
+) -> None:
+    joypad = {key: value for key, value in BOATS[name]["joypad"].items() if key != "azimuth"}
+    reach = load_boat(written(tmp_path, name, joypad=joypad)).joypad.azimuth
+    assert reach == pytest.approx((-math.radians(degrees), math.radians(degrees)))
 
 
 def test_a_course_is_laid_out_for_another_boat_by_its_scale(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from swamp_rl.experiments.artifacts.demo_runs import read_shown
 import swamp_rl
 from swamp_rl.boat import load_boat
 from swamp_rl.boat.digest import boat_digest
-from swamp_rl.course import load_course
+from swamp_rl.course import fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import drive
 from swamp_rl.files import shipped_folders
@@ -71,7 +71,7 @@ def test_the_run_stands_alone_and_says_that_a_programme_drove() -> None:
     assert dataset.meta.source == "scripted" and "no person" in str(dataset.meta.notes)
     assert set(dataset.meta.copies) == {"swamp.yaml", "camogli.course.yaml"}
     assert boat_digest(dataset.boat) == boat_digest(load_boat("swamp")), "make it anew, see above"
-    assert dataset.course == load_course("camogli")
+    assert dataset.course == fitted(load_course("camogli"), dataset.boat.length)
     assert run.meta.outcome == "success"
 
 

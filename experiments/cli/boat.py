@@ -1,0 +1,81 @@
+"""`swamp-rl boat new` and `boat check`: a boat file from a few sizes, and a boat file looked over."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from swamp_rl.errors import UserError
+
+boat_app = typer.Typer(help="Boat files: a new one by estimates, or one looked over.", no_args_is_help=True)
+
+HEAD = """Boat {name}, {kind}: by `swamp-rl boat new` from length, breadth, mass and thrust.
+Every number is an estimate: `sd` is the standard deviation of its prior. Replace what was measured, with
+provenance measured and its source; a bare number counts as assumed. SI units, radians; x is forward of
+midship, y to starboard."""
+
+
+@boat_app.command()
+def new(
+    name: Annotated[str, typer.Argument(help="Of the boat: letters, digits, _ and -, a letter first.")],
+    kind: Annotated[
+        str, typer.Option(help="twin-fixed, azimuth, propeller-rudder, waterjet or outboard (stern drive).")
+    ],
+    length: Annotated[float, typer.Option(help="Of the hull at the waterline (m).")],
+    breadth: Annotated[float, typer.Option(help="Of the hull, over both where there are two (m).")],
+    mass: Annotated[float, typer.Option(help="As sailed (kg).")],
+    thrust: Annotated[float, typer.Option(help="Of all thrusters together, full ahead at rest (N).")],
+    top_speed: Annotated[
+        float | None, typer.Option(help="That this thrust gives (m/s); estimated by default.")
+    ] = None,
+    draught: Annotated[float | None, typer.Option(help="Of the hull (m); estimated by default.")] = None,
+    out: Annotated[Path | None, typer.Option(help="The file to write, NAME.yaml by default.")] = None,
+) -> None:
+    """Write an annotated boat file whose other numbers are estimated by published formulas."""
+    import re
+
+    from swamp_rl.boat import load_boat
+    from swamp_rl.boat.estimate import annotated, boat_file
+    from swamp_rl.files import write_beside
+    from swamp_rl.simulator import parameters
+
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,63}", name):
+        raise UserError(f"{name!r}: a boat's name has letters, digits, _ and -, a letter first, 64 at most")
+    path = out or Path(f"{name}.yaml")
+    if path.suffix not in (".yaml", ".yml"):
+        raise UserError(f"{path}: a boat file ends in .yaml; name another")
+    if path.exists():
+        raise UserError(f"{path}: already exists; name another, or remove it")
+    content = boat_file(name, kind, length, breadth, mass, thrust, top_speed, draught)
+    with write_beside(path) as part:
+        part.write_text(annotated(content, HEAD.format(name=name, kind=kind)), encoding="utf-8")
+        try:
+            parameters(load_boat(part))
+        except UserError as error:
+            first = str(error).splitlines()[0].replace(str(part), "these sizes")
+            raise UserError(
+                f"{first}; check --length, --breadth, --mass, --thrust and --top-speed"
+            ) from error
+    draught = content["draught"]["value"]
+    typer.echo(f"{path}: {kind}, draught {draught:.3g} m; look it over with: swamp-rl boat check {path}")
+
+
+@boat_app.command()
+def check(
+    file: Annotated[str, typer.Argument(help="A boat file, or a name in configs/boats.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the report with figures; none by default.")
+    ] = None,
+) -> None:
+    """Say where a boat file's numbers come from and simulate it: speeds, turning circles, stopping."""
+    from swamp_rl.experiments.reports.boat_check import check_lines, sail, write_check
+
+    from swamp_rl.boat import load_boat
+
+    boat = load_boat(file)
+    results = sail(boat)
+    files = [] if out is None else write_check(out, boat, results)
+    for line in check_lines(boat, results):
+        typer.echo(line)
+    if files:
+        typer.echo(f"{out}: {', '.join(files)}")

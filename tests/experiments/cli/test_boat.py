@@ -1,0 +1,78 @@
+"""`swamp-rl boat new` and `boat check`, as a newcomer calls them in an empty folder."""
+
+from pathlib import Path
+
+import pytest
+
+from swamp_rl.boat import load_boat
+from swamp_rl.boat.estimate import KINDS
+from tests.support.command_line import Call, assert_complains
+from tests.support.command_line import call as call  # the fixture
+
+SIZES = ["--length", 1.2, "--breadth", 0.5, "--mass", 30, "--thrust", 40]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_new_boat_is_written_under_its_name_and_checked(call: Call, kind: str) -> None:
+    code, said, _ = call("boat", "new", "skiff", "--kind", kind, *SIZES)
+    assert (code, [path.name for path in Path().iterdir()]) == (0, ["skiff.yaml"])
+    assert "skiff.yaml" in said and load_boat("skiff.yaml").name == "skiff"
+    code, said, _ = call("boat", "check", "skiff.yaml")
+    assert code == 0
+    for part in (
+        "assumed",
+        "top speed",
+        "throttle 1.0",
+        "turning circle at +",
+        "turning circle at -",
+        "stopping",
+    ):
+        assert part in said
+
+
+def test_the_check_writes_a_report_with_its_figures(call: Call) -> None:
+    assert call("boat", "check", "swamp", "--out", "checked")[0] == 0
+    report = Path("checked/check.md").read_text(encoding="utf-8")
+    for picture in ("straight.png", "circles.png", "stopping.png"):
+        assert Path("checked", picture).stat().st_size > 1000
+        assert picture in report
+    assert "| mass | 58 |" in " ".join(report.split())
+    assert "measured" in report
+    assert call("boat", "check", "swamp", "--out", "checked")[0] == 0  # an earlier report is replaced
+    Path("other").mkdir()
+    Path("other/mine.txt").write_text("mine")
+    assert_complains(call("boat", "check", "swamp", "--out", "other"), "not an earlier result")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["skiff", "--kind", "sail", *SIZES], "--kind sail"),
+        (["../skiff", "--kind", "azimuth", *SIZES], "a boat's name has letters"),
+        (["skiff", "--kind", "azimuth", *SIZES, "--out", "skiff.txt"], "ends in .yaml"),
+        (["skiff", "--kind", "azimuth", *SIZES[:-1], -4], "--thrust -4"),
+        (["skiff", "--kind", "azimuth", *SIZES, "--top-speed", 0], "--top-speed 0"),
+        (["skiff", "--kind", "azimuth", *SIZES[:-1], 1e9], "--thrust"),
+        (["skiff", "--kind", "azimuth", *SIZES, "--draught", 5], "draught"),
+        (["skiff", "--kind", "azimuth"], "--length"),
+    ],
+)
+def test_what_cannot_be_a_boat_is_one_line_and_leaves_nothing(
+    call: Call, words: list[object], told: str
+) -> None:
+    assert_complains(call("boat", "new", *words), told)
+    assert list(Path().iterdir()) == []
+
+
+def test_an_existing_file_is_not_replaced(call: Call) -> None:
+    Path("skiff.yaml").write_text("mine")
+    assert_complains(call("boat", "new", "skiff", "--kind", "azimuth", *SIZES), "skiff.yaml: already exists")
+    assert Path("skiff.yaml").read_text() == "mine"
+
+
+def test_every_fault_of_a_file_is_told_at_once(call: Call) -> None:
+    Path("odd.yaml").write_text("extends: swamp\nmass: heavy\nhull: {c_d: -1.0}\ncolour: red\n")
+    code, _, error = call("boat", "check", "odd.yaml")
+    assert code == 2
+    assert [part in error for part in ("mass", "hull.c_d", "colour")] == [True] * 3
+    assert len(error.splitlines()) == 3
