@@ -1,12 +1,15 @@
 """`swamp-rl runs import` and `runs export`: datasets from and for the programmes of others."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
 
 from swamp_rl.errors import UserError
+
+if TYPE_CHECKING:
+    from swamp_rl.runs.schema import RunMeta
 
 Rate = Annotated[
     float | None, typer.Option(min=1e-3, max=1e6, help="Rows a second, where there are no times to use.")
@@ -58,8 +61,33 @@ def import_(
     repair: Annotated[
         bool, typer.Option("--repair", help="End a free-running test before its first hole.")
     ] = False,
+    map_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--map", metavar="OUR=EXPRESSION", help="A column from those there, or a .yaml of them."
+        ),
+    ] = None,
+    frame: Annotated[
+        Literal["ned", "enu"] | None, typer.Option(help="Of x, y, yaw, vx, vy, u, v, r; by default ned.")
+    ] = None,
+    clock: Annotated[
+        list[str] | None,
+        typer.Option(metavar="A~B", help="One quantity of two tables: shift the clock of the second."),
+    ] = None,
+    join: Annotated[
+        str | None, typer.Option(metavar="NAME", help="The files are tables of one run of this name.")
+    ] = None,
+    bad_rows: Annotated[
+        Literal["refuse", "cut", "split"],
+        typer.Option(help="Refuse the file, keep the longest stretch without them, or keep all stretches."),
+    ] = "refuse",
+    fill: Annotated[
+        float, typer.Option(min=0.0, max=60.0, help="Seconds without rows that --resample interpolates.")
+    ] = 0.0,
 ) -> None:
-    """Make a dataset of measured runs: CSV, Parquet, MCAP, the boat's telemetry, free-running tests."""
+    """Make a dataset of the logs of a boat: tables, messages, telemetry, free-running tests."""
+    from swamp_rl.logs.import_logs import Reading, import_logs
+    from swamp_rl.logs.mapping import mapping_of
     from swamp_rl.runs.import_dataset import About, import_runs
     from swamp_rl.runs.import_foreign import Wishes
 
@@ -70,11 +98,31 @@ def import_(
         rate,
         resample,
         _place(origin),
+        bad_rows,
+        fill,
     )
     about = About(boat, source, course, notes, outcome, group, topic, sender, repair)
-    made = import_runs(sources, from_, out, about, wishes)
+    if map_ or frame or clock or join:
+        if from_ not in ("csv", "parquet"):
+            raise UserError(f"--map: is for tables, not for --from {from_}; leave it out")
+        reading = Reading(mapping_of(map_ or [], frame, clock or []), join)
+        made = import_logs(sources, from_, out, about, wishes, reading)
+    else:
+        made = import_runs(sources, from_, out, about, wishes)
+    for run in made.runs:
+        _tell(run)
     rows = sum(run.rows or 0 for run in made.runs)
     typer.echo(f"{out}: {len(made.runs)} runs, {rows} rows at {made.sample_rate:g} Hz, {made.source}")
+
+
+def _tell(run: "RunMeta") -> None:
+    """What was done to the rows of an imported run."""
+    told = run.model_extra or {}
+    for key in ("times", "joined", "clocks", "resampled", "not_imported"):
+        if key in told:
+            typer.echo(f"{run.file}: {key.replace('_', ' ')}: {told[key]}")
+    for line in told.get("rows_left_out", ()):
+        typer.echo(f"{run.file}: {line}")
 
 
 @runs_app.command()
