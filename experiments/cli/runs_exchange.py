@@ -23,10 +23,10 @@ Resample = Annotated[
 def import_(
     sources: Annotated[list[Path], typer.Argument(help="Files, or folders of them.")],
     from_: Annotated[
-        Literal["csv", "parquet", "mcap", "telemetry", "free-running"],
+        Literal["csv", "parquet", "mcap", "telemetry", "free-running", "dataflash", "ulog", "rosbag"],
         typer.Option("--from", help="What they are."),
     ],
-    out: Annotated[Path, typer.Option(help="The new dataset.")],
+    out: Annotated[Path | None, typer.Option(help="The new dataset.")] = None,
     boat: Annotated[str | None, typer.Option(help="Whose runs they are; by default swamp.")] = None,
     source: Annotated[
         Literal["measured", "simulated", "human", "scripted", "learned"] | None,
@@ -81,12 +81,15 @@ def import_(
         Literal["refuse", "cut", "split"],
         typer.Option(help="Refuse the file, keep the longest stretch without them, or keep all stretches."),
     ] = "refuse",
+    list_: Annotated[
+        bool, typer.Option("--list", help="Print tables, rates and fields, to write a mapping; nothing else.")
+    ] = False,
     fill: Annotated[
         float, typer.Option(min=0.0, max=60.0, help="Seconds without rows that --resample interpolates.")
     ] = 0.0,
 ) -> None:
     """Make a dataset of the logs of a boat: tables, messages, telemetry, free-running tests."""
-    from swamp_rl.logs.import_logs import Reading, import_logs
+    from swamp_rl.logs.import_logs import BINARY, Reading, import_logs
     from swamp_rl.logs.mapping import mapping_of
     from swamp_rl.runs.import_dataset import About, import_runs
     from swamp_rl.runs.import_foreign import Wishes
@@ -102,9 +105,16 @@ def import_(
         fill,
     )
     about = About(boat, source, course, notes, outcome, group, topic, sender, repair)
-    if map_ or frame or clock or join:
-        if from_ not in ("csv", "parquet"):
-            raise UserError(f"--map: is for tables, not for --from {from_}; leave it out")
+    if list_:
+        _list(sources, from_)
+        return
+    if out is None:
+        raise UserError("--out: the new dataset has no name; give one, or --list")
+    if from_ in BINARY or map_ or frame or clock or join:
+        if from_ in ("mcap", "telemetry", "free-running"):
+            raise UserError(f"--map: is not for --from {from_}; leave it out, or give --column")
+        if wishes.renamed or wishes.dropped or wishes.rate:
+            raise UserError("--column, --drop, --rate: a mapping says it all; give --map OUR=THEIRS")
         reading = Reading(mapping_of(map_ or [], frame, clock or []), join)
         made = import_logs(sources, from_, out, about, wishes, reading)
     else:
@@ -113,6 +123,18 @@ def import_(
         _tell(run)
     rows = sum(run.rows or 0 for run in made.runs)
     typer.echo(f"{out}: {len(made.runs)} runs, {rows} rows at {made.sample_rate:g} Hz, {made.source}")
+
+
+def _list(sources: list[Path], kind: str) -> None:
+    """The tables and fields of logs."""
+    from swamp_rl.logs.import_logs import paths_of, read_log
+    from swamp_rl.logs.listing import listing
+
+    if kind in ("mcap", "telemetry", "free-running"):
+        raise UserError(f"--list: is not for --from {kind}; MCAP with CDR is --from rosbag")
+    for path in paths_of(sources, kind):
+        for line in listing(read_log(path, kind)):
+            typer.echo(line)
 
 
 def _tell(run: "RunMeta") -> None:

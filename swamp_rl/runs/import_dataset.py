@@ -34,7 +34,11 @@ SUFFIXES = {
     "mcap": (".mcap",),
     "telemetry": (".txt", ".log", ".dat"),
     "free-running": (".csv",),
+    "dataflash": (".bin",),
+    "ulog": (".ulg",),
+    "rosbag": (".bag", ".db3", ".mcap"),
 }
+"""The last three are read by `swamp_rl.logs`."""
 
 
 @dataclass(frozen=True)

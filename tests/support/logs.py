@@ -17,9 +17,10 @@ RATE = 10.0
 def weaving(seconds: float = 30.0, rate: float = RATE) -> dict[str, Array]:
     """SI columns of a boat that weaves at about 1 m/s, with its two throttles."""
     time = np.arange(round(seconds * rate) + 1) / rate
-    heading = 0.6 * np.sin(0.4 * time) + 0.3
-    surge = 1.0 + 0.2 * np.sin(0.25 * time)
-    north, east = (np.cumsum(surge * f(heading)) / rate for f in (np.cos, np.sin))
+    heading, surge = _weave(time)
+    fine = np.arange(0.0, seconds + 0.02, 0.01)
+    psi, speed = _weave(fine)
+    north, east = (np.interp(time, fine, np.cumsum(speed * f(psi)) * 0.01) for f in (np.cos, np.sin))
     turn = 0.3 * np.cos(0.4 * time)
     return {
         "time": time,
@@ -32,6 +33,10 @@ def weaving(seconds: float = 30.0, rate: float = RATE) -> dict[str, Array]:
         "throttle_port": 0.5 + turn,
         "throttle_starboard": 0.5 - turn,
     }
+
+
+def _weave(time: Array) -> tuple[Array, Array]:
+    return 0.6 * np.sin(0.4 * time) + 0.3, 1.0 + 0.2 * np.sin(0.25 * time)
 
 
 def geodetic(run: dict[str, Array]) -> tuple[Array, Array]:
