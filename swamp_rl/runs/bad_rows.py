@@ -18,6 +18,8 @@ MOST_TOLD = 20
 """Faults that are listed, then a count."""
 FEWEST_ROWS = 10
 """Of a stretch that is kept: as many as `runs check` needs to compare heading with yaw rate."""
+MOST_BAD = 0.5
+"""Share of the rows: where more are bad, it is not the rows that are wrong."""
 GAP_STEPS = 3.0
 """Median steps: a longer one between uneven rows is a gap."""
 
@@ -77,19 +79,25 @@ def stretches(
     ]
     parts = np.split(good, np.flatnonzero(border) + 1)
     kept = [part for part in parts if len(part) >= FEWEST_ROWS]
-    if not kept:
-        hint = "" if not even else ", or --resample HZ where the rows come at uneven times"
-        raise UserError(
-            f"{file}: no {FEWEST_ROWS} rows without a fault follow one another{hint}; nothing was imported"
-        )
+    if not kept or bad.mean() > MOST_BAD:
+        raise UserError(_hopeless(file, told, even, float(bad.mean())))
     if policy == "cut":
         kept = [max(kept, key=len)]
     return Stretches(kept, _summary(rows, kept, told))
 
 
+def _hopeless(file: str, told: Sequence[str], even: bool, share: float) -> str:
+    """What is wrong with a file of which nothing can be kept."""
+    if share > MOST_BAD:
+        ending = f"{share:.0%} of the rows are bad, so a unit or the mapping is wrong; nothing was imported"
+        return listed(told, ending)
+    hint = ", or --resample HZ where the rows come at uneven times" if even else ""
+    return f"{file}: no {FEWEST_ROWS} rows without a fault follow one another{hint}; nothing was imported"
+
+
 def _summary(rows: NDArray[np.int64], kept: list[NDArray[np.int64]], told: list[str]) -> list[str]:
     count = sum(map(len, kept))
-    if count == len(rows):
+    if count == len(rows) and len(kept) == 1:
         return []
     spans = ", ".join(f"{rows[part[0]]} to {rows[part[-1]]}" for part in kept[:MOST_TOLD])
     more = f" and {len(kept) - MOST_TOLD} more" if len(kept) > MOST_TOLD else ""

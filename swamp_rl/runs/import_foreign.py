@@ -170,9 +170,9 @@ def _with_hint(wishes: Wishes, fault: Fault) -> str:
     theirs = wishes.renamed.get(fault.column or "")
     hint = f" (there {theirs!r})" if theirs else ""
     if fault.column in REQUIRED and "is missing; add it" in fault.message:
-        hint = f", or name it: --column {fault.column}=THEIRS, or --map"
+        hint = f", or name it: --column {fault.column}=THEIRS, or --map (--list shows what is there)"
     elif fault.column == "time" and "resample" in fault.message:
-        hint += " (--resample HZ)"
+        hint += " (--resample HZ), or divide it (--bad-rows split)"
     elif "degrees" in fault.message and fault.column not in ("latitude", "longitude"):
         hint += f" (--degrees {fault.column})"
     elif "percent" in fault.message:

@@ -199,6 +199,14 @@ def test_cut_keeps_the_longest_stretch_and_split_all_of_them(tmp_path: Path, boa
     assert len(filled.time) == 301
 
 
+def test_a_unit_mistake_is_not_cut_away(tmp_path: Path, boat: str) -> None:
+    path = csv_of(tmp_path / "log.csv", stranger_columns(weaving()))
+    options = [*MAP[:3], "heading=compass", *MAP[4:]]
+    with pytest.raises(UserError, match="of the rows are bad, so a unit or the mapping is wrong") as told:
+        imported(path, boat, options, Wishes(bad_rows="split"))
+    assert "degrees" in str(told.value) and not (tmp_path / "out").exists()
+
+
 def test_times_that_come_again_or_go_back_are_borders(tmp_path: Path, boat: str) -> None:
     columns = stranger_columns(weaving())
     columns["epoch_ms"][30] = columns["epoch_ms"][29]
