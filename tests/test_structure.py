@@ -29,6 +29,7 @@ FLOORS = (
     {"files", "arrays_file", "unfinished"},
     {"physics", "boat", "effects", "course"},
     {"runs", "simulator"},
+    {"logs", "doctor"},
     {"allocation", "guidance", "navigation", "manoeuvres", "identification", "pilots"},
     {"criticism", "evaluation", "export"},
     {"teleop", "demo", "api"},

@@ -50,6 +50,7 @@ EXAMPLES = {
     "bench": "bench --out bench.json",
     "runs check": "runs check runs",
     "runs show": "runs show runs",
+    "runs doctor": "runs doctor runs",
     "runs import": "runs import log.csv --from csv --out runs --boat swamp",
     "runs export": "runs export runs --to minari --out exported",
     "identify yaw-model": "identify yaw-model runs",

@@ -1,12 +1,15 @@
 """`swamp-rl runs import` and `runs export`: datasets from and for the programmes of others."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
 
 from swamp_rl.errors import UserError
+
+if TYPE_CHECKING:
+    from swamp_rl.runs.schema import RunMeta
 
 Rate = Annotated[
     float | None, typer.Option(min=1e-3, max=1e6, help="Rows a second, where there are no times to use.")
@@ -20,10 +23,10 @@ Resample = Annotated[
 def import_(
     sources: Annotated[list[Path], typer.Argument(help="Files, or folders of them.")],
     from_: Annotated[
-        Literal["csv", "parquet", "mcap", "telemetry", "free-running"],
+        Literal["csv", "parquet", "mcap", "telemetry", "free-running", "dataflash", "ulog", "rosbag"],
         typer.Option("--from", help="What they are."),
     ],
-    out: Annotated[Path, typer.Option(help="The new dataset.")],
+    out: Annotated[Path | None, typer.Option(help="The new dataset.")] = None,
     boat: Annotated[str | None, typer.Option(help="Whose runs they are; by default swamp.")] = None,
     source: Annotated[
         Literal["measured", "simulated", "human", "scripted", "learned"] | None,
@@ -58,8 +61,36 @@ def import_(
     repair: Annotated[
         bool, typer.Option("--repair", help="End a free-running test before its first hole.")
     ] = False,
+    map_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--map", metavar="OUR=EXPRESSION", help="A column from those there, or a .yaml of them."
+        ),
+    ] = None,
+    frame: Annotated[
+        Literal["ned", "enu"] | None, typer.Option(help="Of x, y, yaw, vx, vy, u, v, r; by default ned.")
+    ] = None,
+    clock: Annotated[
+        list[str] | None,
+        typer.Option(metavar="A~B", help="One quantity of two tables: shift the clock of the second."),
+    ] = None,
+    join: Annotated[
+        str | None, typer.Option(metavar="NAME", help="The files are tables of one run of this name.")
+    ] = None,
+    bad_rows: Annotated[
+        Literal["refuse", "cut", "split"],
+        typer.Option(help="Refuse the file, keep the longest stretch without them, or keep all stretches."),
+    ] = "refuse",
+    list_: Annotated[
+        bool, typer.Option("--list", help="Print tables, rates and fields, to write a mapping; nothing else.")
+    ] = False,
+    fill: Annotated[
+        float, typer.Option(min=0.0, max=60.0, help="Seconds without rows that --resample interpolates.")
+    ] = 0.0,
 ) -> None:
-    """Make a dataset of measured runs: CSV, Parquet, MCAP, the boat's telemetry, free-running tests."""
+    """Make a dataset of the logs of a boat: tables, messages, telemetry, free-running tests."""
+    from swamp_rl.logs.import_logs import BINARY, Reading, import_logs
+    from swamp_rl.logs.mapping import mapping_of
     from swamp_rl.runs.import_dataset import About, import_runs
     from swamp_rl.runs.import_foreign import Wishes
 
@@ -70,11 +101,50 @@ def import_(
         rate,
         resample,
         _place(origin),
+        bad_rows,
+        fill,
     )
     about = About(boat, source, course, notes, outcome, group, topic, sender, repair)
-    made = import_runs(sources, from_, out, about, wishes)
+    if list_:
+        _list(sources, from_)
+        return
+    if out is None:
+        raise UserError("--out: the new dataset has no name; give one, or --list")
+    if from_ in BINARY or map_ or frame or clock or join:
+        if from_ in ("mcap", "telemetry", "free-running"):
+            raise UserError(f"--map: is not for --from {from_}; leave it out, or give --column")
+        if wishes.renamed or wishes.dropped or wishes.rate:
+            raise UserError("--column, --drop, --rate: a mapping says it all; give --map OUR=THEIRS")
+        reading = Reading(mapping_of(map_ or [], frame, clock or []), join)
+        made = import_logs(sources, from_, out, about, wishes, reading)
+    else:
+        made = import_runs(sources, from_, out, about, wishes)
+    for run in made.runs:
+        _tell(run)
     rows = sum(run.rows or 0 for run in made.runs)
     typer.echo(f"{out}: {len(made.runs)} runs, {rows} rows at {made.sample_rate:g} Hz, {made.source}")
+
+
+def _list(sources: list[Path], kind: str) -> None:
+    """The tables and fields of logs."""
+    from swamp_rl.logs.import_logs import paths_of, read_log
+    from swamp_rl.logs.listing import listing
+
+    if kind in ("mcap", "telemetry", "free-running"):
+        raise UserError(f"--list: is not for --from {kind}; MCAP with CDR is --from rosbag")
+    for path in paths_of(sources, kind):
+        for line in listing(read_log(path, kind)):
+            typer.echo(line)
+
+
+def _tell(run: "RunMeta") -> None:
+    """What was done to the rows of an imported run."""
+    told = run.model_extra or {}
+    for key in ("times", "joined", "clocks", "resampled", "not_imported"):
+        if key in told:
+            typer.echo(f"{run.file}: {key.replace('_', ' ')}: {told[key]}")
+    for line in told.get("rows_left_out", ()):
+        typer.echo(f"{run.file}: {line}")
 
 
 @runs_app.command()

@@ -11,12 +11,14 @@ NO_NUMBER = "holds no number in any row; record it, or leave the column out wher
 
 @dataclass(frozen=True, order=True)
 class Fault:
-    """One fault: `row` counts the data rows from 1 (a CSV's header is line 1, so its row 1 is line 2)."""
+    """One fault: `row` counts the data rows from 1 (a CSV's header is line 1, so its row 1 is line 2); `last`
+    is the last row of the same fault, where it holds for consecutive rows."""
 
     file: str
     row: int | None
     column: str | None
     message: str
+    last: int | None = None
 
     def __str__(self) -> str:
         line = (
@@ -37,5 +39,6 @@ def faults_at(
     for stretch in stretches:
         first, last = stretch[0], stretch[-1]
         until = f" (and so on to row {rows[last]})" if last > first else ""
-        found.append(Fault(file, int(rows[first]), column, describe(int(first)) + until))
+        told = describe(int(first)) + until
+        found.append(Fault(file, int(rows[first]), column, told, int(rows[last])))
     return found

@@ -11,11 +11,12 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.course import fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.names import YAML, file_in
+from swamp_rl.runs.bad_rows import MOST_TOLD
 from swamp_rl.runs.copies import boat_file, course_file
 from swamp_rl.runs.dataset import read_meta
 from swamp_rl.runs.describe import rate_of, with_outcome, with_outcomes
 from swamp_rl.runs.free_running import import_free_running, is_free_running
-from swamp_rl.runs.import_foreign import Foreign, Wishes, run_from
+from swamp_rl.runs.import_foreign import Foreign, Wishes, runs_from
 from swamp_rl.runs.import_telemetry import read_telemetry
 from swamp_rl.runs.mcap_files import read_mcap
 from swamp_rl.runs.run import Run
@@ -33,7 +34,11 @@ SUFFIXES = {
     "mcap": (".mcap",),
     "telemetry": (".txt", ".log", ".dat"),
     "free-running": (".csv",),
+    "dataflash": (".bin",),
+    "ulog": (".ulg",),
+    "rosbag": (".bag", ".db3", ".mcap"),
 }
+"""The last three are read by `swamp_rl.logs`."""
 
 
 @dataclass(frozen=True)
@@ -69,8 +74,7 @@ def import_runs(
     about, wishes = about or About(), wishes or Wishes()
     if kind not in get_args(Kind):
         raise UserError(f"--from {kind}: is none of {', '.join(get_args(Kind))}")
-    files = [file for source in sources for file in _files(source, kind)]
-    _refuse_twins(files)
+    files = files_of_kind(sources, kind)
     if kind == "free-running":
         pond = about.boat or "esso_osaka"
         boat = load_boat(pond)
@@ -78,17 +82,42 @@ def import_runs(
         runs = _ended(runs, about, about.course, boat, True)
         return _write(Path(out), _described(about, boat, None, runs, wishes), runs, pond, about.course)
     found, wishes = _read(files, kind, about, wishes)
+    return import_tables(found, out, about, wishes)
+
+
+def import_tables(found: Sequence[Foreign], out: Path | str, about: About, wishes: Wishes) -> DatasetMeta:
+    """Write the runs in foreign tables into the new dataset `out`; what it then says.
+
+    UserError lists the faults of all tables, and then there is no `out`.
+    """
     told = _agreed(found)
     with tempfile.TemporaryDirectory() as scratch:
-        home = Path(scratch) if kind == "mcap" else files[0].parent
+        home = found[0].home or Path(scratch)
         for name, held in found[0].copies.items():
             file_in(home, name, YAML).write_bytes(held)
         source: str | Path = about.boat or (boat_file(home, told) if told else "swamp")
         course = about.course or (course_file(home, told) if told else None)
         boat = load_boat(source)
-        runs = [run_from(one, wishes, boat) for one in found]
+        runs = _all_runs(found, wishes, boat)
         runs = _ended(runs, about, course, boat, told is None)
         return _write(Path(out), _described(about, boat, told, runs, wishes), runs, source, course)
+
+
+def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]:
+    """The runs of all tables; UserError with the faults of all that have any."""
+    runs, refused = [], []
+    for one in found:
+        try:
+            runs += runs_from(one, wishes, boat)
+        except UserError as error:
+            refused += str(error).splitlines()
+    if refused:
+        raise UserError("\n".join(refused[:MOST_TOLD] + _others(len(refused) - MOST_TOLD)))
+    return runs
+
+
+def _others(count: int) -> list[str]:
+    return [f"and {count} more; nothing was imported"] if count > 0 else []
 
 
 def _ended(runs: list[Run], about: About, course: str | Path | None, boat: Boat, foreign: bool) -> list[Run]:
@@ -109,7 +138,14 @@ def _with(run: Run, **told: str) -> Run:
     return Run(run.name, run.columns, run.meta.model_copy(update=told))
 
 
-def _files(source: Path, kind: Kind) -> list[Path]:
+def files_of_kind(sources: Sequence[Path], kind: str) -> list[Path]:
+    """The files of a kind (a key of SUFFIXES) that sources are or hold; UserError for two of one name."""
+    files = [file for source in sources for file in _files(source, kind)]
+    _refuse_twins(files)
+    return files
+
+
+def _files(source: Path, kind: str) -> list[Path]:
     """A file itself; of a folder, the runs its `dataset.yaml` lists, else all files of the kind by name, its
     own or, where it has none, those of the folders in it."""
     if source.is_file():
@@ -129,12 +165,12 @@ def _files(source: Path, kind: Kind) -> list[Path]:
     return [file_in(file.parent, file.name, SUFFIXES[kind]) for file in files]
 
 
-def _of_kind(paths: Iterable[Path], kind: Kind) -> list[Path]:
+def _of_kind(paths: Iterable[Path], kind: str) -> list[Path]:
     kept = (path for path in paths if not path.name.startswith("."))
     return sorted(path for path in kept if path.suffix.lower() in SUFFIXES[kind])
 
 
-def _in_folders(source: Path, kind: Kind) -> list[Path]:
+def _in_folders(source: Path, kind: str) -> list[Path]:
     """Without the tables of figures that stand beside free-running tests."""
     found = _of_kind((path for path in source.rglob("*") if path.is_file()), kind)
     return [path for path in found if kind != "free-running" or is_free_running(path)]
@@ -181,7 +217,7 @@ def _read_table(path: Path, kind: Kind, dataset: DatasetMeta | None) -> Foreign:
     if dataset is None:
         return Foreign(str(path), path.stem, table)
     meta = next((run for run in dataset.runs if run.file == path.name), RunMeta())
-    return Foreign(str(path), path.stem, table, meta, dataset)
+    return Foreign(str(path), path.stem, table, meta, dataset, home=path.parent)
 
 
 def _described(

@@ -1,8 +1,9 @@
 """Tables of others as runs: columns renamed, in SI units, at a fixed rate, and checked as ours are."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,10 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
+from swamp_rl.runs.bad_rows import BadRows, listed, stretches
 from swamp_rl.runs.check import check_table
 from swamp_rl.runs.columns import REQUIRED
-from swamp_rl.runs.faults import Fault
+from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
 from swamp_rl.runs.local_frame import Place, to_local
 from swamp_rl.runs.resample import ANGLES, resampled, wrapped
 from swamp_rl.runs.run import Run
@@ -37,12 +39,14 @@ UNITS = {
     "ns": 1e-9,
 }
 """What one of each is in the unit of the run format."""
+NO_FIX = "is 0 with longitude 0, as receivers give it without a fix; cut these rows (--bad-rows cut or split)"
 
 
 @dataclass(frozen=True)
 class Foreign:
     """A table as a file has it, columns under their names there; `meta` and `dataset` are what the file
-    itself tells of the run and its dataset, where it does, and `copies` the files of its boat and course."""
+    itself tells of the run and its dataset, where it does, and `copies` the files of its boat and course;
+    `home` is the folder of a dataset whose copies lie beside the file."""
 
     file: str
     name: str
@@ -50,13 +54,15 @@ class Foreign:
     meta: RunMeta = field(default_factory=RunMeta)
     dataset: DatasetMeta | None = None
     copies: Mapping[str, bytes] = field(default_factory=dict)
+    home: Path | None = None
 
 
 @dataclass(frozen=True)
 class Wishes:
     """How to read a foreign table: `renamed` their names by ours; `units` (keys of `UNITS`) by our names;
     `dropped` their names of columns to leave out; `rate` [Hz] at which rows come, where they have no times to
-    be used; `resample` [Hz]; `origin` of north and east, by default the first place."""
+    be used; `resample` [Hz]; `origin` of north and east, by default the first place; `bad_rows` and `fill`
+    [s] as `stretches` has them."""
 
     renamed: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
@@ -64,15 +70,17 @@ class Wishes:
     rate: float | None = None
     resample: float | None = None
     origin: Place | None = None
+    bad_rows: BadRows = "refuse"
+    fill: float = 0.0
 
 
-def run_from(found: Foreign, wishes: Wishes, boat: Boat) -> Run:
-    """The run in a foreign table; UserError with file, row and column at its first fault.
+def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
+    """The runs in a foreign table: one, or several where it is split at its bad rows.
 
     Headings and wind directions of up to a full turn are brought into (−π, π]; all else stays as it is.
+    UserError lists the faults with file, row, column and what to do.
     """
-    columns, faults = _renamed(found, wishes)
-    _refuse(wishes, faults)
+    columns, faults, unread = _renamed(found, wishes)
     rows, told = found.table.rows, found.meta.model_dump(exclude={"file", "rows"})
     for name, unit in wishes.units.items():
         if name not in columns:
@@ -81,25 +89,57 @@ def run_from(found: Foreign, wishes: Wishes, boat: Boat) -> Run:
     if wishes.rate is not None:
         columns["time"] = np.arange(len(rows)) / wishes.rate
         told["times"] = f"counted, {wishes.rate:g} rows a second"
-    told |= _place(found, columns, wishes.origin)
+    more, place = _place(found, columns, unread, wishes.origin)
+    faults, told = faults + more, told | place
     for name in ANGLES:
-        if name in columns and np.all(np.abs(columns[name]) <= 2.0 * math.pi + 1e-9):
-            inside = (columns[name] > -math.pi) & (columns[name] <= math.pi)
-            columns[name] = np.where(inside, columns[name], wrapped(columns[name]))
-    faults = check_table(found.file, Table(columns, rows), boat, None)
-    if wishes.resample is None:
-        _refuse(wishes, faults)
-    else:
+        values = columns.get(name, np.zeros(0))
+        known = values[np.isfinite(values)]
+        if len(known) and np.abs(known).max() <= 2.0 * math.pi + 1e-9:
+            turned = np.isfinite(values) & ~((values > -math.pi) & (values <= math.pi))
+            columns[name] = values.copy()
+            columns[name][turned] = wrapped(values[turned])
+    faults += check_table(found.file, Table(columns, rows, unread), boat, None)
+    if wishes.bad_rows == "refuse":
         # Uneven steps are what resampling is for, steps back are not.
-        forward = bool(np.all(np.diff(columns.get("time", np.zeros(2))) > 0.0))
-        _refuse(wishes, [fault for fault in faults if fault.column != "time" or not forward])
-        columns = resampled(columns, wishes.resample)
-        told["resampled"] = f"{len(rows)} rows to {len(columns['time'])}, {wishes.resample:g} a second"
-    return Run(found.name, columns, RunMeta.model_validate(told))
+        if wishes.resample is not None and bool(np.all(np.diff(columns.get("time", np.zeros(2))) > 0.0)):
+            faults = [fault for fault in faults if fault.column != "time"]
+        refuse(wishes, faults)
+        return [_run(found.name, columns, told, wishes.resample)]
+    refuse(wishes, [f for f in faults if f.row is None and (f.column != "time" or "missing" in f.message)])
+    wrong = [fault for fault in faults if fault.row is not None and not _of_steps(fault)]
+    even = wishes.resample is None
+    kept = stretches(found.file, columns, rows, wrong, wishes.bad_rows, even, wishes.fill)
+    told |= {"rows_left_out": kept.cut} if kept.cut else {}
+    runs = []
+    for number, part in enumerate(kept.kept, 1):
+        name = found.name if wishes.bad_rows == "cut" else f"{found.name}-{number}"
+        taken = {column: values[part] for column, values in columns.items()}
+        refuse(wishes, [f for f in check_table(found.file, Table(taken, rows[part]), boat, None) if even])
+        runs.append(_run(name, taken, told, wishes.resample))
+        told.pop("rows_left_out", None)
+    return runs
 
 
-def _renamed(found: Foreign, wishes: Wishes) -> tuple[dict[str, Array], list[Fault]]:
-    """Columns under our names, and the faults of their cells."""
+def _of_steps(fault: Fault) -> bool:
+    return fault.column == "time" and ("the row before" in fault.message or "come after" in fault.message)
+
+
+def _run(name: str, columns: dict[str, Array], told: Mapping[str, Any], resample: float | None) -> Run:
+    if resample is None:
+        return Run(name, columns, RunMeta.model_validate(told))
+    even = resampled(columns, resample)
+    longest = float(np.diff(columns["time"]).max())
+    said = (
+        f"{len(columns['time'])} rows to {len(even['time'])}, {resample:g} a second; "
+        f"longest step between rows {longest:.3g} s"
+    )
+    return Run(name, even, RunMeta.model_validate({**told, "resampled": said}))
+
+
+def _renamed(
+    found: Foreign, wishes: Wishes
+) -> tuple[dict[str, Array], list[Fault], dict[str, NDArray[np.bool_]]]:
+    """Columns under our names, the faults of their cells, and which cells these are."""
     there = found.table.columns
     for option, names in (("--column", wishes.renamed.values()), ("--drop", wishes.dropped)):
         for name in names:
@@ -116,36 +156,64 @@ def _renamed(found: Foreign, wishes: Wishes) -> tuple[dict[str, Array], list[Fau
         for fault in found.table.faults
         if fault.column is None or fault.column in kept
     ]
-    return {ours.get(name, name): values for name, values in kept.items()}, faults
+    unread = {ours.get(name, name): mask for name, mask in found.table.unread.items() if name in kept}
+    return {ours.get(name, name): values for name, values in kept.items()}, faults, unread
 
 
-def _refuse(wishes: Wishes, faults: list[Fault]) -> None:
-    """Raise the first of the faults, with the column's name in the file and the option that may help."""
-    for fault in faults[:1]:
-        theirs = wishes.renamed.get(fault.column or "")
-        hint = f" (there {theirs!r})" if theirs else ""
-        if fault.column in REQUIRED and "is missing; add it" in fault.message:
-            hint = f", or name it: --column {fault.column}=THEIRS"
-        elif fault.column == "time" and "resample" in fault.message:
-            hint += " (--resample HZ)"
-        elif "degrees" in fault.message:
-            hint += f" (--degrees {fault.column})"
-        elif "is not a number" in fault.message:
-            hint += f", or leave the column out: --drop {theirs or fault.column}"
-        raise UserError(f"{fault}{hint}; nothing was imported")
+def refuse(wishes: Wishes, faults: Sequence[Fault]) -> None:
+    """Raise the faults, each with the column's name in the file and the option that may help."""
+    if faults:
+        raise UserError(listed([_with_hint(wishes, fault) for fault in faults], "nothing was imported"))
 
 
-def _place(found: Foreign, columns: dict[str, Array], origin: Place | None) -> dict[str, Any]:
-    """North and east from latitude and longitude [degrees], where the table has these only; what to tell."""
-    if "north" in columns or not {"latitude", "longitude"} <= set(columns):
-        return {}
+def _with_hint(wishes: Wishes, fault: Fault) -> str:
+    theirs = wishes.renamed.get(fault.column or "")
+    hint = f" (there {theirs!r})" if theirs else ""
+    if fault.column in REQUIRED and "is missing; add it" in fault.message:
+        hint = f", or name it: --column {fault.column}=THEIRS, or --map (--list shows what is there)"
+    elif fault.column == "time" and "resample" in fault.message:
+        hint += " (--resample HZ), or divide it (--bad-rows split)"
+    elif "degrees" in fault.message and fault.column not in ("latitude", "longitude"):
+        hint += f" (--degrees {fault.column})"
+    elif "percent" in fault.message:
+        hint += f" (--unit {fault.column}=percent)"
+    elif "is not a number" in fault.message:
+        hint += f", or leave the column out: --drop {theirs or fault.column}"
+    elif fault.row is not None and "is missing" in fault.message:
+        hint += " (--bad-rows cut or split)"
+    return f"{fault}{hint}"
+
+
+def _place(
+    found: Foreign, columns: dict[str, Array], unread: dict[str, NDArray[np.bool_]], origin: Place | None
+) -> tuple[list[Fault], dict[str, Any]]:
+    """North and east from latitude and longitude [degrees], where the table has these only: the faults of
+    these, and what to tell. A place of exactly 0, 0 is what receivers give without a fix."""
+    both = ("latitude", "longitude")
+    if "north" in columns or not set(both) <= set(columns) or not len(found.table.rows):
+        return [], {}
+    known = ~np.any([unread.get(name, np.zeros(len(found.table.rows), bool)) for name in both], axis=0)
+    faults, rows = [], found.table.rows
     for name, most in (("latitude", 90.0), ("longitude", 180.0)):
-        wrong = np.flatnonzero(~(np.abs(columns[name]) <= most))
-        if len(wrong):
-            row, value = int(found.table.rows[wrong[0]]), columns[name][wrong[0]]
-            raise UserError(f"{Fault(found.file, row, name, f'{value:.9g} is no {name} in degrees')}")
-    if len(found.table.rows) == 0:
-        return {}
-    origin = origin or (float(columns["latitude"][0]), float(columns["longitude"][0]))
-    columns["north"], columns["east"] = to_local(columns["latitude"], columns["longitude"], origin)
-    return {"origin": {"latitude": origin[0], "longitude": origin[1]}}
+        values = columns[name]
+        wrong = ~(np.abs(values) <= most) & known
+
+        def said(i: int, values: Array = values, name: str = name) -> str:
+            return f"{values[i]:.9g} is no {name} in degrees; correct it"
+
+        faults += faults_at(found.file, name, rows, wrong, said)
+        known &= ~wrong
+    none = (columns["latitude"] == 0.0) & (columns["longitude"] == 0.0) & known
+    if not none.all():
+        faults += faults_at(found.file, "latitude", rows, none, lambda i: NO_FIX)
+        known &= ~none
+    if not known.any():
+        return faults or [Fault(found.file, None, "latitude", NO_NUMBER)], {}
+    first = int(np.argmax(known))
+    origin = origin or (float(columns["latitude"][first]), float(columns["longitude"][first]))
+    north, east = to_local(columns["latitude"][known], columns["longitude"][known], origin)
+    for name, values in (("north", north), ("east", east)):
+        columns[name] = np.full(len(rows), np.nan)
+        columns[name][known] = values
+        unread[name] = ~known
+    return faults, {"origin": {"latitude": origin[0], "longitude": origin[1]}}

@@ -34,7 +34,8 @@ class Table:
     """What a file holds, before anyone has asked whether it makes sense.
 
     `columns`: float64 arrays, NaN where a cell was no number; `rows`: the number in the file of each row;
-    `unread`: masks of the cells that `faults` already names; `whole`: no row had to be left out.
+    `unread`: masks of the cells that `faults` already names; `whole`: no row had to be left out; `words`: the
+    cells of the columns in which no cell is a number.
     """
 
     columns: dict[str, NDArray[np.float64]] = field(default_factory=dict)
@@ -42,6 +43,7 @@ class Table:
     unread: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
     whole: bool = True
+    words: dict[str, pa.ChunkedArray] = field(default_factory=dict)
 
 
 def read_table(path: Path) -> Table:
@@ -138,6 +140,8 @@ def _numbers(file: str, data: pa.Table, rows: NDArray[np.int64], faults: list[Fa
             continue
         values, unread = _floats(cells)
         table.columns[name], table.unread[name] = values, unread
+        if unread.size and unread.all():
+            table.words[name] = cells
         if unread.size and unread.all() and not any(cells.unique().to_pylist()):
             table.faults.append(Fault(file, None, name, NO_NUMBER))
         else:

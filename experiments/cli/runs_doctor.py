@@ -1,0 +1,49 @@
+"""`swamp-rl runs doctor`: what is odd about recorded runs before anyone rests on them."""
+
+from typing import Annotated
+
+import typer
+from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
+
+
+@runs_app.command()
+def doctor(
+    folder: Folder,
+    boat: BoatOption = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
+) -> None:
+    """Say what is odd: exchanged, flipped, stuck, filtered columns, units, times, latency; 1 if a fault."""
+    import json
+
+    from swamp_rl.doctor.examine import examine
+    from swamp_rl.doctor.read import read_records
+
+    records = read_records(folder, boat_for(folder, boat))
+    found = examine(records.runs, records.boat, records.measured)
+    faults = sum(finding.level == "fault" for finding in found)
+    rows = sum(len(next(iter(run.columns.values()), [])) for run in records.runs)
+    if as_json:
+        told = {
+            "folder": str(folder),
+            "layout": records.layout,
+            "boat": records.boat.name if records.boat else None,
+            "runs": len(records.runs),
+            "rows": rows,
+            "format_faults": records.faults,
+            "findings": [finding.as_json() for finding in found],
+        }
+        typer.echo(json.dumps(told, indent=2, allow_nan=False))
+    else:
+        for finding in found:
+            typer.echo(str(finding))
+        for line in records.faults[:20]:
+            typer.echo(f"format: {line}")
+        if len(records.faults) > 20:
+            typer.echo(f"format: and {len(records.faults) - 20} more (swamp-rl runs check {folder})")
+        without = (
+            "" if records.boat else "; no boat is known: commands were judged by their names (--boat NAME)"
+        )
+        counted = f"{faults} fault{'s' * (faults != 1)}, {len(found) - faults} notes"
+        typer.echo(f"{folder} ({records.layout}): {len(records.runs)} runs, {rows} rows, {counted}{without}")
+    if faults or records.faults:
+        raise typer.Exit(1)

@@ -1,0 +1,1 @@
+"""What is odd about recorded runs, from their statistics: before anyone trains or diagnoses."""

@@ -1,0 +1,81 @@
+"""Commands by themselves: which never vary, which are cut off at a level."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.doctor.finding import Finding
+from swamp_rl.runs import Run
+
+Array = NDArray[np.float64]
+
+COMMANDS = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_", "action")
+FEWEST_VISITS = 5
+"""Separate stays at an extreme: with fewer a driver may have held the lever there."""
+LARGEST_SHARE = 0.5
+"""Of the distinct values' usual number of rows: where every level is held for long, so is the greatest."""
+NEVER_SO = 0.02
+"""Share of the rows at the extreme from which a cut-off changes what the data show."""
+
+
+def is_command(name: str) -> bool:
+    """Whether a column tells what was commanded."""
+    return name.startswith(COMMANDS)
+
+
+def command_findings(runs: Sequence[Run]) -> list[Finding]:
+    """Commands that never vary (a fault where none does), and those cut off below full command."""
+    names = [name for name in runs[0].columns if is_command(name)] if runs else []
+    joined = {
+        name: np.concatenate([run.columns[name] for run in runs])
+        for name in names
+        if all(name in run.columns for run in runs)
+    }
+    constant = [name for name, values in joined.items() if np.ptp(values[np.isfinite(values)]) == 0.0]
+    found = []
+    own = [name for name in joined if not name.startswith("joy_")] or list(joined)
+    if own and set(own) <= set(constant):
+        told = "no command varies in any run"
+        advice = "nothing about thrust or steering can be learnt from them; check that commands were logged"
+        found.append(Finding("fault", "commands_constant", tuple(own), told, advice))
+    elif constant:
+        told, advice = "never vary", "their effect cannot be told from the others'"
+        found.append(Finding("note", "command_constant", tuple(constant), told, advice))
+    for name, values in joined.items():
+        if name not in constant and (cut := _clipped(values)):
+            level, share = cut
+            told = f"is {level:.6g} in {share:.0%} of the rows, a level at which it is cut off"
+            advice = "check the mapping (limits of the pulse width, clip()) and the logger's range"
+            found.append(
+                Finding(
+                    "fault",
+                    "command_clipped",
+                    (name,),
+                    told,
+                    advice,
+                    figures={"level": level, "share": share},
+                )
+            )
+    return found
+
+
+def _clipped(values: Array) -> tuple[float, float] | None:
+    """The extreme and the share of rows at it, where a signal that varies from row to row stays there.
+
+    Full command (0, ±1) is where a driver or a controller ends by itself.
+    """
+    moving = np.diff(values) != 0.0
+    for level in (float(values.max()), float(values.min())):
+        if level in (0.0, 1.0, -1.0):
+            continue
+        there = values == level
+        visits = int(np.sum(there[1:] & ~there[:-1]))
+        share = float(there.mean())
+        # Elsewhere the signal must move in nearly every row; a signal of held levels says nothing.
+        elsewhere = moving[~there[1:] & ~there[:-1]]
+        if len(elsewhere) < 20 or elsewhere.mean() < 1.0 - LARGEST_SHARE:
+            continue
+        if visits >= FEWEST_VISITS and share >= NEVER_SO and int(there.sum()) >= 2 * visits:
+            return level, share
+    return None

@@ -1,0 +1,49 @@
+"""All checks of a dataset, in the order in which one rests on another."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from swamp_rl.boat import Boat
+from swamp_rl.doctor.commands import command_findings
+from swamp_rl.doctor.filtered import filter_findings
+from swamp_rl.doctor.finding import Finding
+from swamp_rl.doctor.kinematics import kinematic_findings
+from swamp_rl.doctor.ranges import range_findings
+from swamp_rl.doctor.response import response_findings
+from swamp_rl.doctor.smooth import motion_of
+from swamp_rl.doctor.stuck import stuck_findings
+from swamp_rl.doctor.times import JUMP, time_findings
+from swamp_rl.runs import Run
+
+
+def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True) -> list[Finding]:
+    """What is odd about runs, faults first.
+
+    boat: whose thrusters the commands are of; without it sides are taken from the names of columns.
+    measured: whether channels without noise are odd. A column that another check has shown to be in another
+    unit is brought into ours, in memory, before those that rest on it.
+    """
+    found = time_findings(runs)
+    ranges, runs = range_findings(runs)
+    found += ranges + stuck_findings(runs, measured) + command_findings(runs)
+    even = [run for run in runs if _even(run)]
+    found += filter_findings([run for run in even if _whole(run)], measured)
+    motions = [motion for run in even if (motion := motion_of(run)) is not None]
+    kinematic, motions = kinematic_findings(motions)
+    found += kinematic + response_findings(motions, boat)
+    return sorted(found, key=lambda finding: finding.level != "fault")
+
+
+def _whole(run: Run) -> bool:
+    """Whether no row is missing: a gap is a step in every channel."""
+    steps = np.diff(run.time)
+    return bool(steps.max() <= JUMP * float(np.median(steps)))
+
+
+def _even(run: Run) -> bool:
+    """Whether the rows come at one rate, as filters over rows need."""
+    if "time" not in run.columns or len(run.time) < 3:
+        return False
+    steps = np.diff(run.time)
+    return bool(np.isfinite(steps).all() and np.quantile(steps, 0.02) > 0.0)

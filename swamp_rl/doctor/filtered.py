@@ -1,0 +1,74 @@
+"""Channels without a white noise floor: smoothed by a filter, or free of noise."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import welch
+
+from swamp_rl.doctor.finding import Finding
+from swamp_rl.runs import Run
+
+Array = NDArray[np.float64]
+
+SEGMENT = 64
+"""Rows of a spectrum's segments (Hann windows, half overlapping)."""
+LOW, HIGH = (0.35, 0.5), (0.85, 1.0)
+"""Bands as parts of the Nyquist frequency. A hull's motion is far below both where the rows resolve it."""
+LARGEST_DROP = 1.6
+"""Power density of the low band over that of the high one; 1 for white noise. A first-order filter with a
+time constant T of two steps has 2.1, of five 2.6: |H|² is 1 / (1 + p² − 2 p cos ω), p = exp(−step / T)."""
+DEVIATIONS = 4.0
+"""Standard errors of the ratio's logarithm beyond which it is no chance."""
+CHANNELS = ("north", "east", "heading")
+"""Twice integrated from forces, so that motion falls off steeply; velocities may be rough by themselves."""
+
+
+def filter_findings(runs: Sequence[Run], measured: bool) -> list[Finding]:
+    """Channels whose spectrum falls up to the Nyquist frequency; measured: whether noise is expected."""
+    drops = {}
+    for name in CHANNELS:
+        parts = [_whole(run.columns[name], name) for run in runs if name in run.columns]
+        if parts and (drop := _drop(parts)) is not None:
+            drops[name] = drop
+    if not drops:
+        return []
+    told = "have no white noise floor: power density falls by " + ", ".join(
+        f"{drop:.2g} ({name})" for name, drop in drops.items()
+    )
+    told += f" from {LOW[0]:g}-{LOW[1]:g} to {HIGH[0]:g}-{HIGH[1]:g} of the Nyquist frequency"
+    advice = (
+        "a filter smoothed and delayed them: log the raw sensor; intervals from white noise do not hold"
+        if measured
+        else "as simulated runs without sensor noise do"
+    )
+    level = "fault" if measured else "note"
+    return [Finding(level, "filtered", tuple(drops), told, advice, figures=drops)]
+
+
+def _whole(values: Array, name: str) -> Array:
+    return np.unwrap(values) if name == "heading" and np.isfinite(values).all() else values
+
+
+def _drop(parts: Sequence[Array]) -> float | None:
+    """The ratio of power densities, where it is significantly above LARGEST_DROP."""
+    spectra, weights = [], []
+    for values in parts:
+        changes = np.diff(values)
+        if len(values) < 2 * SEGMENT or not np.isfinite(values).all() or np.mean(changes == 0.0) > 0.2:
+            continue
+        # Second differences leave no trend to leak into the high band; they are divided out again.
+        frequency, power = welch(np.diff(values, 2), fs=2.0, nperseg=SEGMENT, detrend=False)
+        spectra.append(power[1:] / (4.0 * np.sin(0.5 * np.pi * frequency[1:]) ** 2) ** 2)
+        weights.append(len(values))
+    if not spectra:
+        return None
+    mean = np.average(spectra, axis=0, weights=weights)
+    low, high = (mean[(frequency[1:] >= a) & (frequency[1:] <= b)] for a, b in (LOW, HIGH))
+    rows = sum(weights)
+    if high.mean() <= 0.0:
+        return None
+    ratio = float(low.mean() / high.mean())
+    # A band of width w of N rows has N w / 2 independent periodogram ordinates, each of relative variance 1.
+    error = np.sqrt(sum(2.0 / (rows * (b - a)) for a, b in (LOW, HIGH)))
+    return ratio if np.log(ratio / LARGEST_DROP) > 0.0 and np.log(ratio) > DEVIATIONS * error else None

@@ -1,0 +1,183 @@
+"""Whether positions, heading, speed and yaw rate of the runs agree with one another."""
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from swamp_rl.doctor.finding import Finding
+from swamp_rl.doctor.smooth import Motion
+
+ALIGNED = 0.8
+"""Mean resultant length of course minus heading, weighted by speed squared, from which the two are taken as
+tied to each other: the root mean square angle between them is then below 0.67 rad."""
+BETTER = 0.15
+"""By how much the resultant of course plus heading must pass that of course minus heading."""
+LARGEST_DRIFT = math.radians(30.0)
+"""A boat's mean drift angle over whole runs stays below it; ENU, astern and magnetic mistakes of heading are
+larger or cannot be told from drift."""
+TIED = 0.7
+"""Correlation from which the ratio of two records is a unit: half of the variance is common."""
+SPEEDS = {"kn": 3600.0 / 1852.0, "km/h": 3.6, "cm/s": 100.0, "mm/s": 1000.0, "ft/s": 1.0 / 0.3048}
+TURNS = {"deg/s": 180.0 / math.pi, "rpm": 30.0 / math.pi}
+UNIT_TOLERANCE = 0.25
+"""Of the logarithm of a ratio: half the distance between knots and feet per second, or 1 and knots, is 0.23
+and 0.33."""
+
+
+def kinematic_findings(motions: Sequence[Motion]) -> tuple[list[Finding], list[Motion]]:
+    """What contradicts itself, and the motions with the heading and yaw rate that would be consistent."""
+    if not motions:
+        return [], []
+    found: list[Finding] = []
+    heading, motions = _heading_against_course(motions)
+    turning = _yaw_rate_against_heading(motions)
+    found += heading + turning + _surge_against_speed(motions)
+    signs = [finding.figures.get("sign", 1.0) for finding in turning]
+    if signs and signs[0] < 0.0:
+        motions = [one if one.yaw_rate is None else replace(one, yaw_rate=-one.yaw_rate) for one in motions]
+    return found, motions
+
+
+def _resultants(motions: Sequence[Motion]) -> tuple[complex, complex]:
+    """Mean of exp(i (course − heading)) and exp(i (course + heading)), weighted by the speed squared."""
+    difference = total = 0j
+    weight = 0.0
+    for one in motions:
+        forward = np.ones(len(one.velocity)) if one.surge is None else np.where(one.surge < 0.0, -1.0, 1.0)
+        moved = one.velocity * np.abs(one.velocity) * forward
+        difference += complex(np.sum(moved * np.conj(one.direction)))
+        total += complex(np.sum(moved * one.direction))
+        weight += float(np.sum(np.abs(one.velocity) ** 2 * np.abs(one.direction)))
+    return (difference / weight, total / weight) if weight > 0.0 else (0j, 0j)
+
+
+def _heading_against_course(motions: Sequence[Motion]) -> tuple[list[Finding], list[Motion]]:
+    difference, total = _resultants(motions)
+    figures = {"resultant_difference": abs(difference), "resultant_sum": abs(total)}
+    if abs(total) > max(ALIGNED, abs(difference) + BETTER):
+        angle = cmath.phase(total)
+        mirrored = _mirrored(motions, angle, figures)
+        if mirrored.code == "axes_exchanged":
+            return [mirrored], [replace(one, velocity=1j * np.conj(one.velocity)) for one in motions]
+        corrected = [
+            one.with_heading(np.conj(one.direction) * cmath.exp(1j * angle), -one.turning) for one in motions
+        ]
+        return [mirrored], corrected
+    angle = cmath.phase(difference)
+    if abs(difference) > ALIGNED and abs(angle) > LARGEST_DRIFT:
+        told = f"course over ground minus heading is {math.degrees(angle):+.0f} degrees on average"
+        advice = "check what its zero is (north, east, the stern), or whether north and east changed sign"
+        finding = Finding(
+            "fault", "heading_offset", ("heading",), told, advice, figures=figures | {"offset_rad": angle}
+        )
+        return [finding], [
+            one.with_heading(one.direction * cmath.exp(1j * angle), one.turning) for one in motions
+        ]
+    return [], list(motions)
+
+
+def _mirrored(motions: Sequence[Motion], angle: float, figures: dict[str, float]) -> Finding:
+    """Course plus heading is constant: the heading counts the other way, or the axes are exchanged."""
+    figures = figures | {"sum_rad": angle}
+    told = (
+        f"course over ground plus heading is constant ({math.degrees(angle):+.0f} degrees), minus it is not"
+    )
+    agrees = _slope_of_turning(motions)
+    if abs(math.remainder(angle - 0.5 * math.pi, 2.0 * math.pi)) < LARGEST_DRIFT:
+        if agrees is not None and agrees > 0.0:
+            return Finding(
+                "fault",
+                "axes_exchanged",
+                ("north", "east"),
+                f"{told}, and heading agrees with yaw_rate",
+                "north and east are exchanged (x, y of an ENU frame?): map them the other way round",
+                figures=figures,
+            )
+        return Finding(
+            "fault",
+            "heading_enu",
+            ("heading",),
+            told,
+            "heading is counted from east to north (ENU), or north and east are exchanged: import with "
+            "--frame enu, mapping yaw",
+            figures=figures,
+        )
+    return Finding(
+        "fault",
+        "heading_flipped",
+        ("heading",),
+        told,
+        "heading counts counterclockwise: change its sign (or that of east)",
+        figures=figures,
+    )
+
+
+def _slope_of_turning(motions: Sequence[Motion]) -> float | None:
+    """The ratio of yaw rate to the heading's slope, None where they are not tied or one is missing."""
+    known = [one for one in motions if one.yaw_rate is not None]
+    if not known:
+        return None
+    given = np.concatenate([one.yaw_rate for one in known if one.yaw_rate is not None])
+    turned = np.concatenate([one.turning for one in known])
+    size = float(np.linalg.norm(given) * np.linalg.norm(turned))
+    if size == 0.0 or abs(float(given @ turned)) < TIED * size:
+        return None
+    return float(np.sign(given @ turned) * np.linalg.norm(given) / np.linalg.norm(turned))
+
+
+def _yaw_rate_against_heading(motions: Sequence[Motion]) -> list[Finding]:
+    ratio = _slope_of_turning(motions)
+    if ratio is None:
+        return []
+    found = []
+    figures = {"ratio": ratio, "sign": math.copysign(1.0, ratio)}
+    if ratio < 0.0:
+        told = f"has the sign opposite to the rate of change of heading (ratio {ratio:.3g})"
+        advice = "change its sign: positive when the bow turns to starboard (z down)"
+        found.append(Finding("fault", "yaw_rate_flipped", ("yaw_rate",), told, advice, figures=figures))
+    if unit := _unit(abs(ratio), TURNS):
+        told = f"is {abs(ratio):.3g} times the rate of change of heading, as {unit} are"
+        found.append(
+            Finding("fault", "unit", ("yaw_rate",), told, "give it in rad/s (--unit)", figures=figures)
+        )
+    elif unit := _unit(1.0 / abs(ratio), {"degrees": TURNS["deg/s"]}):
+        told = f"changes {1.0 / abs(ratio):.3g} times as fast as yaw_rate says, as {unit} do"
+        found.append(
+            Finding("fault", "unit", ("heading",), told, "give it in rad (--degrees)", figures=figures)
+        )
+    return found
+
+
+def _surge_against_speed(motions: Sequence[Motion]) -> list[Finding]:
+    known = [one for one in motions if one.surge is not None]
+    if not known:
+        return []
+    given = np.concatenate([one.surge for one in known if one.surge is not None])
+    moved = np.concatenate([np.real(one.velocity * np.conj(one.direction)) for one in known])
+    size = float(np.linalg.norm(given) * np.linalg.norm(moved))
+    if size == 0.0 or abs(float(given @ moved)) < TIED * size:
+        return []
+    ratio = float(np.linalg.norm(given) / np.linalg.norm(moved))
+    figures = {"ratio": ratio}
+    found = []
+    if given @ moved < 0.0:
+        told, advice = "has the sign opposite to the speed made good along the heading", "change its sign"
+        found.append(Finding("fault", "surge_flipped", ("surge",), told, advice, figures=figures))
+    if unit := _unit(ratio, SPEEDS):
+        told = f"is {ratio:.3g} times the speed of the positions along the heading, as {unit} are"
+        found.append(
+            Finding(
+                "fault", "unit", ("surge",), told, f"give it in m/s (--unit surge={unit})", figures=figures
+            )
+        )
+    return found
+
+
+def _unit(ratio: float, units: dict[str, float]) -> str | None:
+    """The unit of which a ratio is nearest, unless 1 is nearer or none is near."""
+    distances = {name: abs(math.log(ratio / one)) for name, one in {"": 1.0, **units}.items()}
+    nearest = min(distances, key=lambda name: distances[name])
+    return nearest if nearest and distances[nearest] < UNIT_TOLERANCE else None

@@ -1,0 +1,255 @@
+"""Folders of runs to be examined: our datasets, plain folders of tables, LeRobot's and Minari's."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.clipped import clipped
+from swamp_rl.errors import UserError
+from swamp_rl.files import os_error
+from swamp_rl.json_text import parsed_json
+from swamp_rl.ordinary import ordinary
+from swamp_rl.runs import Run
+from swamp_rl.runs.apart import apart
+from swamp_rl.runs.copies import boat_of
+from swamp_rl.runs.dataset import inspect_dataset
+from swamp_rl.runs.describe import is_table
+from swamp_rl.runs.schema import META
+from swamp_rl.runs.table import MOST_CELLS, read_table
+
+Array = NDArray[np.float64]
+
+MOST_FILES = 2_000
+MINARI_FILE = "main_data.hdf5"
+
+
+@dataclass(frozen=True)
+class Records:
+    """`runs` as far as they could be read; `boat`, where one is known; `faults` of format and range, a line
+    each; `layout`: what the folder is; `measured`: whether sensors made the data."""
+
+    runs: list[Run]
+    layout: str
+    boat: Boat | None = None
+    faults: list[str] = field(default_factory=list)
+    measured: bool = True
+
+
+def read_records(folder: Path, boat: str | None = None) -> Records:
+    """The runs of a folder of any of these layouts. UserError where it is none, or holds no run.
+
+    boat: whose runs they are, where the folder does not say; without one the commands are examined by their
+    names alone.
+    """
+    if not folder.is_dir():
+        raise UserError(f"{folder}: no such folder; name a dataset")
+    if (folder / "meta" / "info.json").is_file():
+        found = _lerobot(folder, boat)
+    elif minari := _minari_files(folder):
+        found = _minari(folder, minari, boat)
+    elif (folder / META).exists() or boat is not None:
+        found = _dataset(folder, boat)
+    else:
+        found = _tables(folder)
+    if not any(len(run.columns) for run in found.runs):
+        first = f"; {found.faults[0]}" if found.faults else ""
+        raise UserError(
+            f"{folder}: no runs here{first}; name a folder of .csv or .parquet files, LeRobot's or Minari's"
+        )
+    return found
+
+
+def _dataset(folder: Path, boat: str | None) -> Records:
+    inspected = inspect_dataset(folder, boat)
+    vessel = None
+    if inspected.meta is not None:
+        try:
+            named = inspected.named_boat
+            vessel = load_boat(named) if named else boat_of(folder, inspected.meta)
+        except UserError as error:
+            raise UserError(f"{folder}: its boat cannot be read: {error}") from error
+    measured = inspected.meta is None or inspected.meta.source == "measured"
+    faults = [str(fault) for fault in inspected.faults]
+    runs = [run for run in inspected.runs if run.columns]
+    return Records(runs, "dataset", vessel, faults, measured)
+
+
+def _tables(folder: Path) -> Records:
+    """A plain folder without a boat."""
+    paths = sorted(path for path in folder.iterdir() if is_table(path))[:MOST_FILES]
+    tables = {path: read_table(path) for path in paths}
+    faults = [str(fault) for table in tables.values() for fault in table.faults]
+    runs = [Run(path.stem, table.columns) for path, table in tables.items() if table.columns]
+    return Records(runs, "folder of tables", None, faults)
+
+
+def _lerobot(folder: Path, boat: str | None) -> Records:
+    """Episodes of LeRobot's layouts 2 and 3: frames in Parquet files, vectors with names in `info.json`."""
+    info = _json(folder / "meta" / "info.json")
+    features = info.get("features")
+    features = features if isinstance(features, dict) else {}
+    paths = sorted((folder / "data").rglob("*.parquet"))[:MOST_FILES]
+    rate = info.get("fps")
+    runs: list[Run] = []
+    for path in paths:
+        columns = _frames(path, features)
+        episodes = columns.pop("episode_index", np.zeros(len(next(iter(columns.values()), []))))
+        for number in np.unique(episodes).tolist():
+            taken = {name: values[episodes == number] for name, values in columns.items()}
+            if "time" not in taken:
+                taken["time"] = _times(taken, rate)
+            runs.append(Run(f"episode-{int(number)}", taken))
+    own = folder / "meta" / "swamp_rl.json"
+    told = _json(own) if own.is_file() else {}
+    return Records(runs, "LeRobot", _boat(folder / "meta", told, boat), measured=_measured(told))
+
+
+def _measured(told: dict[str, Any]) -> bool:
+    return told.get("source", "measured") == "measured"
+
+
+def _times(columns: dict[str, Array], rate: Any) -> Array:
+    if "timestamp" in columns:
+        return columns["timestamp"]
+    rows = len(next(iter(columns.values()), []))
+    whole = isinstance(rate, int | float) and not isinstance(rate, bool) and rate > 0
+    return np.arange(rows) / (float(rate) if whole else 1.0)
+
+
+def _frames(path: Path, features: dict[str, Any]) -> dict[str, Array]:
+    """Numeric columns, and each part of a vector as a column of its own, under its name where it has one."""
+    try:
+        file = pq.ParquetFile(ordinary(path))
+        if file.metadata.num_rows * file.metadata.num_columns > MOST_CELLS:
+            raise UserError(f"{path}: says that it has {file.metadata.num_rows} rows; divide it")
+        data = file.read()
+    except (pa.ArrowException, OSError) as error:
+        raise UserError(f"{path}: cannot be read ({clipped(error, 200)}); copy it again") from error
+    found: dict[str, Array] = {}
+    for name, cells in zip(data.column_names, data.columns, strict=True):
+        if pa.types.is_integer(cells.type) or pa.types.is_floating(cells.type):
+            found[name] = np.asarray(cells.to_numpy(), float)
+        elif pa.types.is_list(cells.type) or pa.types.is_fixed_size_list(cells.type):
+            kind = cells.type.value_type
+            if not (pa.types.is_integer(kind) or pa.types.is_floating(kind)):
+                continue
+            flat = np.asarray(cells.combine_chunks().flatten().to_numpy(zero_copy_only=False), float)
+            if data.num_rows and len(flat) % data.num_rows == 0 and len(flat) <= MOST_CELLS:
+                parts = flat.reshape(data.num_rows, -1).T
+                names = _part_names(name, features.get(name), len(parts))
+                found |= {
+                    part: values for part, values in zip(names, parts, strict=True) if part not in found
+                }
+    return found
+
+
+def _part_names(name: str, feature: Any, count: int) -> list[str]:
+    names = feature.get("names") if isinstance(feature, dict) else None
+    if isinstance(names, dict) and len(names) == 1:
+        names = next(iter(names.values()))
+    if isinstance(names, list) and len(names) == count and all(isinstance(one, str) for one in names):
+        return names
+    return [f"{name}[{i}]" for i in range(count)]
+
+
+def _minari_files(folder: Path) -> list[Path]:
+    """The data of the Minari datasets in a folder: itself, its `data`, or a root of datasets."""
+    places = [folder, folder / "data", *sorted(folder.glob("*/data")), *sorted(folder.glob("*/*/data"))]
+    return [path for place in places if (path := place / MINARI_FILE).is_file()][:MOST_FILES]
+
+
+def _minari(folder: Path, paths: list[Path], boat: str | None) -> Records:
+    runs: list[Run] = []
+    vessel, measured = None, True
+    for path in paths:
+        ordinary(path, 2**33)
+        episodes, told = _minari_episodes(path)
+        runs += [Run(name, columns) for name, columns in episodes]
+        measured = measured and _measured(told)
+        vessel = vessel or _boat_named(told, boat)
+    return Records(runs, "Minari", vessel, measured=measured)
+
+
+def _boat_named(told: dict[str, Any], boat: str | None) -> Boat | None:
+    """The boat that was named, else the shipped one of the dataset's name; None where there is none."""
+    name = boat or told.get("vehicle")
+    if not isinstance(name, str):
+        return None
+    try:
+        return load_boat(name)
+    except UserError:
+        if boat is not None:
+            raise
+        return None
+
+
+def _boat(folder: Path, told: dict[str, Any], boat: str | None) -> Boat | None:
+    """The named boat, else the copy beside the description, else the shipped one of that name."""
+    name = told.get("vehicle")
+    if boat is None and isinstance(name, str) and "/" not in name and (folder / f"{name}.yaml").is_file():
+        return load_boat(folder / f"{name}.yaml")
+    return _boat_named(told, boat)
+
+
+@apart
+def _minari_episodes(path: Path) -> tuple[list[tuple[str, dict[str, Array]]], dict[str, Any]]:
+    """Episodes as columns: those of `infos`, where these have a time, else of observations and actions.
+
+    In a process of its own, which a damaged HDF5 file may end.
+    """
+    try:
+        import h5py
+    except ImportError as error:
+        raise UserError("Minari's files need h5py; pip install 'swamp-rl[exchange]'") from error
+    found = []
+    try:
+        with h5py.File(path, "r") as file:
+            for name in sorted(file, key=lambda key: (len(key), key)):
+                group = file[name]
+                if isinstance(group, h5py.Group):
+                    found.append((name, _episode(group)))
+        meta = path.with_name("metadata.json")
+        described = _json(meta) if meta.is_file() else {}
+    except (OSError, KeyError, ValueError, RuntimeError) as error:
+        raise UserError(f"{path}: is no whole Minari file ({clipped(error, 200)}); copy it again") from error
+    told = described.get("swamp_rl", "{}")
+    return found, parsed_json(told) if isinstance(told, str) else {}
+
+
+def _episode(group: Any) -> dict[str, Array]:
+    import h5py
+
+    infos = group.get("infos")
+    columns: dict[str, Array] = {}
+    if isinstance(infos, h5py.Group) and "time" in infos:
+        columns = {name: np.asarray(infos[name][()], float) for name in infos if infos[name].ndim == 1}
+        rows = len(columns["time"])
+        return {name: values for name, values in columns.items() if len(values) == rows}
+    rows = 0
+    for name in ("observations", "actions"):
+        held = group.get(name)
+        if isinstance(held, h5py.Dataset) and held.size <= MOST_CELLS:
+            values = np.asarray(held[()], float).reshape(held.shape[0], -1)
+            rows = len(values) if name == "observations" else min(rows or len(values), len(values))
+            columns |= {f"{name[:-1]}[{i}]": part for i, part in enumerate(values.T)}
+    columns = {name: values[:rows] for name, values in columns.items()}
+    return columns | {"time": np.arange(rows, dtype=float)} if columns else {}
+
+
+def _json(path: Path) -> dict[str, Any]:
+    try:
+        found = parsed_json(ordinary(path, 2**26).read_bytes())
+    except OSError as error:
+        raise os_error(error, path) from error
+    except (ValueError, json.JSONDecodeError) as error:
+        raise UserError(f"{path}: is no JSON ({clipped(error, 100)}); restore it") from error
+    if not isinstance(found, dict):
+        raise UserError(f"{path}: holds no JSON object; restore it")
+    return found

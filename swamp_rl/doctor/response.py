@@ -1,0 +1,254 @@
+"""Whether the boat answers its commands as its thrusters are placed: exchanged or flipped columns, latency.
+
+Equation error (Ljung 1999, section 7): the yaw acceleration is regressed on the moment that the commands
+ask for and on the yaw rate, the surge acceleration on the force ahead and on the drag, over a window that
+averages the noise. Each exchange of columns, change of sign and shift of time is one hypothesis; the commands
+as logged are kept unless another has the greater likelihood by far.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.doctor.finding import Finding
+from swamp_rl.doctor.layout import Place, demanded, followed, places_of
+from swamp_rl.doctor.smooth import WINDOWS, Motion, mean, noise_of, rows_of, slope
+
+Array = NDArray[np.float64]
+Columns = Mapping[str, Array]
+Pair = tuple[Array, Array]
+
+LIKELIER = 12.0
+"""Difference of log likelihood: exp(12) to one, for some ten hypotheses that are tried."""
+FEWEST = 8.0
+"""Windows of data, for a regression on three numbers."""
+EXPLAINED = 0.1
+"""Share of the acceleration's variance that the likeliest commands must explain, else nothing is said."""
+LONGEST_SHIFT = 4.0
+"""s, to either side."""
+SHORTEST_LATENCY = 0.5
+"""s: below it, latency cannot be told from lags of pumps, propeller races and waves of the hull."""
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """What may have been done to the columns, and how it is undone."""
+
+    code: str
+    told: str
+    columns: tuple[str, ...]
+    undo: Callable[[Columns], Columns]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A velocity of a run and its rate of change (T,), both over windows of so many rows."""
+
+    rows: int
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True)
+class Answers:
+    """How one run moved: yaw and surge."""
+
+    motion: Motion
+    yaw: Answer
+    surge: Answer
+
+
+def response_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Finding]:
+    """An exchange or flip of command columns, or a latency; nothing where the commands say too little."""
+    if not motions:
+        return []
+    places = places_of(boat, motions[0].run.columns)
+    answers = [_answers(one) for one in motions if {p.level for p in places} <= set(one.run.columns)]
+    if not places or not answers:
+        return []
+    own = Hypothesis("", "", (), lambda columns: columns)
+    tried = [own, *_hypotheses(places, answers[0].motion.run.columns)]
+    demands = [_demands(answers, places, hypothesis) for hypothesis in tried]
+    shifted = [_latest(answers, demand) for demand in demands]
+    best = max(range(len(tried)), key=lambda i: (shifted[i][1], -i))
+    gain, explained = shifted[best][1] - shifted[0][1], shifted[best][2]
+    found = []
+    if gain > LIKELIER and explained > EXPLAINED:
+        rivals = [
+            tried[i].told
+            for i in range(1, len(tried))
+            if i != best and shifted[best][1] - shifted[i][1] < LIKELIER
+        ]
+        told = " or ".join([tried[best].told, *rivals])
+        told += f": the boat answers as if so (log likelihood {gain:+.0f})"
+        advice = "check the mapping and the sign conventions of the commands"
+        figures = {"log_likelihood_gain": gain, "explained": explained}
+        code, columns = tried[best].code, tried[best].columns
+        found.append(Finding("fault", code, columns, told, advice, figures=figures))
+    else:
+        best = 0
+    return found + _latency(answers, demands[best], shifted[best], places, boat is not None)
+
+
+def _answers(motion: Motion) -> Answers:
+    """Measured velocities over windows that average their own noise, else those of heading and positions."""
+    speed = np.real(motion.velocity * np.conj(motion.direction / np.maximum(np.abs(motion.direction), 1e-9)))
+    surge = motion.run.columns["surge"] if motion.surge is not None else None
+    if motion.yaw_rate is None:
+        heading = np.unwrap(np.angle(motion.direction))
+        yaw = _answer(slope(heading, motion.rows, motion.step), motion.step, motion.rows)
+    else:
+        raw = motion.run.columns["yaw_rate"]
+        flipped = float(motion.yaw_rate @ mean(raw, rows_of(motion.window, motion.step))) < 0.0
+        yaw = _answer(-raw if flipped else raw, motion.step)
+    return Answers(
+        motion,
+        yaw,
+        _answer(speed, motion.step, motion.rows) if surge is None else _answer(surge, motion.step),
+    )
+
+
+def _answer(velocity: Array, step: float, least: int = 3) -> Answer:
+    """Over the shortest window whose slopes have a tenth of noise, and of `least` rows."""
+    noise = noise_of(velocity)
+    rows = least
+    for window in WINDOWS:
+        rows = max(least, rows_of(window, step))
+        half = rows // 2
+        found = slope(velocity, rows, step)
+        error = noise / (step * math.sqrt(half * (half + 1) * (2 * half + 1) / 3.0))
+        if error < 0.5 * float(np.sqrt(np.mean(found**2))):
+            break
+    return Answer(rows, mean(velocity, rows), slope(velocity, rows, step))
+
+
+def _hypotheses(places: Sequence[Place], columns: Columns) -> Iterator[Hypothesis]:
+    """Exchanges of thrusters that mirror each other, flips of all angles or all levels."""
+    sides = [(a, b) for a in places for b in places if a.x == b.x and 0.0 < b.y == -a.y and _alike(a, b)]
+    ends = [(a, b) for a in places for b in places if a.y == b.y and 0.0 < a.x == -b.x and _alike(a, b)]
+    for pairs, what in ((sides, "port and starboard"), (ends, "bow and stern")):
+        if pairs:
+            swapped = {
+                one: other
+                for a, b in pairs
+                for one, other in (
+                    (a.level, b.level),
+                    (b.level, a.level),
+                    (a.angle, b.angle),
+                    (b.angle, a.angle),
+                )
+                if one is not None and other is not None
+            }
+            names = tuple(swapped)
+            yield Hypothesis(
+                "commands_exchanged", f"commands of {what} are exchanged", names, _renamed(swapped)
+            )
+    angles = tuple(place.angle for place in places if place.angle is not None)
+    levels = tuple(place.level for place in places)
+    if angles:
+        what = "rudder angles" if all(place.rudder for place in places) else "azimuths"
+        yield Hypothesis("angles_flipped", f"{what} have the opposite sign", angles, _negated(angles))
+    if any((columns[name] < 0.0).any() for name in levels):
+        yield Hypothesis("levels_flipped", "levels have the opposite sign", levels, _negated(levels))
+
+
+def _alike(a: Place, b: Place) -> bool:
+    return (a.angle is None) == (b.angle is None)
+
+
+def _renamed(names: Mapping[str, str]) -> Callable[[Columns], Columns]:
+    return lambda columns: {**columns, **{one: columns[other] for one, other in names.items()}}
+
+
+def _negated(names: Sequence[str]) -> Callable[[Columns], Columns]:
+    return lambda columns: {**columns, **{name: -columns[name] for name in names}}
+
+
+def _demands(answers: Sequence[Answers], places: list[Place], hypothesis: Hypothesis) -> list[Pair]:
+    """Yaw moment and force ahead (T,) that the commands of each run ask for, smoothed as the motion is."""
+    found = []
+    for answer in answers:
+        columns = hypothesis.undo(answer.motion.run.columns)
+        force, moment = demanded(followed(columns, places, answer.motion.step), places)
+        found.append((mean(moment, answer.yaw.rows), mean(force, answer.surge.rows)))
+    return found
+
+
+def _score(answers: Sequence[Answers], demands: Sequence[Pair], shift: float) -> tuple[float, float]:
+    """Log likelihood of the two accelerations but for a constant, and the larger share that is explained.
+
+    A command's coefficient that would be negative is 0. Rows within a window count as one.
+    """
+    total, largest = 0.0, 0.0
+    for axis in (0, 1):
+        parts, count = [], 0.0
+        for answer, pair in zip(answers, demands, strict=True):
+            own = (answer.yaw, answer.surge)[axis]
+            rows = round(shift / answer.motion.step)
+            used = slice(max(rows, 0) + own.rows, len(own.velocity) + min(rows, 0) - own.rows)
+            if used.stop - used.start < 3 * own.rows:
+                continue
+            v, u = own.velocity[used], answer.surge.velocity[used]
+            damping = np.abs(v) * v if axis else u * v
+            asked = np.roll(pair[axis], rows)[used]
+            thin = max(1, own.rows // 4)
+            table = np.column_stack([own.acceleration[used], asked, v, damping, np.ones_like(v)])
+            parts.append(table[::thin])
+            count += len(parts[-1]) * thin / own.rows
+        if count >= FEWEST:
+            share = _explained(np.vstack(parts))
+            total, largest = total - 0.5 * count * math.log1p(-share), max(largest, share)
+    return total, largest
+
+
+def _explained(table: Array) -> float:
+    """Share of the first column's variance that the second explains beyond the others, 0 if negative."""
+    rest = table[:, 2:]
+    left = table[:, :2] - rest @ np.linalg.lstsq(rest, table[:, :2], rcond=None)[0]
+    target, demand = left.T
+    both, own = float(target @ demand), float(demand @ demand)
+    whole = float(target @ target)
+    # Demands that the other columns explain leave a rounding error only.
+    if both <= 0.0 or whole == 0.0 or own <= 1e-9 * float(table[:, 1] @ table[:, 1]):
+        return 0.0
+    return min(both * both / (own * whole), 1.0 - 1e-9)
+
+
+def _latest(answers: Sequence[Answers], demands: Sequence[Pair]) -> tuple[float, float, float]:
+    """The shift [s] of the commands with the greatest likelihood, its logarithm, and the share explained."""
+    grid = max(answers[0].motion.step, 0.1)
+    shifts = np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 0.5 * grid, grid)
+    scores = [_score(answers, demands, float(shift)) for shift in shifts]
+    best = max(range(len(scores)), key=lambda i: scores[i][0])
+    return float(shifts[best]), *scores[best]
+
+
+def _latency(
+    answers: Sequence[Answers],
+    demands: Sequence[Pair],
+    latest: tuple[float, float, float],
+    places: list[Place],
+    known: bool,
+) -> list[Finding]:
+    """The likeliest shift, where it is significant and not small."""
+    shift, score, explained = latest
+    if abs(shift) < SHORTEST_LATENCY or explained < EXPLAINED:
+        return []
+    nearest = math.copysign(SHORTEST_LATENCY - 1e-6, shift)
+    gain = score - max(_score(answers, demands, at)[0] for at in (0.0, 0.5 * nearest, nearest))
+    if gain < LIKELIER:
+        return []
+    names = tuple(place.level for place in places)
+    figures = {"latency_s": shift, "log_likelihood_gain": gain}
+    if shift > 0.0:
+        after = "beyond the lags in the boat file" if known else "with the actuators' lags"
+        told = f"the motion follows the commands after {shift:.1f} s {after}"
+        advice = "check the clocks of the tables (--clock) and the delay of the radio link"
+    else:
+        told = f"the motion precedes the commands by {-shift:.1f} s"
+        advice = "the clocks differ: import with --clock A~B"
+    return [Finding("fault", "latency", names, told, advice, figures=figures)]

@@ -1,0 +1,102 @@
+"""Measured channels that stay at one value while the boat moves, or come at a lower rate than the rows."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.doctor.commands import is_command
+from swamp_rl.doctor.finding import Finding
+from swamp_rl.runs import Run
+
+Array = NDArray[np.float64]
+
+LONGEST_HOLD = 8.0
+"""Times the channel's usual hold (the 90 % quantile of the rows between two changes)."""
+FEWEST_ROWS = 10
+MOVED = 0.25
+"""The other channels' root mean square step during the stay, relative to that of the whole run: below it the
+boat may have been at rest."""
+SELDOM = 3.0
+"""Median rows between two changes of a channel, from which it is sampled more slowly than the rows."""
+PARTNERS = {"heading": ("yaw_rate",), "yaw_rate": ("heading",), "sway": ("yaw_rate", "heading")}
+"""Channels that move where that channel must; on a straight course without noise all three stand still."""
+MEASURED = ("north", "east", "heading", "surge", "sway", "yaw_rate", "latitude", "longitude", "wind_speed")
+
+
+def stuck_findings(runs: Sequence[Run], measured: bool = True) -> list[Finding]:
+    """Channels that stuck, by run, and channels that are repeated between their own samples.
+
+    measured: whether channels have noise; without it a steady turn holds its velocities.
+    """
+    places: dict[str, list[tuple[str, float, float]]] = {}
+    repeated: dict[str, float] = {}
+    for run in runs:
+        names = [name for name in run.columns if _measured(name, run)]
+        for name in names:
+            partners = [other for other in PARTNERS.get(name, ()) if other in names]
+            others = [run.columns[other] for other in partners or names if other != name]
+            if stay := _stay(run.columns[name], others):
+                first, last = stay
+                places.setdefault(name, []).append((run.name, run.time[first], run.time[last]))
+            elif (hold := _usual_hold(run.columns[name])) >= SELDOM:
+                repeated[name] = max(hold, repeated.get(name, 0.0))
+    found = [
+        Finding(
+            "fault" if measured else "note",
+            "stuck",
+            (name,),
+            f"does not change from {at[0][1]:.1f} to {at[0][2]:.1f} s of {at[0][0]} while the boat moves",
+            "cut the run there (--bad-rows), or leave the channel out",
+            tuple(run for run, _, _ in at),
+            {"seconds": max(end - start for _, start, end in at)},
+        )
+        for name, at in places.items()
+    ]
+    if repeated:
+        hold = max(repeated.values())
+        told = f"change only every {hold:.0f} rows"
+        advice = "import at the sensor's own rate (--resample HZ): repeated values look like noise-free data"
+        found.append(Finding("note", "repeated", tuple(repeated), told, advice, figures={"rows": hold}))
+    return found
+
+
+def _measured(name: str, run: Run) -> bool:
+    values = run.columns[name]
+    known = name in MEASURED or name.startswith("observation")
+    return known and not is_command(name) and bool(np.isfinite(values).all()) and len(values) > FEWEST_ROWS
+
+
+def _holds(values: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First row and number of rows of each stretch of one value."""
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(values) != 0.0) + 1])
+    return starts, np.diff(np.append(starts, len(values)))
+
+
+def _usual_hold(values: Array) -> float:
+    _, lengths = _holds(values)
+    return float(np.median(lengths)) if len(lengths) > 5 else 0.0
+
+
+def _stay(values: Array, others: Sequence[Array]) -> tuple[int, int] | None:
+    """First and last row of the longest stay at one value, where it is no ordinary one and others moved."""
+    starts, lengths = _holds(values)
+    longest = int(np.argmax(lengths))
+    rows = int(lengths[longest])
+    rest = np.delete(lengths, longest)
+    usual = float(np.quantile(rest, 0.9)) if len(rest) else 0.0
+    whole = rows == len(values)
+    if rows < FEWEST_ROWS or (not whole and rows <= LONGEST_HOLD * max(usual, 1.0)):
+        return None
+    first, last = int(starts[longest]), int(starts[longest]) + rows - 1
+    moved = [_share(other, first, last) for other in others if np.ptp(other) > 0.0]
+    # At rest most channels stand still.
+    if not moved or sorted(moved)[len(moved) // 2] < MOVED:
+        return None
+    return first, last
+
+
+def _share(values: Array, first: int, last: int) -> float:
+    steps = np.diff(values)
+    whole = float(np.sqrt(np.mean(steps**2)))
+    return float(np.sqrt(np.mean(steps[first:last] ** 2))) / whole if whole > 0.0 else 0.0

@@ -1,0 +1,71 @@
+"""What the readers of binary logs share: limits, damage as one line, tables from rows."""
+
+import contextlib
+import io
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swamp_rl.clipped import clipped
+from swamp_rl.errors import UserError
+from swamp_rl.files import os_error
+from swamp_rl.logs.log import LogTable
+from swamp_rl.runs.table import MOST_CELLS, MOST_COLUMNS, Table
+
+LARGEST = 2**32
+"""Bytes of a log."""
+INSTALL = "pip install 'swamp-rl[logs]'"
+
+
+@contextmanager
+def reading(path: Path, what: str) -> Iterator[None]:
+    """Whatever a reader of damaged bytes raises or prints, as one line."""
+    try:
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            yield
+    except UserError:
+        raise
+    except ImportError as error:
+        raise UserError(f"{path}: {what} needs a package that is not installed; {INSTALL}") from error
+    except OSError as error:
+        raise os_error(error, path) from error
+    except (Exception, RecursionError) as error:
+        said = clipped(f"{type(error).__name__}: {error}", 200)
+        raise UserError(f"{path}: is no whole {what} ({said}); copy it again") from error
+
+
+class Gathered:
+    """Rows of named numbers of one table as they come, no more than MOST_CELLS."""
+
+    def __init__(self, path: Path, name: str, kind: str, origin: str, names: Sequence[str]) -> None:
+        self.path, self.name, self.kind, self.origin = path, name, kind, origin
+        self.names = list(names)[:MOST_COLUMNS]
+        self.stamps: list[float] = []
+        self.rows: list[list[float]] = []
+
+    def add(self, stamp: float, values: Sequence[Any]) -> None:
+        """A row at `stamp` [s]; what is no number is NaN."""
+        if (len(self.rows) + 1) * max(len(self.names), 1) > MOST_CELLS:
+            raise UserError(f"{self.path}: {self.name} has more than {MOST_CELLS} values; divide the log")
+        self.stamps.append(stamp)
+        self.rows.append([number(value) for value in values[: len(self.names)]])
+
+    def table(self) -> LogTable:
+        """The rows as arrays."""
+        values = np.array(self.rows, float).reshape(len(self.rows), len(self.names)).T
+        columns = dict(zip(self.names, values, strict=True))
+        rows = np.arange(1, len(self.rows) + 1)
+        return LogTable(self.name, Table(columns, rows), np.array(self.stamps, float), self.kind, self.origin)
+
+
+def number(value: Any) -> float:
+    """A finite number, else NaN."""
+    if isinstance(value, bool | int | float | np.number | np.bool_):
+        try:
+            return float(value)
+        except (OverflowError, ValueError):
+            return float("nan")
+    return float("nan")

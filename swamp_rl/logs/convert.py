@@ -1,0 +1,261 @@
+"""A log and a mapping as one foreign table: expressions evaluated, clocks aligned, tables joined by time."""
+
+from collections.abc import Mapping as Mapped
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.clipped import clipped
+from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
+from swamp_rl.logs.clock import clock_offset
+from swamp_rl.logs.expression import Node, evaluated, names_in, parsed
+from swamp_rl.logs.frames import QUATERNION, in_our_frame, refuse_halves
+from swamp_rl.logs.join import Series, joined
+from swamp_rl.logs.log import Log, LogTable, words_of
+from swamp_rl.logs.mapping import Mapping
+from swamp_rl.logs.stamps import Stamps, from_numbers, from_words
+from swamp_rl.runs.faults import Fault, faults_at
+from swamp_rl.runs.import_foreign import UNITS, Foreign
+from swamp_rl.runs.schema import RunMeta
+from swamp_rl.runs.table import Table
+
+Array = NDArray[np.float64]
+MOST_NAMED = 12
+
+
+@dataclass(frozen=True)
+class Column:
+    """A mapped column: its expression, the table that it reads, and the names of that table's columns."""
+
+    node: Node
+    table: str
+    names: Mapped[str, str]
+
+
+def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: float = 0.0) -> Foreign:
+    """The table of a run that the mapping makes of the log.
+
+    rate [Hz]: of the joined rows, by default that of the table with the position; a single table keeps its
+    rows. fill [s]: pauses of a table that are interpolated. UserError for a column that is not there, a
+    mapping that does not fit together, tables without a common time.
+    """
+    refuse_halves(mapping.columns)
+    found = {name: _resolved(log, name, node) for name, node in mapping.columns.items() if name != "time"}
+    if not found:
+        raise UserError(f"{log.file}: the mapping names no column but time; map north and east, and heading")
+    used = list(dict.fromkeys(column.table for column in found.values() if column.table))
+    used = used or list(log.tables)[:1]
+    stamps = {name: _stamps(log, log.tables[name], mapping) for name in used}
+    told = dict(log.told) | _left_out(log, mapping, found, used)
+    told |= {"times": times[0]} if (times := [s.told for s in stamps.values() if s.told]) else {}
+    if len(used) == 1:
+        return _single(log, mapping, found, stamps[used[0]], told)
+    shifts = _clocks(log, mapping, stamps)
+    told |= {"clocks": "; ".join(text for _, text in shifts.values())} if shifts else {}
+    first = min(one.start for one in stamps.values())
+    series = {}
+    for name, column in found.items():
+        table = column.table or used[0]
+        offset = stamps[table].start - first + shifts.get(table, (0.0, ""))[0]
+        values = _values(log, mapping, name, column, stamps[table])
+        series[name] = Series(table, stamps[table].time + offset, values)
+    series = _without_quaternion(log, series)
+    rate = rate or _rate(log, series)
+    grid = joined(log.file, series, rate, fill)
+    columns = in_our_frame(grid.columns, mapping.frame)
+    unread = _unread(columns, grid.unread)
+    rows = np.arange(1, len(columns["time"]) + 1)
+    table_of_all = Table(columns, rows, unread, grid.faults)
+    told["joined"] = grid.told
+    return Foreign(log.file, log.name, table_of_all, RunMeta.model_validate(told))
+
+
+def _unread(
+    columns: Mapped[str, Array], before: Mapped[str, NDArray[np.bool_]]
+) -> dict[str, NDArray[np.bool_]]:
+    """Which values are missing for a fault that is told already, whatever column came of them."""
+    if not before:
+        return {}
+    any_missing = np.any(list(before.values()), axis=0)
+    return {name: any_missing & ~np.isfinite(values) for name, values in columns.items()}
+
+
+def _single(
+    log: Log, mapping: Mapping, found: dict[str, Column], stamps: Stamps, told: dict[str, str]
+) -> Foreign:
+    """Of one table: its rows as they are, with the faults of the cells that the mapping reads."""
+    table = log.tables[next((c.table for c in found.values() if c.table), next(iter(log.tables)))].table
+    columns = {name: _values(log, mapping, name, column, stamps) for name, column in found.items()}
+    if set(QUATERNION) <= set(columns):
+        columns["yaw"] = _yaw(columns)
+    read = {theirs: name for name, column in found.items() for theirs in column.names.values()}
+    faults = [
+        fault if fault.column is None else _renamed(fault, read[fault.column])
+        for fault in table.faults
+        if fault.column is None or fault.column in read
+    ]
+    missing = np.any([table.unread[name] for name in read if name in table.unread] or [False], axis=0)
+    missing = np.broadcast_to(missing, table.rows.shape)
+    columns = {"time": stamps.time} | in_our_frame(columns, mapping.frame)
+    unread = {name: missing & ~np.isfinite(values) for name, values in columns.items()}
+    if unread["time"].any() or not np.isfinite(stamps.time).all():
+        late = ~np.isfinite(stamps.time)
+        faults += faults_at(
+            log.file, "time", table.rows, late, lambda i: "is no time; correct it or cut the row"
+        )
+        unread["time"] = late
+    whole = Table(columns, table.rows, unread, faults, table.whole)
+    return Foreign(log.file, log.name, whole, RunMeta.model_validate(told))
+
+
+def _renamed(fault: Fault, ours: str) -> Fault:
+    there = "" if fault.column == ours else f" (there {clipped(fault.column)!r})"
+    return replace(fault, column=ours, message=f"{fault.message}{there}")
+
+
+def _resolved(log: Log, name: str, node: Node) -> Column:
+    """The one table that an expression reads, and its columns by the names in the expression."""
+    tables: dict[str, dict[str, str]] = {}
+    for word in dict.fromkeys(names_in(node)):
+        table, column = _find(log, f"--map {name}", word)
+        tables.setdefault(table, {})[word] = column
+    if len(tables) > 1:
+        raise UserError(
+            f"--map {name}: reads the tables {' and '.join(tables)}, whose rows have times of their own; "
+            "read one of them"
+        )
+    return Column(node, *next(iter(tables.items()), ("", {})))
+
+
+def _find(log: Log, where: str, word: str) -> tuple[str, str]:
+    """The table and the column that a name means: TABLE.COLUMN, or a column of the only table."""
+    if len(log.tables) == 1:
+        table = next(iter(log.tables.values()))
+        if word in table.table.columns:
+            return table.name, word
+    name, _, column = word.partition(".")
+    if name in log.tables and column in log.tables[name].table.columns:
+        return name, column
+    if name in log.tables:
+        known, what = list(log.tables[name].table.columns), f"{name} has no field {clipped(column)!r}"
+    elif len(log.tables) == 1:
+        known = list(next(iter(log.tables.values())).table.columns)
+        what = f"there is no column {clipped(word)!r}"
+    else:
+        known, what = list(log.tables), f"there is no table {clipped(name)!r}"
+    some = known if len(known) <= MOST_NAMED else sorted(known, key=lambda other: other[:1] != word[:1])
+    raise UserError(f"{log.file}: {where}: {what}{nearest(column or word, some[:60])}"[:1500])
+
+
+def _values(log: Log, mapping: Mapping, name: str, column: Column, stamps: Stamps) -> Array:
+    """A mapped column (T,) at the times of its table, in our unit."""
+    there = {word: log.tables[column.table].table.columns[theirs] for word, theirs in column.names.items()}
+    values = evaluated(column.node, there, stamps.time)
+    return (
+        np.broadcast_to(values, stamps.time.shape) * UNITS[mapping.units[name]]
+        if (name in mapping.units)
+        else np.array(np.broadcast_to(values, stamps.time.shape))
+    )
+
+
+def _stamps(log: Log, table: LogTable, mapping: Mapping) -> Stamps:
+    """The times of a table: as the mapping says, else its own."""
+    node = mapping.columns.get("time")
+    if node is None:
+        if table.time is None:
+            some = ", ".join(list(table.table.columns)[:MOST_NAMED])
+            raise UserError(f"{log.file}: the mapping has no time; add --map time=COLUMN (it has {some})")
+        return Stamps(table.time, 0.0, None)
+    words = list(dict.fromkeys(names_in(node)))
+    alone = Log(log.file, log.name, {table.name: table})
+    there = {word: _find(alone, "--map time", word)[1] for word in words}
+    if len(words) == 1 and (cells := words_of(table, there[words[0]])) is not None:
+        told = from_words(cells)
+        if told is None:
+            cell = clipped(next(iter(cells.to_pylist()), ""), 40)
+            raise UserError(
+                f"{log.file}: --map time: {cell!r} is no time; give seconds, ticks since 1970 or "
+                "ISO 8601 (2026-05-01T12:00:00.100Z)"
+            )
+        return told
+    values = evaluated(node, {word: table.table.columns[column] for word, column in there.items()})
+    values = np.array(np.broadcast_to(values, table.table.rows.shape))
+    if "time" in mapping.units:
+        return Stamps(values * UNITS[mapping.units["time"]], 0.0, None)
+    return from_numbers(values)
+
+
+def _without_quaternion(log: Log, series: dict[str, Series]) -> dict[str, Series]:
+    """The series with the yaw in place of a quaternion, which must not be interpolated by its parts."""
+    if "qw" not in series:
+        return series
+    tables = {series[name].table for name in QUATERNION}
+    if len(tables) > 1:
+        raise UserError(
+            f"{log.file}: the quaternion is mapped from tables {', '.join(sorted(tables))}; use one"
+        )
+    first = series["qw"]
+    parts = {name: series[name].values for name in QUATERNION}
+    kept = {name: one for name, one in series.items() if name not in QUATERNION}
+    return kept | {"yaw": Series(first.table, first.time, _yaw(parts))}
+
+
+def _yaw(columns: dict[str, Array]) -> Array:
+    """The yaw [rad] of the quaternion in columns, which is taken out; NaN where its length is not 1."""
+    w, x, y, z = (columns.pop(name) for name in QUATERNION)
+    yaw = evaluated(parsed("yaw(w, x, y, z)"), {"w": w, "x": x, "y": y, "z": z})
+    return np.where(np.abs(np.sqrt(w * w + x * x + y * y + z * z) - 1.0) < 0.1, yaw, np.nan)
+
+
+def _rate(log: Log, series: Mapped[str, Series]) -> float:
+    """Of the table with the position, rounded to three digits [Hz]."""
+    first = next((series[n] for n in ("north", "x", "latitude") if n in series), next(iter(series.values())))
+    steps = np.diff(first.time[np.isfinite(first.values)])
+    step = float(np.median(steps)) if len(steps) else 0.0
+    if not step > 0.0:
+        raise UserError(f"{log.file}: {first.table} has no times that increase; give --resample HZ")
+    return float(f"{1.0 / step:.3g}")
+
+
+def _clocks(log: Log, mapping: Mapping, stamps: Mapped[str, Stamps]) -> dict[str, tuple[float, str]]:
+    """The offsets [s] to add to the times of tables, as asked by pairs of expressions, and what to tell."""
+    found: dict[str, tuple[float, str]] = {}
+    for pair in mapping.clock:
+        where = f"--clock {clipped(pair)}"
+        one, sign, other = pair.partition("~")
+        if not sign:
+            raise UserError(
+                f"{where}: give one quantity of two tables, as in 'IMU.GyrZ ~ turn_rate(ATT.Yaw)'"
+            )
+        first, second = (_resolved(log, "clock", parsed(text.strip())) for text in (one, other))
+        for column in (first, second):
+            if column.table not in stamps:
+                raise UserError(f"{where}: table {column.table or '(none)'} is not used by the mapping")
+        if first.table == second.table:
+            raise UserError(f"{where}: both are of table {first.table}, which has one clock")
+        begin = min(stamps[first.table].start, stamps[second.table].start)
+        records = []
+        for column in (first, second):
+            time = stamps[column.table].time + stamps[column.table].start - begin
+            values = _values(log, Mapping(), "clock", column, stamps[column.table])
+            known = np.isfinite(time) & np.isfinite(values)
+            records += [time[known], values[known]]
+        offset = clock_offset(*records, where=f"{log.file}: {where}")
+        told = f"{second.table} shifted by {offset.seconds:+.3f} s (correlation {offset.correlation:.2f})"
+        found[second.table] = (offset.seconds, told)
+    return found
+
+
+def _left_out(log: Log, mapping: Mapping, found: Mapped[str, Column], used: list[str]) -> dict[str, str]:
+    """The columns of the tables in use that no expression reads."""
+    time = {word for node in [mapping.columns.get("time")] if node for word in names_in(node)}
+    read = {(column.table, theirs) for column in found.values() for theirs in column.names.values()}
+    others = [
+        column if len(log.tables) == 1 else f"{name}.{column}"
+        for name in used
+        for column in log.tables[name].table.columns
+        if (name, column) not in read and column not in time
+    ]
+    return {"not_imported": ", ".join(map(clipped, others[:40]))} if others else {}

@@ -1,0 +1,62 @@
+"""ArduPilot's DataFlash logs (.bin), through pymavlink."""
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.errors import UserError
+from swamp_rl.logs.binary import LARGEST, Gathered, reading
+from swamp_rl.logs.log import Log
+from swamp_rl.ordinary import ordinary
+
+WHAT = "DataFlash log"
+PARAMETER = "PARM"
+MOST_MESSAGES = 50_000_000
+
+
+def read_dataflash(path: Path, wanted: Collection[str] | None = None) -> Log:
+    """The messages of a log by type, `GPS_1` for those of a second instance; times from TimeUS [s].
+
+    wanted: names of tables to be read, all by default. Values are scaled as the format says.
+    Parameters are in `told`, as `parameter NAME`. UserError for a damaged file, or one without a message.
+    """
+    with reading(path, WHAT):
+        from pymavlink import DFReader
+
+        ordinary(path, LARGEST)
+        with path.open("rb") as file:
+            if file.read(2) != b"\xa3\x95":
+                raise UserError(f"{path}: is no {WHAT}: it does not begin with a message; name a .bin file")
+        reader = DFReader.DFReader_binary(str(path), zero_time_base=True)
+        try:
+            return _gathered(path, reader, wanted)
+        finally:
+            reader.close()
+
+
+def _gathered(path: Path, reader: Any, wanted: Collection[str] | None) -> Log:
+    tables: dict[str, Gathered] = {}
+    told: dict[str, str] = {}
+    types = None if wanted is None else {name.rpartition("_")[0] or name for name in wanted} | set(wanted)
+    asked = None if types is None else [*types, PARAMETER]
+    for _ in range(MOST_MESSAGES):
+        message = reader.recv_match(type=asked) if asked else reader.recv_msg()
+        if message is None:
+            break
+        kind, fields = message.get_type(), message.to_dict()
+        if kind == PARAMETER and "Name" in fields:
+            told[f"parameter {fields['Name']}"] = str(fields.get("Value"))
+        stamp = fields.get("TimeUS")
+        if not isinstance(stamp, int | float):
+            continue
+        instance = fields.get(message.fmt.instance_field) if message.fmt.instance_field else 0
+        name = f"{kind}_{instance}" if instance else kind
+        if wanted is not None and name not in wanted:
+            continue
+        if name not in tables:
+            names = [field for field, value in fields.items() if isinstance(value, int | float)]
+            tables[name] = Gathered(path, name, "DataFlash", kind, names)
+        tables[name].add(1e-6 * stamp, [fields.get(field) for field in tables[name].names])
+    if not tables:
+        raise UserError(f"{path}: holds no message with a time (TimeUS); name a whole DataFlash log")
+    return Log(path.name, path.stem, {name: table.table() for name, table in tables.items()}, told)

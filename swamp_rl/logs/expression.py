@@ -1,0 +1,251 @@
+"""Arithmetic on the columns of a log: `(pwm_left - 1500) / 400`, parsed and evaluated here, never by Python.
+
+    comparison: sum [("<" | "<=" | ">" | ">=" | "==" | "!=") sum]
+    sum:        product {("+" | "-") product}
+    product:    sign {("*" | "/") sign}
+    sign:       "-" sign | "+" sign | power
+    power:      atom ["**" sign]
+    atom:       number | name | "`" any name "`" | "(" comparison ")"
+                | function "(" comparison {"," comparison} ")"
+
+A name is a column, as in `pwm_left`, `ATT.Yaw` or `output[0]`; between backquotes it may be any text.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.clipped import clipped
+from swamp_rl.errors import UserError
+
+Array = NDArray[np.float64]
+
+LONGEST = 500
+"""Characters of an expression."""
+DEEPEST = 40
+"""Parentheses, functions, signs and powers in one another."""
+TOKEN = re.compile(
+    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+    r"|(?P<name>[A-Za-z_]\w*(?:\.\w+|\[\d+\])*)|`(?P<quoted>[^`]+)`"
+    r"|(?P<sign>\*\*|<=|>=|==|!=|[-+*/(),<>]))",
+    re.ASCII,
+)
+COMPARED: dict[str, Callable[[Array, Array], Array]] = {
+    "<": np.less,
+    "<=": np.less_equal,
+    ">": np.greater,
+    ">=": np.greater_equal,
+    "==": np.equal,
+    "!=": np.not_equal,
+}
+WORKED: dict[str, Callable[[Array, Array], Array]] = {
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.multiply,
+    "/": np.divide,
+    "**": np.power,
+}
+
+
+def _heading_of(w: Array, x: Array, y: Array, z: Array) -> Array:
+    """Rotation about the vertical axis of a unit quaternion [rad]; Diebel (2006), equation 290."""
+    return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+FUNCTIONS: dict[str, tuple[int, Callable[..., Array]]] = {
+    "sin": (1, np.sin),
+    "cos": (1, np.cos),
+    "tan": (1, np.tan),
+    "atan2": (2, np.arctan2),
+    "sqrt": (1, np.sqrt),
+    "abs": (1, np.abs),
+    "sign": (1, np.sign),
+    "radians": (1, np.radians),
+    "degrees": (1, np.degrees),
+    "min": (2, np.minimum),
+    "max": (2, np.maximum),
+    "clip": (3, lambda value, low, high: np.minimum(np.maximum(value, low), high)),
+    "where": (3, lambda condition, one, other: np.where(condition != 0.0, one, other)),
+    "yaw": (4, _heading_of),
+}
+"""Number of arguments and the function; two more need the times: `rate(x)` and `turn_rate(angle)`."""
+TIMED = ("rate", "turn_rate")
+
+
+@dataclass(frozen=True)
+class Number:
+    value: float
+
+
+@dataclass(frozen=True)
+class Name:
+    name: str
+
+
+@dataclass(frozen=True)
+class Call:
+    """An operator or a function with its arguments."""
+
+    function: str
+    arguments: tuple["Node", ...]
+
+
+Node = Number | Name | Call
+
+
+def parsed(text: str) -> Node:
+    """The tree of an expression; UserError with the place where it is none."""
+    if len(text) > LONGEST:
+        raise UserError(f"expression {clipped(text)!r}: has {len(text)} characters, at most {LONGEST}")
+    reader = _Reader(text)
+    node = reader.comparison(0)
+    if reader.kind:
+        raise reader.refusal("the end of the expression, or an operator")
+    return node
+
+
+def names_in(node: Node) -> Iterator[str]:
+    """The columns that an expression reads, in its order."""
+    if isinstance(node, Name):
+        yield node.name
+    elif isinstance(node, Call):
+        for argument in node.arguments:
+            yield from names_in(argument)
+
+
+def evaluated(node: Node, columns: Mapping[str, Array], time: Array | None = None) -> Array:
+    """The expression's values (T,), not finite where it has none. KeyError: no such column.
+
+    time: (T,) s, for `rate` and `turn_rate`; UserError where it is needed and not there.
+    """
+    with np.errstate(all="ignore"):
+        return np.asarray(_value(node, columns, time), float)
+
+
+def _value(node: Node, columns: Mapping[str, Array], time: Array | None) -> Array:
+    if isinstance(node, Number):
+        return np.asarray(node.value)
+    if isinstance(node, Name):
+        return columns[node.name]
+    values = [_value(argument, columns, time) for argument in node.arguments]
+    if node.function in TIMED:
+        return _slope(node.function, values[0], time)
+    if node.function in COMPARED:
+        return np.asarray(COMPARED[node.function](values[0], values[1]), float)
+    if node.function in WORKED:
+        return WORKED[node.function](values[0], values[1])
+    if node.function == "negative":
+        return -values[0]
+    return FUNCTIONS[node.function][1](*values)
+
+
+def _slope(function: str, values: Array, time: Array | None) -> Array:
+    if time is None:
+        raise UserError(
+            f"{function}(): needs the times of the table; it cannot stand in their own expression"
+        )
+    if values.ndim == 0 or len(values) < 2:
+        return np.zeros(len(time))
+    known = np.isfinite(values)
+    if function == "turn_rate":
+        values = values.copy()
+        values[known] = np.unwrap(values[known])
+    return np.gradient(values, time)
+
+
+class _Reader:
+    """The tokens of an expression, one at a time."""
+
+    def __init__(self, text: str) -> None:
+        self.text, self.at, self.next_at = text, 0, 0
+        self.kind, self.word = "", ""
+        self.advance()
+
+    def advance(self) -> None:
+        self.at = self.next_at
+        if not self.text[self.at :].strip():
+            self.kind, self.word = "", ""
+            return
+        found = TOKEN.match(self.text, self.at)
+        if found is None:
+            raise self.refusal("a number, a column or an operator")
+        self.kind = str(found.lastgroup)
+        self.word = found[self.kind]
+        self.next_at = found.end()
+
+    def refusal(self, expected: str) -> UserError:
+        rest = self.text[self.at :].strip()
+        found = repr(clipped(rest, 20)) if rest else "its end"
+        return UserError(f"expression {clipped(self.text)!r}: expected {expected}, found {found}")
+
+    def take(self, *words: str) -> str:
+        """The word, where it is one of these signs, which is then behind us; else ''."""
+        word = self.word if self.kind == "sign" and self.word in words else ""
+        if word:
+            self.advance()
+        return word
+
+    def comparison(self, depth: int) -> Node:
+        node = self.sum(depth)
+        sign = self.take(*COMPARED)
+        return Call(sign, (node, self.sum(depth))) if sign else node
+
+    def sum(self, depth: int) -> Node:
+        node = self.product(depth)
+        while sign := self.take("+", "-"):
+            node = Call(sign, (node, self.product(depth)))
+        return node
+
+    def product(self, depth: int) -> Node:
+        node = self.sign(depth)
+        while sign := self.take("*", "/"):
+            node = Call(sign, (node, self.sign(depth)))
+        return node
+
+    def sign(self, depth: int) -> Node:
+        if depth > DEEPEST:
+            raise UserError(f"expression {clipped(self.text)!r}: is nested deeper than {DEEPEST} levels")
+        if sign := self.take("-", "+"):
+            inner = self.sign(depth + 1)
+            return Call("negative", (inner,)) if sign == "-" else inner
+        node = self.atom(depth)
+        return Call("**", (node, self.sign(depth + 1))) if self.take("**") else node
+
+    def atom(self, depth: int) -> Node:
+        kind, word = self.kind, self.word
+        if self.take("("):
+            node = self.comparison(depth + 1)
+            self.close()
+            return node
+        if kind not in ("number", "name", "quoted"):
+            raise self.refusal("a number, a column or '('")
+        self.advance()
+        if kind == "number":
+            return Number(float(word))
+        if kind == "name" and self.take("("):
+            return self.call(word, depth)
+        return Name(word)
+
+    def call(self, word: str, depth: int) -> Node:
+        if word not in FUNCTIONS and word not in TIMED:
+            known = ", ".join([*FUNCTIONS, *TIMED])
+            raise UserError(
+                f"expression {clipped(self.text)!r}: no function {clipped(word)}; there are {known}"
+            )
+        arguments = [self.comparison(depth + 1)]
+        while self.take(","):
+            arguments.append(self.comparison(depth + 1))
+        self.close()
+        count = 1 if word in TIMED else FUNCTIONS[word][0]
+        if len(arguments) != count:
+            raise UserError(
+                f"expression {clipped(self.text)!r}: {word}() takes {count} arguments, not {len(arguments)}"
+            )
+        return Call(word, tuple(arguments))
+
+    def close(self) -> None:
+        if not self.take(")"):
+            raise self.refusal("')' or an operator")

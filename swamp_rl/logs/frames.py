@@ -1,0 +1,71 @@
+"""Positions, attitudes and velocities of ENU and NED frames as columns of a run."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.errors import UserError
+from swamp_rl.logs.mapping import Frame
+from swamp_rl.runs.resample import wrapped
+
+Array = NDArray[np.float64]
+
+QUATERNION = ("qw", "qx", "qy", "qz")
+GROUPS = (("x", "y"), QUATERNION, ("vx", "vy"), ("velocity_north", "velocity_east"))
+"""Columns of which all or none must be mapped."""
+INTERMEDIATE = {"x", "y", "yaw", *QUATERNION, "vx", "vy", "velocity_north", "velocity_east", "u", "v", "r"}
+"""What a mapping may give in place of north, east, heading, surge, sway and yaw_rate."""
+
+
+def refuse_halves(names: Mapping[str, object]) -> None:
+    """UserError where a mapping has part of a group, or two sources of one column."""
+    for group in GROUPS:
+        missing = [name for name in group if name not in names]
+        if 0 < len(missing) < len(group):
+            raise UserError(f"the mapping has no {missing[0]}; give all of {', '.join(group)}")
+    for ours, others in (
+        ("north", ("x", "latitude")),
+        ("heading", ("yaw", "qw")),
+        ("yaw", ("qw",)),
+        ("surge", ("u", "vx", "velocity_north")),
+        ("u", ("vx", "velocity_north")),
+        ("vx", ("velocity_north",)),
+        ("yaw_rate", ("r",)),
+    ):
+        twice = [name for name in others if ours in names and name in names]
+        if twice and (ours, twice[0]) != ("north", "latitude"):
+            raise UserError(
+                f"the mapping gives {ours} and {twice[0]}, which are one column of a run; drop one"
+            )
+
+
+def in_our_frame(columns: Mapping[str, Array], frame: Frame) -> dict[str, Array]:
+    """Columns (T,) of a run from those that a mapping gave.
+
+    NED: x north, y east, z down, yaw clockwise from north; body axes forward, starboard, down.
+    ENU: x east, y north, z up, yaw counterclockwise from east; body axes forward, port, up (REP 103).
+    """
+    found = dict(columns)
+    enu = frame == "enu"
+    side = -1.0 if enu else 1.0
+    if "x" in found:
+        first, second = found.pop("x"), found.pop("y")
+        found["north"], found["east"] = (second, first) if enu else (first, second)
+    if "yaw" in found:
+        yaw = found.pop("yaw")
+        found["heading"] = wrapped(0.5 * math.pi - yaw if enu else yaw)
+    if "vx" in found:
+        first, second = found.pop("vx"), found.pop("vy")
+        found["velocity_north"], found["velocity_east"] = (second, first) if enu else (first, second)
+    if "velocity_north" in found:
+        if "heading" not in found:
+            raise UserError("velocities over ground need the heading; map heading, yaw or qw, qx, qy, qz too")
+        north, east = found.pop("velocity_north"), found.pop("velocity_east")
+        cos, sin = np.cos(found["heading"]), np.sin(found["heading"])
+        found["surge"], found["sway"] = north * cos + east * sin, east * cos - north * sin
+    for given, ours, sign in (("u", "surge", 1.0), ("v", "sway", side), ("r", "yaw_rate", side)):
+        if given in found:
+            found[ours] = sign * found.pop(given)
+    return found

@@ -1,0 +1,101 @@
+"""From logs of other recorders to one dataset, by a mapping, whole or not at all."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+from swamp_rl.boat import load_boat
+from swamp_rl.errors import UserError
+from swamp_rl.logs.convert import foreign_of
+from swamp_rl.logs.dataflash import read_dataflash
+from swamp_rl.logs.defaults import default_mapping, ros_kinds, wanted_messages
+from swamp_rl.logs.log import Log
+from swamp_rl.logs.mapping import Mapping
+from swamp_rl.logs.ros import is_bag_folder, read_bag
+from swamp_rl.logs.tables import read_table_log
+from swamp_rl.logs.ulog import read_ulog
+from swamp_rl.runs.import_dataset import About, files_of_kind, import_tables
+from swamp_rl.runs.import_foreign import Foreign, Wishes
+from swamp_rl.runs.schema import DatasetMeta
+
+LogKind = Literal["csv", "parquet", "dataflash", "ulog", "rosbag"]
+BINARY = ("dataflash", "ulog", "rosbag")
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How logs are read: the `mapping`; `join`: the files are tables of one run of this name."""
+
+    mapping: Mapping
+    join: str | None = None
+
+
+def import_logs(
+    sources: Sequence[Path], kind: LogKind, out: Path | str, about: About, wishes: Wishes, reading: Reading
+) -> DatasetMeta:
+    """Write the runs that a mapping makes of logs into the new dataset `out`; what it then says.
+
+    UserError lists the faults with file, row and column, and then there is no `out`.
+    """
+    mapping = replace(reading.mapping, units={**reading.mapping.units, **wishes.units})
+    boat = load_boat(about.boat or "swamp")
+    logs, mappings = [], []
+    for path in paths_of(sources, kind):
+        log = read_log(path, kind, wanted_messages(kind, mapping) if kind in BINARY else None)
+        logs.append(log)
+        mappings.append(
+            mapping.over(default_mapping(kind, log, mapping, boat)) if kind in BINARY else mapping
+        )
+    if reading.join is not None:
+        logs, mappings = [_as_one(logs, reading.join)], mappings[:1]
+    pairs = list(zip(logs, mappings, strict=True))
+    unknown = [name for name in wishes.units if name not in pairs[0][1].columns]
+    if unknown:
+        raise UserError(f"--unit {unknown[0]}: the mapping has no such column; check the name")
+    single = [_foreign(log, own, kind, wishes) for log, own in pairs]
+    even = all("joined" in (one.meta.model_extra or {}) for one in single)
+    rest = replace(wishes, units={}, resample=None if even else wishes.resample)
+    return import_tables(single, out, about, rest)
+
+
+def _foreign(log: Log, mapping: Mapping, kind: str, wishes: Wishes) -> Foreign:
+    """The run's table; a log without a mapping names what the default one looks for."""
+    if not mapping.columns:
+        known = ", ".join(list(log.tables)[:12])
+        raise UserError(f"{log.file}: none of the usual messages is there ({known}); see --list, and --map")
+    own = {key: value for key, value in log.told.items() if not key.startswith("parameter ")}
+    found = foreign_of(replace(log, told=own), mapping, wishes.resample, wishes.fill)
+    lacking = [] if kind not in BINARY else [n for n in ("north", "heading") if n not in found.table.columns]
+    if lacking and not {"latitude", "north"} & set(found.table.columns):
+        raise UserError(f"{log.file}: no message gives the position; see --list, and give --map")
+    return found
+
+
+def paths_of(sources: Sequence[Path], kind: str) -> list[Path]:
+    """The logs that sources are or hold; of ROS 2 each bag's folder."""
+    found = []
+    for source in sources:
+        if kind == "rosbag" and source.is_dir():
+            folders = [source] if is_bag_folder(source) else sorted(filter(is_bag_folder, source.iterdir()))
+            found += folders or files_of_kind([source], kind)
+        else:
+            found += files_of_kind([source], kind)
+    return found
+
+
+def read_log(path: Path, kind: str, wanted: Collection[str] | None = None) -> Log:
+    """A log of any kind; wanted: tables that are needed, all by default. UserError: its reader's."""
+    if kind == "dataflash":
+        return read_dataflash(path, wanted)
+    if kind == "ulog":
+        return read_ulog(path, wanted)
+    if kind == "rosbag":
+        return read_bag(path, wanted, ros_kinds())
+    return read_table_log(path)
+
+
+def _as_one(logs: Sequence[Log], name: str) -> Log:
+    """The tables of several files as one log."""
+    tables = {table.name: table for log in logs for table in log.tables.values()}
+    return Log(" + ".join(Path(log.file).name for log in logs), name, tables)

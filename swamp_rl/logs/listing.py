@@ -1,0 +1,36 @@
+"""What a log holds, for who writes a mapping: its tables, rates and fields."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from swamp_rl.clipped import clipped
+from swamp_rl.logs.log import Log, LogTable
+
+MOST_FIELDS = 200
+
+
+def listing(log: Log) -> Iterator[str]:
+    """Lines: of each table its name, type, rate and number of messages, then a line for each field with its
+    span and number of values."""
+    for table in log.tables.values():
+        rate = f", {table.rate:.3g} Hz" if table.rate else ""
+        origin = f" ({clipped(table.origin)})" if table.origin not in ("", table.name) else ""
+        kind = f", {clipped(table.kind)}" if table.kind else ""
+        yield f"{table.name}{origin}{kind}: {len(table.table.rows)} rows{rate}"
+        for name, values in list(table.table.columns.items())[:MOST_FIELDS]:
+            yield f"  {_named(log, table, name)}: {_span(table, name, values)}"
+
+
+def _named(log: Log, table: LogTable, column: str) -> str:
+    return clipped(column if len(log.tables) == 1 else f"{table.name}.{column}")
+
+
+def _span(table: LogTable, name: str, values: np.ndarray) -> str:
+    known = values[np.isfinite(values)]
+    if name in table.table.words or not len(known):
+        words = table.table.words.get(name)
+        first = "" if words is None or not len(words) else f", as {clipped(words[0].as_py(), 40)!r}"
+        return f"no numbers{first}"
+    lost = f", {len(values) - len(known)} missing" if len(known) < len(values) else ""
+    return f"{known.min():.9g} to {known.max():.9g}, {len(np.unique(known))} values{lost}"

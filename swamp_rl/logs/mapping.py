@@ -1,0 +1,123 @@
+"""How the fields of a log become columns of a run: options of the command line, or a YAML file."""
+
+import re
+from collections.abc import Mapping as Mapped
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from swamp_rl.errors import UserError
+from swamp_rl.files import read_yaml, validated
+from swamp_rl.logs.expression import Node, parsed
+from swamp_rl.runs.import_foreign import UNITS
+
+Frame = Literal["ned", "enu"]
+COLUMN = re.compile(r"[A-Za-z_]\w{0,99}", re.ASCII)
+OPTION = re.compile(r"\s*([A-Za-z_]\w{0,99})\s*=(?!=)(.*)", re.ASCII | re.DOTALL)
+MOST_COLUMNS = 200
+
+
+class Given(BaseModel):
+    """A column with a unit: `value` an expression or a number, `unit` one of UNITS."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    value: str | float
+    unit: str | None = None
+
+    @field_validator("unit")
+    @classmethod
+    def _is_known(cls, unit: str | None) -> str | None:
+        if unit is not None and unit not in UNITS:
+            raise ValueError(f"known units are {', '.join(UNITS)}")
+        return unit
+
+
+class MappingFile(BaseModel):
+    """A mapping as a file: `columns` by our names, the `frame` of x, y, yaw, vx, vy, u, v, r, and `clock`:
+    pairs of expressions `A ~ B` of one quantity in two tables, whose clocks are compared."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    columns: Annotated[dict[str, str | float | Given], Field(min_length=1, max_length=MOST_COLUMNS)]
+    frame: Frame = "ned"
+    clock: Annotated[list[str], Field(max_length=20)] = []
+
+    @field_validator("columns")
+    @classmethod
+    def _are_columns(cls, columns: dict[str, str | float | Given]) -> dict[str, str | float | Given]:
+        for name in columns:
+            if not COLUMN.fullmatch(name):
+                raise ValueError(f"{name[:60]!r} is no name of a column: letters, digits and underscores")
+        return columns
+
+
+@dataclass(frozen=True)
+class Mapping:
+    """`columns`: expressions by our names; `units`: what they are in, by our names; the rest as in
+    `MappingFile`."""
+
+    columns: Mapped[str, Node] = field(default_factory=dict)
+    units: Mapped[str, str] = field(default_factory=dict)
+    frame: Frame = "ned"
+    clock: Sequence[str] = ()
+
+    def over(self, other: "Mapping") -> "Mapping":
+        """This mapping, and what `other` says of columns that this does not have."""
+        kept = {name: unit for name, unit in other.units.items() if name not in self.columns}
+        return Mapping(
+            {**other.columns, **self.columns},
+            {**kept, **self.units},
+            self.frame if self.columns or self.clock else other.frame,
+            self.clock or other.clock,
+        )
+
+
+def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequence[str] = ()) -> Mapping:
+    """The mapping that `--map` gives: OUR=EXPRESSION, or names of YAML files; what comes later holds.
+
+    UserError where one is neither, or a column is given twice on the command line.
+    """
+    columns: dict[str, Node] = {}
+    units: dict[str, str] = {}
+    given: set[str] = set()
+    said: Frame | None = None
+    clocks = list(clock)
+    for option in options:
+        if found := OPTION.fullmatch(option):
+            name = found[1]
+            if name in given:
+                raise UserError(f"--map {name}: is given twice; leave one out")
+            given.add(name)
+            columns[name] = _told(f"--map {name}", found[2])
+            units.pop(name, None)
+            continue
+        file = _file(option)
+        said, clocks = file.frame, [*clocks, *file.clock]
+        for name, value in file.columns.items():
+            if name in given:
+                continue
+            whole = value if isinstance(value, Given) else Given(value=value)
+            columns[name] = _told(f"{option}: columns.{name}", str(whole.value))
+            units |= {name: whole.unit} if whole.unit else {}
+    return Mapping(columns, units, frame or said or "ned", tuple(clocks))
+
+
+def _told(where: str, text: str) -> Node:
+    try:
+        return parsed(text)
+    except UserError as error:
+        raise UserError(f"{where}: {error}") from error
+
+
+def _file(option: str) -> MappingFile:
+    path = Path(option)
+    if path.suffix.lower() not in (".yaml", ".yml"):
+        raise UserError(
+            f"--map {option}: give COLUMN=EXPRESSION, as in throttle_left='(pwm_left-1500)/400', "
+            "or a .yaml file"
+        )
+    return validated(path, MappingFile, read_yaml(path))

@@ -1,0 +1,61 @@
+"""Times as logs write them: seconds, ticks since 1970, ISO 8601."""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from swamp_rl.runs.import_telemetry import EPOCHS
+
+Array = NDArray[np.float64]
+TICKS = {1: "s", 10**3: "ms", 10**6: "us", 10**9: "ns"}
+
+
+@dataclass(frozen=True)
+class Stamps:
+    """`time` (T,) s from the first one, NaN where there is none; `start`: that one in s since 1970, 0 where
+    the log does not say; `told`: what the log writes."""
+
+    time: Array
+    start: float
+    told: str | None
+
+
+def from_numbers(stamps: Array) -> Stamps:
+    """Ticks since 1970, recognised by their size, as times from the first; other numbers stay as they are."""
+    known = stamps[np.isfinite(stamps)]
+    for ticks, (low, high) in EPOCHS.items():
+        if len(known) and low <= known.min() and known.max() < high:
+            start = float(known[0]) / ticks
+            return Stamps(
+                (stamps - known[0]) / ticks, start, f"{TICKS[ticks]} since 1970, from {_iso(start)}"
+            )
+    return Stamps(stamps, 0.0, None)
+
+
+def from_words(cells: pa.ChunkedArray) -> Stamps | None:
+    """Stamps in ISO 8601, or typed as times; None where no cell is one. Without a zone they are UTC."""
+    stamps = [_stamp(cell) for cell in cells.to_pylist()]
+    first = next((stamp for stamp in stamps if stamp is not None), None)
+    if first is None:
+        return None
+    time = np.array([np.nan if stamp is None else (stamp - first).total_seconds() for stamp in stamps])
+    return Stamps(time, first.timestamp(), f"ISO 8601, from {_iso(first.timestamp())}")
+
+
+def _iso(seconds: float) -> str:
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")
+
+
+def _stamp(cell: Any) -> datetime | None:
+    if isinstance(cell, str):
+        try:
+            cell = datetime.fromisoformat(cell.strip())
+        except ValueError:
+            return None
+    if not isinstance(cell, datetime):
+        return None
+    return cell if cell.tzinfo else cell.replace(tzinfo=UTC)

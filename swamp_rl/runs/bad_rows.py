@@ -1,0 +1,106 @@
+"""What becomes of the rows of a foreign table that are wrong: refused, cut out, or a border between runs."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.errors import UserError
+from swamp_rl.runs.check import STEP_TOLERANCE
+from swamp_rl.runs.faults import Fault
+
+Array = NDArray[np.float64]
+BadRows = Literal["refuse", "cut", "split"]
+
+MOST_TOLD = 20
+"""Faults that are listed, then a count."""
+FEWEST_ROWS = 10
+"""Of a stretch that is kept: as many as `runs check` needs to compare heading with yaw rate."""
+MOST_BAD = 0.5
+"""Share of the rows: where more are bad, it is not the rows that are wrong."""
+GAP_STEPS = 3.0
+"""Median steps: a longer one between uneven rows is a gap."""
+
+
+@dataclass(frozen=True)
+class Stretches:
+    """Index arrays into the table's rows, one for each run that is kept, and lines that tell what is not."""
+
+    kept: list[NDArray[np.int64]]
+    cut: list[str]
+
+
+def listed(lines: Sequence[str], ending: str) -> str:
+    """MOST_TOLD lines, the count of the others, and how it ends."""
+    others = len(lines) - MOST_TOLD
+    told = list(lines[:MOST_TOLD]) + ([f"and {others} more faults"] if others > 0 else [])
+    return "\n".join([*told[:-1], f"{told[-1]}; {ending}"])
+
+
+def stretches(
+    file: str,
+    columns: Mapping[str, Array],
+    rows: NDArray[np.int64],
+    faults: Sequence[Fault],
+    policy: BadRows,
+    even: bool,
+    fill: float,
+) -> Stretches:
+    """The runs that remain of a table without its bad rows.
+
+    faults: those that name rows. A row whose time is that of the row before is bad, too; a time that goes
+    back ends a stretch. even: whether the rows of a run must come at one rate (no resampling follows); then a
+    step of another length ends a stretch, else one longer than `fill` [s] and GAP_STEPS median steps.
+    `cut` keeps the longest stretch, `split` all of FEWEST_ROWS or more. UserError where none remains.
+    """
+    time = columns["time"]
+    bad = np.zeros(len(rows), bool)
+    for fault in faults:
+        if fault.row is not None:
+            bad |= (rows >= fault.row) & (rows <= (fault.last or fault.row))
+    good = np.flatnonzero(~bad & np.isfinite(time))
+    again = good[1:][np.diff(time[good]) == 0.0]
+    good = np.setdiff1d(good, again)
+    told = [str(fault) for fault in faults]
+    told += [str(Fault(file, int(rows[i]), "time", "is that of the row before")) for i in again[:MOST_TOLD]]
+    steps = np.diff(time[good])
+    forward = steps[steps > 0.0]
+    period = float(np.median(forward)) if len(forward) else 1.0
+    if even:
+        border = np.abs(steps - period) > STEP_TOLERANCE * period
+    else:
+        border = (steps < 0.0) | (steps > max(fill, GAP_STEPS * period))
+    told += [
+        str(Fault(file, int(rows[good[i + 1]]), "time", f"{steps[i]:.6g} s after the row before"))
+        for i in np.flatnonzero(border)[:MOST_TOLD]
+        if not bad[good[i] : good[i + 1]].any()
+    ]
+    parts = np.split(good, np.flatnonzero(border) + 1)
+    kept = [part for part in parts if len(part) >= FEWEST_ROWS]
+    if not kept or bad.mean() > MOST_BAD:
+        raise UserError(_hopeless(file, told, even, float(bad.mean())))
+    if policy == "cut":
+        kept = [max(kept, key=len)]
+    return Stretches(kept, _summary(rows, kept, told))
+
+
+def _hopeless(file: str, told: Sequence[str], even: bool, share: float) -> str:
+    """What is wrong with a file of which nothing can be kept."""
+    if share > MOST_BAD:
+        ending = f"{share:.0%} of the rows are bad, so a unit or the mapping is wrong; nothing was imported"
+        return listed(told, ending)
+    hint = ", or --resample HZ where the rows come at uneven times" if even else ""
+    return f"{file}: no {FEWEST_ROWS} rows without a fault follow one another{hint}; nothing was imported"
+
+
+def _summary(rows: NDArray[np.int64], kept: list[NDArray[np.int64]], told: list[str]) -> list[str]:
+    count = sum(map(len, kept))
+    if count == len(rows) and len(kept) == 1:
+        return []
+    spans = ", ".join(f"{rows[part[0]]} to {rows[part[-1]]}" for part in kept[:MOST_TOLD])
+    more = f" and {len(kept) - MOST_TOLD} more" if len(kept) > MOST_TOLD else ""
+    lines = [f"{len(rows) - count} of {len(rows)} rows left out; kept are rows {spans}{more}"]
+    others = len(told) - MOST_TOLD
+    return lines + told[:MOST_TOLD] + ([f"and {others} more faults"] if others > 0 else [])

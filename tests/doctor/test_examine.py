@@ -1,0 +1,160 @@
+"""The doctor names what was done to runs, and is silent on sound ones."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.doctor.examine import examine
+from swamp_rl.doctor.finding import Finding
+from swamp_rl.runs import Run
+from swamp_rl.runs.resample import wrapped
+from swamp_rl.simulator.replay import replay
+from tests.support.from_scratch import written
+
+Columns = dict[str, np.ndarray]
+STEP = 0.1
+
+
+def gauss_markov(rng: np.random.Generator, count: int, deviation: float, memory: float) -> np.ndarray:
+    keep = float(np.exp(-STEP / memory))
+    found = np.zeros(count)
+    for i, kick in enumerate(rng.standard_normal(count - 1), 1):
+        found[i] = keep * found[i - 1] + deviation * np.sqrt(1.0 - keep * keep) * kick
+    return found
+
+
+@pytest.fixture(scope="module")
+def twin(tmp_path_factory: pytest.TempPathFactory) -> Boat:
+    return load_boat(written(tmp_path_factory.mktemp("boat"), "twin"))
+
+
+@pytest.fixture(scope="module")
+def sound(twin: Boat) -> list[Run]:
+    """Three runs of a minute under wandering throttles, with the noise of RTK."""
+    rng = np.random.default_rng(4)
+    time = np.arange(601) * STEP
+    runs = []
+    for number in range(3):
+        columns = {name: np.zeros(601) for name in ("north", "east", "heading", "surge", "sway", "yaw_rate")}
+        columns |= {"time": time}
+        for side in ("port", "starboard"):
+            columns[f"throttle_{side}"] = np.clip(0.5 + gauss_markov(rng, 601, 0.25, 4.0), -1.0, 1.0)
+        run = dict(replay(twin, Run(f"run-{number}", columns)).columns)
+        for name, deviation in (("north", 0.02), ("east", 0.02), ("heading", 0.005), ("surge", 0.02)):
+            run[name] = run[name] + deviation * rng.standard_normal(601)
+        run["yaw_rate"] = run["yaw_rate"] + 0.005 * rng.standard_normal(601)
+        run["heading"] = wrapped(run["heading"])
+        runs.append(Run(f"run-{number}", {n: v for n, v in run.items() if not n.startswith("applied_")}))
+    return runs
+
+
+def faults(runs: list[Run], boat: Boat | None) -> list[Finding]:
+    return [finding for finding in examine(runs, boat) if finding.level == "fault"]
+
+
+def test_sound_runs_have_no_fault(sound: list[Run], twin: Boat) -> None:
+    assert faults(sound, twin) == []
+    assert faults(sound, None) == []
+
+
+def scaled(prefix: str, factor: float) -> Callable[[Columns], Columns]:
+    return lambda c: {n: v * factor if n.startswith(prefix) else v for n, v in c.items()}
+
+
+def held(name: str) -> Callable[[Columns], Columns]:
+    return lambda c: {**c, name: np.where((c["time"] > 20.0) & (c["time"] < 40.0), c[name][200], c[name])}
+
+
+def smoothed(c: Columns) -> Columns:
+    kernel = np.exp(-np.arange(60) / 5.0)
+    kernel /= kernel.sum()
+    smooth = {n: np.convolve(np.pad(c[n], (59, 0), "edge"), kernel, "valid") for n in ("north", "east")}
+    return {**c, **smooth}
+
+
+def late(seconds: float) -> Callable[[Columns], Columns]:
+    rows = round(seconds / STEP)
+    return lambda c: {
+        n: v if n == "time" else np.roll(v, -rows) if n.startswith("throttle_") else v for n, v in c.items()
+    }
+
+
+def swapped(one: str, other: str) -> Callable[[Columns], Columns]:
+    return lambda c: {**c, one: c[other], other: c[one]}
+
+
+def time_of(change: Callable[[np.ndarray], np.ndarray]) -> Callable[[Columns], Columns]:
+    return lambda c: {**c, "time": change(c["time"])}
+
+
+CHANGES: dict[str, tuple[Callable[[Columns], Columns], str, str]] = {
+    "heading flipped": (lambda c: {**c, "heading": -c["heading"]}, "heading_flipped", "heading"),
+    "heading of the stern": (
+        lambda c: {**c, "heading": wrapped(c["heading"] + np.pi)},
+        "heading_offset",
+        "heading",
+    ),
+    "ENU heading": (
+        lambda c: {**c, "heading": wrapped(np.pi / 2 - c["heading"]), "yaw_rate": -c["yaw_rate"]},
+        "axes_exchanged",
+        "north",
+    ),
+    "yaw of ENU alone": (
+        lambda c: {**c, "heading": wrapped(np.pi / 2 - c["heading"])},
+        "heading_enu",
+        "heading",
+    ),
+    "axes": (swapped("north", "east"), "axes_exchanged", "north"),
+    "yaw rate flipped": (scaled("yaw_rate", -1.0), "yaw_rate_flipped", "yaw_rate"),
+    "yaw rate in degrees": (scaled("yaw_rate", 57.3), "unit", "yaw_rate"),
+    "knots": (scaled("surge", 1.944), "unit", "surge"),
+    "km/h": (scaled("surge", 3.6), "unit", "surge"),
+    "percent": (scaled("throttle_", 100.0), "unit", "throttle_port"),
+    "stuck heading": (held("heading"), "stuck", "heading"),
+    "stuck north": (held("north"), "stuck", "north"),
+    "smoothed": (smoothed, "filtered", "north"),
+    "time twice": (time_of(lambda t: np.where(t == t[50], t[49], t)), "time_repeated", "time"),
+    "time back": (time_of(lambda t: np.where(t > 30.0, t - 10.0, t)), "time_back", "time"),
+    "time jump": (time_of(lambda t: np.where(t > 30.0, t + 2.0, t)), "time_jump", "time"),
+    "late": (late(1.5), "latency", "throttle_port"),
+    "early": (late(-1.5), "latency", "throttle_port"),
+    "sides": (swapped("throttle_port", "throttle_starboard"), "commands_exchanged", "throttle_port"),
+    "levels": (scaled("throttle_", -1.0), "levels_flipped", "throttle_port"),
+    "constant": (scaled("throttle_", 0.0), "commands_constant", "throttle_port"),
+    "clipped": (
+        lambda c: {n: np.minimum(v, 0.6) if n.startswith("throttle_") else v for n, v in c.items()},
+        "command_clipped",
+        "throttle_port",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", CHANGES)
+def test_a_seeded_fault_is_named_with_its_column(what: str, sound: list[Run], twin: Boat) -> None:
+    change, code, column = CHANGES[what]
+    found = faults([Run(run.name, change(dict(run.columns))) for run in sound], twin)
+    assert any(finding.code == code and column in finding.columns for finding in found), found
+    assert all("\n" not in str(finding) for finding in found)
+
+
+def test_sides_are_known_by_their_names_without_a_boat(sound: list[Run]) -> None:
+    change = swapped("throttle_port", "throttle_starboard")
+    found = faults([Run(run.name, change(dict(run.columns))) for run in sound], None)
+    assert [finding.code for finding in found] == ["commands_exchanged"]
+
+
+def test_the_size_of_an_offset_and_of_a_latency_is_told(sound: list[Run], twin: Boat) -> None:
+    turned = [Run(r.name, {**r.columns, "heading": wrapped(r.columns["heading"] + 1.0)}) for r in sound]
+    (finding,) = faults(turned, twin)
+    assert finding.figures["offset_rad"] == pytest.approx(-1.0, abs=0.15)
+    (finding,) = faults([Run(r.name, late(1.5)(dict(r.columns))) for r in sound], twin)
+    assert finding.figures["latency_s"] == pytest.approx(1.5, abs=0.35)
+
+
+def test_runs_too_short_or_without_columns_are_no_fault(twin: Boat) -> None:
+    assert faults([], twin) == []
+    few = {"time": np.arange(5) * 0.1, "north": np.zeros(5), "east": np.zeros(5), "heading": np.zeros(5)}
+    assert faults([Run("few", few)], twin) == []
+    assert faults([Run("none", {"x": np.zeros(3)})], None) == []

@@ -1,0 +1,72 @@
+"""The doctor reads datasets, plain folders, LeRobot's and Minari's, and refuses what is none in one line."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from swamp_rl.doctor.read import read_records
+from swamp_rl.errors import UserError
+from swamp_rl.runs import read_dataset
+from swamp_rl.runs.export_dataset import export_runs
+from tests.support.command_line import Call, assert_complains
+from tests.support.command_line import call as call  # the fixture
+
+
+@pytest.mark.parametrize(("to", "layout"), [("lerobot", "LeRobot"), ("minari", "Minari"), ("csv", "dataset")])
+def test_each_layout_gives_the_same_runs(folder: Path, tmp_path: Path, to: str, layout: str) -> None:
+    if to == "minari":
+        pytest.importorskip("minari", reason="minari is not installed; its folders are not tested")
+    export_runs(folder, to, tmp_path / "out", None)
+    found = read_records(tmp_path / "out")
+    assert found.layout == layout and found.boat is not None and found.boat.name == "swamp"
+    for run, was in zip(found.runs, read_dataset(folder).runs, strict=True):
+        for name in ("time", "north", "heading", "azimuth_bs"):
+            assert run.columns[name] == pytest.approx(was.columns[name], abs=1e-6)
+
+
+def test_a_plain_folder_needs_no_boat(folder: Path) -> None:
+    (folder / "dataset.yaml").unlink()
+    found = read_records(folder)
+    assert (found.layout, found.boat, len(found.runs)) == ("folder of tables", None, 2)
+    boat = read_records(folder, "swamp").boat
+    assert boat is not None and boat.name == "swamp"
+
+
+def test_the_verb_prints_findings_or_json_and_its_status_tells(call: Call, folder: Path) -> None:
+    code, said, _ = call("runs", "doctor", folder)
+    assert code == 0 and "0 faults" in said
+    (folder / "dataset.yaml").unlink()
+    table = (folder / "one.csv").read_text().splitlines()
+    table[5] = table[4]
+    (folder / "one.csv").write_text("\n".join(table) + "\n")
+    code, said, _ = call("runs", "doctor", folder, "--json")
+    told = json.loads(said)
+    assert code == 1 and "time_repeated" in [finding["code"] for finding in told["findings"]]
+    assert told["findings"][0]["runs"] == ["one"]
+
+
+def test_what_is_no_folder_of_runs_is_one_line(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    assert_complains(call("runs", "doctor", tmp_path / "empty"), "no runs here")
+    assert_complains(call("runs", "doctor", tmp_path / "nowhere"), "no such folder")
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{", '{"features": 3, "fps": "x"}'])
+def test_a_damaged_lerobot_folder_is_one_line(tmp_path: Path, text: str) -> None:
+    (tmp_path / "meta").mkdir()
+    (tmp_path / "data").mkdir()
+    (tmp_path / "meta" / "info.json").write_text(text)
+    (tmp_path / "data" / "file.parquet").write_bytes(b"PAR1 not at all")
+    with pytest.raises(UserError) as told:
+        read_records(tmp_path)
+    assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("held", [b"", b"\x89HDF\r\n\x1a\n" + b"\0" * 200])
+def test_a_damaged_minari_file_is_one_line(tmp_path: Path, held: bytes) -> None:
+    pytest.importorskip("h5py", reason="h5py is not installed; Minari's folders are not tested")
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "main_data.hdf5").write_bytes(held)
+    with pytest.raises(UserError, match="no whole Minari file"):
+        read_records(tmp_path)

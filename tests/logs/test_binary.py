@@ -1,0 +1,160 @@
+"""Logs of ArduPilot, PX4 and ROS by their default mappings, listed, and damaged in every way."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.errors import UserError
+from swamp_rl.logs.import_logs import Reading, import_logs, read_log
+from swamp_rl.logs.listing import listing
+from swamp_rl.logs.mapping import mapping_of
+from swamp_rl.runs import Run, read_dataset
+from swamp_rl.runs.import_dataset import About
+from swamp_rl.runs.import_foreign import Wishes
+from tests.support.binary_logs import bag, dataflash, ulog
+from tests.support.command_line import Call, assert_complains
+from tests.support.command_line import call as call  # the fixture
+from tests.support.from_scratch import written
+from tests.support.logs import weaving
+
+for package in ("pymavlink", "pyulog", "rosbags"):
+    pytest.importorskip(package, reason=f"{package} is not installed; logs of autopilots are not tested")
+
+MOTORS = ["throttle_port=actuator_motors.control[0]", "throttle_starboard=actuator_motors.control[1]"]
+LOGS = {
+    "dataflash": (lambda folder: dataflash(folder / "log.bin"), "dataflash", []),
+    "ulog": (lambda folder: ulog(folder / "log.ulg"), "ulog", MOTORS),
+    "ros1": (lambda folder: bag(folder / "log.bag", "ros1"), "rosbag", []),
+    "sqlite3": (lambda folder: bag(folder / "log", "sqlite3"), "rosbag", []),
+    "mcap": (lambda folder: bag(folder / "log", "mcap"), "rosbag", []),
+}
+
+
+def imported(path: Path, kind: str, options: list[str]) -> Run:
+    boat = str(written(path.parent, "twin"))
+    out = path.parent / "out"
+    import_logs([path], kind, out, About(boat=boat), Wishes(), Reading(mapping_of(options)))
+    (run,) = read_dataset(out).runs
+    return run
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_the_default_mapping_gives_the_run_that_was_logged(tmp_path: Path, name: str) -> None:
+    make, kind, options = LOGS[name]
+    run, was = imported(make(tmp_path), kind, options), weaving()
+    assert run.duration == pytest.approx(30.0, abs=0.3)
+    columns = ["north", "east", "heading", "surge", "sway", "throttle_port", "throttle_starboard"]
+    for column in columns + ([] if name == "ulog" else ["yaw_rate"]):
+        expected = np.interp(run.time, was["time"], was[column])
+        assert run.columns[column] == pytest.approx(expected, abs=0.03), column
+    assert "joined" in (run.meta.model_extra or {})
+
+
+@pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
+def test_a_lone_file_of_a_bag_is_read_without_its_description(tmp_path: Path, storage: str) -> None:
+    folder = bag(tmp_path / "bag", storage)
+    (lone,) = [path for path in folder.iterdir() if path.name != "metadata.yaml"]
+    assert imported(lone.rename(tmp_path / f"lone{lone.suffix}"), "rosbag", []).duration > 29.0
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_a_listing_names_tables_rates_and_fields(tmp_path: Path, name: str) -> None:
+    make, kind, _ = LOGS[name]
+    lines = list(listing(read_log(make(tmp_path), kind)))
+    expected = {
+        "dataflash": "GPS, DataFlash: 151 rows, 5 Hz",
+        "ulog": "vehicle_attitude, ULog: 601 rows, 20 Hz",
+    }.get(name, "boat_odometry (/boat/odometry), nav_msgs/Odometry: 301 rows, 10 Hz")
+    assert expected in lines
+    assert any(
+        line.startswith("  ") and ".".join(expected.split(",")[0].split(" ")[:1]) in line for line in lines
+    )
+
+
+def test_a_given_column_holds_over_the_default(tmp_path: Path) -> None:
+    run = imported(dataflash(tmp_path / "log.bin"), "dataflash", ["heading=0", "surge=0*GPS.Spd+1"])
+    assert np.abs(run.columns["heading"]).max() == 0.0 and run.columns["surge"].min() == 1.0
+    assert "sway" not in run.columns
+
+
+def cut_short(path: Path, share: float) -> None:
+    held = path.read_bytes()
+    path.write_bytes(held[: int(share * len(held))])
+
+
+@pytest.mark.parametrize("name", LOGS)
+@pytest.mark.parametrize("share", [0.0, 0.001, 0.05, 0.5])
+def test_a_log_cut_short_is_one_line_or_what_was_whole(tmp_path: Path, name: str, share: float) -> None:
+    make, kind, options = LOGS[name]
+    path = make(tmp_path)
+    held = path if path.is_file() else next(p for p in path.iterdir() if p.name != "metadata.yaml")
+    cut_short(held, share)
+    try:
+        run = imported(path, kind, options)
+    except UserError as error:
+        assert str(error) and all(len(line) < 2000 for line in str(error).splitlines())
+        assert not (tmp_path / "out").exists()
+        return
+    assert np.isfinite(run.pose).all()
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_a_log_with_flipped_bytes_never_ends_otherwise(tmp_path: Path, name: str) -> None:
+    make, kind, _ = LOGS[name]
+    path = make(tmp_path)
+    held = path if path.is_file() else next(p for p in path.iterdir() if p.name != "metadata.yaml")
+    whole, rng = held.read_bytes(), np.random.default_rng(3)
+    for _ in range(6):
+        data = np.frombuffer(whole, np.uint8).copy()
+        data[rng.integers(0, len(data), 40)] = rng.integers(0, 256, 40)
+        held.write_bytes(data.tobytes())
+        try:
+            list(listing(read_log(path, kind)))
+        except UserError as error:
+            assert "\n" not in str(error)
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        ("a: &a [x]\nb: *a\n", "relative_file_paths"),
+        ("[", "malformed YAML"),
+        ("rosbag2_bagfile_information: {relative_file_paths: [../../secret.db3]}", "secret.db3"),
+        ("rosbag2_bagfile_information: {relative_file_paths: [], compression_mode: file}", "decompress"),
+    ],
+)
+def test_a_hostile_description_of_a_bag_reaches_nothing(tmp_path: Path, text: str, part: str) -> None:
+    folder = bag(tmp_path / "bag", "sqlite3", 2.0)
+    (tmp_path.parent / "secret.db3").write_text("secret")
+    (folder / "metadata.yaml").write_text(text)
+    with pytest.raises(UserError, match=part) as told:
+        read_log(folder, "rosbag")
+    assert "\n" not in str(told.value)
+
+
+def test_a_link_in_a_bag_is_refused(tmp_path: Path) -> None:
+    folder = bag(tmp_path / "bag", "sqlite3", 2.0)
+    (held,) = folder.glob("*.db3")
+    held.rename(tmp_path / "elsewhere.db3")
+    held.symlink_to(tmp_path / "elsewhere.db3")
+    with pytest.raises(UserError, match="is a link"):
+        read_log(folder, "rosbag")
+
+
+def test_the_verb_lists_imports_and_refuses(call: Call, tmp_path: Path) -> None:
+    log = dataflash(tmp_path / "log.bin", 12.0)
+    code, said, _ = call("runs", "import", log, "--from", "dataflash", "--list")
+    assert code == 0 and "  GPS.Lat: " in said
+    boat = written(tmp_path, "twin")
+    code, said, _ = call("runs", "import", log, "--from", "dataflash", "--boat", boat, "--out", "runs")
+    assert code == 0 and "joined: GPS 5 Hz" in said and "1 runs, 61 rows at 5 Hz" in said
+    (tmp_path / "other.bin").write_bytes(b"no log")
+    for words, part in (
+        (["other.bin", "--out", "a"], "is no DataFlash log"),
+        ([log], "--out"),
+        ([log, "--out", "a", "--drop", "x"], "--map"),
+        ([log, "--out", "a", "--map", "heading=GPS.Nix"], "GPS has no field 'Nix'"),
+    ):
+        assert_complains(call("runs", "import", *words, "--from", "dataflash"), part)
+    assert not Path("a").exists()
