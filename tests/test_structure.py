@@ -29,7 +29,7 @@ FLOORS = (
     {"files", "arrays_file", "unfinished"},
     {"physics", "boat", "effects", "course"},
     {"runs", "simulator"},
-    {"allocation", "guidance", "navigation", "manoeuvres", "identification", "pilots"},
+    {"allocation", "energy", "guidance", "navigation", "manoeuvres", "identification", "pilots"},
     {"criticism", "evaluation", "export"},
     {"teleop", "demo", "api"},
     {"envs"},
