@@ -24,8 +24,8 @@ class Battery(Part):
     """One pack, or two equal ones, each with its own thrusters and its own hotel load.
 
     Of two packs the first lies in the starboard hull and feeds the thrusters at y > 0, the second in the port
-    hull those at y < 0; one on the centre line draws half of its power from each. The voltage falls linearly with the charge drawn, V(s) = V_e + (V_f − V_e) s, s in [0, 1] the state of
-    charge.
+    hull those at y < 0; one on the centre line draws half of its power from each. The voltage falls linearly
+    with the charge drawn, V(s) = V_e + (V_f − V_e) s, s in [0, 1] the state of charge.
     """
 
     voltage_full: Annotated[float, POSITIVE, Unit("V")]
