@@ -120,7 +120,7 @@ def _flown(
     boat: Boat, mission: Mission, battery: Battery, least: float, where: object
 ) -> tuple[Array, NDArray[np.int64], bool]:
     """States, leg of each step, and whether a pack came to the state of charge `least` before the end."""
-    pilot, expected = MissionPilot(boat, mission), mission.expected()
+    pilot = MissionPilot(boat, mission)
     usable = float(stored_energy(battery, np.array(mission.charge)) - stored_energy(battery, np.array(least)))
     drawn, legs, short = np.zeros(1), [], [False]
 
@@ -136,7 +136,7 @@ def _flown(
             return commands, True
         legs.append(pilot.leg)
         spent = seen.time - pilot.begun
-        if spent > PATIENCE * expected[pilot.leg] + TURNING:
+        if spent > PATIENCE * pilot.expected + TURNING:
             raise UserError(
                 f"{where}: legs.{pilot.leg}: its last waypoint is not reached within {spent:.0f} s; go "
                 "faster, or check the waypoints and the current"

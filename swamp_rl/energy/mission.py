@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -14,6 +15,7 @@ from swamp_rl.guidance.line_of_sight import Waypoint
 
 LONGEST = 86_400.0  # s, a day
 FARTHEST = 1e6  # m
+CLOSEST = 0.1  # m between two waypoints
 Coordinate = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
 Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
 Place = Annotated[tuple[Coordinate, Coordinate], FROM_LIST]
@@ -72,8 +74,13 @@ class Mission(Part):
     "In their order."
 
     @model_validator(mode="after")
-    def _is_not_endless(self) -> Self:
-        total = sum(self.expected())
+    def _has_an_end(self) -> Self:
+        for number, leg in enumerate(self.legs):
+            way = [self.home] if number == 0 else []
+            way += [Waypoint(*place) for place in leg.waypoints or ()]
+            if any(math.dist(a, b) < CLOSEST for a, b in pairwise(way)):
+                raise ValueError(f"legs.{number}.waypoints: two lie within {CLOSEST:g} m; drop one of them")
+        total = sum(self._expected())
         if total > LONGEST:
             raise ValueError(f"legs: {total:.6g} s in all, at most {LONGEST:g} s (a day); divide the mission")
         return self
@@ -88,8 +95,8 @@ class Mission(Part):
         """The heading at the start [rad]."""
         return math.radians(self.start.course_deg)
 
-    def expected(self) -> list[float]:
-        """Time [s] of each leg at its speed, waypoints counted as straight lines."""
+    def _expected(self) -> list[float]:
+        """Time [s] of each leg at its speed, waypoints as straight lines from the last known place."""
         here, found = self.home, []
         for leg in self.legs:
             length = 0.0

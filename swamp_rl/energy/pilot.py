@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,8 @@ DRIFT, TURNED, ASIDE = 2e-3, 0.02, 0.1  # m/s and rad/s, rad, m: beyond these it
 
 class MissionPilot:
     """Flies the legs of a mission; `leg` is the one under way, `None` after the last.
+
+    begun, expected: time [s] at which it began, and that it takes at its speed.
 
     Once commands and velocity are steady at the speed of the leg, the commands are held until the boat
     departs from that state by `DRIFT`, `TURNED` or `ASIDE`, or the leg ends: until then the allocation need
@@ -77,6 +80,8 @@ class MissionPilot:
             north, east = far * math.cos(self.course), far * math.sin(self.course)
             way = [here, Waypoint(here.north + north, here.east + east)]
         self.follower = PathFollower(self.jets, self.servo, way, leg.speed)
+        length = sum(math.dist(a, b) for a, b in pairwise(way))
+        self.expected = length / leg.speed if leg.duration_s is None else leg.duration_s
         self.begun, self.held, self.calm = seen.time, None, 0
         self.commands = np.full(2 * len(seen.azimuth), np.inf)
         self.before = seen

@@ -46,6 +46,11 @@ def thruster_power(boat: Boat, throttle: Array) -> Array:
     return np.asarray(idle + coefficient * thrust**1.5)
 
 
+def pack_names(boat: Boat) -> tuple[str, ...]:
+    """Names of the packs in the order of every array of packs."""
+    return ("battery",) if boat.battery is None or boat.battery.packs == 1 else ("starboard", "port")
+
+
 def shares(boat: Boat) -> Array:
     """Share (K, packs) of each thruster's power that each pack gives: by the side on which it stands."""
     y = np.array([thruster.y for thruster in boat.thrusters if isinstance(thruster, Thruster)])
