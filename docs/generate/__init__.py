@@ -5,7 +5,14 @@ from collections.abc import Callable
 from docs.generate.command_line import command_line
 from docs.generate.effects import effects
 from docs.generate.examples import examples
-from docs.generate.files import boat_file, course_file, experiment_file, plan_file, sweep_file
+from docs.generate.files import (
+    boat_file,
+    course_file,
+    experiment_file,
+    mission_file,
+    plan_file,
+    sweep_file,
+)
 from docs.generate.interface import modules, public_names
 
 PARTS: dict[str, Callable[[], str]] = {
@@ -15,6 +22,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "effects": effects,
     "examples": examples,
     "experiment file": experiment_file,
+    "mission file": mission_file,
     "modules": modules,
     "public names": public_names,
     "sweep file": sweep_file,
