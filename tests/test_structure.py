@@ -30,7 +30,7 @@ FLOORS = (
     {"physics", "boat", "effects", "course"},
     {"runs", "simulator"},
     {"logs", "doctor"},
-    {"allocation", "guidance", "navigation", "manoeuvres", "identification", "pilots"},
+    {"allocation", "energy", "guidance", "navigation", "manoeuvres", "identification", "pilots"},
     {"criticism", "evaluation", "export"},
     {"teleop", "demo", "api"},
     {"envs"},

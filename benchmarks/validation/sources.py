@@ -15,6 +15,7 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.esso_osaka.pond import DATA
 from benchmarks.markers import DOCS, write_parts
+from benchmarks.validation.energy import energy_rows
 from benchmarks.validation.esso_osaka import FIGURES, INDEPENDENT, Circle, circles, windows
 from benchmarks.validation.swamp import (
     FULL,
@@ -82,19 +83,20 @@ def count_table(rows: Sequence[Row]) -> str:
 
 def swamp_parts() -> dict[str, str]:
     """The tables about SWAMP by their marks."""
-    speeds, turns, forces = speed_rows(), turning_rows(), force_rows()
+    speeds, turns, forces, energy = speed_rows(), turning_rows(), force_rows(), energy_rows()
     tank = ["depth", "points", "largest error", "depth left out: largest", "root mean square"]
     yaw = ["yaw model", "k_r", "c_ru", "c_rv", "b_r", "damping at 1 m/s, N m s", "time constant at 1 m/s, s"]
     bollard = [[number(error) for error in thrust_errors()]]
     deduction = [[str(percent), number(speed), number(factor)] for percent, speed, factor in deduction_rows()]
     return {
-        "count": count_table([*speeds, *turns, *forces]),
-        "largest mismatches": worst_table([*speeds, *turns, *forces]),
+        "count": count_table([*speeds, *turns, *forces, *energy]),
+        "largest mismatches": worst_table([*speeds, *turns, *forces, *energy]),
         "speeds": row_table(speeds),
         "turns": row_table(turns),
         "tank": table(tank, [[r.depth, str(r.points), *map(share, r.errors)] for r in tank_rows()]),
         "bollard thrust": table(["largest difference, N", "root mean square, N"], bollard),
         "forces": row_table(forces),
+        "energy": row_table(energy),
         "thrust deduction": table(["RPM %", "speed, m/s", "1 − t by eq. 7.3"], deduction),
         "yaw models": table([*yaw, "rate at 30°, deg/s"], [row.cells for row in yaw_rows()]),
     }

@@ -6,7 +6,14 @@ from docs.generate.command_line import command_line
 from docs.generate.effects import effects
 from docs.generate.estimates import estimates
 from docs.generate.examples import examples
-from docs.generate.files import boat_file, course_file, experiment_file, plan_file, sweep_file
+from docs.generate.files import (
+    boat_file,
+    course_file,
+    experiment_file,
+    mission_file,
+    plan_file,
+    sweep_file,
+)
 from docs.generate.interface import modules, public_names
 
 PARTS: dict[str, Callable[[], str]] = {
@@ -17,6 +24,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "estimates": estimates,
     "examples": examples,
     "experiment file": experiment_file,
+    "mission file": mission_file,
     "modules": modules,
     "public names": public_names,
     "sweep file": sweep_file,

@@ -16,6 +16,7 @@ from docs.generate.markdown import table
 from swamp_rl.boat import Boat
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.course import Course
+from swamp_rl.energy.mission import Mission
 from swamp_rl.manoeuvres.plan import Plan
 
 HEAD = ["key", "unit", "kind", "default", "allowed", "meaning"]
@@ -54,6 +55,11 @@ def experiment_file() -> str:
         settings = learner(kind).settings
         parts += [f"### {kind}\n", _keys(settings) if settings.model_fields else "It has no options.\n"]
     return "\n".join(parts)
+
+
+def mission_file() -> str:
+    """Every key of a mission file."""
+    return reference(Mission)
 
 
 def plan_file() -> str:

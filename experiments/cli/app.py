@@ -18,6 +18,7 @@ from swamp_rl.experiments.cli.experiment import evaluate, run, train
 from swamp_rl.experiments.cli.export import export
 from swamp_rl.experiments.cli.help import add_help
 from swamp_rl.experiments.cli.identify import identify_app
+from swamp_rl.experiments.cli.mission import mission
 from swamp_rl.experiments.cli.record import record
 from swamp_rl.experiments.cli.runs import runs_app
 from swamp_rl.experiments.cli.signals import stoppable
@@ -49,6 +50,7 @@ app.command()(diagnose)
 app.command()(disturbances)
 app.command()(demo)
 app.command()(export)
+app.command()(mission)
 app.command()(record)
 app.command()(sweep)
 for catalogue in (effects, boats, courses, pilots):

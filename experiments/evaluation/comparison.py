@@ -37,6 +37,8 @@ Episodes = Mapping[str, NDArray[np.int64]]
 """By level, the seeds of the episodes that all have driven."""
 
 QUANTITIES = ("success", "time", "command_change", "energy")
+PER_METRE = "energy_per_metre"
+"Compared too where all results have it."
 FINEST = 40
 "The smallest p-value that is drawn is a 40th of the level over the number of comparisons, or smaller."
 
@@ -48,7 +50,10 @@ def compare(paths: Sequence[Path], seed: int = 0) -> dict[str, Any]:
     rng = np.random.default_rng(seed)
     episodes, notes = common_episodes(results)
     pilots = entrants(results)
-    made = [row for a, b in combinations(pilots, 2) for row in _pair(a, b, episodes, len(pilots), rng)]
+    quantities = quantities_of(results)
+    planned = math.comb(len(pilots), 2) * len(episodes) * len(quantities)
+    pairs = list(combinations(pilots, 2))
+    made = [row for a, b in pairs for row in _pair(a, b, episodes, quantities, planned, rng)]
     for row, corrected in zip(made, holm([row["p"] for row in made]), strict=True):
         row["p_corrected"] = corrected
     first = results[0]
@@ -59,11 +64,17 @@ def compare(paths: Sequence[Path], seed: int = 0) -> dict[str, Any]:
         "levels": {level: len(seeds) for level, seeds in episodes.items()},
         "notes": notes + version_notes(results),
         "seed": seed,
-        "pilots": [pilot_row(pilot, episodes, rng) for pilot in pilots],
+        "pilots": [pilot_row(pilot, episodes, rng, quantities) for pilot in pilots],
         "comparisons": sum(math.isfinite(row["p"]) for row in made),
         "differences": [without_nan(row) for row in made],
-        "improvement": [_improvement(a, b, episodes, rng) for a, b in combinations(pilots, 2)],
+        "improvement": [_improvement(a, b, episodes, rng) for a, b in pairs],
     }
+
+
+def quantities_of(results: Sequence[Result]) -> tuple[str, ...]:
+    """What is compared: `QUANTITIES`, and the electric energy per metre where every table has it."""
+    electric = all(PER_METRE in table for result in results for table in result.tables.values())
+    return (*QUANTITIES, PER_METRE) if electric else QUANTITIES
 
 
 def common_episodes(results: Sequence[Result]) -> tuple[Episodes, list[str]]:
@@ -118,7 +129,9 @@ def mean(values: Array) -> float:
     return float(values.mean()) if len(values) else math.nan
 
 
-def pilot_row(pilot: Entrant, episodes: Episodes, rng: np.random.Generator) -> dict[str, Any]:
+def pilot_row(
+    pilot: Entrant, episodes: Episodes, rng: np.random.Generator, quantities: Sequence[str] = QUANTITIES
+) -> dict[str, Any]:
     """A pilot's success at each level and over all, with its intervals and mean costs."""
     table = scores(pilot, episodes)
     levels = {}
@@ -131,7 +144,7 @@ def pilot_row(pilot: Entrant, episodes: Episodes, rng: np.random.Generator) -> d
             "interval": "bootstrap over training seeds" if len(own) > 1 else "Wilson over episodes",
             "by_seed": own.tolist(),
         }
-    for quantity in QUANTITIES[1:]:
+    for quantity in quantities[1:]:
         means = [mean(column) for column in scores(pilot, episodes, quantity).T]
         for level, value in zip(levels, means, strict=True):
             levels[level][quantity] = value if math.isfinite(value) else None
@@ -145,13 +158,17 @@ def pilot_row(pilot: Entrant, episodes: Episodes, rng: np.random.Generator) -> d
 
 
 def _pair(
-    a: Entrant, b: Entrant, episodes: Episodes, pilots: int, rng: np.random.Generator
+    a: Entrant,
+    b: Entrant,
+    episodes: Episodes,
+    quantities: Sequence[str],
+    planned: int,
+    rng: np.random.Generator,
 ) -> list[dict[str, Any]]:
     """a − b at each level in each quantity: each episode's mean over training seeds, paired."""
-    planned = math.comb(pilots, 2) * len(episodes) * len(QUANTITIES)
     rows = []
     for level, seeds in episodes.items():
-        for quantity in QUANTITIES:
+        for quantity in quantities:
             first, second = (_over_seeds(one.tables(level), seeds, quantity) for one in (a, b))
             found = paired_difference(first, second, rng)
             p = sign_flip_test(first - second, rng, max(RESAMPLES, FINEST * planned)) if found.n else math.nan

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from swamp_rl.evaluation import COSTS
+from swamp_rl.evaluation import COSTS, ELECTRIC
 
 Results = Mapping[str, Any]
 
@@ -12,6 +12,9 @@ COST_NAMES = {
     "path_length": ("path [m]", "{:.1f}"),
     "command_change": ("change of command per step [1]", "{:.4f}"),
     "energy": ("energy of the jets [J]", "{:.0f}"),
+    "electric_energy": ("electric energy [J]", "{:.0f}"),
+    "energy_per_metre": ("electric [J/m]", "{:.0f}"),
+    "range": ("range left [m]", "{:.0f}"),
 }
 TARGETS: dict[str, tuple[str, Callable[[float], str]]] = {
     "success": ("success at least {}", lambda rate: f"{100 * rate:.1f} %"),
@@ -159,16 +162,23 @@ def _commands(results: Results) -> str:
 
 
 def _costs(results: Results) -> str:
-    rows = []
-    for level in _levels(results):
-        for name, pilot in results["pilots"].items():
-            costs = pilot["levels"][level]["mean_of_successes"]
-            rows.append([f"{name}, {level}", *(_number(cost, costs[cost]) for cost in COSTS)])
+    means = {
+        f"{name}, {level}": pilot["levels"][level]["mean_of_successes"]
+        for level in _levels(results)
+        for name, pilot in results["pilots"].items()
+    }
+    told = [*COSTS, *(cost for cost in ELECTRIC if all(cost in costs for costs in means.values()))]
+    rows = [[who, *(_number(cost, costs[cost]) for cost in told)] for who, costs in means.items()]
+    electric = (
+        " Electric energy is what all battery packs give, the hotel load included; the range is what is left "
+        "above their reserve, at that energy per metre, of packs that were full at the start."
+    )
     return (
         "## Costs of successful episodes\n\n"
-        "Means over the successful episodes. The energy is the kinetic energy of the jets' wake, about "
-        "a quarter of what the motors draw.\n\n"
-        + table(["pilot, level", *(COST_NAMES[cost][0] for cost in COSTS)], rows)
+        "Means over the successful episodes. The energy of the jets is the kinetic energy of their wake."
+        + (electric if ELECTRIC[0] in told else "")
+        + "\n\n"
+        + table(["pilot, level", *(COST_NAMES[cost][0] for cost in told)], rows)
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from swamp_rl.experiments.artifacts.result_folders import Entrant, Result, entrants, find_results, read_result
-from swamp_rl.experiments.evaluation.comparison import pilot_row
+from swamp_rl.experiments.evaluation.comparison import PER_METRE, pilot_row, quantities_of
 
 from swamp_rl.errors import UserError
 
@@ -39,7 +39,8 @@ HEADS = (
     ("episodes", "n"),
     ("time [s]", "n"),
     ("change of command [1]", "n"),
-    ("energy [J]", "n"),
+    ("energy of the jets [J]", "n"),
+    ("electric [J/m]", "n"),
     ("data", ""),
     ("experiment", ""),
     ("commit", ""),
@@ -87,7 +88,8 @@ def _rows(title: str, entrant: Entrant, rng: np.random.Generator) -> list[Row]:
             episodes = np.intersect1d(episodes, table["seed"])
         if not len(episodes):
             continue
-        found = pilot_row(entrant, {level: episodes}, rng)["levels"][level]
+        quantities = quantities_of(entrant.results)
+        found = pilot_row(entrant, {level: episodes}, rng, quantities)["levels"][level]
         rows.append(Row(title, _cells(entrant, level, found, len(episodes))))
     return rows
 
@@ -105,14 +107,14 @@ def _cells(entrant: Entrant, level: str, found: dict[str, Any], episodes: int) -
         (span, rate["low"] if rate["low"] is not None else -1.0),
         (str(len(entrant.results)), len(entrant.results)),
         (str(episodes), episodes),
-        *(_number(found[cost], form) for cost, form in _COSTS),
+        *(_number(found.get(cost), form) for cost, form in _COSTS),
         (_data(entrant, first),) * 2,
         (", ".join(experiments),) * 2,
         (", ".join(commits),) * 2,
     )
 
 
-_COSTS = (("time", "{:.1f}"), ("command_change", "{:.4f}"), ("energy", "{:.0f}"))
+_COSTS = (("time", "{:.1f}"), ("command_change", "{:.4f}"), ("energy", "{:.0f}"), (PER_METRE, "{:.0f}"))
 
 
 def _number(value: float | None, form: str) -> tuple[str, float | str]:
@@ -140,7 +142,7 @@ th button:hover,th button:focus-visible{color:var(--ink);text-decoration:underli
 th{border-bottom:2px solid var(--line);text-align:left;vertical-align:bottom;padding:.3rem .7rem .3rem 0}
 td{border-bottom:1px solid var(--line);padding:.3rem .7rem .3rem 0;vertical-align:top}
 .n{text-align:right;font-variant-numeric:tabular-nums}td.n{white-space:nowrap}
-td:nth-child(10){min-width:16rem;max-width:24rem;color:var(--soft)}td:first-child{font-weight:600;white-space:nowrap}th:nth-child(10),td:nth-child(10){padding-left:1rem}
+td:nth-child(11){min-width:16rem;max-width:24rem;color:var(--soft)}td:first-child{font-weight:600;white-space:nowrap}th:nth-child(11),td:nth-child(11){padding-left:1rem}
 tr:hover td{background:var(--tint)}
 [aria-sort=ascending] button::after{content:" ▲"}[aria-sort=descending] button::after{content:" ▼"}
 """

@@ -1,4 +1,4 @@
-"""A boat recognised by its numbers, whatever its file is called or says about their sources."""
+"""Identity of a boat by its numbers, whatever its name and the sources of the numbers."""
 
 import hashlib
 import json
@@ -6,17 +6,21 @@ from typing import Any
 
 from swamp_rl.boat.schema import Boat
 
-GAINED = (("dead_band", 0.0),)
+NO_MOTION = {"name": True, "effects": True, "battery": True, "thrusters": {"__all__": {"power"}}}
+"Keys without an effect on the motion, and the effects, which are listed by their values."
+NEUTRAL = (("dead_band", 0.0),)
+"Keys of a thruster that are left out at these values, so that boat files without them keep their digest."
 
 
 def boat_digest(boat: Boat) -> str:
-    """SHA-256 of a boat's particulars, coefficients, joypad and effects; not of its name and its sources."""
-    told = boat.model_dump(mode="json", exclude={"name", "effects"})
-    told["thrusters"] = [_without_neutral(thruster) for thruster in told["thrusters"]]
-    told["effects"] = [[entry.effect.name, entry.thruster, dict(entry.values)] for entry in boat.effects]
-    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+    """Return the SHA-256 of all that acts on a boat's motion: particulars, coefficients, joypad and effects."""
+    numbers = boat.model_dump(mode="json", exclude=NO_MOTION)
+    numbers["thrusters"] = [_without_neutral(thruster) for thruster in numbers["thrusters"]]
+    numbers["effects"] = [
+        [entry.effect.name, entry.thruster, dict(entry.values)] for entry in boat.effects
+    ]
+    return hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()
 
 
 def _without_neutral(thruster: dict[str, Any]) -> dict[str, Any]:
-    """A thruster less the keys that boat files gained later, where they say nothing: the digest stays."""
-    return {key: value for key, value in thruster.items() if (key, value) not in GAINED}
+    return {key: value for key, value in thruster.items() if (key, value) not in NEUTRAL}

@@ -69,7 +69,7 @@ def mass_and_water(boat: Boat) -> Iterator[Limit]:
 
 def everything_else(boat: Boat) -> Iterator[Limit]:
     """Of all that is set against dimensions and mass."""
-    for part in (inertia, forces_on_hull, surroundings, drives):
+    for part in (inertia, forces_on_hull, surroundings, drives, electric):
         yield from part(boat)
 
 
@@ -166,6 +166,31 @@ def _jet(boat: Boat, thruster: Thruster, key: str) -> Iterator[Limit]:
         yield Limit(f"{key}.azimuth_rate", thruster.azimuth_rate, rate, "turns a second", 1e-4, 20.0)
     for name in ("azimuth_time_constant", "pump_time_constant"):
         yield _lag(boat, key, name, getattr(thruster, name))
+
+
+def electric(boat: Boat) -> Iterator[Limit]:
+    """Of the thrusters' electric power and the batteries."""
+    for thruster in boat.thrusters:
+        if isinstance(thruster, Thruster) and thruster.power is not None:
+            thrust = thruster.thrust_linear + thruster.thrust_quadratic
+            power = thruster.power.idle + thruster.power.coefficient * thrust**1.5
+            key, what = f"thrusters.{thruster.name}.power.coefficient", "power / thrust at full throttle, W/N"
+            yield Limit(key, thruster.power.coefficient, power / thrust, what, 0.5, 500.0)
+    battery = boat.battery
+    if battery is None:
+        return
+    stored = battery.packs * battery.capacity * battery.voltage_full / boat.mass
+    what = "energy of all packs / mass of the boat, J/kg"
+    yield Limit("battery.capacity", battery.capacity, stored, what, 100.0, 1e6)
+    for name in ("voltage_full", "voltage_empty"):
+        value = getattr(battery, name)
+        yield Limit(f"battery.{name}", value, value, "its magnitude", 1.0, 5000.0)
+    for name in ("current_continuous", "current_peak"):
+        value = getattr(battery, name)
+        hours = battery.capacity / value / 3600.0
+        yield Limit(f"battery.{name}", value, hours, "hours to empty a pack", 0.005, 1000.0)
+    hotel = battery.hotel_power
+    yield Limit("battery.hotel_power", hotel, hotel / boat.mass, "power / mass, W/kg", 0.0, 1000.0)
 
 
 def _propeller(boat: Boat, thruster: PropellerRudder, key: str) -> Iterator[Limit]:

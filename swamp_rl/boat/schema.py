@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, InstanceOf, PrivateAttr, Tag, model_validator
 
+from swamp_rl.boat.battery import Battery, PowerCurve
 from swamp_rl.boat.part import ANGLE, FRACTION, FROM_LIST, NAME, NOT_NEGATIVE, NOT_POSITIVE, POSITIVE, Part
 from swamp_rl.boat.propeller_rudder import PropellerRudder
 from swamp_rl.boat.quantity import Provenance, Unit
@@ -83,6 +84,8 @@ class Thruster(Part):
     "Of the jet; 0: no momentum drag."
     advance_loss: Annotated[float, NOT_NEGATIVE, Unit("1")] = 0.0
     "c_a of T = T_bollard (1 − c_a V_a/V_o)."
+    power: PowerCurve | None = None
+    "Electric power against the thrust at rest."
 
     @model_validator(mode="after")
     def _can_be_built(self) -> Self:
@@ -267,6 +270,8 @@ class Boat(Part):
     "Model of the current."
     joypad: Joypad
     "What a pilot's two levers command."
+    battery: Battery | None = None
+    "Packs, their limits and the hotel load; none where it is left out."
     effects: tuple[InstanceOf[EffectEntry], ...] = ()
     "Departures from the file, see the catalogue."
     _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)

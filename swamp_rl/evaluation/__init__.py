@@ -2,7 +2,9 @@
 
 from swamp_rl.evaluation.episodes import (
     COSTS,
+    ELECTRIC,
     Table,
+    costs_of,
     differences,
     episode_table,
     read_episodes,
@@ -22,12 +24,14 @@ from swamp_rl.evaluation.statistics import Interval, paired_difference, wilson
 
 __all__ = [
     "COSTS",
+    "ELECTRIC",
     "Interval",
     "MakeBoats",
     "Rollout",
     "Table",
     "command_change",
     "common_steps",
+    "costs_of",
     "curve_band",
     "differences",
     "drive",

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.energy import missing, pack_power, range_left
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_power, path_length
 from swamp_rl.evaluation.rollout import Rollout
@@ -20,6 +21,9 @@ Table = dict[str, NDArray[Any]]
 COSTS = ("time", "path_length", "command_change", "energy")
 """Costs of an episode: s, m, 1 per step, J. Failed ones have them too, but only successes are averaged."""
 
+ELECTRIC = ("electric_energy", "energy_per_metre", "range")
+"""Costs of an episode with a boat whose file has a battery: J, J/m, m."""
+
 RETURN = "return"
 """Sum of an episode's rewards."""
 COLUMNS = ("seed", "success", "outcome", *COSTS)
@@ -27,11 +31,16 @@ COLUMNS = ("seed", "success", "outcome", *COSTS)
 
 
 def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
-    """`COLUMNS` and `RETURN`, each (n,): time [s], path_length [m], command_change [1], energy [J]."""
+    """`COLUMNS`, `RETURN` and, where the boat file has a battery, `ELECTRIC`, each (n,).
+
+    time [s]; path_length [m]; command_change [1]; energy [J]: kinetic, of the jets' wake, as `jet_power`;
+    electric_energy [J]: drawn from all packs, the hotel load included; energy_per_metre [J/m]: that over the
+    path; range [m]: `range_left` with packs that were full at the start.
+    """
     linear, quadratic = np.array([item.thrust_curve(boat.water_density) for item in boat.thrusters]).T
     power = jet_power(bollard_thrust(rollout.throttle, linear, quadratic), boat.water_density).sum(axis=-1)
     episodes = range(len(rollout.seeds))
-    return {
+    table = {
         "seed": rollout.seeds,
         "success": rollout.outcome == "success",
         "outcome": rollout.outcome,
@@ -41,13 +50,29 @@ def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
         "energy": np.array([power[i, : rollout.steps[i]].sum() * step for i in episodes]),
         RETURN: rollout.returns,
     }
+    return table if missing(boat) else table | electric(rollout, boat, step, table["path_length"])
+
+
+def electric(rollout: Rollout, boat: Boat, step: float, path: NDArray[np.float64]) -> Table:
+    """`ELECTRIC` of each episode, (n,), from the throttles that the pumps had and the paths [m] (n,)."""
+    sailed = np.arange(rollout.throttle.shape[1]) < rollout.steps[:, None]
+    used = (pack_power(boat, rollout.throttle) * sailed[..., None]).sum(axis=1) * step
+    total = used.sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        per_metre = np.where(path > 0.0, total / path, np.nan)
+    return {"electric_energy": total, "energy_per_metre": per_metre, "range": range_left(boat, used, path)}
+
+
+def costs_of(*tables: Table) -> tuple[str, ...]:
+    """The costs that all of these tables have."""
+    return (*COSTS, *(name for name in ELECTRIC if all(name in table for table in tables)))
 
 
 def summary(table: Table) -> dict[str, Any]:
     """Success and mean return with their intervals, outcomes, and mean costs of the successful episodes."""
     won = table["success"]
     rate = wilson(int(won.sum()), len(won))
-    costs = {name: float(table[name][won].mean()) if won.any() else None for name in COSTS}
+    costs = {name: float(table[name][won].mean()) if won.any() else None for name in costs_of(table)}
     return {
         "episodes": rate.n,
         "successes": int(won.sum()),
@@ -75,7 +100,7 @@ def differences(a: Table, b: Table, rng: np.random.Generator) -> dict[str, Inter
         raise ValueError("the two pilots were not evaluated on the same episodes")
     both = a["success"] & b["success"]
     result = {"success": paired_difference(a["success"], b["success"], rng)}
-    for name in COSTS:
+    for name in costs_of(a, b):
         result[name] = paired_difference(a[name][both], b[name][both], rng)
     return result
 

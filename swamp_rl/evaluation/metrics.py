@@ -30,8 +30,8 @@ def jet_power(thrust: Array, water_density: float, nozzle_area: float = NOZZLE_A
     """Kinetic power [W] that jets of the given bollard thrust [N] leave in the water; any shape.
 
     By momentum T = ρ A_n V_o² the jet leaves at V_o = √(T / (ρ A_n)) and carries ½ ρ A_n V_o³ = ½ T V_o.
-    At full throttle (12.2 N) that is 22 W, where the motor took 97 W (the pump-jet article, figure 21): the
-    figure compares pilots with each other, it does not foretell how long a battery lasts.
+    At full throttle (12.2 N) that is 22 W, where the motor took 97 W (the pump-jet article, figure 21); what
+    the battery gives is `swamp_rl.energy.pack_power`.
     """
     force = np.abs(thrust)
     return 0.5 * force * np.sqrt(force / (water_density * nozzle_area))

@@ -36,12 +36,13 @@ def test_every_number_of_a_shipped_boat_says_where_it_comes_from(path: Path) -> 
 
 
 def numbers_in(part: object) -> int:
-    """How many finite floats, or tuples of floats, a dumped model holds."""
+    """How many finite numbers, or tuples of floats, a dumped model holds."""
     if isinstance(part, dict):
         return sum(numbers_in(value) for value in part.values())
     if isinstance(part, tuple | list):
         return 1 if part and isinstance(part[0], float) else sum(numbers_in(item) for item in part)
-    return int(isinstance(part, float) and math.isfinite(part))
+    number = isinstance(part, float | int) and not isinstance(part, bool)
+    return int(number and math.isfinite(part))
 
 
 def test_no_number_of_the_schema_lacks_a_unit(swamp: Boat) -> None:

@@ -70,6 +70,41 @@ def test_time_and_energy_of_steady_levers_follow_from_the_boat_file(circling: Ro
     assert table["command_change"] == pytest.approx(np.zeros(12))
 
 
+def test_electric_figures_follow_from_the_throttles_and_the_path(circling: Rollout) -> None:
+    boat = load_boat("swamp")
+    table = episode_table(circling, boat, STEP)
+    i, steps = 4, int(circling.steps[4])
+    power = (
+        2 * 88.0
+        + sum(  # W, by the numbers of the boat file
+            9.404 + 2.0237 * (12.2 * throttle**2) ** 1.5 for throttle in circling.throttle[i, :steps].T
+        )
+    )
+    assert table["electric_energy"][i] == pytest.approx(power.sum() * STEP)
+    per_metre = table["electric_energy"] / table["path_length"]
+    assert table["energy_per_metre"] == pytest.approx(per_metre)
+    # two packs of 46800 C at 40 to 32 V, less the reserve of 0.1; the fuller one cannot help the other
+    most = 2 * 46800.0 * (36.0 - (32.0 * 0.1 + 4.0 * 0.01))
+    assert np.all(table["range"] <= (most - table["electric_energy"]) / per_metre)
+    assert np.all(table["range"] > 0.8 * (most - table["electric_energy"]) / per_metre)
+
+
+def test_a_boat_without_battery_has_no_electric_columns(circling: Rollout) -> None:
+    table = episode_table(circling, load_boat("swamp-thesis"), STEP)
+    assert not {"electric_energy", "energy_per_metre", "range"} & set(table)
+    assert set(summary(table)["mean_of_successes"]) == {"time", "path_length", "command_change", "energy"}
+
+
+def test_electric_costs_are_summed_up_and_compared_where_both_have_them() -> None:
+    a = rows(range(3), [True, True, False], [10.0, 20.0, 5.0])
+    b = rows(range(3), [True, True, True], [13.0, 25.0, 50.0])
+    electric = a | dict.fromkeys(("electric_energy", "energy_per_metre", "range"), a["time"])
+    assert summary(electric)["mean_of_successes"]["energy_per_metre"] == 15.0
+    assert "range" not in differences(electric, b, np.random.default_rng(0))
+    both = b | dict.fromkeys(("electric_energy", "energy_per_metre", "range"), b["time"])
+    assert differences(electric, both, np.random.default_rng(0))["energy_per_metre"].value == -4.0
+
+
 def test_a_run_made_of_an_episode_has_its_track_levers_and_wrapped_heading(circling: Rollout) -> None:
     run = circling.run(3, "one", STEP)
     assert np.array_equal(run.pose[:, :2], circling.track(3)[:, :2])

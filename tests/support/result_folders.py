@@ -18,8 +18,12 @@ def folder_of(
     first: int = 100,
     course: str = "camogli",
     ridge: float = 3.0,
+    electric: bool = False,
 ) -> Path:
-    """A folder of results in which each pilot of `success` succeeded so (n,) at `calm`."""
+    """A folder of results in which each pilot of `success` succeeded so (n,) at `calm`.
+
+    electric: with the costs of a boat that has a battery.
+    """
     pilots = {name: {**PILOTS[name], "options": {"seed": seed, "ridge": ridge}} for name in success}
     experiment = {"name": "small", "boat": "swamp", "course": course, "step": 0.1, "pilots": pilots}
     for what in ("boats", "courses"):
@@ -32,6 +36,8 @@ def folder_of(
         won, n = np.asarray(won, bool), len(won)
         noise = np.random.default_rng([seed, len(name)]).random(n)
         costs = dict.fromkeys(("time", "path_length", "command_change", "energy"), 10.0 + noise)
+        if electric:
+            costs |= dict.fromkeys(("electric_energy", "energy_per_metre", "range"), 300.0 + noise)
         outcome = np.where(won, "success", "buoy")
         tables[name, "calm"] = {"seed": first + np.arange(n), "success": won, "outcome": outcome, **costs}
     write_episodes(path / "episodes.parquet", tables)

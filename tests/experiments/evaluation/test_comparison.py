@@ -14,6 +14,8 @@ from swamp_rl.experiments.reports.comparison import report
 from swamp_rl.errors import UserError
 from tests.support.result_folders import folder_of
 
+KINDS = (("one", "reservoir"), ("two", "ppo"))
+
 
 def test_pilots_of_two_folders_are_paired_by_episode(tmp_path: Path) -> None:
     a, b = np.arange(60) < 50, np.arange(60) % 2 == 0
@@ -27,6 +29,17 @@ def test_pilots_of_two_folders_are_paired_by_episode(tmp_path: Path) -> None:
     assert row["p"] == pytest.approx(binomtest(only_a, only_a + only_b).pvalue)
     assert row["p_corrected"] >= row["p"]
     assert found["comparisons"] == 4
+
+
+def test_energy_per_metre_is_compared_where_every_result_has_it(tmp_path: Path) -> None:
+    won = np.ones(30, bool)
+    one, two = (folder_of(tmp_path / name, {pilot: won}, electric=True) for name, pilot in KINDS)
+    old = folder_of(tmp_path / "old", {"ppo": won})
+    found = compare([one, two])
+    (row,) = (row for row in found["differences"] if row["quantity"] == "energy_per_metre")
+    assert row["n"] == 30
+    assert "electric [J/m]" in report(found)
+    assert "energy_per_metre" not in {row["quantity"] for row in compare([one, old])["differences"]}
 
 
 def test_folders_of_training_seeds_are_one_pilot_with_that_many_seeds(tmp_path: Path) -> None:

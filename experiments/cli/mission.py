@@ -1,0 +1,36 @@
+"""`swamp-rl mission`: legs flown in simulation, with power, current and charge."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def mission(
+    file: Annotated[str, typer.Argument(help="A name in configs/missions, or a mission file.")],
+    boat: Annotated[str | None, typer.Option("--boat", help="Another boat than the mission's.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The folder for the report, its figure and data; none by default.")
+    ] = None,
+    even_if_empty: Annotated[
+        bool,
+        typer.Option("--even-if-empty", help="Fly on below the reserve, until a pack is empty."),
+    ] = False,
+) -> None:
+    """Fly a mission's legs; power, current and charge of each battery pack, and the range left."""
+    from swamp_rl.experiments.reports.mission import lines, write_mission
+
+    from swamp_rl.boat import load_boat
+    from swamp_rl.energy.fly import fly
+    from swamp_rl.energy.mission import load_mission
+    from swamp_rl.files import refuse_to_replace
+
+    asked, path = load_mission(file)
+    if out is not None:
+        refuse_to_replace(out, ("mission.json",))
+    flight = fly(load_boat(boat or asked.boat), asked, path, even_if_empty)
+    for line in lines(flight):
+        typer.echo(line)
+    if out is not None:
+        write_mission(out, flight)
+        typer.echo(f"{out}: report.md, mission.json, mission.csv and mission.png")

@@ -1,0 +1,147 @@
+"""A flown mission as a report for people, JSON and CSV for programmes, and a figure."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+from swamp_rl.experiments.reports.experiment import table
+from swamp_rl.experiments.reports.mission_figures import draw_mission
+
+from swamp_rl.energy.figures import leg_figures, summary
+from swamp_rl.energy.fly import STEP, Flight
+from swamp_rl.energy.power import pack_names
+from swamp_rl.simulator.state import EAST, HEADING, NORTH
+from swamp_rl.unfinished import folder_beside
+
+DATA, REPORT, ROWS, PICTURE = "mission.json", "report.md", "mission.csv", "mission.png"
+EVERY = 1.0  # s between two rows of the CSV
+UNITS = {
+    "time": "s",
+    "distance": "m",
+    "energy": "J",
+    "energy_per_metre": "J/m",
+    "charge": "1",
+    "voltage": "V",
+    "current_max": "A",
+    "seconds_above_continuous_current": "s",
+    "range_left": "m",
+    "emptied": "s",
+    "speed": "m/s",
+    "power": "W",
+    "duration": "s",
+}
+WATT_HOUR = 3600.0  # J
+
+
+def write_mission(out: Path, flight: Flight) -> None:
+    """Write report, figure, JSON and CSV into the folder `out`, all or nothing; UserError where it holds
+    something else."""
+    with folder_beside(out, replaces=DATA) as part:
+        (part / DATA).write_text(as_json(flight), encoding="utf-8")
+        write_rows(part / ROWS, flight)
+        draw_mission(part / PICTURE, flight)
+        (part / REPORT).write_text(report(flight), encoding="utf-8")
+
+
+def as_json(flight: Flight) -> str:
+    """The figures of the whole and of each leg; `mission` holds the file as it was read."""
+    legs = [
+        {
+            "number": leg.number,
+            "asked_speed": leg.asked,
+            "speed": leg.speed,
+            "duration": leg.duration,
+            "distance": leg.distance,
+            "power": leg.power.tolist(),
+            "energy": leg.energy.tolist(),
+            "charge": leg.charge.tolist(),
+        }
+        for leg in leg_figures(flight)
+    ]
+    content = {
+        "boat": flight.boat.name,
+        "source": "simulated",
+        "packs": pack_names(flight.boat),
+        "units": UNITS,
+        **summary(flight),
+        "legs": legs,
+        "mission": flight.mission.model_dump(mode="json", exclude_none=True),
+    }
+    return json.dumps(content, indent=1, allow_nan=False)
+
+
+def write_rows(path: Path, flight: Flight) -> None:
+    """A row every `EVERY` s: time, leg, pose, speed; power, current, voltage and charge of each pack.
+
+    Power and current are those of the step that ends at the row.
+    """
+    names, packs = pack_names(flight.boat), flight.packs
+    head = ["time", "leg", "north", "east", "heading", "speed"]
+    head += [f"{what}_{name}" for name in names for what in ("power", "current", "voltage", "charge")]
+    time, speed = flight.time, flight.speed
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(head)
+        for i in range(0, len(flight.states), round(EVERY / STEP)):
+            step = max(i - 1, 0)
+            state = flight.states[i]
+            row = [time[i], flight.leg[step], state[NORTH], state[EAST], state[HEADING], speed[i]]
+            for k in range(len(names)):
+                row += [packs.power[step, k], packs.current[step, k], packs.voltage[i, k], packs.charge[i, k]]
+            writer.writerow([f"{value:.9g}" for value in row])
+
+
+def report(flight: Flight) -> str:
+    """The Markdown report."""
+    names, found = pack_names(flight.boat), summary(flight)
+    head = ["leg", "speed asked, m/s", "made, m/s", "min", "m"]
+    head += [f"{what}, {name}" for name in names for what in ("W", "Wh", "charge at the end")]
+    rows = []
+    for leg in leg_figures(flight):
+        cells = [str(leg.number), f"{leg.asked:g}", f"{leg.speed:.3f}", f"{leg.duration / 60.0:.1f}"]
+        cells.append(f"{leg.distance:.0f}")
+        for k in range(len(names)):
+            cells += [f"{leg.power[k]:.1f}", f"{leg.energy[k] / WATT_HOUR:.1f}", f"{leg.charge[k]:.3f}"]
+        rows.append(cells)
+    ended = f"\n\n**{_emptied(flight)}**" if flight.emptied is not None else ""
+    return (
+        f"# Mission {flight.mission.name} of {flight.boat.name}\n\nSimulated. {flight.mission.description}"
+        f"{ended}\n\n"
+        + "\n".join(f"* {line}" for line in lines(flight))
+        + "\n\n"
+        + table(head, rows)
+        + "\n\n"
+        f"Greatest current of a pack: {max(found['current_max']):.2f} A. ![{PICTURE}]({PICTURE})\n"
+    )
+
+
+def _emptied(flight: Flight) -> str:
+    return (
+        f"A pack was empty after {flight.emptied:.0f} s and {flight.way[-1]:.0f} m, in "
+        f"legs.{flight.leg[-1]}: the rest was not flown"
+    )
+
+
+def lines(flight: Flight) -> list[str]:
+    """What the command line prints."""
+    found = summary(flight)
+    energy = ", ".join(f"{name} {joule / WATT_HOUR:.1f}" for name, joule in _packs(flight, "energy"))
+    charge = ", ".join(f"{name} {left:.3f}" for name, left in _packs(flight, "charge"))
+    told = [
+        f"{found['time'] / 60.0:.1f} min, {found['distance']:.0f} m, {found['energy_per_metre']:.1f} J/m",
+        f"energy in Wh: {energy}",
+        f"state of charge at the end: {charge}",
+    ]
+    if flight.emptied is not None:
+        return [*told, _emptied(flight)]
+    above = found["seconds_above_continuous_current"]
+    if above > 0.0:
+        told.append(f"a pack gives more than its continuous current for {above:.0f} s")
+    if found["range_left"] is not None:
+        told.append(f"range left above the reserve: {found['range_left']:.0f} m")
+    return told
+
+
+def _packs(flight: Flight, key: str) -> list[tuple[str, float]]:
+    return list(zip(pack_names(flight.boat), np.array(summary(flight)[key]).tolist(), strict=True))

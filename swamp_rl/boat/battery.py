@@ -1,0 +1,54 @@
+"""What a boat file may hold of its batteries and of the electric power that a thruster draws."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from swamp_rl.boat.part import FRACTION, NOT_NEGATIVE, POSITIVE, Part
+from swamp_rl.boat.quantity import Unit
+
+
+class PowerCurve(Part):
+    """Electric power of a thruster, P = P_0 + k T^1.5, T [N] its thrust at rest at the same throttle.
+
+    The exponent is that of momentum theory: a jet of area A leaves ½ T^1.5 / √(ρ A) in the water.
+    """
+
+    idle: Annotated[float, NOT_NEGATIVE, Unit("W")]
+    "P_0, drawn at every throttle, 0 included."
+    coefficient: Annotated[float, NOT_NEGATIVE, Unit("W/N1.5")]
+    "k."
+
+
+class Battery(Part):
+    """One pack, or two equal ones, each with its own thrusters and its own hotel load.
+
+    Of two packs the first lies in the starboard hull and feeds the thrusters at y > 0, the second in the port
+    hull those at y < 0; one on the centre line draws half of its power from each. The voltage falls linearly
+    with the charge drawn, V(s) = V_e + (V_f − V_e) s, s in [0, 1] the state of charge.
+    """
+
+    voltage_full: Annotated[float, POSITIVE, Unit("V")]
+    "V_f of a full pack."
+    voltage_empty: Annotated[float, POSITIVE, Unit("V")]
+    "V_e at s = 0."
+    capacity: Annotated[float, POSITIVE, Unit("C")]
+    "Charge of a pack; 3600 C are 1 Ah."
+    depth_of_discharge: Annotated[float, FRACTION, Unit("1")]
+    "Share of the capacity that may be drawn; the rest is the reserve."
+    current_continuous: Annotated[float, POSITIVE, Unit("A")]
+    "Greatest current of a pack for any time."
+    current_peak: Annotated[float, POSITIVE, Unit("A")]
+    "Greatest current of a pack for a short time."
+    hotel_power: Annotated[float, NOT_NEGATIVE, Unit("W")]
+    "Drawn from each pack by all but its thrusters."
+    packs: Annotated[int, Field(ge=1, le=2), Unit("1")]
+    "1, or 2 where each hull has its own."
+
+    @model_validator(mode="after")
+    def _limits_are_in_order(self) -> Self:
+        if self.voltage_empty > self.voltage_full:
+            raise ValueError("voltage_empty must not be above voltage_full")
+        if self.current_continuous > self.current_peak:
+            raise ValueError("current_continuous must not be above current_peak")
+        return self

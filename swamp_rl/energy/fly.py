@@ -1,0 +1,182 @@
+"""A mission flown in simulation: its track, and power, current and charge of each battery pack."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.boat.battery import Battery
+from swamp_rl.energy.charge import Discharge, discharge, stored_energy
+from swamp_rl.energy.mission import Mission
+from swamp_rl.energy.pilot import MissionPilot
+from swamp_rl.energy.power import pack_power, refuse_without_battery
+from swamp_rl.errors import UserError
+from swamp_rl.guidance.loop import closed_loop, truth
+from swamp_rl.simulator import initial_state, parameters
+from swamp_rl.simulator.reference import reference_of
+from swamp_rl.simulator.state import ACTUATORS, NORTH, SURGE, SWAY
+
+Array = NDArray[np.float64]
+
+STEP = 0.5  # s between two decisions
+CHECKED = 2  # steps between two looks at the batteries
+PATIENCE, TURNING = (
+    3.0,
+    120.0,
+)  # multiple of a leg's time at its speed, and s more, after which it is given up
+SETTLED, SLOWER = 60.0, 0.97  # s at the end of a leg in which at least that share of its speed must be made
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A mission as it went, T steps of `STEP`.
+
+    states: (T + 1, S), see `swamp_rl.simulator.state`; leg: (T,) number of the leg of each step; packs:
+    power, energy, charge, voltage and current of each pack; emptied: time [s] at which a pack was empty, None
+    where the mission was flown to its end.
+    """
+
+    boat: Boat
+    mission: Mission
+    states: Array
+    leg: NDArray[np.int64]
+    packs: Discharge
+    emptied: float | None
+
+    @property
+    def time(self) -> Array:
+        """(T + 1,) [s]."""
+        return np.arange(len(self.states)) * STEP
+
+    @property
+    def way(self) -> Array:
+        """(T + 1,) distance over ground so far [m]."""
+        steps = np.hypot(*np.diff(self.states[:, NORTH : NORTH + 2], axis=0).T)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    @property
+    def speed(self) -> Array:
+        """(T + 1,) over ground [m/s]."""
+        return np.hypot(self.states[:, SURGE], self.states[:, SWAY])
+
+
+def reserve_of(boat: Boat, mission: Mission) -> float:
+    """State of charge [1] that the mission must leave."""
+    refuse_without_battery(boat)
+    assert boat.battery is not None
+    return 1.0 - boat.battery.depth_of_discharge if mission.reserve is None else mission.reserve
+
+
+def fly(boat: Boat, mission: Mission, where: object, even_if_empty: bool = False) -> Flight:
+    """Fly a mission with a boat, its effects on, from rest.
+
+    where: the file to name in errors. even_if_empty: fly on below the reserve until a pack is empty.
+    UserError for a boat without battery, a reserve above the charge at the start, a speed that the boat
+    cannot reach, a leg that does not end, a current above the packs' peak, and, unless `even_if_empty`, for a
+    mission that needs more than the battery.
+    """
+    reserve = reserve_of(boat, mission)
+    assert boat.battery is not None
+    if mission.charge <= reserve:
+        raise UserError(
+            f"{where}: charge {mission.charge:g}: must be above the reserve of {reserve:g}; charge the packs"
+        )
+    refuse_speeds(boat, mission, where)
+    least = 0.0 if even_if_empty else reserve
+    states, leg, short = _flown(boat, mission, boat.battery, least, where)
+    power = pack_power(boat, states[1:, ACTUATORS + len(boat.thrusters) :])
+    packs = discharge(boat.battery, power, STEP, mission.charge)
+    flight = Flight(boat, mission, states, leg, packs, len(leg) * STEP if short else None)
+    if short and not even_if_empty:
+        raise UserError(f"{where}: {too_much(flight, reserve)}; shorten it or use --even-if-empty")
+    refuse_slow_legs(flight, where)
+    refuse_currents(flight, boat.battery, where)
+    return flight
+
+
+def refuse_speeds(boat: Boat, mission: Mission, where: object) -> None:
+    """UserError for a leg that is faster than the boat in still water."""
+    most = reference_of(boat).speed
+    for number, leg in enumerate(mission.legs):
+        if leg.speed > most:
+            raise UserError(
+                f"{where}: legs.{number}.speed: {leg.speed:g} m/s is above {most:.3g} m/s, the top speed of "
+                f"boat {boat.name}; go slower"
+            )
+
+
+def too_much(flight: Flight, reserve: float) -> str:
+    """What a mission that needs more than the battery says: where, and when."""
+    boat, time, leg = flight.boat, len(flight.leg) * STEP, int(flight.leg[-1])
+    return (
+        f"the mission needs more than the battery of boat {boat.name}: state of charge {reserve:.3g} after "
+        f"{time:.0f} s and {flight.way[-1]:.0f} m, in legs.{leg}"
+    )
+
+
+def _flown(
+    boat: Boat, mission: Mission, battery: Battery, least: float, where: object
+) -> tuple[Array, NDArray[np.int64], bool]:
+    """States, leg of each step, and whether a pack came to the state of charge `least` before the end."""
+    pilot = MissionPilot(boat, mission)
+    usable = float(stored_energy(battery, np.array(mission.charge)) - stored_energy(battery, np.array(least)))
+    drawn, legs, short = np.zeros(1), [], [False]
+
+    def decide(states: list[Array]) -> tuple[Array, bool]:
+        nonlocal drawn
+        if len(states) > 1 and (len(states) - 1) % CHECKED == 0:
+            throttle = np.concatenate(states[-CHECKED:])[:, ACTUATORS + len(boat.thrusters) :]
+            drawn = drawn + pack_power(boat, throttle).sum(axis=0) * STEP
+            short[0] = bool(drawn.max() >= usable)
+        seen = truth(states[-1][0])
+        commands = pilot.act(seen, STEP)[None]
+        if pilot.leg is None or short[0]:
+            return commands, True
+        legs.append(pilot.leg)
+        spent = seen.time - pilot.begun
+        if spent > PATIENCE * pilot.expected + TURNING:
+            raise UserError(
+                f"{where}: legs.{pilot.leg}: its last waypoint is not reached within {spent:.0f} s; go "
+                "faster, or check the waypoints and the current"
+            )
+        return commands, False
+
+    pose = np.array([[mission.start.north, mission.start.east, mission.course]])
+    params = parameters(boat)
+    seeds = np.array([mission.seed], np.uint64)
+    states, _ = closed_loop(boat, params, initial_state(params, pose), decide, seeds, STEP)
+    return states[0], np.array(legs, dtype=np.int64), short[0]
+
+
+def refuse_slow_legs(flight: Flight, where: object) -> None:
+    """UserError for a leg with a duration at the end of which the boat does not make its speed."""
+    for number, leg in enumerate(flight.mission.legs):
+        rows = np.flatnonzero(flight.leg == number) + 1
+        if leg.duration_s is None or len(rows) < 2 * SETTLED / STEP:
+            continue
+        made = float(flight.speed[rows[-round(SETTLED / STEP) :]].mean())
+        if made < SLOWER * leg.speed:
+            raise UserError(
+                f"{where}: legs.{number}.speed: {leg.speed:g} m/s is not reached: boat {flight.boat.name} "
+                f"makes {made:.3g} m/s over ground there; go slower, or check wind and current"
+            )
+
+
+def refuse_currents(flight: Flight, battery: Battery, where: object) -> None:
+    """UserError where a pack would have to give more than its peak current."""
+    over = np.flatnonzero(flight.packs.current.max(axis=1) > battery.current_peak)
+    if len(over):
+        most, step = float(flight.packs.current.max()), int(over[0])
+        raise UserError(
+            f"{where}: legs.{flight.leg[step]}: a pack would give {most:.3g} A, its peak is "
+            f"{battery.current_peak:g} A; go slower"
+        )
+
+
+def above_continuous(flight: Flight) -> float:
+    """Time [s] in which a pack gives more than its continuous current."""
+    assert flight.boat.battery is not None
+    over = flight.packs.current.max(axis=1) > flight.boat.battery.current_continuous
+    return float(over.sum()) * STEP if math.isfinite(flight.boat.battery.current_continuous) else 0.0

@@ -1,0 +1,85 @@
+"""Electric power of each thruster and of each battery pack, from what the actuators do."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat, Thruster
+from swamp_rl.energy.charge import stored_energy
+from swamp_rl.errors import UserError
+
+Array = NDArray[np.float64]
+
+
+def missing(boat: Boat) -> str | None:
+    """The key of the boat file without which there are no electric figures; None where all are there."""
+    for thruster in boat.thrusters:
+        if not isinstance(thruster, Thruster) or thruster.power is None:
+            return f"thrusters.{thruster.name}.power"
+    return "battery" if boat.battery is None else None
+
+
+def refuse_without_battery(boat: Boat) -> None:
+    """UserError where the boat file lacks the battery or the power of a thruster."""
+    key = missing(boat)
+    if key is not None:
+        raise UserError(f"boat {boat.name}: {key}: is missing; energy needs it, add it to the boat file")
+
+
+def thruster_power(boat: Boat, throttle: Array) -> Array:
+    """Electric power [W] (..., K) of thrusters at throttles [1] (..., K): P = P_0 + k |T|^1.5.
+
+    T [N] is the thrust at rest at that throttle, (a + b p) p ahead and (a' − b' p) p astern. The power is a
+    function of the throttle alone: the sources measure it on the bollard (thesis 5.5.2, figures 5.32, 5.33),
+    and none of them under way. UserError where the boat file lacks a key.
+    """
+    refuse_without_battery(boat)
+    jets = [jet for jet in boat.thrusters if isinstance(jet, Thruster)]
+    ahead = np.maximum(throttle, 0.0)
+    astern = np.maximum(-throttle, 0.0)
+    linear, quadratic, linear_astern, quadratic_astern = (
+        np.array([getattr(jet, name) for jet in jets])
+        for name in ("thrust_linear", "thrust_quadratic", "astern_linear", "astern_quadratic")
+    )
+    thrust = (linear + quadratic * ahead) * ahead + (linear_astern + quadratic_astern * astern) * astern
+    curves = [jet.power for jet in jets if jet.power is not None]
+    idle, coefficient = np.array([(curve.idle, curve.coefficient) for curve in curves]).T
+    return np.asarray(idle + coefficient * thrust**1.5)
+
+
+def pack_names(boat: Boat) -> tuple[str, ...]:
+    """Names of the packs in the order of every array of packs."""
+    return ("battery",) if boat.battery is None or boat.battery.packs == 1 else ("starboard", "port")
+
+
+def shares(boat: Boat) -> Array:
+    """Share (K, packs) of each thruster's power that each pack gives: by the side on which it stands."""
+    y = np.array([thruster.y for thruster in boat.thrusters if isinstance(thruster, Thruster)])
+    if boat.battery is None or boat.battery.packs == 1:
+        return np.ones((len(y), 1))
+    starboard = 0.5 * (1.0 + np.sign(y))
+    return np.stack([starboard, 1.0 - starboard], axis=1)
+
+
+def pack_power(boat: Boat, throttle: Array) -> Array:
+    """Power [W] (..., packs) drawn from each pack at throttles [1] (..., K), its hotel load included.
+
+    UserError where the boat file lacks a key.
+    """
+    of_thrusters = thruster_power(boat, throttle) @ shares(boat)
+    return np.asarray(of_thrusters + (boat.battery.hotel_power if boat.battery else 0.0))
+
+
+def range_left(boat: Boat, used: Array, length: Array, start: float = 1.0) -> Array:
+    """Distance [m] (...) that is left above the reserve after a track, at the energy per metre of that track.
+
+    used: energy [J] (..., packs) drawn so far; length [m] (...) of the track; start: state of charge [1] at
+    its beginning. The pack that comes first to its reserve decides. 0 beyond the reserve, not a number
+    without way.
+    """
+    refuse_without_battery(boat)
+    assert boat.battery is not None
+    reserve = stored_energy(boat.battery, np.array(1.0 - boat.battery.depth_of_discharge))
+    left = stored_energy(boat.battery, np.array(start)) - used - reserve
+    with np.errstate(divide="ignore", invalid="ignore"):
+        multiple = np.where(used > 0.0, np.maximum(left, 0.0) / used, np.inf).min(axis=-1)
+        return np.asarray(np.where(length > 0.0, multiple * length, np.nan))

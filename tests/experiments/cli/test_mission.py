@@ -1,0 +1,60 @@
+"""`swamp-rl mission`: the chain from a file to its folder, and nothing written where it is refused."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.support.command_line import Call, assert_complains
+from tests.support.command_line import call as call  # the fixture
+
+MINE = "name: mine\nboat: swamp\ncharge: {charge}\nlegs: [{{speed: 0.9, duration_s: 40.0}}]\n"
+
+
+@pytest.fixture(autouse=True)
+def _mission(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text(MINE.format(charge=1.0))
+    (tmp_path / "low.yaml").write_text(MINE.format(charge=0.101))
+
+
+def test_a_mission_writes_report_figure_rows_and_figures(call: Call, tmp_path: Path) -> None:
+    code, said, complaint = call("mission", "mine.yaml", "--out", "out folder")
+    assert (code, complaint) == (0, "")
+    assert "state of charge at the end: starboard 0.99" in said
+    out = tmp_path / "out folder"
+    assert {path.name for path in out.iterdir()} == {
+        "report.md",
+        "mission.json",
+        "mission.csv",
+        "mission.png",
+    }
+    told = json.loads((out / "mission.json").read_text())
+    with (out / "mission.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 41
+    assert float(rows[-1]["charge_port"]) == pytest.approx(told["charge"][1], abs=1e-8)
+    assert told["legs"][0]["distance"] == pytest.approx(told["distance"])
+    assert call("mission", "mine.yaml", "--out", "out folder")[0] == 0  # its own result may be replaced
+
+
+def test_without_a_folder_nothing_is_written(call: Call, tmp_path: Path) -> None:
+    assert call("mission", "mine.yaml")[0] == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"mine.yaml", "low.yaml"}
+
+
+def test_a_refused_mission_leaves_nothing(call: Call, tmp_path: Path) -> None:
+    assert_complains(call("mission", "low.yaml", "--out", "out"), "low.yaml", "--even-if-empty")
+    assert_complains(call("mission", "mine.yaml", "--out", "out", "--boat", "esso_osaka"), "power")
+    assert_complains(call("mission", "survye"), "survey")
+    assert {path.name for path in tmp_path.iterdir()} == {"mine.yaml", "low.yaml"}
+    code, _, _ = call("mission", "low.yaml", "--out", "out", "--even-if-empty")
+    assert code == 0
+    assert (tmp_path / "out" / "report.md").is_file()
+
+
+def test_a_folder_of_something_else_is_not_replaced(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "diary.txt").write_text("mine")
+    assert_complains(call("mission", "mine.yaml", "--out", "out"), "already exists")
+    assert (tmp_path / "out" / "diary.txt").read_text() == "mine"
