@@ -30,7 +30,7 @@ FLOORS = (
     {"physics", "boat", "effects", "course"},
     {"runs", "simulator"},
     {"allocation", "guidance", "navigation", "manoeuvres", "identification", "pilots"},
-    {"criticism", "evaluation", "export"},
+    {"criticism", "design", "evaluation", "export"},
     {"teleop", "demo", "api"},
     {"envs"},
     {"experiments.config"},
