@@ -72,7 +72,7 @@ def write_design(
 
 
 def boat_file(extended: str, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """A boat file that extends a boat, by name or path, with changes; UserError where it is none with them."""
+    """A boat file that extends a boat, by name or path, with changes; UserError where they do not fit."""
     load_boat(extended, changes)
     path = find_config("boats", extended)
     named = Path(extended).suffix == "" and len(Path(extended).parts) == 1

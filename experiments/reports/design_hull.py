@@ -1,4 +1,4 @@
-"""A designed hull: hydrostatics, draught over load, righting levers, and the boat file that has its draught."""
+"""A designed hull: hydrostatics, draught over load, righting levers, and a boat file with its draught."""
 
 import math
 from collections.abc import Sequence
@@ -49,7 +49,7 @@ MEANING = {
 
 
 def write_hull(out: Path, asked: str, boat: str) -> list[str]:
-    """Work out the hull of a file and write it into `out`; lines to print. UserError where it does not float."""
+    """Work out the hull of a file and write it into `out`; lines to print. UserError if it does not float."""
     hull = load_hull(asked)
     conditions = [stability(hull, condition) for condition in hull.conditions]
     over_draught = [

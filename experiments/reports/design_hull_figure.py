@@ -48,7 +48,8 @@ def body_plan(axes: Any, hull: HullDesign, conditions: Sequence[Stability]) -> N
     axes.axhline(1e3 * hull.freeboard_line, color=GREY, lw=0.8, ls=":", label="freeboard line")
     axes.set(title="Sections of a demihull", xlabel="half breadth [mm]", ylabel="height [mm]")
     axes.set_aspect("equal")
-    axes.legend(loc="upper center", fontsize=7, framealpha=0.85, frameon=True, edgecolor="none")
+    axes.set_ylim(top=1.38e3 * hull.depth)
+    axes.legend(loc="upper center", fontsize=7)
 
 
 def stations(hull: HullDesign) -> np.ndarray:

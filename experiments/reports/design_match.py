@@ -30,7 +30,7 @@ RANGES = {
 
 
 def write_match(out: Path, asked: str) -> list[str]:
-    """Match the propellers of a file and write it into `out`; lines to print. UserError without a solution."""
+    """Match the propellers of a file and write it into `out`; lines to print. UserError if none fits."""
     design = load_match(asked)
     found, ranges = matches(design), best_ranges(design)
     factor = drag_of(design).factor(design.design_speed)

@@ -38,10 +38,10 @@ def coefficients(axes: Any, design: MatchDesign, found: Sequence[Match]) -> None
         label = f"p/d {pitch.pitch_ratio:g}: J* = {one.advance:.2f}"
         axes.plot(at, values, color=shades[float(i)], label=label)
         axes.plot(one.advance, one.thrust_coefficient, "o", color=shades[float(i)], ms=6)
-    at = np.linspace(0.0, most, 200)
+    at = np.linspace(0.0, min(most, (highest / asked) ** 0.5), 200)
     axes.plot(at, asked * at**2, color="#888888", ls="--", label="asked by the hull")
     axes.set(xlabel="advance coefficient J [1]", ylabel="thrust coefficient K_t [1]")
-    axes.set(xlim=(0.0, 1.05 * most), ylim=(0.0, 1.1 * highest), title="Steady run")
+    axes.set(xlim=(0.0, 1.05 * most), ylim=(0.0, 1.35 * highest), title="Steady run")
     axes.legend(loc="upper right")
 
 

@@ -45,7 +45,7 @@ TRIANGLES = {
 
 
 def write_pump_jet(out: Path, asked: str, boat: str) -> list[str]:
-    """Design the pump-jet of a file and write it into `out`; lines to print. UserError where there is none."""
+    """Design the pump-jet of a file and write it into `out`; lines to print. UserError if there is none."""
     jet = design_pump_jet(load_pump_jet(asked))
     found = quantities(jet)
     rows = [list(asdict(running_at(jet, float(throttle))).values()) for throttle in THROTTLES]

@@ -84,8 +84,8 @@ def arc(axes: Any, triangle: Triangle) -> None:
 def mean_lines(jet: PumpJet) -> dict[str, MeanLine]:
     """The vane's mean line of each streamline.
 
-    The outlet edge ends at the impeller's height; it is a straight line of the outlet's height from the tip to
-    the root.
+    The outlet edge is a straight line of the outlet's height, from the tip to the root at the impeller's
+    height.
     """
     shape = jet.geometry
     slant = 0.5 * (shape.outlet[2] - shape.outlet[0])
@@ -96,7 +96,7 @@ def mean_lines(jet: PumpJet) -> dict[str, MeanLine]:
 
 
 def plan(axes: Any, jet: PumpJet, lines: dict[str, MeanLine]) -> None:
-    """Vanes from above, the impeller turning anticlockwise: surface from tip to root, the mean section dark."""
+    """Vanes from above, the impeller turning anticlockwise: surface from tip to root, mean section dark."""
     for blade in range(jet.design.blades):
         turned = 2.0 * math.pi * blade / jet.design.blades
         tip, root = (places(lines[name], turned) for name in ("tip", "root"))

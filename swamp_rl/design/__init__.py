@@ -1,4 +1,4 @@
-"""Design of a pump-jet, of a hull, and of propellers that fit a hull, from YAML files with their provenance."""
+"""Design of a pump-jet, of a hull, and of propellers that fit a hull, from files with their provenance."""
 
 from swamp_rl.design.hull_lines import HullDesign, load_hull
 from swamp_rl.design.hydrostatics import Hydrostatics, draught_of, hydrostatics

@@ -11,6 +11,7 @@ fore and aft. (4.6)'s form is taken on both sides.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -29,7 +30,7 @@ MOST_CONDITIONS = 20
 
 
 class Condition(Part):
-    """A loading condition: its draught or its mass, and the height of its centre of gravity above the bottom."""
+    """A loading condition: draught or mass, and height of the centre of gravity above the bottom."""
 
     name: Annotated[str, NAME]
     "As tables and figures print it."
@@ -156,7 +157,7 @@ def upward(hull: HullDesign, draught: float) -> Nodes:
 
 def _pieces(edges: list[float]) -> Nodes:
     node, weight = leggauss(ORDER)
-    half = [0.5 * (high - low) for low, high in zip(edges, edges[1:], strict=False)]
-    middle = [0.5 * (high + low) for low, high in zip(edges, edges[1:], strict=False)]
+    half = [0.5 * (high - low) for low, high in pairwise(edges)]
+    middle = [0.5 * (high + low) for low, high in pairwise(edges)]
     at = [m + h * node for m, h in zip(middle, half, strict=True)]
     return Nodes(np.concatenate(at), np.concatenate([h * weight for h in half]))

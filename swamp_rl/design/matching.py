@@ -141,7 +141,7 @@ class BestRange:
 
 @dataclass(frozen=True)
 class Drag:
-    """Of a vehicle: force [N] over the speed [m/s], known from `low` to `high` [m/s]; density of its water."""
+    """Of a vehicle: force [N] over speed [m/s], known from `low` to `high` [m/s]; density of its water."""
 
     force: Callable[[float], float]
     low: float
@@ -197,7 +197,8 @@ def matches(design: MatchDesign) -> list[Match]:
     drag, speed, of = drag_of(design), design.design_speed, design.propellers
     if not drag.low <= speed <= drag.high:
         raise UserError(
-            f"{design.name}: design_speed {speed:g} m/s is outside of the towed {drag.low:g} to {drag.high:g} m/s"
+            f"{design.name}: design_speed {speed:g} m/s is not within the towed {drag.low:g} to "
+            f"{drag.high:g} m/s"
         )
     found = []
     for pitch in of.series:

@@ -178,8 +178,8 @@ def geometry_of(design: PumpJetDesign) -> Geometry:
     root = tip - 2.0 * height
     if not 0.0 < root < mean < tip:
         raise UserError(
-            f"{design.name}: the inlet's diameters are tip {tip:.4g}, mean {mean:.4g}, root {root:.4g} m; they "
-            "must descend to above 0: change inlet_tip_ratio, inlet_mean_ratio or inlet_height_ratio"
+            f"{design.name}: the inlet's tip, mean and root, {tip:.4g}, {mean:.4g} and {root:.4g} m across, "
+            "must descend and be above 0: change inlet_tip_ratio, inlet_mean_ratio or inlet_height_ratio"
         )
     mean_out, tip_out = tip / design.outlet_mean_ratio, tip / design.outlet_tip_ratio
     squared = 2.0 * mean_out**2 - tip_out**2
@@ -231,8 +231,8 @@ def design_pump_jet(design: PumpJetDesign) -> PumpJet:
     if not 0.0 < whirl < turning * radii[1]:
         least = math.sqrt(GRAVITY * head) / (2.0 * math.pi * radii[1])
         raise UserError(
-            f"{design.name}: no solution: a head of {head:.3g} m needs a whirl of {whirl:.3g} m/s at the outlet, "
-            f"whose vane has {turning * radii[1]:.3g} m/s; raise revolutions, above {least:.3g} 1/s at least"
+            f"{design.name}: no solution: a head of {head:.3g} m needs an outlet whirl of {whirl:.3g} m/s, "
+            f"but the vane has {turning * radii[1]:.3g} m/s; raise revolutions, above {least:.3g} 1/s at least"
         )
     inlet, outlet = (
         tuple(

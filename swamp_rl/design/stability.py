@@ -94,7 +94,7 @@ def stability(hull: HullDesign, condition: Condition, heel: Array = ANGLES) -> S
 def cross_lever(hull: HullDesign, volume: float, heel: float) -> float:
     """KN [m]: horizontal distance of the centre of buoyancy from the keel line at a heel [rad] ≥ 0.
 
-    A point y to starboard and h above the bottom lies y cos φ + h sin φ to starboard and h cos φ − y sin φ up.
+    A point y to starboard and h above the bottom lies y cos φ + h sin φ to starboard, h cos φ − y sin φ up.
     Of each strip between two heights that part is immersed whose upward place is below the water; the water
     stands where the immersed volume [m³] is the given one. The hull is alike fore and aft: it does not trim.
     """
