@@ -80,7 +80,7 @@ def power_checks(jet: PumpJet) -> list[Check]:
             105,
             power_at(jet, 13.5),
             LOOSE,
-            reason="by the affinity laws power goes with thrust to 1.5; the measured points, 96.7 W at 12.3 N "
+            reason="by the affinity laws power goes with thrust to 1.5; measured, 96.7 W at 12.3 N "
             "and 105 W at 13.5 N, go with thrust to 0.9, and table 5.4's 125 W at 14.5 N again to 2.4.",
         ),
         check("electric power at 14.5 N, W", "table 5.4", 125, power_at(jet, 14.5), LOOSE),

@@ -22,10 +22,10 @@ from pydantic import Field, model_validator
 
 from swamp_rl.boat.part import FROM_LIST, NAME, NOT_NEGATIVE, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
-from swamp_rl.design.read import read_design
+from swamp_rl.design.read import FILLED, read_design
 
 Array = NDArray[np.float64]
-ORDER = 24  # of the Gauss-Legendre quadrature on each smooth piece; exact to polynomials of degree 47
+ORDER = 12  # of the Gauss-Legendre quadrature on each smooth piece; exact to polynomials of degree 23
 MOST_CONDITIONS = 20
 
 
@@ -73,7 +73,7 @@ class HullDesign(Part):
     "S: between the centre planes of two demihulls; 0 for one."
     water_density: Annotated[float, POSITIVE, Unit("kg/m3")]
     "Of the water."
-    conditions: Annotated[tuple[Condition, ...], FROM_LIST, Field(min_length=1, max_length=MOST_CONDITIONS)]
+    conditions: Annotated[tuple[Condition, ...], FROM_LIST, FILLED, Field(max_length=MOST_CONDITIONS)]
     "The first one is what the boat file is written for."
 
     @model_validator(mode="after")

@@ -16,7 +16,7 @@ class Hydrostatics:
     """Of the whole vessel at a draught [m], SI units; heights count from the bottom.
 
     volume, mass: displaced; wetted_area: with the bottom; block_coefficient and slenderness: of a demihull,
-    C_B = ∇/(L B T) with the greatest breadth, L/∇^⅓; buoyancy_height KB; KM_T, KM_L: of the metacentres; load:
+    C_B = ∇/(L B T) with B the greatest, L/∇^⅓; buoyancy_height KB; KM_T, KM_L: of the metacentres; load:
     mass that lowers the vessel by a metre, ρ A_WP [kg/m]; waterplane_area A_WP.
     """
 

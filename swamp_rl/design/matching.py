@@ -22,14 +22,14 @@ from swamp_rl.boat.part import FROM_LIST, NAME, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.boat.resistance import TankResistance
 from swamp_rl.design.propellers import linear_thrust_coefficient
-from swamp_rl.design.read import read_design
+from swamp_rl.design.read import FILLED, read_design
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.captive import resistance_at
 
 SHARE = Field(gt=0, le=1)
 MOST = 20
 GRID = 200  # speeds that the best range is looked for at first
-Several = Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, Field(min_length=1, max_length=MOST)]
+Several = Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, FILLED, Field(max_length=MOST)]
 
 
 class Vehicle(Part):
@@ -72,7 +72,7 @@ class Propellers(Part):
     "K_h: share of the thrust that the hull's flow leaves."
     null_factor: Annotated[float, Field(gt=0, le=3), Unit("1")]
     "k_null: J without thrust over p/d."
-    series: Annotated[tuple[Pitch, ...], FROM_LIST, Field(min_length=1, max_length=MOST)]
+    series: Annotated[tuple[Pitch, ...], FROM_LIST, FILLED, Field(max_length=MOST)]
     "The pitches to compare."
 
 

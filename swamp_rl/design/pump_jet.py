@@ -232,7 +232,7 @@ def design_pump_jet(design: PumpJetDesign) -> PumpJet:
         least = math.sqrt(GRAVITY * head) / (2.0 * math.pi * radii[1])
         raise UserError(
             f"{design.name}: no solution: a head of {head:.3g} m needs an outlet whirl of {whirl:.3g} m/s, "
-            f"but the vane has {turning * radii[1]:.3g} m/s; raise revolutions, above {least:.3g} 1/s at least"
+            f"but the vane has {turning * radii[1]:.3g} m/s; raise revolutions above {least:.3g} 1/s"
         )
     inlet, outlet = (
         tuple(
@@ -251,9 +251,10 @@ def design_pump_jet(design: PumpJetDesign) -> PumpJet:
                 f"{triangle.whirl:.3g} m/s, its vane at {triangle.blade:.3g} m/s; raise revolutions"
             )
     slip = slip_factor(outlet[1], design.blades)
-    if slip <= 0.0:
+    if slip * outlet[1].blade <= whirl:
         raise UserError(
-            f"{design.name}: {design.blades} blades do not turn the water (σ {slip:.2f}); add blades"
+            f"{design.name}: no solution: with {design.blades} blades the water slips past them too much (σ "
+            f"{slip:.2f}) to make the head, even if they were radial; add blades"
         )
     shaft = design.water_density * GRAVITY * flow * head
     shaft /= design.pump_efficiency * design.mechanical_efficiency * design.rotative_efficiency

@@ -1,14 +1,24 @@
 """Design files: found, read strictly, and refused where they are of another kind of design."""
 
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
-from pydantic import BaseModel
+from pydantic import AfterValidator, BaseModel
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml, validated
 
 Model = TypeVar("Model", bound=BaseModel)
+
+
+def _filled(given: tuple[Any, ...]) -> tuple[Any, ...]:
+    # A least length declared as such would be missed, too, by a list whose items are at fault.
+    if not given:
+        raise ValueError("is empty; give at least one")
+    return given
+
+
+FILLED = AfterValidator(_filled)
 
 
 def read_design(name_or_path: str | Path, kind: str, model: type[Model]) -> Model:

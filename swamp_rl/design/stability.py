@@ -14,7 +14,8 @@ from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
 DEGREE = math.pi / 180.0
-STRIPS = 400  # of the depth
+STRIPS = 200  # of the depth
+SLIVER = 1e-9  # m: least breadth of the water's edge across a strip
 ANGLES = np.arange(0, 61) * DEGREE  # rad of heel
 CRITERIA = {  # table 4.10: least value of each
     "metacentric_height": 0.015,  # m
@@ -85,6 +86,8 @@ def stability(hull: HullDesign, condition: Condition, heel: Array = ANGLES) -> S
     if draught is None:
         assert condition.mass is not None  # the schema has seen to it
         draught = draught_of(hull, condition.mass)
+    if draught >= hull.depth:
+        raise UserError(f"{hull.name}: {condition.name}: no freeboard above a draught of {draught:g} m")
     upright = hydrostatics(hull, draught)
     cross = np.array([cross_lever(hull, upright.volume, float(angle)) for angle in heel])
     gravity = condition.centre_of_gravity
@@ -108,20 +111,37 @@ def cross_lever(hull: HullDesign, volume: float, heel: float) -> float:
 
     def immersed(water: float) -> tuple[float, float]:
         """Volume and its moment about the keel line with the water at that height."""
-        edge = (h * cosine - water) / sine
+        below = ((h - 0.5 * step) * cosine - water) / sine
+        above = below + max(step * cosine / sine, SLIVER)
         total = moment = 0.0
         for centre in hull.centre_planes:
-            low, high = np.clip(edge, centre - half, centre + half), centre + half
-            part = weight * (high - low)
-            total += float(part.sum())
-            moment += float((part * (0.5 * (high + low) * cosine + h * sine)).sum())
+            low, high = centre - half, centre + half
+            edge, squared = _means_of_clipped(below, above, low, high)
+            wide = high - edge
+            total += float((weight * wide).sum())
+            moment += float((weight * (0.5 * (high**2 - squared) * cosine + h * wide * sine)).sum())
         return total, moment
 
     reach = hull.overall_breadth + hull.depth
     if immersed(reach)[0] <= volume:
-        raise UserError(
-            f"{hull.name}: no solution: no freeboard is left to heel with; load less or raise depth"
-        )
+        raise UserError(f"{hull.name}: no solution: the deck is too low to heel; load less or raise depth")
     water = brentq(lambda at: immersed(at)[0] - volume, -reach, reach, xtol=1e-9)
     total, moment = immersed(water)
     return moment / total
+
+
+def _means_of_clipped(below: Array, above: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """Means of e and of e², e running evenly from `below` to `above`, cut at `low` and `high`.
+
+    The strip's sides are taken as vertical; without the means small heels would fall between the strips.
+    """
+
+    def integrals(edge: Array) -> tuple[Array, Array]:
+        cut, under, over = np.clip(edge, low, high), np.minimum(edge - low, 0.0), np.maximum(edge - high, 0.0)
+        return (
+            cut**2 / 2.0 + low * under + high * over,
+            cut**3 / 3.0 + low**2 * under + high**2 * over,
+        )
+
+    (first, second), (begun, begun_squared) = integrals(above), integrals(below)
+    return (first - begun) / (above - below), (second - begun_squared) / (above - below)
