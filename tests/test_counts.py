@@ -16,6 +16,7 @@ from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.sweep.schema import Sweep, load_sweep
 
 from swamp_rl.course.schema import Course
+from swamp_rl.design import HullDesign, MatchDesign, PumpJetDesign
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.plan import Plan
 from swamp_rl.runs.resample import resampled
@@ -35,9 +36,10 @@ def integers(schema: Any, where: str = "") -> Iterator[tuple[str, dict[str, Any]
             yield from integers(inner, f"{where}.{number}")
 
 
-@pytest.mark.parametrize("model", ["experiment", "sweep", "trials", "course"])
+@pytest.mark.parametrize("model", ["experiment", "sweep", "trials", "course", "pump-jet", "hull", "match"])
 def test_every_whole_number_of_a_file_has_a_greatest_value(model: str) -> None:
     models: dict[str, Any] = {"sweep": Sweep, "trials": Plan, "course": Course}
+    models |= {"pump-jet": PumpJetDesign, "hull": HullDesign, "match": MatchDesign}
     schema = json.loads(schema_text()) if model == "experiment" else models[model].model_json_schema()
     endless = [
         where

@@ -5,13 +5,21 @@ from collections.abc import Callable
 from docs.generate.command_line import command_line
 from docs.generate.effects import effects
 from docs.generate.examples import examples
-from docs.generate.files import boat_file, course_file, experiment_file, plan_file, sweep_file
+from docs.generate.files import (
+    boat_file,
+    course_file,
+    design_file,
+    experiment_file,
+    plan_file,
+    sweep_file,
+)
 from docs.generate.interface import modules, public_names
 
 PARTS: dict[str, Callable[[], str]] = {
     "boat file": boat_file,
     "command line": command_line,
     "course file": course_file,
+    "design file": design_file,
     "effects": effects,
     "examples": examples,
     "experiment file": experiment_file,

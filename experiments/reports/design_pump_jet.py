@@ -18,8 +18,11 @@ from swamp_rl.experiments.reports.design import (
 )
 from swamp_rl.experiments.reports.design_pump_jet_figure import draw_pump_jet
 
+from swamp_rl.boat import load_boat
+from swamp_rl.boat.schema import Thruster
 from swamp_rl.design.pump_jet import OUTLET_ANGLES, PumpJet, design_pump_jet, load_pump_jet, running_at
 from swamp_rl.design.velocity_triangles import Triangle
+from swamp_rl.errors import UserError
 
 FIGURE = "pump_jet.png"
 THROTTLES = np.linspace(0.0, 1.0, 21)
@@ -47,6 +50,7 @@ TRIANGLES = {
 def write_pump_jet(out: Path, asked: str, boat: str) -> list[str]:
     """Design the pump-jet of a file and write it into `out`; lines to print. UserError if there is none."""
     jet = design_pump_jet(load_pump_jet(asked))
+    refuse_propellers(boat)
     found = quantities(jet)
     rows = [list(asdict(running_at(jet, float(throttle))).values()) for throttle in THROTTLES]
     triangles = [
@@ -68,6 +72,15 @@ def write_pump_jet(out: Path, asked: str, boat: str) -> list[str]:
         low, high = (math.degrees(angle) for angle in OUTLET_ANGLES)
         lines.append(f"the vane outlet angle is outside of {low:g} to {high:g} deg: expect less efficiency")
     return lines
+
+
+def refuse_propellers(boat: str) -> None:
+    """UserError where the thrusters of a boat are no jets."""
+    others = [one.name for one in load_boat(boat).thrusters if not isinstance(one, Thruster)]
+    if others:
+        raise UserError(
+            f"{boat}: {', '.join(others)}: no jet, which a pump-jet could replace; name another --boat"
+        )
 
 
 def thrust_of(jet: PumpJet) -> dict[str, Any]:
