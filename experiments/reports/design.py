@@ -28,7 +28,7 @@ class Quantity:
     @property
     def line(self) -> str:
         """For the terminal."""
-        return f"{self.meaning:<46} {self.shown or f'{self.value:.4g} {self.unit}'.replace(' 1', '')}"
+        return f"{self.meaning:<48} {self.shown or f'{self.value:.4g} {self.unit}'.replace(' 1', '')}"
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from typing import Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml, validated
 
@@ -29,6 +30,6 @@ def read_design(name_or_path: str | Path, kind: str, model: type[Model]) -> Mode
     path = find_config("designs", name_or_path)
     data = {"name": path.stem} | read_yaml(path)
     if data.get("design") != kind:
-        told = f"is {data['design']!r}" if "design" in data else "is missing"
+        told = f"is {clipped(repr(data['design']))}" if "design" in data else "is missing"
         raise UserError(f"{path}: design: {told}; swamp-rl design {kind} takes files with design: {kind}")
     return validated(path, model, data)
