@@ -34,9 +34,9 @@ class Condition(Part):
 
     name: Annotated[str, NAME]
     "As tables and figures print it."
-    draught: Annotated[float, POSITIVE, Unit("m")] | None = None
+    draught: Annotated[float | None, POSITIVE, Unit("m")] = None
     "Of the hull, or give mass."
-    mass: Annotated[float, POSITIVE, Unit("kg")] | None = None
+    mass: Annotated[float | None, POSITIVE, Unit("kg")] = None
     "Of the vessel, or give draught."
     centre_of_gravity: Annotated[float, NOT_NEGATIVE, Unit("m")]
     "VCG: above the bottom."

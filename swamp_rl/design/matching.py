@@ -37,9 +37,9 @@ class Vehicle(Part):
 
     boat: Annotated[str, Field(min_length=1)] | None = None
     "A name in configs/boats, or a boat file; or give the next two."
-    drag_coefficient: Annotated[float, POSITIVE, Unit("1")] | None = None
+    drag_coefficient: Annotated[float | None, POSITIVE, Unit("1")] = None
     "C_DX on the frontal area (1)."
-    diameter: Annotated[float, POSITIVE, Unit("m")] | None = None
+    diameter: Annotated[float | None, POSITIVE, Unit("m")] = None
     "D: of the body."
 
     @model_validator(mode="after")
@@ -83,7 +83,7 @@ class MatchDesign(Part):
     "Kind of design."
     name: Annotated[str, Field(min_length=1)]
     "As tables print it; the file's by default."
-    water_density: Annotated[float, POSITIVE, Unit("kg/m3")] | None = None
+    water_density: Annotated[float | None, POSITIVE, Unit("kg/m3")] = None
     "Of the water; a boat's file has its own."
     vehicle: Vehicle
     "What is driven."

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 DEGREE = math.pi / 180.0
 STRIPS = 200  # of the depth
 SLIVER = 1e-9  # m: least breadth of the water's edge across a strip
-ANGLES = np.arange(0, 61) * DEGREE  # rad of heel
+ANGLES: Array = np.linspace(0.0, 60.0, 61) * DEGREE  # of heel
 CRITERIA = {  # table 4.10: least value of each
     "metacentric_height": 0.015,  # m
     "greatest_lever": 0.2,  # m
@@ -105,7 +105,7 @@ def cross_lever(hull: HullDesign, volume: float, heel: float) -> float:
         return 0.0
     sine, cosine = math.sin(heel), math.cos(heel)
     x, step = along(hull), hull.depth / STRIPS
-    h = (np.arange(STRIPS) + 0.5) * step
+    h = np.linspace(0.5 * step, hull.depth - 0.5 * step, STRIPS)
     half = half_breadth(hull, x.at[:, None], h)
     weight = x.weight[:, None] * step
 
