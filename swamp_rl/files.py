@@ -20,7 +20,16 @@ from swamp_rl.explain import validated as validated
 from swamp_rl.ordinary import ordinary
 from swamp_rl.yaml_text import MOST_BYTES, dumped, parsed
 
-CONFIG_KINDS = ("boats", "courses", "disturbances", "trials", "missions", "experiments", "sweeps")
+CONFIG_KINDS = (
+    "boats",
+    "courses",
+    "designs",
+    "disturbances",
+    "trials",
+    "missions",
+    "experiments",
+    "sweeps",
+)
 HINTS = {
     errno.ENOSPC: "free some room",
     errno.EDQUOT: "free some room",

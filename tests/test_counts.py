@@ -16,6 +16,7 @@ from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.sweep.schema import Sweep, load_sweep
 
 from swamp_rl.course.schema import Course
+from swamp_rl.design import HullDesign, MatchDesign, PumpJetDesign
 from swamp_rl.energy.mission import Mission
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.plan import Plan
@@ -36,10 +37,20 @@ def integers(schema: Any, where: str = "") -> Iterator[tuple[str, dict[str, Any]
             yield from integers(inner, f"{where}.{number}")
 
 
-@pytest.mark.parametrize("model", ["experiment", "sweep", "trials", "course", "mission"])
+MODELS: dict[str, Any] = {
+    "sweep": Sweep,
+    "trials": Plan,
+    "course": Course,
+    "mission": Mission,
+    "pump-jet": PumpJetDesign,
+    "hull": HullDesign,
+    "match": MatchDesign,
+}
+
+
+@pytest.mark.parametrize("model", ["experiment", *MODELS])
 def test_every_whole_number_of_a_file_has_a_greatest_value(model: str) -> None:
-    models: dict[str, Any] = {"sweep": Sweep, "trials": Plan, "course": Course, "mission": Mission}
-    schema = json.loads(schema_text()) if model == "experiment" else models[model].model_json_schema()
+    schema = json.loads(schema_text()) if model == "experiment" else MODELS[model].model_json_schema()
     endless = [
         where
         for where, found in integers(schema)

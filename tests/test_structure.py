@@ -31,7 +31,7 @@ FLOORS = (
     {"runs", "simulator"},
     {"logs", "doctor"},
     {"allocation", "energy", "guidance", "navigation", "manoeuvres", "identification", "pilots"},
-    {"criticism", "evaluation", "export"},
+    {"criticism", "design", "evaluation", "export"},
     {"teleop", "demo", "api"},
     {"envs"},
     {"experiments.config"},

@@ -15,6 +15,7 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.esso_osaka.pond import DATA
 from benchmarks.markers import DOCS, write_parts
+from benchmarks.validation.design import design_parts
 from benchmarks.validation.energy import energy_rows
 from benchmarks.validation.esso_osaka import FIGURES, INDEPENDENT, Circle, circles, windows
 from benchmarks.validation.swamp import (
@@ -153,7 +154,7 @@ def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) == 2 else DATA
     if len(sys.argv) == 2 and not (folder / "turning").is_dir():
         raise SystemExit(f"{folder}: no turning/ here; name the folder of the measured pond tests, or none")
-    write_parts(DOCS / "validation.md", swamp_parts() | esso_parts(folder))
+    write_parts(DOCS / "validation.md", swamp_parts() | design_parts() | esso_parts(folder))
 
 
 if __name__ == "__main__":

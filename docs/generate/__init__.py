@@ -9,6 +9,7 @@ from docs.generate.examples import examples
 from docs.generate.files import (
     boat_file,
     course_file,
+    design_file,
     experiment_file,
     mission_file,
     plan_file,
@@ -20,6 +21,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "boat file": boat_file,
     "command line": command_line,
     "course file": course_file,
+    "design file": design_file,
     "effects": effects,
     "estimates": estimates,
     "examples": examples,

@@ -16,6 +16,7 @@ from docs.generate.markdown import table
 from swamp_rl.boat import Boat
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.course import Course
+from swamp_rl.design import HullDesign, MatchDesign, PumpJetDesign
 from swamp_rl.energy.mission import Mission
 from swamp_rl.manoeuvres.plan import Plan
 
@@ -46,6 +47,15 @@ def boat_file() -> str:
 def course_file() -> str:
     """Every key of a course file."""
     return reference(Course)
+
+
+def design_file() -> str:
+    """Every key of the design files, by kind."""
+    kinds = {"pump-jet": PumpJetDesign, "hull": HullDesign, "match": MatchDesign}
+    return "\n".join(
+        reference(model).replace("## The file", f"## design: {kind}").replace("## `", "### `")
+        for kind, model in kinds.items()
+    )
 
 
 def experiment_file() -> str:

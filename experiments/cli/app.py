@@ -13,6 +13,7 @@ from swamp_rl.experiments.cli.boat import boat_app
 from swamp_rl.experiments.cli.catalogue import boats, courses, effects, pilots
 from swamp_rl.experiments.cli.compare import compare
 from swamp_rl.experiments.cli.demo import demo
+from swamp_rl.experiments.cli.design import design_app
 from swamp_rl.experiments.cli.diagnose import diagnose, disturbances
 from swamp_rl.experiments.cli.experiment import evaluate, run, train
 from swamp_rl.experiments.cli.export import export
@@ -43,6 +44,7 @@ app.add_typer(boat_app, name="boat")
 app.add_typer(runs_app, name="runs")
 app.add_typer(identify_app, name="identify")
 app.add_typer(trial_app, name="trial")
+app.add_typer(design_app, name="design")
 for verb in (run, train, evaluate):
     app.command()(verb)
 app.command()(compare)

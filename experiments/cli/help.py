@@ -3,7 +3,8 @@
 import typer
 from typer.models import CommandInfo, TyperInfo
 
-LEARN, CRITICISE, SAIL, DATA, TOOLS = "Learn", "Criticise", "Sail", "Data", "Tools"
+LEARN, CRITICISE, SAIL, DESIGN = "Learn", "Criticise", "Sail", "Design"
+DATA, TOOLS = "Data", "Tools"
 
 PANELS = {
     "run": LEARN,
@@ -21,6 +22,7 @@ PANELS = {
     "trial": SAIL,
     "mission": SAIL,
     "demo": SAIL,
+    "design": DESIGN,
     "runs": DATA,
     "boat": TOOLS,
     "effects": TOOLS,
@@ -55,6 +57,9 @@ EXAMPLES = {
     "runs doctor": "runs doctor runs",
     "runs import": "runs import log.csv --from csv --out runs --boat swamp",
     "runs export": "runs export runs --to minari --out exported",
+    "design pump-jet": "design pump-jet swamp_pump_jet --out pump_jet",
+    "design hull": "design hull swamp_hull --out hull",
+    "design match": "design match typhoon_match --out match",
     "identify yaw-model": "identify yaw-model runs",
     "identify elementary": "identify elementary runs",
     "identify thrust-deduction": "identify thrust-deduction runs",

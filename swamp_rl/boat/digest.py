@@ -16,9 +16,7 @@ def boat_digest(boat: Boat) -> str:
     """Return the SHA-256 of all that acts on a boat's motion: particulars, coefficients, joypad and effects."""
     numbers = boat.model_dump(mode="json", exclude=NO_MOTION)
     numbers["thrusters"] = [_without_neutral(thruster) for thruster in numbers["thrusters"]]
-    numbers["effects"] = [
-        [entry.effect.name, entry.thruster, dict(entry.values)] for entry in boat.effects
-    ]
+    numbers["effects"] = [[entry.effect.name, entry.thruster, dict(entry.values)] for entry in boat.effects]
     return hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()
 
 

@@ -1,0 +1,128 @@
+"""The hull of the thesis's formulas against its particulars, hydrostatics and stability."""
+
+import math
+
+from benchmarks.validation.check import Check, check
+from swamp_rl.design.hull_lines import HullDesign, load_hull
+from swamp_rl.design.hydrostatics import draught_of, hydrostatics
+from swamp_rl.design.stability import ANGLES, Stability, stability
+
+SHARE = 0.03
+HALF_UNIT = 0.005  # m or m rad, of the two decimals of table 4.10
+HALF_STEP = 2.5  # deg, of the 5 degrees that its angles of greatest GZ are multiples of
+FULL_MASS, LIGHT_MASS, PAYLOAD = 58.0, 38.0, 60.0  # kg: tables 4.5 and 4.8; 4.2.1
+
+
+def hull_checks() -> list[Check]:
+    """Everything that is printed of it."""
+    hull = load_hull("swamp_hull")
+    full, light = (stability(hull, condition) for condition in hull.conditions)
+    return particulars(hull, full) + loads(hull) + metacentres(hull, full, light) + levers(full, light)
+
+
+def particulars(hull: HullDesign, full: Stability) -> list[Check]:
+    """Of a demihull and of both at the design draught."""
+    up = full.upright
+    wet = hydrostatics(hull, 0.115).wetted_area
+    found = [
+        check("mass at 140 mm, kg", "tables 4.5, 4.7", FULL_MASS, up.mass, SHARE),
+        check("mass of a demihull, kg", "table 4.8", 28.5, 0.5 * up.mass, SHARE),
+        check("block coefficient C_B", "4.3.4", 0.67, up.block_coefficient, SHARE),
+        check("slenderness L/∇^⅓", "tables 4.6, 4.8", 4.06, up.slenderness, SHARE),
+        check("L/B", "tables 4.6, 4.8", 5.167, hull.length / hull.breadth, SHARE),
+        check("B/T", "tables 4.6, 4.8", 1.714, hull.breadth / up.draught, SHARE),
+        check("wetted area at 140 mm, m²", "table 4.5", 0.99, up.wetted_area, SHARE),
+        check("wetted area of a demihull, m²", "table 4.8", 0.5, 0.5 * up.wetted_area, SHARE),
+        check("wetted area at 115 mm, m²", "table 4.5", 0.89, wet, SHARE),
+    ]
+    for breadth, printed in ((0.82, 0.46), (1.10, 0.68), (1.25, 0.80)):
+        ratio = (breadth - hull.breadth) / hull.length
+        found.append(check(f"S/L at a breadth of {breadth:.2f} m", "table 4.5", printed, ratio, SHARE))
+    return found
+
+
+def loads(hull: HullDesign) -> list[Check]:
+    """Draughts of loads, and the reserve of buoyancy."""
+    at_115, at_140 = hydrostatics(hull, 0.115).mass, hydrostatics(hull, 0.14)
+    reserve = hydrostatics(hull, hull.depth).mass - FULL_MASS
+    floats = f"48 kg float at {1e3 * draught_of(hull, 48.0):.0f} mm."
+    up_to = f"70 kg more than 58 kg float at {1e3 * draught_of(hull, FULL_MASS + 70.0):.0f} mm"
+    return [
+        check("draught at 38 kg, m", "4.2.1", 0.10, draught_of(hull, LIGHT_MASS), SHARE),
+        check(
+            "draught with 60 kg of payload, m", "4.2.1", 0.22, draught_of(hull, LIGHT_MASS + PAYLOAD), SHARE
+        ),
+        check("draught at 60 kg, m", "table 4.1", 0.15, draught_of(hull, 60.0), SHARE),
+        check(
+            "mass at 115 mm, kg",
+            "table 4.5",
+            48,
+            at_115,
+            SHARE,
+            reason=f"the printed lines displace {at_115:.1f} kg at 115 mm; {floats}",
+        ),
+        check(
+            "displaced volume at 140 mm, m³",
+            "table 4.5",
+            0.58,
+            at_140.volume,
+            SHARE,
+            reason="the table's volumes are ten times too large: 58 kg of water are 0.058 m³.",
+        ),
+        check(
+            "reserve of buoyancy, kg",
+            "table 4.1",
+            70,
+            reserve,
+            SHARE,
+            reason=f"ours is up to the hull's height of {1e3 * hull.depth:.0f} mm; {up_to}, and the "
+            "thesis does not say what it counts up to.",
+        ),
+    ]
+
+
+def metacentres(hull: HullDesign, full: Stability, light: Stability) -> list[Check]:
+    """Table 4.10's upper half: KM_T at the spacing of table 4.1, and at that of the table's own caption."""
+    wide = hull.model_copy(update={"spacing": 1.10 - hull.breadth})
+    where, found = "table 4.10", []
+    for name, one, draught, height, gm_l, km_t, gm_t in (
+        ("full payload", full, 0.14, 0.08, 0.58, 1.66, 1.40),
+        ("lightweight", light, 0.09, 0.05, 0.94, 2.47, 2.19),
+    ):
+        up = one.upright
+        wider = hydrostatics(wide, up.draught).metacentre_transverse
+        reason = f"S = 0.80 m is table 4.1's; the caption's breadth of 1.10 m gives KM_T = {wider:.2f} m."
+        longitudinal = one.longitudinal_metacentric_height
+        found += [
+            check(f"{name}: draught, m", where, draught, up.draught, SHARE, HALF_UNIT),
+            check(f"{name}: centre of buoyancy Z_b, m", where, height, up.buoyancy_height, SHARE, HALF_UNIT),
+            check(f"{name}: GM_L, m", where, gm_l, longitudinal, SHARE, HALF_UNIT),
+        ]
+        for spacing, value in ((hull.spacing, up.metacentre_transverse), (wide.spacing, wider)):
+            height = value - one.centre_of_gravity
+            for what, printed, ours in (("KM_T", km_t, value), ("GM_T", gm_t, height)):
+                told, reading_of = f"{name}: {what} at S = {spacing:.2f} m, m", f"{what}, {name}"
+                found.append(check(told, where, printed, ours, SHARE, HALF_UNIT, reason, reading_of))
+    return found
+
+
+def levers(full: Stability, light: Stability) -> list[Check]:
+    """Table 4.10's lower half, at S = 0.80 m."""
+    where, found = "table 4.10", []
+    for name, one, most, angle, low, high, both in (
+        ("full payload", full, 0.34, 15, 0.13, 0.05, 0.18),
+        ("lightweight", light, 0.35, 10, 0.14, 0.04, 0.19),
+    ):
+        figures, degrees = one.figures, math.degrees(one.angle_of_greatest)
+        lever = float(one.lever[abs(ANGLES - math.radians(angle)).argmin()])
+        early = f"GZ is {lever:.2f} m at {angle}°; the printed greatest one, {most:g} m, is reached later."
+        areas = [figures[key] for key in ("area_0_30", "area_30_40", "area_0_40")]
+        summed = "ours is the sum of the two areas above, both met; the print's sum carries their rounding."
+        found += [
+            check(f"{name}: greatest GZ, m", where, most, one.greatest_lever, SHARE, HALF_UNIT),
+            check(f"{name}: at a heel of, deg", where, angle, degrees, SHARE, HALF_STEP, early),
+            check(f"{name}: area 0 to 30°, m rad", where, low, areas[0], SHARE, HALF_UNIT),
+            check(f"{name}: area 30 to 40°, m rad", where, high, areas[1], SHARE, HALF_UNIT),
+            check(f"{name}: area 0 to 40°, m rad", where, both, areas[2], SHARE, HALF_UNIT, summed),
+        ]
+    return found

@@ -1,0 +1,54 @@
+"""Propellers matched to the Typhoon against its two papers, 003 and 004, and an independent program."""
+
+from benchmarks.validation.check import Check, check
+from swamp_rl.design.matching import best_ranges, drag_factor, load_match, matches
+from swamp_rl.design.propellers import disc_thrust_coefficient
+
+SHARE = 0.03
+KNOT = 1852.0 / 3600.0  # m/s
+JOULES = 3.6e6  # of a kWh
+DRAG = ((1, 12.54, 0.1431), (2, 22.40, 0.1278), (3, 31.16, 0.1202), (5, 48.87, 0.1115))  # table 2: m/s, N, 1
+DIAMETER, DENSITY = 0.33, 1025.0  # m, kg/m3
+
+
+def matching_checks() -> list[Check]:
+    """What 004 prints: speeds of best range, the rule of its powers, its table of drag, its energy."""
+    design = load_match("typhoon_cfd")
+    found = []
+    for one, figure in zip(best_ranges(design), (34, 35), strict=True):
+        power, slowest = f"{one.onboard_power:g} W on board", 3.0
+        needed = design.efficiency * (slowest * KNOT / one.speed) ** 3
+        reason = (
+            f"{slowest:g} kn would take η = {needed:.2f} at C_DX = 0.12; 004 prints no η, ours is assumed: "
+            f"{design.efficiency:g}."
+        )
+        speed = one.speed / KNOT
+        what = f"speed of best range with {power}, kn"
+        found.append(Check(what, f"figure {figure}", "3 to 5", slowest, 5.0, speed, SHARE, reason=reason))
+        share = one.onboard_power / one.propulsion_power
+        found.append(check(f"W_inst / W_e at best range with {power}", "(24)", 2, share, SHARE))
+    reason = "the printed force is ρ A C_DX u, linear in the speed; it is ρ A C_DX u²/2 at 2 m/s alone."
+    for speed, force, coefficient in DRAG:
+        drag = drag_factor(coefficient, DIAMETER, DENSITY) * speed**2
+        found.append(check(f"drag at {speed} m/s, N", "table 2", force, drag, SHARE, reason=reason))
+    return [*found, check("energy of two packs, kWh", "table 3", 3.84, design.energy / JOULES, SHARE)]
+
+
+def independent_checks() -> list[Check]:
+    """What the papers draw but do not print: an independent program's numbers for the same equations."""
+    found = [
+        check(f"speed of best range with {one.onboard_power:g} W on board, kn", "004 (23)", *pair, SHARE)
+        for one, printed in zip(best_ranges(load_match("typhoon_cfd")), (2.6, 4.1), strict=True)
+        for pair in [(printed, one.speed / KNOT)]
+    ]
+    ends = matches(load_match("typhoon_match"))
+    for match, value in ((ends[0], 0.59), (ends[-1], 0.75)):
+        pitch = match.pitch
+        what = f"J* at p/d {pitch.pitch_ratio:g}, K_tb {pitch.bollard_coefficient:g} (assumed)"
+        found.append(check(what, "004 (15)", value, match.advance, SHARE))
+    for ratio, value in ((0.8, 0.399), (1.0, 0.559), (1.2, 0.714), (1.4, 0.858)):
+        ours = float(disc_thrust_coefficient(0.0, ratio))
+        found.append(
+            check(f"K_t(0) of the bladed disc at p/d {ratio:g}", "003 (11), (15)", value, ours, SHARE)
+        )
+    return found

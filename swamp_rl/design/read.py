@@ -1,0 +1,35 @@
+"""Design files: found, read strictly, and refused where they are of another kind of design."""
+
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import AfterValidator, BaseModel
+
+from swamp_rl.clipped import clipped
+from swamp_rl.errors import UserError
+from swamp_rl.files import find_config, read_yaml, validated
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def _filled(given: tuple[Any, ...]) -> tuple[Any, ...]:
+    # A least length declared as such would be missed, too, by a list whose items are at fault.
+    if not given:
+        raise ValueError("is empty; give at least one")
+    return given
+
+
+FILLED = AfterValidator(_filled)
+
+
+def read_design(name_or_path: str | Path, kind: str, model: type[Model]) -> Model:
+    """The design file given by path or, in configs/designs, by bare name, as a `model`.
+
+    kind: what its key `design` must say. UserError names file, key and what is allowed.
+    """
+    path = find_config("designs", name_or_path)
+    data = {"name": path.stem} | read_yaml(path)
+    if data.get("design") != kind:
+        told = f"is {clipped(repr(data['design']))}" if "design" in data else "is missing"
+        raise UserError(f"{path}: design: {told}; swamp-rl design {kind} takes files with design: {kind}")
+    return validated(path, model, data)
