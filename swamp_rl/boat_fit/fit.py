@@ -1,0 +1,113 @@
+"""The output-error fit of a boat's numbers: short windows first, then longer ones weighted by the residual."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.boat_fit.hypothesis import FreeBoat
+from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.estimate import sandwich_covariance
+from swamp_rl.criticism.model_error import correlation_samples, residual_rms, standardised_residual
+from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.output_error import Fit, fit
+from swamp_rl.criticism.scales import state_scale
+from swamp_rl.criticism.state_fit import fit_states
+from swamp_rl.simulator.reference import reference_of
+
+Array = NDArray[np.float64]
+
+SHORT = 5.0  # s of the first windows
+PASSED, LEAST, MOST = 8.0, 8.0, 30.0  # lengths that the boat passes in a window, and its s at least and at most
+# added to the noise in the first fit, in `state_scale`: a guessed boat misses by far more than the noise
+SOFT = np.array([0.03, 0.03, 0.05, 0.05, 0.05, 0.05])
+ROUNDS = 3  # repetitions of fit and weights
+STEPS, STATE_ROUNDS = 6, 12  # Jacobians of a fit, iterations of its first initial states
+HUBER = 1.5  # times the median residual of a window, beyond which its weight falls
+
+
+@dataclass(frozen=True)
+class BoatFit:
+    """Numbers fitted to runs. covariance: (p, p) of the fit's x, sandwich; sigma: (6,) standard deviation of
+    the residual by channel.
+    """
+
+    hypothesis: FreeBoat
+    problem: Shooting
+    fit: Fit
+    covariance: Array
+    sigma: Array
+
+
+def window_length(boat: Boat) -> float:
+    """Seconds of the windows of the last fit."""
+    return float(np.clip(PASSED * reference_of(boat).time, LEAST, MOST))
+
+
+def soft_weights(weight: Array, boat: Boat) -> Array:
+    """Weights (R, T, 6) with SOFT added to the noise."""
+    soft = SOFT * state_scale(boat)
+    return np.asarray(np.where(weight > 0, 1.0 / np.hypot(1.0 / np.maximum(weight, 1e-12), soft), 0.0))
+
+
+def fit_windows(
+    run_set: RunSet, weight: Array, seconds: float, hypothesis: FreeBoat, x: Array, steps: int = STEPS
+) -> tuple[Shooting, Fit]:
+    """The fit to windows of that length, from x (p,)."""
+    problem = Shooting(run_set, weight, seconds)
+    states = fit_states(problem, hypothesis, x, problem.initial_states(), STATE_ROUNDS)[0]
+    return problem, fit(problem, hypothesis, x, states, steps)
+
+
+@np.errstate(over="ignore", invalid="ignore")  # where numbers make the boat diverge
+def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> BoatFit:
+    """The numbers fitted to runs, from x (p,).
+
+    Weights of the last windows: the residual's standard deviation by channel, its integrated autocorrelation
+    time, so that the likelihood counts independent samples beside the prior, and Huber's weight of each
+    window. weight: (R, T, 6) by the measurement noise.
+    """
+    boat = run_set.boat
+    seconds = window_length(boat)
+    _, first = fit_windows(run_set, soft_weights(weight, boat), SHORT, hypothesis, x)
+    seen = weight > 0
+    sigma = 1.0 / np.maximum(soft_weights(weight, boat).max(axis=(0, 1)), 1e-12)
+    problem, made = fit_windows(run_set, seen / sigma, seconds, hypothesis, first.x)
+    for _ in range(ROUNDS):
+        sigma = sigma * robust_rms(problem, made)
+        problem, trust = Shooting(run_set, seen / sigma, seconds), huber_weights(problem, made)
+        made = fit(weighted(problem, trust), hypothesis, made.x, made.states, STEPS)
+    samples = correlation_samples(standardised_residual(problem, made))
+    problem = Shooting(run_set, seen / (sigma * np.sqrt(samples)), seconds)
+    problem.correlation_samples = samples
+    problem = weighted(problem, trust)
+    made = fit(problem, hypothesis, made.x, made.states, STEPS, fresh=True)
+    return BoatFit(hypothesis, problem, made, sandwich_covariance(problem, made), sigma)
+
+
+def window_rms(problem: Shooting, made: Fit) -> Array:
+    """(W,) root mean square standardised residual of each window."""
+    seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)), 1)
+    return np.asarray(np.sqrt((made.residual**2).sum(axis=1) / seen))
+
+
+def huber_weights(problem: Shooting, made: Fit) -> Array:
+    """(W,) weight of each window: 1 up to HUBER median residuals, then falling with the residual's root."""
+    size = window_rms(problem, made)
+    return np.asarray(np.sqrt(np.minimum(1.0, HUBER * np.median(size) / np.maximum(size, 1e-12))))
+
+
+def robust_rms(problem: Shooting, made: Fit) -> Array:
+    """(6,) root mean square residual of each channel, windows by Huber's weight."""
+    trust = huber_weights(problem, made)
+    shape = (len(trust), -1, made.residual.shape[1] // problem.windows.rows)
+    residual = made.residual.reshape(shape) * trust[:, None, None]
+    return residual_rms(problem, replace(made, residual=residual.reshape(made.residual.shape)))
+
+
+def weighted(problem: Shooting, trust: Array) -> Shooting:
+    """The problem with each window's weights times trust (W,)."""
+    weight = problem.windows.weight * trust[:, None, None]
+    problem.windows = replace(problem.windows, weight=weight)
+    return problem
