@@ -22,6 +22,7 @@ from swamp_rl.simulator import parameters
 Array = NDArray[np.float64]
 
 WIND_SD = 3.0  # m/s, prior of each component of a run's mean wind
+OF_ACTUATORS = ("pump_time_constant", "azimuth_time_constant", "command_delay")  # fields of the record
 CALM = 0.3  # m/s, where the fit of a wind begins: at none the boat's own air drag is left out
 NUMBERS = Effect("boat", (), "actuator", "replace", "numbers of the boat file", "", moves_actuators=True)
 
@@ -51,6 +52,13 @@ class FreeBoat(Hypothesis):
         """(p,) where a fit begins: the boat file, and next to no wind."""
         mean, _ = self.prior()
         mean[len(self.numbers) :] = CALM
+        return mean
+
+    def of_actuators(self, x: Array) -> Array:
+        """(V, p) the numbers x (V, p), those that do not move the actuators at their prior mean."""
+        mean = np.repeat(self.prior()[0][None], len(x), axis=0)
+        moving = [i for i, number in enumerate(self.numbers) if number.field in OF_ACTUATORS]
+        mean[:, moving] = x[:, moving]
         return mean
 
     def records(
