@@ -31,6 +31,7 @@ FLOORS = (
     {"runs", "simulator"},
     {"allocation", "guidance", "navigation", "manoeuvres", "identification", "pilots"},
     {"criticism", "evaluation", "export"},
+    {"boat_fit"},
     {"teleop", "demo", "api"},
     {"envs"},
     {"experiments.config"},
