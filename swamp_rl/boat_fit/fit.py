@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.hypothesis import FreeBoat
 from swamp_rl.criticism.data import RunSet
-from swamp_rl.criticism.estimate import sandwich_covariance
 from swamp_rl.criticism.model_error import correlation_samples, residual_rms, standardised_residual
 from swamp_rl.criticism.multiple_shooting import Shooting
-from swamp_rl.criticism.output_error import Fit, fit
+from swamp_rl.criticism.output_error import Fit, fit, inverse
 from swamp_rl.criticism.scales import state_scale
 from swamp_rl.criticism.state_fit import fit_states
 from swamp_rl.simulator.reference import reference_of
@@ -22,8 +21,13 @@ SHORT = 5.0  # s of the first windows
 PASSED, LEAST, MOST = 8.0, 8.0, 30.0  # lengths that the boat passes in a window, and its s at least and at most
 # added to the noise in the first fit, in `state_scale`: a guessed boat misses by far more than the noise
 SOFT = np.array([0.03, 0.03, 0.05, 0.05, 0.05, 0.05])
-ROUNDS = 3  # repetitions of fit and weights
+ROUNDS = 2  # repetitions of fit and weights
 STEPS, STATE_ROUNDS = 6, 12  # Jacobians of a fit, iterations of its first initial states
+LEAST_LEFT = 0.2  # of the independent samples, that a fit leaves at least
+Z95 = 1.959964
+LAST_STEPS = 3  # Jacobians of the fit whose likelihood is scaled down
+EXCESS = 1.2  # of the jackknife's variance over that of independent noise, from which it is
+SHARE = 0.3  # of a number's variance that must be the data's, to be counted in that ratio
 HUBER = 1.5  # times the median residual of a window, beyond which its weight falls
 
 
@@ -79,11 +83,53 @@ def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
         problem, trust = Shooting(run_set, seen / sigma, seconds), huber_weights(problem, made)
         made = fit(weighted(problem, trust), hypothesis, made.x, made.states, STEPS)
     samples = correlation_samples(standardised_residual(problem, made))
-    problem = Shooting(run_set, seen / (sigma * np.sqrt(samples)), seconds)
-    problem.correlation_samples = samples
-    problem = weighted(problem, trust)
-    made = fit(problem, hypothesis, made.x, made.states, STEPS, fresh=True)
-    return BoatFit(hypothesis, problem, made, sandwich_covariance(problem, made), sigma)
+    sigma = sigma * np.sqrt(lost_freedom(problem, made, samples))
+    for steps in (STEPS, LAST_STEPS):
+        problem = weighted(Shooting(run_set, seen / (sigma * np.sqrt(samples)), seconds), trust)
+        problem.correlation_samples = samples
+        made = fit(problem, hypothesis, made.x, made.states, steps, fresh=True)
+        covariance, excess = jackknife_covariance(made)
+        if excess < EXCESS:
+            break
+        samples *= excess
+    return BoatFit(hypothesis, problem, made, covariance, sigma)
+
+
+def jackknife_covariance(made: Fit) -> tuple[Array, float]:
+    """(p, p) covariance of x: the sandwich whose meat is that of a jackknife over windows, which allows for
+    the fit having followed each window's own disturbance (CR3; Bell and McCaffrey 2002), and the prior's part.
+
+    C = J + H⁻¹ P H⁻¹, J = (W − 1)/W Σ δ_w δ_wᵀ, δ_w = (H − I_w)⁻¹ g_w; H: information with the prior's P; I_w,
+    g_w: information and score of window w. No variance is below that of H⁻¹; all are widened by Student's t
+    for W windows. Also the mean ratio of J to what it would be under independent noise, H⁻¹ (H − P) H⁻¹, by
+    which the likelihood counts too much beside the prior (Ribatet, Cooley and Davison 2012).
+    """
+    from scipy.special import stdtrit
+
+    _, precision = made.hypothesis.prior()
+    information, score = made.normal.information, made.normal.gradient
+    H = information.sum(axis=0) + np.diag(precision)
+    covariance, count = inverse(H), len(score)
+    away = score - score.mean(axis=0)
+    moved = np.stack([inverse(H - own) @ one for own, one in zip(information, away, strict=True)])
+    jackknife = (count - 1) / count * (moved**2).sum(axis=0)
+    of_prior = np.diag(covariance * precision @ covariance)
+    of_data = np.maximum(np.diag(covariance) - of_prior, 1e-300)
+    known = of_data > SHARE * np.diag(covariance)
+    excess = float(np.exp(np.mean(np.log(jackknife[known] / of_data[known])))) if known.any() else 1.0
+    ratio = (jackknife + of_prior) / np.maximum(np.diag(covariance), 1e-300)
+    wider = np.sqrt(np.maximum(ratio, 1.0)) * stdtrit(max(count - 1, 2), 0.975) / Z95
+    return np.asarray(covariance * np.outer(wider, wider)), excess
+
+
+def lost_freedom(problem: Shooting, made: Fit, samples: float) -> float:
+    """Ratio n / (n - q) [1] of the independent samples n to those that the fit has left: q initial states and
+    numbers, the latter by the share of their precision that is not the prior's.
+    """
+    _, precision = made.hypothesis.prior()
+    free = len(precision) - float(np.diag(made.covariance) @ precision)
+    count = problem.samples / samples
+    return count / max(count - len(made.states) * made.states.shape[1] - free, LEAST_LEFT * count)
 
 
 def window_rms(problem: Shooting, made: Fit) -> Array:

@@ -50,9 +50,8 @@ class FreeBoat(Hypothesis):
 
     def start(self) -> Array:
         """(p,) where a fit begins: the boat file, and next to no wind."""
-        mean, _ = self.prior()
-        mean[len(self.numbers) :] = CALM
-        return mean
+        winds = self.size - len(self.numbers)
+        return np.array([number.begin for number in self.numbers] + [CALM] * winds)
 
     def of_actuators(self, x: Array) -> Array:
         """(V, p) the numbers x (V, p), those that do not move the actuators at their prior mean."""

@@ -18,8 +18,13 @@ Array = NDArray[np.float64]
 
 MEASURED = 0.3  # of the usual prior width, for a number that the file gives as measured
 FAR = 6.0  # prior widths to either side that a fit may move a number
-STEP = 1e-5  # prior widths, of a finite difference
+# prior widths, of a finite difference; wide, since forces that jump, where a propeller's flow turns, make
+# slopes over narrow ones meaningless
+STEP = 3e-3
 DELAY_STEP = 0.1  # the same for delays, which act through interpolated commands
+# of the prior width of a time constant: the shortest that is fitted, since shorter ones are followed at once
+SHORTEST, LAG_STEP = 0.05, 0.03
+LAG = 0.3  # prior width of a time constant, in lengths over top speed
 DERIVATIVE = 0.02  # prior width [1] of a hull derivative beside its share, which may be 0 or of either sign
 
 
@@ -29,7 +34,8 @@ class Number:
 
     name: its dotted key in the boat file, or `effects.` EFFECT.PARAMETER; field, thrusters, element: where it
     lands in the simulator's record. scaled: the fit moves x, by which the number is start · exp(x), and sd is
-    of x; otherwise x is the number, within low and high. trial: the motion that shows it.
+    of x; otherwise x is the number, within low and high. trial: the motion that shows it. least: where a fit
+    begins at least, for a number without a gradient at its start.
     """
 
     name: str
@@ -44,11 +50,17 @@ class Number:
     thrusters: tuple[int, ...] | None = None
     element: int | None = None
     step: float = STEP
+    least: float = -math.inf
 
     @property
     def mean(self) -> float:
         """Of the prior of x."""
         return 0.0 if self.scaled else self.start
+
+    @property
+    def begin(self) -> float:
+        """Where a fit of x begins."""
+        return max(self.mean, self.least)
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -196,8 +208,7 @@ def _dead_band(boat: Boat, k: int) -> Number:
         low=0.0,
         high=0.6,
         thrusters=(k,),
-        step=1e-3,
-    )
+            )
 
 
 def _positions(boat: Boat, k: int) -> Iterable[Number]:
@@ -232,7 +243,6 @@ def _propeller(boat: Boat, k: int) -> Iterable[Number]:
             number = f"{key}.propeller.{name}.{i}"
             yield Number(number, "1", name, start, sd, trial, thrusters=(k,), element=i)
     yield one("propeller.wake_zero", "wake_zero", 0.15, thrust, 0.0, 0.95)
-    yield one("propeller.wake_tau", "wake_tau", 0.4, "turns at speed")
     yield share("propeller.side_force", "propeller_side_force", 0.5, astern)
     yield share("propeller.yaw_moment", "propeller_yaw_moment", 0.5, astern)
     yield one("rudder.a_h", "rudder_a_h", 0.2, steered)
@@ -265,8 +275,10 @@ def _lags(boat: Boat, of: Reference) -> Iterable[Number]:
             for start in sorted({float(record[field][k]) for k in mine}):
                 alike = tuple(k for k in mine if record[field][k] == start)
                 key = f"thrusters.{every[alike[0]].name}.{name}"
+                sd = LAG * of.time
+                least = min(start, SHORTEST * sd)
                 yield Number(
-                    key, "s", field, start, 0.3 * of.time, trial, low=0.0, thrusters=alike, step=1e-3
+                    key, "s", field, start, sd, trial, low=least, thrusters=alike, step=LAG_STEP, least=sd
                 )
 
 

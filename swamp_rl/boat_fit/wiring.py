@@ -14,7 +14,7 @@ from swamp_rl.criticism.data import RunSet
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.effects import LIBRARY, EffectEntry
 
-SECONDS = 240.0  # s of runs that the search fits to
+SECONDS = 120.0  # s of runs that the search fits to
 STEPS = 4  # Jacobians of each of its fits
 MOST_TOGETHER = 4  # changes of which every combination is tried; of more, one after the other
 CLEARLY = 0.8  # of the chi2 without it, below which a change is taken
