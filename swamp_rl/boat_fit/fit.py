@@ -70,28 +70,37 @@ def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
 
     Weights of the last windows: the residual's standard deviation by channel, its integrated autocorrelation
     time, so that the likelihood counts independent samples beside the prior, and Huber's weight of each
-    window. weight: (R, T, 6) by the measurement noise.
+    window. Windows in which the boat of the short windows' fit diverges are left out. weight: (R, T, 6) by the
+    measurement noise.
     """
     boat = run_set.boat
-    seconds = window_length(boat)
-    _, first = fit_windows(run_set, soft_weights(weight, boat), SHORT, hypothesis, x)
+    seconds, soft = window_length(boat), soft_weights(weight, boat)
+    _, first = fit_windows(run_set, soft, SHORT, hypothesis, x)
     seen = weight > 0
-    sigma = 1.0 / np.maximum(soft_weights(weight, boat).max(axis=(0, 1)), 1e-12)
-    problem, made = fit_windows(run_set, seen / sigma, seconds, hypothesis, first.x)
+    sigma = 1.0 / np.maximum(soft.max(axis=(0, 1)), 1e-12)
+    problem = Shooting(run_set, seen / sigma, seconds)
+    states, _, residual = fit_states(problem, hypothesis, first.x, problem.initial_states(), STATE_ROUNDS)
+    sound = np.isfinite(residual).all(axis=1)
+    trust, made = np.ones(int(sound.sum())), replace(first, states=states[sound])
+
+    def fitted(sigma: Array, steps: int, fresh: bool = False) -> tuple[Shooting, Fit]:
+        problem = weighted(Shooting(run_set, seen / sigma, seconds).part(sound), trust)
+        return problem, fit(problem, hypothesis, made.x, made.states, steps, fresh)
+
     for _ in range(ROUNDS):
-        sigma = sigma * robust_rms(problem, made)
-        problem, trust = Shooting(run_set, seen / sigma, seconds), huber_weights(problem, made)
-        made = fit(weighted(problem, trust), hypothesis, made.x, made.states, STEPS)
+        problem, made = fitted(sigma, STEPS)
+        rms, trust = reweighted(problem, made, trust)
+        sigma = sigma * rms
+    problem, made = fitted(sigma, STEPS)
     samples = correlation_samples(standardised_residual(problem, made))
     sigma = sigma * np.sqrt(lost_freedom(problem, made, samples))
     for steps in (STEPS, LAST_STEPS):
-        problem = weighted(Shooting(run_set, seen / (sigma * np.sqrt(samples)), seconds), trust)
-        problem.correlation_samples = samples
-        made = fit(problem, hypothesis, made.x, made.states, steps, fresh=True)
+        problem, made = fitted(sigma * np.sqrt(samples), steps, fresh=True)
         covariance, excess = jackknife_covariance(made)
         if excess < EXCESS:
             break
         samples *= excess
+    problem.correlation_samples = samples
     return BoatFit(hypothesis, problem, made, covariance, sigma)
 
 
@@ -138,18 +147,13 @@ def window_rms(problem: Shooting, made: Fit) -> Array:
     return np.asarray(np.sqrt((made.residual**2).sum(axis=1) / seen))
 
 
-def huber_weights(problem: Shooting, made: Fit) -> Array:
-    """(W,) weight of each window: 1 up to HUBER median residuals, then falling with the residual's root."""
-    size = window_rms(problem, made)
-    return np.asarray(np.sqrt(np.minimum(1.0, HUBER * np.median(size) / np.maximum(size, 1e-12))))
-
-
-def robust_rms(problem: Shooting, made: Fit) -> Array:
-    """(6,) root mean square residual of each channel, windows by Huber's weight."""
-    trust = huber_weights(problem, made)
-    shape = (len(trust), -1, made.residual.shape[1] // problem.windows.rows)
-    residual = made.residual.reshape(shape) * trust[:, None, None]
-    return residual_rms(problem, replace(made, residual=residual.reshape(made.residual.shape)))
+def reweighted(problem: Shooting, made: Fit, trust: Array) -> tuple[Array, Array]:
+    """(6,) root mean square residual of each channel, and (W,) Huber's weight of each window: 1 up to HUBER
+    median residuals, then falling with the residual's root. trust: (W,) the weights of the fit so far.
+    """
+    size = window_rms(problem, made) / trust
+    new = np.sqrt(np.minimum(1.0, HUBER * np.median(size) / np.maximum(size, 1e-12)))
+    return residual_rms(problem, replace(made, residual=made.residual * (new / trust)[:, None])), new
 
 
 def weighted(problem: Shooting, trust: Array) -> Shooting:

@@ -276,7 +276,7 @@ def _lags(boat: Boat, of: Reference) -> Iterable[Number]:
                 alike = tuple(k for k in mine if record[field][k] == start)
                 key = f"thrusters.{every[alike[0]].name}.{name}"
                 sd = LAG * of.time
-                least = min(start, SHORTEST * sd)
+                least = min(start or np.inf, SHORTEST * sd)
                 yield Number(
                     key, "s", field, start, sd, trial, low=least, thrusters=alike, step=LAG_STEP, least=sd
                 )
