@@ -14,7 +14,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.experiments.reports.experiment import table
 
+from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, PropellerRudder, load_boat
 from swamp_rl.boat.mapping import boat_mapping
 from swamp_rl.boat_fit.fit import fit_boat
@@ -34,7 +36,17 @@ Array = NDArray[np.float64]
 
 SHIPPED = {"azimuth": "swamp-light", "propeller_rudder": "esso_osaka", "twin": "swamp-light"}
 LENGTHS = 0.3, 20.0  # m
-FROUDE = {"m": 1.0, "m2": 2.0, "kg": 3.0, "kg m2": 5.0, "N": 3.0, "s": 0.5, "rad/s": -0.5, "m/s": 0.5, "rps": -0.5}
+FROUDE = {
+    "m": 1.0,
+    "m2": 2.0,
+    "kg": 3.0,
+    "kg m2": 5.0,
+    "N": 3.0,
+    "s": 0.5,
+    "rad/s": -0.5,
+    "m/s": 0.5,
+    "rps": -0.5,
+}
 RUNS, ROWS = 2, 2000
 AFTER = 30  # rows simulated beyond the last, for a receiver whose clock is behind
 NOISE = np.array([0.02, 0.02, 0.01, 0.02, 0.02, 0.02])  # in `state_scale`
@@ -63,7 +75,9 @@ def twin(whole: dict[str, Any]) -> dict[str, Any]:
         fixed = {key: value for key, value in thruster.items() if key not in gone}
         ahead = {"value": 0.0, "unit": "rad", "provenance": "assumed", "source": "ahead"}
         astern = {**thruster["thrust_quadratic"], "value": 0.7 * thruster["thrust_quadratic"]["value"]}
-        kept.append(fixed | {"kind": "fixed", "azimuth_min": ahead, "azimuth_max": ahead, "astern_quadratic": astern})
+        kept.append(
+            fixed | {"kind": "fixed", "azimuth_min": ahead, "azimuth_max": ahead, "astern_quadratic": astern}
+        )
     joypad = {"thrusters": [one["name"] for one in kept], "throttle": whole["joypad"]["throttle"]}
     return whole | {"thrusters": kept, "joypad": joypad}
 
@@ -96,9 +110,16 @@ def commands(boat: Boat, dt: float, rng: np.random.Generator) -> Array:
     made = np.zeros((RUNS, ROWS, 2 * count))
     for run in made:
         for k, thruster in enumerate(boat.thrusters):
-            most = thruster.rudder_max if isinstance(thruster, PropellerRudder) else min(thruster.azimuth_max, 1.2)
+            most = (
+                thruster.rudder_max
+                if isinstance(thruster, PropellerRudder)
+                else min(thruster.azimuth_max, 1.2)
+            )
             limits = (-most, most) if thruster.kind != "fixed" else (0.0, 0.0)
-            for column, (low, high) in ((k, limits), (count + k, (thruster.throttle_min, thruster.throttle_max))):
+            for column, (low, high) in (
+                (k, limits),
+                (count + k, (thruster.throttle_min, thruster.throttle_max)),
+            ):
                 row = 0
                 while row < ROWS:
                     rows = max(2, int(rng.uniform(1.0, 10.0) * passing / dt))
@@ -125,7 +146,20 @@ def sailed(hypothesis: FreeBoat, boat: Boat, x: Array, gusty: bool, rng: np.rand
     calm = np.zeros((0, 0, 3))
     substeps = int(np.ceil(dt / 0.1 - 1e-9))
     roll(
-        record, tank(boat), start, whole, calm, run, first, steps, seeds, dt, substeps, np.zeros((0, 1, 3)), 1, track
+        record,
+        tank(boat),
+        start,
+        whole,
+        calm,
+        run,
+        first,
+        steps,
+        seeds,
+        dt,
+        substeps,
+        np.zeros((0, 1, 3)),
+        1,
+        track,
     )
     if not np.isfinite(track).all() or np.abs(track[..., 3]).max() > FASTEST * of.speed:
         raise UserError("the motion diverges")
@@ -161,15 +195,20 @@ def covered(number: int, seed: int) -> tuple[str, Array]:
 
 
 def main(count: int, seed: int) -> None:
-    """Print a line a boat, and the share of all intervals that hold the truth."""
+    """Print a line a boat, and write the shares of the intervals that hold the truth."""
     every: dict[str, list[Array]] = {"calm": [], "gusts": []}
     for number in range(count):
         line, off = covered(number, seed)
         every["gusts" if number % 2 else "calm"].append(off)
         print(f"{number}: {line}", flush=True)
-    for name, offs in (*every.items(), ("all", [*every["calm"], *every["gusts"]])):
+    every["all"] = [*every["calm"], *every["gusts"]]
+    rows = []
+    for name, offs in every.items():
         off = np.concatenate([np.zeros(0), *offs])
-        print(f"{name}: {len(offs)} boats, {np.mean(np.abs(off) < Z95):.3f} of {len(off)} intervals")
+        rows.append([name, str(len(offs)), str(len(off)), f"{np.mean(np.abs(off) < Z95):.3f}"])
+    text = table(["boats in", "boats", "intervals of 95 %", "hold the truth"], rows)
+    print(text)
+    write_parts(DOCS / "identify_boat.md", {"coverage": text})
 
 
 if __name__ == "__main__":

@@ -49,6 +49,7 @@ EXAMPLES = {
     "runs show": "runs show runs",
     "runs import": "runs import log.csv --from csv --out runs --boat swamp",
     "runs export": "runs export runs --to minari --out exported",
+    "identify boat": "identify boat runs --boat swamp --out identified.yaml",
     "identify yaw-model": "identify yaw-model runs",
     "identify elementary": "identify elementary runs",
     "identify thrust-deduction": "identify thrust-deduction runs",

@@ -9,7 +9,9 @@ from swamp_rl.boat.mapping import boat_mapping, effect_mapping
 from swamp_rl.boat_fit.numbers import Number
 
 DIGITS = 5  # significant, of a number in the file
-SHOWN = 0.7  # of the prior's standard deviation, below which a standard error says that the data show a number
+SHOWN = (
+    0.7  # of the prior's standard deviation, below which a standard error says that the data show a number
+)
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,9 @@ def identified_mapping(boat: Boat, name: str, fitted: Sequence[Fitted], told_fro
     """
     fields = {one.number.field for one in fitted}
     kept = [
-        entry for entry in boat.effects if not fields & {parameter.field for parameter in entry.effect.parameters}
+        entry
+        for entry in boat.effects
+        if not fields & {parameter.field for parameter in entry.effect.parameters}
     ]
     made = boat_mapping(boat)
     made |= {"name": name, "effects": [effect_mapping(entry) for entry in kept]}

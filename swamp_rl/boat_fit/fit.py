@@ -1,4 +1,4 @@
-"""The output-error fit of a boat's numbers: short windows first, then longer ones weighted by the residual."""
+"""The output-error fit of a boat's numbers: short windows, then longer ones weighted by the residual."""
 
 from dataclasses import dataclass, replace
 
@@ -18,7 +18,11 @@ from swamp_rl.simulator.reference import reference_of
 Array = NDArray[np.float64]
 
 SHORT = 5.0  # s of the first windows
-PASSED, LEAST, MOST = 8.0, 8.0, 30.0  # lengths that the boat passes in a window, and its s at least and at most
+PASSED, LEAST, MOST = (
+    8.0,
+    8.0,
+    30.0,
+)  # lengths that the boat passes in a window, and its s at least and at most
 # added to the noise in the first fit, in `state_scale`: a guessed boat misses by far more than the noise
 SOFT = np.array([0.03, 0.03, 0.05, 0.05, 0.05, 0.05])
 ROUNDS = 2  # repetitions of fit and weights
@@ -70,8 +74,8 @@ def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
 
     Weights of the last windows: the residual's standard deviation by channel, its integrated autocorrelation
     time, so that the likelihood counts independent samples beside the prior, and Huber's weight of each
-    window. Windows in which the boat of the short windows' fit diverges are left out. weight: (R, T, 6) by the
-    measurement noise.
+    window. Windows in which the boat of the short windows' fit diverges are left out. weight: (R, T, 6) by
+    the measurement noise.
     """
     boat = run_set.boat
     seconds, soft = window_length(boat), soft_weights(weight, boat)
@@ -106,10 +110,11 @@ def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
 
 def jackknife_covariance(made: Fit) -> tuple[Array, float]:
     """(p, p) covariance of x: the sandwich whose meat is that of a jackknife over windows, which allows for
-    the fit having followed each window's own disturbance (CR3; Bell and McCaffrey 2002), and the prior's part.
+    the fit having followed each window's own disturbance (CR3; Bell and McCaffrey 2002), and the prior's
+    part.
 
-    C = J + H⁻¹ P H⁻¹, J = (W − 1)/W Σ δ_w δ_wᵀ, δ_w = (H − I_w)⁻¹ g_w; H: information with the prior's P; I_w,
-    g_w: information and score of window w. No variance is below that of H⁻¹; all are widened by Student's t
+    C = J + H⁻¹ P H⁻¹, J = (W − 1)/W Σ δ_w δ_wᵀ, δ_w = (H − I_w)⁻¹ g_w; H: information with the prior's P;
+    I_w, g_w: information and score of window w. No variance is below that of H⁻¹; all are widened by Student's t
     for W windows. Also the mean ratio of J to what it would be under independent noise, H⁻¹ (H − P) H⁻¹, by
     which the likelihood counts too much beside the prior (Ribatet, Cooley and Davison 2012).
     """

@@ -75,7 +75,7 @@ class FreeBoat(Hypothesis):
 
 
 def free_boat(boat: Boat, numbers: tuple[Number, ...], runs: int) -> FreeBoat:
-    """The hypothesis of a boat with those numbers free; runs: how many have a wind of their own, 0 for none."""
+    """The hypothesis of a boat with those numbers free; runs: how many have an own wind."""
     specs = tuple(
         Spec(number.sd, *number.bounds, (number.mean,), number.step * number.sd) for number in numbers
     )

@@ -142,7 +142,9 @@ def numbers_of(made: BoatFit) -> list[Fitted]:
     found = []
     for i, number in enumerate(made.hypothesis.numbers):
         x, sd = float(made.fit.x[i]), float(np.sqrt(made.covariance[i, i]))
-        found.append(Fitted(number, number.value(x), number.spread(x, min(sd, number.sd)), number.spread(x, number.sd)))
+        found.append(
+            Fitted(number, number.value(x), number.spread(x, min(sd, number.sd)), number.spread(x, number.sd))
+        )
     return found
 
 

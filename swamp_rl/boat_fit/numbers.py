@@ -208,7 +208,7 @@ def _dead_band(boat: Boat, k: int) -> Number:
         low=0.0,
         high=0.6,
         thrusters=(k,),
-            )
+    )
 
 
 def _positions(boat: Boat, k: int) -> Iterable[Number]:
@@ -219,7 +219,15 @@ def _positions(boat: Boat, k: int) -> Iterable[Number]:
         trial = f"turns with {thruster.name} alone"
         most = 0.75 * (boat.length if axis == "x" else boat.breadth)
         yield Number(
-            name, "m", f"thruster_{axis}", start, 0.1 * boat.length, trial, low=-most, high=most, thrusters=(k,)
+            name,
+            "m",
+            f"thruster_{axis}",
+            start,
+            0.1 * boat.length,
+            trial,
+            low=-most,
+            high=most,
+            thrusters=(k,),
         )
 
 
@@ -228,7 +236,9 @@ def _propeller(boat: Boat, k: int) -> Iterable[Number]:
     record, key = parameters(boat)[0], f"thrusters.{boat.thrusters[k].name}"
     thrust, astern, steered = "several revolutions ahead", "revolutions astern", "rudder angles at speed"
 
-    def one(name: str, field: str, sd: float, trial: str, low: float = -math.inf, high: float = math.inf) -> Number:
+    def one(
+        name: str, field: str, sd: float, trial: str, low: float = -math.inf, high: float = math.inf
+    ) -> Number:
         start = float(record[field][k])
         return Number(f"{key}.{name}", "1", field, start, sd, trial, low=low, high=high, thrusters=(k,))
 
@@ -291,6 +301,4 @@ def _clocks(boat: Boat) -> Iterable[Number]:
     ):
         start = float(record[field])
         name = f"effects.{effect}.{parameter}"
-        yield Number(
-            name, "s", field, start, 0.2, trial, low=low, high=LONGEST_DELAY, step=DELAY_STEP
-        )
+        yield Number(name, "s", field, start, 0.2, trial, low=low, high=LONGEST_DELAY, step=DELAY_STEP)

@@ -1,6 +1,7 @@
 """Runs cut in pieces, and their split into training and held-out ones."""
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,7 @@ class Split:
 
 
 def split(run_set: RunSet, other: RunSet | None = None) -> Split:
-    """Every third run held out, or every third piece of fewer runs; `other`: runs that are held out instead."""
+    """Every third run held out, or every third piece of fewer runs; `other`: runs held out instead."""
     if other is not None:
         return Split(pieces(run_set)[0], pieces(other)[0], "folder")
     every, of_run = pieces(run_set)
@@ -50,7 +51,7 @@ def pieces(run_set: RunSet) -> tuple[RunSet, NDArray[np.int64]]:
         if count == 1 and len(run_set.lengths) < FEWEST_RUNS:
             count = HELD_OUT_EVERY
         edges = np.linspace(0, length, count + 1).round().astype(int)
-        rows += [(run, int(a), int(b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        rows += [(run, int(a), int(b)) for a, b in pairwise(edges)]
     longest = max(b - a for _, a, b in rows)
     commands = np.stack([_rows(run_set.commands[run], a, b, longest, held=True) for run, a, b in rows])
     measured = np.stack([_rows(run_set.measured[run], a, b, longest) for run, a, b in rows])
@@ -63,7 +64,9 @@ def pieces(run_set: RunSet) -> tuple[RunSet, NDArray[np.int64]]:
         for gap in run_set.gaps
         if gap.run == run and gap.row < b and gap.row + gap.rows > a
     ]
-    names = tuple(f"{run_set.names[run]}, {a * run_set.dt:.0f} to {b * run_set.dt:.0f} s" for run, a, b in rows)
+    names = tuple(
+        f"{run_set.names[run]}, {a * run_set.dt:.0f} to {b * run_set.dt:.0f} s" for run, a, b in rows
+    )
     lengths = np.array([b - a for _, a, b in rows])
     made = replace(
         run_set,

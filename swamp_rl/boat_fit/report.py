@@ -26,7 +26,10 @@ def page_of(found: Identification) -> str:
             "<h2>Numbers</h2>",
             "<p>± is one standard error (sandwich covariance, prior included). Information: share of the "
             "posterior precision that the runs gave; the rest is the prior's.</p>",
-            _table(("number", "start", "identified", "±", "prior ±", "unit", "information"), number_rows(found.fitted)),
+            _table(
+                ("number", "start", "identified", "±", "prior ±", "unit", "information"),
+                number_rows(found.fitted),
+            ),
             "<h2>Residual</h2>",
             _table(("channel", "noise", "residual", "unit"), residual_rows(found)),
             f"<p>{html.escape(residual_sentence(found))}</p>",
@@ -47,8 +50,8 @@ def summary(found: Identification) -> list[str]:
     ]
     if found.wiring.advance > 0.0:
         said.append(
-            f"Commands are stamped {found.wiring.advance:g} s after the motion that they cause. They were taken "
-            "that much earlier; correct the log, for no boat file can say it."
+            f"Commands are stamped {found.wiring.advance:g} s after the motion that they cause. They were "
+            "taken that much earlier; correct the log, for no boat file can say it."
         )
     if worse := not_better(found):
         said.append(f"The identified file is not better than {' and '.join(worse)}.")
@@ -69,7 +72,9 @@ def held_out_sentence(found: Identification) -> str:
     """Which data the errors are measured on."""
     data = found.data
     minutes = [float(part.lengths.sum()) * part.dt / 60 for part in (data.training, data.held_out)]
-    by = {"runs": "every third run", "pieces": "every third piece of the runs", "folder": "other runs"}[data.by]
+    by = {"runs": "every third run", "pieces": "every third piece of the runs", "folder": "other runs"}[
+        data.by
+    ]
     return (
         f"Root mean square position error, m. Fitted to {minutes[0]:.1f} min, held out {minutes[1]:.1f} min "
         f"({by}). Predictions start from the smoothed measured state."
@@ -120,13 +125,13 @@ def residual_rows(found: Identification) -> list[tuple[str, ...]]:
 
 
 def residual_sentence(found: Identification) -> str:
-    """Window length and correlation of the residual."""
+    """Windows and independent samples."""
     problem = found.made.problem
     seconds = problem.correlation_samples * problem.dt
     return (
-        f"Windows of {problem.seconds:.3g} s, {problem.windows.count} of them. The residual's integrated "
-        f"autocorrelation time is {seconds:.2g} s. A residual well above the noise is gusts, or forces that the "
-        "model has no number for: `swamp-rl diagnose` looks for these."
+        f"Windows of {problem.seconds:.3g} s, {problem.windows.count} of them. The fit counts one independent "
+        f"sample every {seconds:.2g} s. A residual well above the noise is gusts, or forces that the model has "
+        "no number for: `swamp-rl diagnose` looks for these."
     )
 
 

@@ -48,10 +48,14 @@ def possible_changes(boat: Boat) -> list[Change]:
     for thruster in boat.thrusters:
         if thruster.kind != "fixed":
             what = "rudder" if thruster.kind == "propeller_rudder" else "azimuth"
-            found.append((f"the {what} of {thruster.name} has the other sign", _sign(thruster.name, azimuth=-1.0)))
+            found.append(
+                (f"the {what} of {thruster.name} has the other sign", _sign(thruster.name, azimuth=-1.0))
+            )
         if thruster.throttle_min < 0.0:
             what = "revolutions" if thruster.kind == "propeller_rudder" else "throttle"
-            found.append((f"the {what} of {thruster.name} has the other sign", _sign(thruster.name, throttle=-1.0)))
+            found.append(
+                (f"the {what} of {thruster.name} has the other sign", _sign(thruster.name, throttle=-1.0))
+            )
     turning = [thruster.name for thruster in boat.thrusters if thruster.kind != "fixed"]
     if len(turning) > 1:
         found.append(("the azimuths of all thrusters have the other sign", _sign("all", azimuth=-1.0)))
@@ -107,7 +111,7 @@ class _Trial:
         return names.index("effects.command_delay.delay")
 
     def fitted(self, boat: Boat, delay: float = 0.0, advance: float = 0.0) -> tuple[float, Array]:
-        """chi2 and numbers of a fit that begins at that delay [s], the commands taken `advance` [s] earlier."""
+        """chi2 and numbers of a fit from that delay [s], the commands taken `advance` [s] earlier."""
         hypothesis = self.hypothesis(boat)
         x = hypothesis.start()
         x[self.delay_column(boat)] += delay
@@ -143,9 +147,7 @@ def _some_runs(run_set: RunSet) -> list[int]:
 
 def _best_combination(trial: _Trial, changes: list[Change]) -> list[Change]:
     every = [
-        list(some)
-        for count in range(len(changes) + 1)
-        for some in itertools.combinations(changes, count)
+        list(some) for count in range(len(changes) + 1) for some in itertools.combinations(changes, count)
     ]
     chi2 = [trial.fitted(rewired(trial.run_set.boat, some))[0] for some in every]
     best = int(np.argmin(chi2))

@@ -28,9 +28,12 @@ thrusters:
 effects:
   - {effect: throttle_dead_band, thruster: all, below: 0.1}
 """
-WIRED = HIDDEN + """  - {effect: channel_swap, thruster: [port, starboard]}
+WIRED = (
+    HIDDEN
+    + """  - {effect: channel_swap, thruster: [port, starboard]}
   - {effect: command_sign, thruster: port, throttle: -1.0}
 """
+)
 FIVE = 1  # place of the horizon of 5 s among those of the report
 
 

@@ -16,7 +16,9 @@ RATE = 0.1  # s
 NOISE = np.array([0.01, 0.01, 0.005, 0.01, 0.01, 0.01])
 
 
-def steps_of_thrust(boat: Boat, rows: int, rng: np.random.Generator, low: float, longest: float) -> NDArray[np.float64]:
+def steps_of_thrust(
+    boat: Boat, rows: int, rng: np.random.Generator, low: float, longest: float
+) -> NDArray[np.float64]:
     """(rows, 2K) commands that step at random, throttles from `low` on, each for `longest` [s] at most."""
     commands = np.zeros((rows, 2 * len(boat.thrusters)))
     for k in range(len(boat.thrusters)):
@@ -29,12 +31,22 @@ def steps_of_thrust(boat: Boat, rows: int, rng: np.random.Generator, low: float,
 
 
 def sailed_dataset(
-    folder: Path, start: Path, truth: Boat, seed: int = 0, count: int = 3, seconds: float = 60.0, low: float = -1.0
+    folder: Path,
+    start: Path,
+    truth: Boat,
+    seed: int = 0,
+    count: int = 3,
+    seconds: float = 60.0,
+    low: float = -1.0,
 ) -> Path:
     """A dataset of runs that `truth` sailed, which names the file `start` as its boat."""
     rng = np.random.default_rng(seed)
     rows = int(seconds / RATE)
-    told: dict[str, Any] = {"mass": truth.mass, "draught": truth.draught, "water_density": truth.water_density}
+    told: dict[str, Any] = {
+        "mass": truth.mass,
+        "draught": truth.draught,
+        "water_density": truth.water_density,
+    }
     create_dataset(folder, DatasetMeta(vehicle=str(start), sample_rate=1.0 / RATE, source="scripted", **told))
     for number in range(count):
         commands = steps_of_thrust(truth, rows, rng, low, 8.0)

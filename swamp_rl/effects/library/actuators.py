@@ -148,7 +148,7 @@ declare(
     Parameter("throttle", "1", 1.0, "throttle_sign", low=-1.0, high=1.0),
     acts_on="command",
     combine="multiply",
-    description="the thruster obeys its command times that: -1 where a log or a controller has the other sign",
+    description="the thruster obeys its command times that: -1 where a log or controller has the other sign",
     source="ours: a channel wired or logged the other way round",
     thruster=True,
     begin=None,

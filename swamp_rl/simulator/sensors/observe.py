@@ -81,8 +81,8 @@ def rows_before(values: Array, rows: Array) -> Array:
 
 
 def positions_before(position: Array, track: Array, rows: Array, dt: float) -> Array:
-    """Positions (n, T, 2) as they were `rows` (n, T) before each; before the first of the states (n, T, S), and
-    after the last, the boat goes straight on with their velocity.
+    """Positions (n, T, 2) as they were `rows` (n, T) before each; before the first of the states (n, T, S),
+    and after the last, the boat goes straight on with their velocity.
     """
     place = np.arange(position.shape[1]) - rows
     before, after = np.minimum(place, 0.0) * dt, np.maximum(place - (position.shape[1] - 1), 0.0) * dt
