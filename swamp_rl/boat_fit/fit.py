@@ -114,9 +114,10 @@ def jackknife_covariance(made: Fit) -> tuple[Array, float]:
     part.
 
     C = J + H⁻¹ P H⁻¹, J = (W − 1)/W Σ δ_w δ_wᵀ, δ_w = (H − I_w)⁻¹ g_w; H: information with the prior's P;
-    I_w, g_w: information and score of window w. No variance is below that of H⁻¹; all are widened by Student's t
-    for W windows. Also the mean ratio of J to what it would be under independent noise, H⁻¹ (H − P) H⁻¹, by
-    which the likelihood counts too much beside the prior (Ribatet, Cooley and Davison 2012).
+    I_w, g_w: information and score of window w. No variance is below that of H⁻¹; all are widened by
+    Student's t for W windows. Also the ratio by which the likelihood counts too much beside the prior
+    (Ribatet, Cooley and Davison 2012): of the geometric mean of J and the plain sandwich to what both would
+    be under independent noise, H⁻¹ (H − P) H⁻¹, mean over the numbers.
     """
     from scipy.special import stdtrit
 
@@ -127,10 +128,12 @@ def jackknife_covariance(made: Fit) -> tuple[Array, float]:
     away = score - score.mean(axis=0)
     moved = np.stack([inverse(H - own) @ one for own, one in zip(information, away, strict=True)])
     jackknife = (count - 1) / count * (moved**2).sum(axis=0)
+    plain = ((away @ covariance) ** 2).sum(axis=0)  # of windows as the fit left them, hence too small
     of_prior = np.diag(covariance * precision @ covariance)
     of_data = np.maximum(np.diag(covariance) - of_prior, 1e-300)
     known = of_data > SHARE * np.diag(covariance)
-    excess = float(np.exp(np.mean(np.log(jackknife[known] / of_data[known])))) if known.any() else 1.0
+    between = np.sqrt(plain[known] * jackknife[known]) / of_data[known]
+    excess = float(np.exp(np.mean(np.log(between)))) if known.any() else 1.0
     ratio = (jackknife + of_prior) / np.maximum(np.diag(covariance), 1e-300)
     wider = np.sqrt(np.maximum(ratio, 1.0)) * stdtrit(max(count - 1, 2), 0.975) / Z95
     return np.asarray(covariance * np.outer(wider, wider)), excess

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,8 +103,6 @@ def free_numbers(boat: Boat, positions: bool = False) -> tuple[Number, ...]:
 
 def _narrowed(number: Number, boat: Boat) -> Number:
     """The number with the narrower prior of a measured one."""
-    from dataclasses import replace
-
     given = boat.provenance.get(number.name)
     measured = given is not None and given.provenance == "measured"
     return replace(number, sd=MEASURED * number.sd) if measured else number

@@ -129,9 +129,9 @@ def residual_sentence(found: Identification) -> str:
     problem = found.made.problem
     seconds = problem.correlation_samples * problem.dt
     return (
-        f"Windows of {problem.seconds:.3g} s, {problem.windows.count} of them. The fit counts one independent "
-        f"sample every {seconds:.2g} s. A residual well above the noise is gusts, or forces that the model has "
-        "no number for: `swamp-rl diagnose` looks for these."
+        f"Windows of {problem.seconds:.3g} s, {problem.windows.count} of them. The fit counts one "
+        f"independent sample every {seconds:.2g} s. A residual well above the noise is gusts, or forces that "
+        "the model has no number for: `swamp-rl diagnose` looks for these."
     )
 
 

@@ -13,7 +13,7 @@ from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.sensors import observe
 
 RATE = 0.1  # s
-NOISE = np.array([0.01, 0.01, 0.005, 0.01, 0.01, 0.01])
+NOISE = np.array([0.03, 0.03, 0.01, 0.03, 0.03, 0.02])
 
 
 def steps_of_thrust(
