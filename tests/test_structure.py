@@ -32,6 +32,7 @@ FLOORS = (
     {"logs", "doctor"},
     {"allocation", "energy", "guidance", "navigation", "manoeuvres", "identification", "pilots"},
     {"criticism", "design", "evaluation", "export"},
+    {"boat_fit"},
     {"teleop", "demo", "api"},
     {"envs"},
     {"experiments.config"},

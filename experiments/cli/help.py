@@ -60,6 +60,7 @@ EXAMPLES = {
     "design pump-jet": "design pump-jet swamp_pump_jet --out pump_jet",
     "design hull": "design hull swamp_hull --out hull",
     "design match": "design match typhoon_match --out match",
+    "identify boat": "identify boat runs --boat swamp --out identified.yaml",
     "identify yaw-model": "identify yaw-model runs",
     "identify elementary": "identify elementary runs",
     "identify thrust-deduction": "identify thrust-deduction runs",

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from swamp_rl.identification.motion import Motion
 
 identify_app = typer.Typer(
-    help="Identify a boat from recorded runs, by the papers' regressions.", no_args_is_help=True
+    help="Identify a boat from recorded runs: its whole file, or numbers by the papers' regressions.",
+    no_args_is_help=True,
 )
 
 Folder = Annotated[Path, typer.Argument(help="A folder of runs.")]

@@ -163,6 +163,10 @@ class Hypothesis:
         """This hypothesis and one more effect, sorted by label, so that equal sets are equal."""
         return Hypothesis(tuple(sorted((*self.instances, instance), key=lambda one: one.label)))
 
+    def of_actuators(self, x: Array) -> Array:
+        """(V, p) the numbers x (V, p), those that do not move the actuators at one value."""
+        return x
+
     def without(self, label: str) -> "Hypothesis":
         """This hypothesis less the effect of that label."""
         return Hypothesis(tuple(instance for instance in self.instances if instance.label != label))

@@ -232,7 +232,7 @@ class Shooting:
         batch = hypothesis.records(self.boat, x, self.record, self.run_set.origins[win.run])
         ahead = rows_ahead(batch, float(self.run_set.lengths.max()) * self.dt, self.dt)
         if hypothesis.moves_actuators:
-            rows, place = np.unique(x, axis=0, return_inverse=True)
+            rows, place = np.unique(hypothesis.of_actuators(x), axis=0, return_inverse=True)
             actuators = self.actuators(hypothesis, rows)[place.reshape(-1)]
         else:
             actuators = np.broadcast_to(self.plain_actuators, (variants, *self.plain_actuators.shape))

@@ -80,6 +80,7 @@ def test_the_library_has_the_projects_vocabulary() -> None:
         "heading_drift": ("rate",),
         "clock_offset": ("offset",),
         "clock_drift": ("rate",),
+        "command_sign": ("azimuth", "throttle"),
     }
 
 

@@ -24,7 +24,7 @@ def predictors_sentence(found: Diagnosis) -> str:
     for one in found.predictors:
         if one.horizon_s >= FROM and (names := as_good(one)):
             best = min(names, key=lambda name: float(getattr(one, name)))
-            advice = " Fit its coefficients before reading causes." if found.verdict == "unexplained" else ""
+            advice = " Fit its numbers before reading causes: swamp-rl identify boat."
             return (
                 f"The boat file predicts positions {one.horizon_s:g} s ahead no better than {TRIVIAL[best]}: "
                 f"{one.boat_file:.3g} m against {getattr(one, best):.3g} m.{advice}"

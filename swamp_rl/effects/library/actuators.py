@@ -143,6 +143,18 @@ declare(
 )
 
 declare(
+    "command_sign",
+    Parameter("azimuth", "1", 1.0, "azimuth_sign", low=-1.0, high=1.0),
+    Parameter("throttle", "1", 1.0, "throttle_sign", low=-1.0, high=1.0),
+    acts_on="command",
+    combine="multiply",
+    description="the thruster obeys its command times that: -1 where a log or controller has the other sign",
+    source="ours: a channel wired or logged the other way round",
+    thruster=True,
+    begin=None,
+)
+
+declare(
     "throttle_dead_band",
     Parameter(
         "below",

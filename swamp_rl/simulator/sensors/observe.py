@@ -31,9 +31,9 @@ def observe(track: Array, params: NDArray[Any], dt: float, began: Array | None =
         )
         of_clock = clock_error(time, params)
         late = (params["position_delay"][:, None] + of_clock) / dt
-        for i in np.flatnonzero(late.any(axis=1)):
-            measured[i, :, :2] = positions_before(measured[i, :, :2], track[i], late[i], dt)
-            measured[i, :, SURGE : SWAY + 1] = rows_before(track[i, :, SURGE : SWAY + 1], of_clock[i] / dt)
+        own = np.flatnonzero(late.any(axis=1))
+        measured[own, :, :2] = positions_before(measured[own, :, :2], track[own], late[own], dt)
+        measured[own, :, SURGE : SWAY + 1] = rows_before(track[own, :, SURGE : SWAY + 1], of_clock[own] / dt)
         measured[:, :, HEADING] += params["heading_drift"][:, None] * time
     measured[:, :, HEADING] += params["heading_bias"][:, None]
     measured[:, :, YAW_RATE] += params["gyro_bias"][:, None]
@@ -69,21 +69,27 @@ def antenna_offset(heading: Array, params: NDArray[Any], place: Any = ...) -> Ar
 
 
 def rows_before(values: Array, rows: Array) -> Array:
-    """Values (T, C) as they were `rows` (T,) before each row, linear between rows, held beyond both ends."""
-    places = np.arange(len(values))
-    return np.stack([np.interp(places - rows, places, column) for column in values.T], axis=1)
+    """Values (n, T, C) as they were `rows` (n, T) before each row, linear between rows, held beyond both
+    ends.
+    """
+    last = values.shape[1] - 1
+    places = np.clip(np.arange(last + 1) - rows, 0.0, last)
+    before = np.minimum(places.astype(np.int64), max(last - 1, 0))
+    share = (places - before)[..., None]
+    boats = np.arange(len(values))[:, None]
+    return (1.0 - share) * values[boats, before] + share * values[boats, np.minimum(before + 1, last)]
 
 
 def positions_before(position: Array, track: Array, rows: Array, dt: float) -> Array:
-    """Positions (T, 2) as they were `rows` (T,) before each; before the first of the states (T, S), and after
-    the last, the boat goes straight on with their velocity.
+    """Positions (n, T, 2) as they were `rows` (n, T) before each; before the first of the states (n, T, S),
+    and after the last, the boat goes straight on with their velocity.
     """
-    place = np.arange(len(position)) - rows
-    before, after = np.minimum(place, 0.0) * dt, np.maximum(place - (len(position) - 1), 0.0) * dt
+    place = np.arange(position.shape[1]) - rows
+    before, after = np.minimum(place, 0.0) * dt, np.maximum(place - (position.shape[1] - 1), 0.0) * dt
     return (
         rows_before(position, rows)
-        + before[:, None] * velocity_over_ground(track[:1])
-        + after[:, None] * velocity_over_ground(track[-1:])
+        + before[..., None] * velocity_over_ground(track[:, 0])[:, None]
+        + after[..., None] * velocity_over_ground(track[:, -1])[:, None]
     )
 
 

@@ -1,0 +1,44 @@
+"""`swamp-rl identify boat`: the numbers of a boat file fitted to recorded runs."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from swamp_rl.experiments.cli.identify import identify_app
+
+
+@identify_app.command("boat")
+def identify_boat(
+    dataset: Annotated[Path, typer.Argument(help="A folder of runs.")],
+    boat: Annotated[str, typer.Option("--boat", help="The boat file to start from: a name or a file.")],
+    out: Annotated[
+        Path, typer.Option(help="The .yaml file to write; its report goes beside it, with the end .html.")
+    ],
+    holdout: Annotated[
+        Path | None, typer.Option(help="Runs that the errors are measured on; else every third run.")
+    ] = None,
+    positions: Annotated[bool, typer.Option("--positions", help="Also fit where the thrusters are.")] = False,
+    ignore: Annotated[
+        list[str] | None,
+        typer.Option(help="Leave out what the runs measured: wind or depth; may be repeated."),
+    ] = None,
+) -> None:
+    """Fit a boat file's masses, damping, thrust and lags to runs, under priors, and write the boat file."""
+    typer.echo(f"identifying {boat} from {dataset}")
+    from swamp_rl.experiments.cli.progress import progress
+
+    from swamp_rl.boat_fit.identify import identify_boat as identify
+    from swamp_rl.boat_fit.report import error_rows, held_out_sentence, next_runs, summary
+    from swamp_rl.criticism.progress import LOG
+
+    with progress(LOG):
+        found = identify(dataset, boat, out, holdout, positions, ignore or [])
+    for line in summary(found):
+        typer.echo(f"  {line}")
+    typer.echo(f"  {held_out_sentence(found)}")
+    typer.echo("  horizon: start file, identified file; at rest, constant velocity, no thrust")
+    for horizon, before, after, *trivial in error_rows(found):
+        typer.echo(f"  {horizon:>7}: {before} m, {after} m; {', '.join(f'{one} m' for one in trivial)}")
+    for line in next_runs(found):
+        typer.echo(f"  to record next: {line}")
+    typer.echo(f"{out}, {out.with_suffix('.html')} ({found.elapsed:.0f} s)")

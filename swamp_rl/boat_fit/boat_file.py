@@ -1,0 +1,133 @@
+"""The identified boat file: the start boat with the fitted numbers and their standard errors."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from swamp_rl.boat import Boat
+from swamp_rl.boat.mapping import boat_mapping, effect_mapping
+from swamp_rl.boat_fit.numbers import Number
+
+DIGITS = 5  # significant, of a number in the file
+SHOWN = (
+    0.7  # of the prior's standard deviation, below which a standard error says that the data show a number
+)
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A number at its fit. standard_error: in the number's unit, as is prior_sd."""
+
+    number: Number
+    value: float
+    standard_error: float
+    prior_sd: float
+
+    @property
+    def shown(self) -> bool:
+        """Whether the data say more of the number than its prior did."""
+        return self.standard_error < SHOWN * self.prior_sd
+
+
+def identified_mapping(boat: Boat, name: str, fitted: Sequence[Fitted], told_from: str) -> dict[str, Any]:
+    """The boat file of a fit; told_from: the dataset's name, for the sources.
+
+    A number that the data show has provenance `fitted`; another one keeps its own. The start boat's effects
+    on numbers that were fitted are in those numbers, and left out.
+    """
+    fields = {one.number.field for one in fitted}
+    kept = [
+        entry
+        for entry in boat.effects
+        if not fields & {parameter.field for parameter in entry.effect.parameters}
+    ]
+    made = boat_mapping(boat)
+    made |= {"name": name, "effects": [effect_mapping(entry) for entry in kept]}
+    for one in fitted:
+        if one.number.name.startswith("effects."):
+            _add_effect(made["effects"], boat, one)
+        else:
+            _set_number(made, boat, one, told_from)
+    if not made["effects"]:
+        del made["effects"]
+    return made
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
+
+
+def _add_effect(effects: list[dict[str, Any]], boat: Boat, one: Fitted) -> None:
+    """Append the effect of a number that has no key of its own, unless it does nothing."""
+    _, effect, parameter, *_ = one.number.name.split(".")
+    if one.value == 0.0:
+        return
+    thrusters = one.number.thrusters
+    selector = {} if thrusters is None else {"thruster": boat.thruster_names[thrusters[0]]}
+    effects.append({"effect": effect, **selector, parameter: _rounded(one.value)})
+
+
+def _set_number(made: dict[str, Any], boat: Boat, one: Fitted, told_from: str) -> None:
+    """Put one number into the mapping, in every thruster that shares it."""
+    keys = one.number.name.split(".")
+    if keys == ["resistance", "table"]:
+        _scale_table(made["resistance"], one, told_from)
+        return
+    if keys[0] != "thrusters":
+        _replace(_inside(made, keys[:-1]), keys[-1], one, told_from)
+        return
+    for k in one.number.thrusters or ():
+        section = next(item for item in made["thrusters"] if item["name"] == boat.thruster_names[k])
+        _replace_part(section, keys[2:], one, told_from)
+
+
+def _replace_part(section: dict[str, Any], keys: list[str], one: Fitted, told_from: str) -> None:
+    if one.number.element is None:
+        _replace(_inside(section, keys[:-1]), keys[-1], one, told_from)
+        return
+    inside, key, index = _inside(section, keys[:-2]), keys[-2], int(keys[-1])
+    values = list(inside[key]["value"])
+    values[index] = _rounded(one.value)
+    source = inside[key]["source"] if inside[key]["provenance"] == "fitted" else ""
+    told = _source(one, told_from) if told_from not in source else f"{source}; {_errors(one)}"
+    inside[key] = {**inside[key], "value": values, "provenance": "fitted", "source": told}
+
+
+def _inside(section: dict[str, Any], keys: list[str]) -> dict[str, Any]:
+    for key in keys:
+        section = section[key]
+    return section
+
+
+def _replace(section: dict[str, Any], key: str, one: Fitted, told_from: str) -> None:
+    given = section.get(key)
+    if isinstance(given, dict) and isinstance(given["value"], list):  # all of them scaled by one factor
+        value: Any = [_rounded(item * one.value) for item in given["value"]]
+    else:
+        value = _rounded(one.value)
+    if not one.shown and isinstance(given, dict):
+        source = f"{given['source']}; {told_from} does not show it"
+        section[key] = {**given, "value": value, "source": source}
+        return
+    section[key] = {
+        "value": value,
+        "unit": one.number.unit,
+        "provenance": "fitted",
+        "source": _source(one, told_from),
+    }
+
+
+def _scale_table(resistance: dict[str, Any], one: Fitted, told_from: str) -> None:
+    for curve in resistance["table"]:
+        given = curve["resistance"]
+        values = [_rounded(item * one.value) for item in given["value"]]
+        source = f"{given['source']}, times {one.value:.4g}; {_source(one, told_from)}"
+        curve["resistance"] = {**given, "value": values, "provenance": "fitted", "source": source}
+
+
+def _errors(one: Fitted) -> str:
+    return f"standard error {one.standard_error:.2g}"
+
+
+def _source(one: Fitted, told_from: str) -> str:
+    return f"identified from {told_from}, {_errors(one)}, prior {one.prior_sd:.2g}"

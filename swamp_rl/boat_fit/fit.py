@@ -1,0 +1,171 @@
+"""The output-error fit of a boat's numbers: short windows, then longer ones weighted by the residual."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.boat_fit.hypothesis import FreeBoat
+from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.model_error import correlation_samples, residual_rms, standardised_residual
+from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.output_error import Fit, fit, inverse
+from swamp_rl.criticism.scales import state_scale
+from swamp_rl.criticism.state_fit import fit_states
+from swamp_rl.simulator.reference import reference_of
+
+Array = NDArray[np.float64]
+
+SHORT = 5.0  # s of the first windows
+PASSED, LEAST, MOST = (
+    8.0,
+    8.0,
+    30.0,
+)  # lengths that the boat passes in a window, and its s at least and at most
+# added to the noise in the first fit, in `state_scale`: a guessed boat misses by far more than the noise
+SOFT = np.array([0.03, 0.03, 0.05, 0.05, 0.05, 0.05])
+ROUNDS = 2  # repetitions of fit and weights
+STEPS, STATE_ROUNDS = 6, 12  # Jacobians of a fit, iterations of its first initial states
+LEAST_LEFT = 0.2  # of the independent samples, that a fit leaves at least
+Z95 = 1.959964
+LAST_STEPS = 3  # Jacobians of the fit whose likelihood is scaled down
+EXCESS = 1.2  # of the jackknife's variance over that of independent noise, from which it is
+SHARE = 0.3  # of a number's variance that must be the data's, to be counted in that ratio
+HUBER = 1.5  # times the median residual of a window, beyond which its weight falls
+
+
+@dataclass(frozen=True)
+class BoatFit:
+    """Numbers fitted to runs. covariance: (p, p) of the fit's x, sandwich; sigma: (6,) standard deviation of
+    the residual by channel.
+    """
+
+    hypothesis: FreeBoat
+    problem: Shooting
+    fit: Fit
+    covariance: Array
+    sigma: Array
+
+
+def window_length(boat: Boat) -> float:
+    """Seconds of the windows of the last fit."""
+    return float(np.clip(PASSED * reference_of(boat).time, LEAST, MOST))
+
+
+def soft_weights(weight: Array, boat: Boat) -> Array:
+    """Weights (R, T, 6) with SOFT added to the noise."""
+    soft = SOFT * state_scale(boat)
+    return np.asarray(np.where(weight > 0, 1.0 / np.hypot(1.0 / np.maximum(weight, 1e-12), soft), 0.0))
+
+
+def fit_windows(
+    run_set: RunSet, weight: Array, seconds: float, hypothesis: FreeBoat, x: Array, steps: int = STEPS
+) -> tuple[Shooting, Fit]:
+    """The fit to windows of that length, from x (p,)."""
+    problem = Shooting(run_set, weight, seconds)
+    states = fit_states(problem, hypothesis, x, problem.initial_states(), STATE_ROUNDS)[0]
+    return problem, fit(problem, hypothesis, x, states, steps)
+
+
+@np.errstate(over="ignore", invalid="ignore")  # where numbers make the boat diverge
+def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> BoatFit:
+    """The numbers fitted to runs, from x (p,).
+
+    Weights of the last windows: the residual's standard deviation by channel, its integrated autocorrelation
+    time, so that the likelihood counts independent samples beside the prior, and Huber's weight of each
+    window. Windows in which the boat of the short windows' fit diverges are left out. weight: (R, T, 6) by
+    the measurement noise.
+    """
+    boat = run_set.boat
+    seconds, soft = window_length(boat), soft_weights(weight, boat)
+    _, first = fit_windows(run_set, soft, SHORT, hypothesis, x)
+    seen = weight > 0
+    sigma = 1.0 / np.maximum(soft.max(axis=(0, 1)), 1e-12)
+    problem = Shooting(run_set, seen / sigma, seconds)
+    states, _, residual = fit_states(problem, hypothesis, first.x, problem.initial_states(), STATE_ROUNDS)
+    sound = np.isfinite(residual).all(axis=1)
+    trust, made = np.ones(int(sound.sum())), replace(first, states=states[sound])
+
+    def fitted(sigma: Array, steps: int, fresh: bool = False) -> tuple[Shooting, Fit]:
+        problem = weighted(Shooting(run_set, seen / sigma, seconds).part(sound), trust)
+        return problem, fit(problem, hypothesis, made.x, made.states, steps, fresh)
+
+    for _ in range(ROUNDS):
+        problem, made = fitted(sigma, STEPS)
+        rms, trust = reweighted(problem, made, trust)
+        sigma = sigma * rms
+    problem, made = fitted(sigma, STEPS)
+    samples = correlation_samples(standardised_residual(problem, made))
+    sigma = sigma * np.sqrt(lost_freedom(problem, made, samples))
+    for steps in (STEPS, LAST_STEPS):
+        problem, made = fitted(sigma * np.sqrt(samples), steps, fresh=True)
+        covariance, excess = jackknife_covariance(made)
+        if excess < EXCESS:
+            break
+        samples *= excess
+    problem.correlation_samples = samples
+    return BoatFit(hypothesis, problem, made, covariance, sigma)
+
+
+def jackknife_covariance(made: Fit) -> tuple[Array, float]:
+    """(p, p) covariance of x: the sandwich whose meat is that of a jackknife over windows, which allows for
+    the fit having followed each window's own disturbance (CR3; Bell and McCaffrey 2002), and the prior's
+    part.
+
+    C = J + H⁻¹ P H⁻¹, J = (W − 1)/W Σ δ_w δ_wᵀ, δ_w = (H − I_w)⁻¹ g_w; H: information with the prior's P;
+    I_w, g_w: information and score of window w. No variance is below that of H⁻¹; all are widened by
+    Student's t for W windows. Also the ratio by which the likelihood counts too much beside the prior
+    (Ribatet, Cooley and Davison 2012): of the geometric mean of J and the plain sandwich to what both would
+    be under independent noise, H⁻¹ (H − P) H⁻¹, mean over the numbers.
+    """
+    from scipy.special import stdtrit
+
+    _, precision = made.hypothesis.prior()
+    information, score = made.normal.information, made.normal.gradient
+    H = information.sum(axis=0) + np.diag(precision)
+    covariance, count = inverse(H), len(score)
+    away = score - score.mean(axis=0)
+    moved = np.stack([inverse(H - own) @ one for own, one in zip(information, away, strict=True)])
+    jackknife = (count - 1) / count * (moved**2).sum(axis=0)
+    plain = ((away @ covariance) ** 2).sum(axis=0)  # of windows as the fit left them, hence too small
+    of_prior = np.diag(covariance * precision @ covariance)
+    of_data = np.maximum(np.diag(covariance) - of_prior, 1e-300)
+    known = of_data > SHARE * np.diag(covariance)
+    between = np.sqrt(plain[known] * jackknife[known]) / of_data[known]
+    excess = float(np.exp(np.mean(np.log(between)))) if known.any() else 1.0
+    ratio = (jackknife + of_prior) / np.maximum(np.diag(covariance), 1e-300)
+    wider = np.sqrt(np.maximum(ratio, 1.0)) * stdtrit(max(count - 1, 2), 0.975) / Z95
+    return np.asarray(covariance * np.outer(wider, wider)), excess
+
+
+def lost_freedom(problem: Shooting, made: Fit, samples: float) -> float:
+    """Ratio n / (n - q) [1] of the independent samples n to those that the fit has left: q initial states and
+    numbers, the latter by the share of their precision that is not the prior's.
+    """
+    _, precision = made.hypothesis.prior()
+    free = len(precision) - float(np.diag(made.covariance) @ precision)
+    count = problem.samples / samples
+    return count / max(count - len(made.states) * made.states.shape[1] - free, LEAST_LEFT * count)
+
+
+def window_rms(problem: Shooting, made: Fit) -> Array:
+    """(W,) root mean square standardised residual of each window."""
+    seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)), 1)
+    return np.asarray(np.sqrt((made.residual**2).sum(axis=1) / seen))
+
+
+def reweighted(problem: Shooting, made: Fit, trust: Array) -> tuple[Array, Array]:
+    """(6,) root mean square residual of each channel, and (W,) Huber's weight of each window: 1 up to HUBER
+    median residuals, then falling with the residual's root. trust: (W,) the weights of the fit so far.
+    """
+    size = window_rms(problem, made) / trust
+    new = np.sqrt(np.minimum(1.0, HUBER * np.median(size) / np.maximum(size, 1e-12)))
+    return residual_rms(problem, replace(made, residual=made.residual * (new / trust)[:, None])), new
+
+
+def weighted(problem: Shooting, trust: Array) -> Shooting:
+    """The problem with each window's weights times trust (W,)."""
+    weight = problem.windows.weight * trust[:, None, None]
+    problem.windows = replace(problem.windows, weight=weight)
+    return problem

@@ -1,0 +1,85 @@
+"""A boat whose numbers are free, as a hypothesis of the critic's output-error fit."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.boat_fit.numbers import Number
+from swamp_rl.criticism.candidates import (
+    ONE_RUN,
+    EffectInstance,
+    Hypothesis,
+    Spec,
+    differing,
+    instances_of,
+)
+from swamp_rl.effects import LIBRARY, Effect
+from swamp_rl.simulator import parameters
+
+Array = NDArray[np.float64]
+
+WIND_SD = 3.0  # m/s, prior of each component of a run's mean wind
+OF_ACTUATORS = ("pump_time_constant", "azimuth_time_constant", "command_delay")  # fields of the record
+CALM = 0.3  # m/s, where the fit of a wind begins: at none the boat's own air drag is left out
+NUMBERS = Effect("boat", (), "actuator", "replace", "numbers of the boat file", "", moves_actuators=True)
+
+
+@dataclass(frozen=True)
+class FreeBoat(Hypothesis):
+    """Free numbers of the boat file, and a mean wind for each run where `instances` has a second effect.
+
+    x: the numbers in their order, then the wind's north and east component, run after run.
+    """
+
+    numbers: tuple[Number, ...] = ()
+
+    @property
+    def winds(self) -> Hypothesis:
+        """The winds alone."""
+        return Hypothesis(self.instances[1:])
+
+    def prior(self) -> tuple[Array, Array]:
+        """(p,) mean and (p,) precision of the Gaussian prior."""
+        winds = self.size - len(self.numbers)
+        mean = np.array([number.mean for number in self.numbers] + [0.0] * winds)
+        sd = np.array([number.sd for number in self.numbers] + [WIND_SD] * winds)
+        return mean, sd**-2
+
+    def start(self) -> Array:
+        """(p,) where a fit begins: the boat file, and next to no wind."""
+        winds = self.size - len(self.numbers)
+        return np.array([number.begin for number in self.numbers] + [CALM] * winds)
+
+    def of_actuators(self, x: Array) -> Array:
+        """(V, p) the numbers x (V, p), those that do not move the actuators at their prior mean."""
+        mean = np.repeat(self.prior()[0][None], len(x), axis=0)
+        moving = [i for i, number in enumerate(self.numbers) if number.field in OF_ACTUATORS]
+        mean[:, moving] = x[:, moving]
+        return mean
+
+    def records(
+        self, boat: Boat, x: Array, plain: NDArray[Any] | None = None, runs: NDArray[np.int64] = ONE_RUN
+    ) -> NDArray[Any]:
+        """(V W,) parameter records with x (V, p) in the runs (W,), as `Hypothesis.records`."""
+        record = parameters(boat) if plain is None else plain
+        count = len(self.numbers)
+        made = self.winds.records(boat, x[:, count:], record, runs)
+        for number, own in zip(self.numbers, x.T, strict=False):
+            number.write(made, np.repeat(own, len(runs)))
+        if "x_0_ahead" in (made.dtype.names or ()):  # its reference mass is the boat's own
+            made["reference_mass"] = made["mass"]
+        return made
+
+
+def free_boat(boat: Boat, numbers: tuple[Number, ...], runs: int) -> FreeBoat:
+    """The hypothesis of a boat with those numbers free; runs: how many have an own wind."""
+    specs = tuple(
+        Spec(number.sd, *number.bounds, (number.mean,), number.step * number.sd) for number in numbers
+    )
+    instances = [EffectInstance(NUMBERS, (), specs, ())]
+    if runs:
+        instances.append(differing(instances_of(LIBRARY["wind"], boat)[0], "run", tuple(range(runs))))
+    return FreeBoat(tuple(instances), numbers)

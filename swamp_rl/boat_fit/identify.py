@@ -1,0 +1,155 @@
+"""Identification of a boat file from a folder of runs."""
+
+import os
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
+from swamp_rl.boat_fit.fit import BoatFit, fit_boat
+from swamp_rl.boat_fit.hypothesis import free_boat
+from swamp_rl.boat_fit.numbers import free_numbers
+from swamp_rl.boat_fit.pieces import Split, split
+from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
+from swamp_rl.criticism.consistency import refuse_inconsistent
+from swamp_rl.criticism.data import RunSet, read_run_set
+from swamp_rl.criticism.data_checks import refuse_other_vehicle
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.progress import LOG
+from swamp_rl.criticism.result import Predictors
+from swamp_rl.criticism.trivial_predictors import trivial_predictors
+from swamp_rl.errors import UserError
+from swamp_rl.files import write_beside, yaml_text
+
+Array = NDArray[np.float64]
+
+SUFFIX, REPORT = ".yaml", ".html"
+
+
+@dataclass(frozen=True)
+class Identification:
+    """An identified boat.
+
+    start, boat: before and after; fitted: its numbers; before, after: position errors on the held-out runs of
+    the two files and of the trivial predictors; noise: (6,) of the sensors, NaN where there is none.
+    """
+
+    start: Boat
+    boat: Boat
+    data: Split
+    wiring: Wiring
+    made: BoatFit
+    fitted: tuple[Fitted, ...]
+    before: list[Predictors]
+    after: list[Predictors]
+    noise: Array
+    elapsed: float
+
+
+def identify_boat(
+    dataset: Path | str,
+    boat: str | Path,
+    out: Path | str,
+    holdout: Path | str | None = None,
+    positions: bool = False,
+    ignore: Sequence[str] = (),
+) -> Identification:
+    """Fit the numbers of a boat file to a folder of runs; writes the boat file `out` and, beside it, a report
+    of the same name, .html.
+
+    holdout: a folder of runs that the errors are measured on; without it every third run; positions: also fit
+    where the thrusters are; ignore: measured weather that is left out (`wind`, `depth`). UserError for data
+    that no fit is possible from, and where `out` is there already.
+    """
+    dataset, out = Path(dataset), Path(out)
+    began = time.perf_counter()
+    refuse_to_overwrite(out)
+    start = load_boat(boat)
+    LOG.info("reading %s", dataset)
+    run_set = _read(dataset, start, boat, ignore)
+    other = None
+    if holdout is not None:
+        refuse_other_vehicle(dataset, Path(holdout))
+        other = _read(Path(holdout), start, boat, ignore)
+    data = split(run_set, other)
+    wiring, made = fitted_boat(data.training, positions)
+    fitted = numbers_of(made)
+    mapping = identified_mapping(wiring.boat, out.stem, fitted, _told(dataset))
+    with ExitStack() as files:
+        part, page = (files.enter_context(write_beside(path)) for path in (out, out.with_suffix(REPORT)))
+        part.write_text(yaml_text(mapping), encoding="utf-8")
+        identified = load_boat(part)
+        found = Identification(
+            start,
+            identified,
+            data,
+            wiring,
+            made,
+            tuple(fitted),
+            errors_on(data.held_out, start),
+            errors_on(advanced(data.held_out, wiring.advance), identified),
+            noise_levels(run_set),
+            time.perf_counter() - began,
+        )
+        from swamp_rl.boat_fit.report import page_of
+
+        page.write_text(page_of(found), encoding="utf-8")
+    return found
+
+
+def refuse_to_overwrite(out: Path) -> None:
+    """UserError unless `out` is the name of a new boat file."""
+    if out.suffix != SUFFIX:
+        raise UserError(f"{out}: is no name of a boat file; let --out end in {SUFFIX}")
+    for path in (out, out.with_suffix(REPORT)):
+        if os.path.lexists(path):
+            raise UserError(f"{path}: already exists; name another --out or remove it")
+
+
+def _read(folder: Path, boat: Boat, named: str | Path, ignore: Sequence[str]) -> RunSet:
+    run_set = read_run_set(folder, boat, named, ignore)
+    refuse_inconsistent(run_set, str(folder))
+    return run_set
+
+
+def _told(dataset: Path) -> str:
+    return dataset.resolve().name or "runs"
+
+
+def fitted_boat(training: RunSet, positions: bool = False) -> tuple[Wiring, BoatFit]:
+    """The wiring of the commands and the fit of a boat's numbers to runs."""
+    weight = weights(training, noise_levels(training))
+    LOG.info("%.1f min of runs: channels, signs and delays", training.lengths.sum() * training.dt / 60)
+    wiring = search_wiring(training, weight, positions)
+    run_set = advanced(replace(training, boat=wiring.boat), wiring.advance)
+    windy = "wind_speed" not in run_set.measured_fields
+    numbers = free_numbers(wiring.boat, positions)
+    hypothesis = free_boat(wiring.boat, numbers, len(run_set.lengths) if windy else 0)
+    x = hypothesis.start()
+    x[: len(numbers)] = wiring.x
+    LOG.info("fitting %d numbers", len(numbers))
+    return wiring, fit_boat(run_set, weight, hypothesis, x)
+
+
+def numbers_of(made: BoatFit) -> list[Fitted]:
+    """Value, standard error and prior of each number."""
+    found = []
+    for i, number in enumerate(made.hypothesis.numbers):
+        x, sd = float(made.fit.x[i]), float(np.sqrt(made.covariance[i, i]))
+        found.append(
+            Fitted(number, number.value(x), number.spread(x, min(sd, number.sd)), number.spread(x, number.sd))
+        )
+    return found
+
+
+def errors_on(run_set: RunSet, boat: Boat) -> list[Predictors]:
+    """Position errors of a boat file and of the trivial predictors on runs."""
+    run_set = replace(run_set, boat=boat)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return trivial_predictors(run_set, weights(run_set, noise_levels(run_set)))

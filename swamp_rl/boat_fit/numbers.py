@@ -1,0 +1,302 @@
+"""The numbers of a boat file that a fit moves, each with its prior."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat, PropellerRudder
+from swamp_rl.boat.resistance import TankResistance
+from swamp_rl.effects import Reference
+from swamp_rl.effects.limits import LONGEST_DELAY
+from swamp_rl.simulator import parameters
+from swamp_rl.simulator.reference import reference_of
+
+Array = NDArray[np.float64]
+
+MEASURED = 0.3  # of the usual prior width, for a number that the file gives as measured
+FAR = 6.0  # prior widths to either side that a fit may move a number
+# prior widths, of a finite difference; wide, since forces that jump, where a propeller's flow turns, make
+# slopes over narrow ones meaningless
+STEP = 3e-3
+DELAY_STEP = 0.1  # the same for delays, which act through interpolated commands
+# of the prior width of a time constant: the shortest that is fitted, since shorter ones are followed at once
+SHORTEST, LAG_STEP = 0.05, 0.03
+LAG = 0.3  # prior width of a time constant, in lengths over top speed
+DERIVATIVE = 0.02  # prior width [1] of a hull derivative beside its share, which may be 0 or of either sign
+
+
+@dataclass(frozen=True)
+class Number:
+    """One number that a fit moves: `start` in the boat file, `sd` the standard deviation of its prior.
+
+    name: its dotted key in the boat file, or `effects.` EFFECT.PARAMETER; field, thrusters, element: where it
+    lands in the simulator's record. scaled: the fit moves x, by which the number is start · exp(x), and sd is
+    of x; otherwise x is the number, within low and high. trial: the motion that shows it. least: where a fit
+    begins at least, for a number without a gradient at its start.
+    """
+
+    name: str
+    unit: str
+    field: str
+    start: float
+    sd: float
+    trial: str
+    scaled: bool = False
+    low: float = -math.inf
+    high: float = math.inf
+    thrusters: tuple[int, ...] | None = None
+    element: int | None = None
+    step: float = STEP
+    least: float = -math.inf
+
+    @property
+    def mean(self) -> float:
+        """Of the prior of x."""
+        return 0.0 if self.scaled else self.start
+
+    @property
+    def begin(self) -> float:
+        """Where a fit of x begins."""
+        return max(self.mean, self.least)
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Of x."""
+        room = FAR * self.sd
+        if self.scaled:
+            return -room, room
+        return max(self.low, self.start - room), min(self.high, self.start + room)
+
+    def value(self, x: float) -> float:
+        """The number at x."""
+        return self.start * math.exp(x) if self.scaled else x
+
+    def spread(self, x: float, sd: float) -> float:
+        """Standard deviation of the number, of that of x."""
+        return abs(self.value(x)) * sd if self.scaled else sd
+
+    def write(self, record: NDArray[np.void], x: Array) -> None:
+        """Put x (n,) into records (n,) of the start boat, in place."""
+        field = record[self.field]
+        if self.thrusters is None:
+            field[:] = field * np.exp(x) if self.scaled else x
+            return
+        for k in self.thrusters:
+            part = field[:, k] if self.element is None else field[:, k, self.element]
+            column = x[:, None] if part.ndim == 2 else x
+            part[:] = part * np.exp(column) if self.scaled else column
+
+
+def free_numbers(boat: Boat, positions: bool = False) -> tuple[Number, ...]:
+    """The numbers of a boat that a fit moves; positions: also where its thrusters are."""
+    of = reference_of(boat)
+    found = [*_inertia(boat), *_resistance(boat, of), *_hull(boat, of)]
+    for k, thruster in enumerate(boat.thrusters):
+        found += _propeller(boat, k) if isinstance(thruster, PropellerRudder) else _jet(boat, k)
+        found += _positions(boat, k) if positions and not isinstance(thruster, PropellerRudder) else []
+    found += [*_lags(boat, of), *_clocks(boat)]
+    return tuple(_narrowed(number, boat) for number in found)
+
+
+def _narrowed(number: Number, boat: Boat) -> Number:
+    """The number with the narrower prior of a measured one."""
+    given = boat.provenance.get(number.name)
+    measured = given is not None and given.provenance == "measured"
+    return replace(number, sd=MEASURED * number.sd) if measured else number
+
+
+def _inertia(boat: Boat) -> Iterable[Number]:
+    mass, turning = boat.mass, boat.inertia_z
+    steps, turns = "changes of thrust", "turns that begin and end"
+    yield _share("mass", "kg", "mass", mass, 0.1, steps)
+    yield _share("inertia_z", "kg m2", "inertia_z", turning, 0.25, turns)
+    yield Number("x_g", "m", "x_g", boat.x_g, 0.03 * boat.length, "tight turns at speed")
+    for name, own, unit, trial in (
+        ("added_mass_surge", mass, "kg", steps),
+        ("added_mass_sway", mass, "kg", "turns that begin and end"),
+        ("added_inertia_yaw", turning, "kg m2", turns),
+    ):
+        value = getattr(boat, name)
+        if value < 0.0:
+            yield _share(name, unit, name, value, 0.5, trial)
+        else:
+            yield Number(name, unit, name, value, 0.2 * own, trial, high=0.0)
+
+
+def _share(name: str, unit: str, field: str, start: float, sd: float, trial: str) -> Number:
+    """A number with a prior in proportion to it."""
+    return Number(name, unit, field, start, sd, trial, scaled=True)
+
+
+def _resistance(boat: Boat, of: Reference) -> Iterable[Number]:
+    straight = "straight runs at several speeds"
+    if isinstance(boat.resistance, TankResistance):
+        yield _share("resistance.table", "1", "resistance_scale", 1.0, 0.4, straight)
+    else:
+        for name, where in (("x_0_ahead", straight), ("x_0_astern", "straight runs astern")):
+            value = getattr(boat.resistance, name)
+            yield _share(f"resistance.{name}", "1", name, value, 0.5, where)
+    yield _damping(boat, "linear_drag", 0.05 * of.damping, "N s/m", "coasting to a stop")
+    yield _damping(boat, "linear_sway_damping", 0.15 * of.damping, "N s/m", "slow turns")
+    yield _damping(boat, "linear_yaw_damping", 0.03 * of.yaw_damping, "N m s/rad", "slow turns on the spot")
+
+
+def _damping(boat: Boat, effect: str, sd: float, unit: str, trial: str) -> Number:
+    start = float(parameters(boat)[effect][0])
+    return Number(f"effects.{effect}.coefficient", unit, effect, start, sd, trial, low=min(0.0, start))
+
+
+def _hull(boat: Boat, of: Reference) -> Iterable[Number]:
+    record = parameters(boat)[0]
+    trials = {
+        "x_vr": "turns at speed",
+        "y_v": "turns at speed",
+        "y_r": "turns at speed",
+        "n_v": "turns at speed",
+        "n_r": "turns of several rates at speed",
+        "c_ry": "tight turns",
+        "c_rn": "turns on the spot",
+    }
+    for name, trial in trials.items():
+        start = float(record[name])
+        sd = 0.3 if name in ("c_ry", "c_rn") else 0.4 * abs(start) + DERIVATIVE
+        high = 0.0 if name in ("y_v", "n_r") and start <= 0.0 else math.inf
+        yield Number(f"hull.{name}", "1", name, start, sd, trial, high=high)
+    if record["c_d"] > 0.0:
+        yield _share("hull.c_d", "1", "c_d", float(record["c_d"]), 0.4, "tight turns")
+
+
+def _jet(boat: Boat, k: int) -> Iterable[Number]:
+    thruster, record = boat.thrusters[k], parameters(boat)[0]
+    key = f"thrusters.{thruster.name}"
+    for way, ahead in (("thrust", True), ("astern", False)):
+        names = [f"{way}_{power}" for power in ("linear", "quadratic")]
+        most = float(sum(record[name][k] for name in names))
+        if most == 0.0:
+            continue
+        trial = f"several throttles {'ahead' if ahead else 'astern'} of {thruster.name}"
+        for name in names:
+            start = float(record[name][k])
+            yield Number(f"{key}.{name}", "N", name, start, 0.3 * most, trial, low=0.0, thrusters=(k,))
+    if record["nozzle_area"][k] > 0.0:
+        start = float(record["advance_loss"][k])
+        trial = "full throttle at speed"
+        name = f"{key}.advance_loss"
+        yield Number(name, "1", "advance_loss", start, 0.3, trial, low=0.0, thrusters=(k,))
+    yield _dead_band(boat, k)
+    if thruster.kind == "azimuth":
+        start = float(record["azimuth_offset"][k])
+        name = f"{key}.azimuth_offset"
+        yield Number(name, "rad", "azimuth_offset", start, 0.1, "straight runs", thrusters=(k,))
+
+
+def _dead_band(boat: Boat, k: int) -> Number:
+    start, name = float(parameters(boat)["dead_band"][0, k]), boat.thrusters[k].name
+    trial = f"small throttles of {name}"
+    return Number(
+        f"effects.throttle_dead_band.below.{name}",
+        "1",
+        "dead_band",
+        start,
+        0.08,
+        trial,
+        low=0.0,
+        high=0.6,
+        thrusters=(k,),
+    )
+
+
+def _positions(boat: Boat, k: int) -> Iterable[Number]:
+    thruster, record = boat.thrusters[k], parameters(boat)[0]
+    for axis in ("x", "y"):
+        start = float(record[f"thruster_{axis}"][k])
+        name = f"thrusters.{thruster.name}.{axis}"
+        trial = f"turns with {thruster.name} alone"
+        most = 0.75 * (boat.length if axis == "x" else boat.breadth)
+        yield Number(
+            name,
+            "m",
+            f"thruster_{axis}",
+            start,
+            0.1 * boat.length,
+            trial,
+            low=-most,
+            high=most,
+            thrusters=(k,),
+        )
+
+
+def _propeller(boat: Boat, k: int) -> Iterable[Number]:
+    """Open-water thrust and wake of the propeller, and the forces of the rudder in its race."""
+    record, key = parameters(boat)[0], f"thrusters.{boat.thrusters[k].name}"
+    thrust, astern, steered = "several revolutions ahead", "revolutions astern", "rudder angles at speed"
+
+    def one(
+        name: str, field: str, sd: float, trial: str, low: float = -math.inf, high: float = math.inf
+    ) -> Number:
+        start = float(record[field][k])
+        return Number(f"{key}.{name}", "1", field, start, sd, trial, low=low, high=high, thrusters=(k,))
+
+    def share(name: str, field: str, sd: float, trial: str) -> Number:
+        start = float(record[field][k]) if record[field].ndim == 1 else 1.0
+        return Number(f"{key}.{name}", "1", field, start, sd, trial, scaled=True, thrusters=(k,))
+
+    for name, elements, trial in (("k_t", 3, thrust), ("astern_thrust", 3, astern)):
+        for i in range(elements):
+            start = float(record[name][k, i])
+            sd = 0.3 * max(abs(start), 0.3 * abs(float(record[name][k, 0])))
+            number = f"{key}.propeller.{name}.{i}"
+            yield Number(number, "1", name, start, sd, trial, thrusters=(k,), element=i)
+    yield one("propeller.wake_zero", "wake_zero", 0.15, thrust, 0.0, 0.95)
+    yield share("propeller.side_force", "propeller_side_force", 0.5, astern)
+    yield share("propeller.yaw_moment", "propeller_yaw_moment", 0.5, astern)
+    yield one("rudder.a_h", "rudder_a_h", 0.2, steered)
+    yield one("rudder.flow_lever", "rudder_flow_lever", 0.3, "turns of several rates at speed")
+    for name, sd, trial in (
+        ("gamma_p", 0.4, "turns at speed"),
+        ("gamma_n", 0.4, "turns at speed"),
+        ("epsilon", 0.25, steered),
+        ("k_x", 0.5, "rudder angles at several revolutions"),
+        ("k_x_astern", 0.5, astern),
+    ):
+        if record[f"rudder_{name}"][k] > 0.0:
+            yield share(f"rudder.{name}", f"rudder_{name}", sd, trial)
+
+
+def _lags(boat: Boat, of: Reference) -> Iterable[Number]:
+    """Time constants, one for all thrusters that have the same in the file."""
+    record, every = parameters(boat)[0], boat.thrusters
+    for field, of_propeller, trial in (
+        ("pump_time_constant", "revolutions_time_constant", "steps of the throttle"),
+        ("azimuth_time_constant", "rudder_time_constant", "steps of the azimuth or the rudder"),
+    ):
+        for propeller, name in ((False, field), (True, of_propeller)):
+            mine = [
+                k
+                for k, thruster in enumerate(every)
+                if isinstance(thruster, PropellerRudder) == propeller
+                and (thruster.kind != "fixed" or field == "pump_time_constant")
+            ]
+            for start in sorted({float(record[field][k]) for k in mine}):
+                alike = tuple(k for k in mine if record[field][k] == start)
+                key = f"thrusters.{every[alike[0]].name}.{name}"
+                sd = LAG * of.time
+                least = min(start or np.inf, SHORTEST * sd)
+                yield Number(
+                    key, "s", field, start, sd, trial, low=least, thrusters=alike, step=LAG_STEP, least=sd
+                )
+
+
+def _clocks(boat: Boat) -> Iterable[Number]:
+    """Delay of the commands, and the receiver's clock against theirs."""
+    record, trial = parameters(boat)[0], "many changes of the commands"
+    for effect, parameter, field, low in (
+        ("command_delay", "delay", "command_delay", 0.0),
+        ("clock_offset", "offset", "clock_offset", -LONGEST_DELAY),
+    ):
+        start = float(record[field])
+        name = f"effects.{effect}.{parameter}"
+        yield Number(name, "s", field, start, 0.2, trial, low=low, high=LONGEST_DELAY, step=DELAY_STEP)

@@ -1,0 +1,94 @@
+"""Runs cut in pieces, and their split into training and held-out ones."""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data import Gap, RunSet
+
+PIECE = 120.0  # s of a piece, at least
+MOST_PIECES = 16  # of all runs together
+FEWEST_RUNS = 3  # with fewer, pieces are held out in place of runs
+HELD_OUT_EVERY = 3
+
+
+@dataclass(frozen=True)
+class Split:
+    """Pieces that are fitted to and pieces that are held out; by: what was split, `runs`, `pieces` of runs or
+    a `folder` of other runs.
+    """
+
+    training: RunSet
+    held_out: RunSet
+    by: str
+
+
+def split(run_set: RunSet, other: RunSet | None = None) -> Split:
+    """Every third run held out, or every third piece of fewer runs; `other`: runs held out instead."""
+    if other is not None:
+        return Split(pieces(run_set)[0], pieces(other)[0], "folder")
+    every, of_run = pieces(run_set)
+    by_runs = len(run_set.lengths) >= FEWEST_RUNS
+    number = of_run if by_runs else np.arange(len(of_run))
+    held = number % HELD_OUT_EVERY == HELD_OUT_EVERY - 1
+    training, held_out = (every.subset(np.flatnonzero(chosen).tolist()) for chosen in (~held, held))
+    return Split(_alone(training), _alone(held_out), "runs" if by_runs else "pieces")
+
+
+def _alone(run_set: RunSet) -> RunSet:
+    return replace(run_set, origin=())
+
+
+def pieces(run_set: RunSet) -> tuple[RunSet, NDArray[np.int64]]:
+    """Every run cut in pieces of about equal length, and the run that each is of."""
+    total = float(run_set.lengths.sum()) * run_set.dt
+    seconds = max(PIECE, total / MOST_PIECES)
+    rows: list[tuple[int, int, int]] = []
+    for run, length in enumerate(run_set.lengths):
+        count = max(1, int(length * run_set.dt / seconds))
+        if count == 1 and len(run_set.lengths) < FEWEST_RUNS:
+            count = HELD_OUT_EVERY
+        edges = np.linspace(0, length, count + 1).round().astype(int)
+        rows += [(run, int(a), int(b)) for a, b in pairwise(edges)]
+    longest = max(b - a for _, a, b in rows)
+    commands = np.stack([_rows(run_set.commands[run], a, b, longest, held=True) for run, a, b in rows])
+    measured = np.stack([_rows(run_set.measured[run], a, b, longest) for run, a, b in rows])
+    weather = run_set.weather
+    if len(weather):
+        weather = np.stack([_rows(weather[run], a, b, longest, held=True) for run, a, b in rows])
+    gaps = [
+        Gap(number, max(gap.row - a, 0), min(gap.row + gap.rows, b) - max(gap.row, a))
+        for number, (run, a, b) in enumerate(rows)
+        for gap in run_set.gaps
+        if gap.run == run and gap.row < b and gap.row + gap.rows > a
+    ]
+    names = tuple(
+        f"{run_set.names[run]}, {a * run_set.dt:.0f} to {b * run_set.dt:.0f} s" for run, a, b in rows
+    )
+    lengths = np.array([b - a for _, a, b in rows])
+    made = replace(
+        run_set,
+        names=names,
+        commands=commands,
+        measured=measured,
+        lengths=lengths,
+        gaps=tuple(gaps),
+        weather=weather,
+        origin=(),
+        days=(),
+    )
+    return made, np.array([run for run, _, _ in rows])
+
+
+def _rows(
+    values: NDArray[np.float64], first: int, end: int, count: int, held: bool = False
+) -> NDArray[np.float64]:
+    """Rows from `first` to `end`, filled up to `count` with the last one where `held`, else with NaN."""
+    part = values[first:end]
+    filled = np.full((count, values.shape[1]), np.nan)
+    filled[: len(part)] = part
+    if held:
+        filled[len(part) :] = part[-1]
+    return filled

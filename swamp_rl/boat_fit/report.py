@@ -1,0 +1,153 @@
+"""The report of an identification: one HTML page."""
+
+import html
+from collections.abc import Sequence
+
+import numpy as np
+
+from swamp_rl.boat_fit.boat_file import Fitted
+from swamp_rl.boat_fit.identify import Identification
+from swamp_rl.criticism.data import CHANNELS, UNITS
+from swamp_rl.criticism.excitation import missing_motion
+from swamp_rl.criticism.report.evidence import TRIVIAL
+from swamp_rl.criticism.report.page import STYLE
+
+
+def page_of(found: Identification) -> str:
+    """The whole HTML page."""
+    title = f"Identification of {found.boat.name}"
+    body = "".join(
+        (
+            f"<h1>{html.escape(title)}</h1>",
+            *(f"<p>{html.escape(line)}</p>" for line in summary(found)),
+            "<h2>Prediction error on held-out runs</h2>",
+            f"<p>{html.escape(held_out_sentence(found))}</p>",
+            _table(("horizon", "start file", "identified", *TRIVIAL.values()), error_rows(found)),
+            "<h2>Numbers</h2>",
+            "<p>± is one standard error (sandwich covariance, prior included). Information: share of the "
+            "posterior precision that the runs gave; the rest is the prior's.</p>",
+            _table(
+                ("number", "start", "identified", "±", "prior ±", "unit", "information"),
+                number_rows(found.fitted),
+            ),
+            "<h2>Residual</h2>",
+            _table(("channel", "noise", "residual", "unit"), residual_rows(found)),
+            f"<p>{html.escape(residual_sentence(found))}</p>",
+            "<h2>What to record next</h2>",
+            "<ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in next_runs(found)) + "</ul>",
+        )
+    )
+    head = f'<meta charset="utf-8"><title>{html.escape(title)}</title><style>{STYLE}</style>'
+    return f'<!doctype html><html lang="en"><head>{head}</head><body>{body}</body></html>\n'
+
+
+def summary(found: Identification) -> list[str]:
+    """What was found, in sentences."""
+    shown = sum(one.shown for one in found.fitted)
+    said = [
+        f"{shown} of {len(found.fitted)} numbers are fitted to the runs; the others keep their prior.",
+        *(f"Commands: {change}. The boat file has it among its effects." for change in found.wiring.changes),
+    ]
+    if found.wiring.advance > 0.0:
+        said.append(
+            f"Commands are stamped {found.wiring.advance:g} s after the motion that they cause. They were "
+            "taken that much earlier; correct the log, for no boat file can say it."
+        )
+    if worse := not_better(found):
+        said.append(f"The identified file is not better than {' and '.join(worse)}.")
+    return said
+
+
+def not_better(found: Identification) -> list[str]:
+    """Trivial predictors that the identified file does not beat, with their horizon."""
+    return [
+        f"{TRIVIAL[name]} {one.horizon_s:g} s ahead"
+        for one in found.after
+        for name in TRIVIAL
+        if one.boat_file >= getattr(one, name)
+    ]
+
+
+def held_out_sentence(found: Identification) -> str:
+    """Which data the errors are measured on."""
+    data = found.data
+    minutes = [float(part.lengths.sum()) * part.dt / 60 for part in (data.training, data.held_out)]
+    by = {"runs": "every third run", "pieces": "every third piece of the runs", "folder": "other runs"}[
+        data.by
+    ]
+    return (
+        f"Root mean square position error, m. Fitted to {minutes[0]:.1f} min, held out {minutes[1]:.1f} min "
+        f"({by}). Predictions start from the smoothed measured state."
+    )
+
+
+def error_rows(found: Identification) -> list[tuple[str, ...]]:
+    """Errors [m] by horizon: start file, identified file, trivial predictors."""
+    return [
+        (
+            f"{was.horizon_s:g} s",
+            f"{was.boat_file:.3g}",
+            f"{now.boat_file:.3g}",
+            *(f"{getattr(now, name):.3g}" for name in TRIVIAL),
+        )
+        for was, now in zip(found.before, found.after, strict=True)
+    ]
+
+
+def number_rows(fitted: Sequence[Fitted]) -> list[tuple[str, ...]]:
+    """Every number that was free."""
+    return [
+        (
+            one.number.name,
+            f"{one.number.start:.4g}",
+            f"{one.value:.4g}",
+            f"{one.standard_error:.2g}",
+            f"{one.prior_sd:.2g}",
+            one.number.unit,
+            f"{information(one):.0%}" + ("" if one.shown else ", prior kept"),
+        )
+        for one in fitted
+    ]
+
+
+def information(one: Fitted) -> float:
+    """Share of the posterior precision [1] that the runs gave."""
+    return max(0.0, 1.0 - (one.standard_error / one.prior_sd) ** 2) if one.prior_sd > 0.0 else 0.0
+
+
+def residual_rows(found: Identification) -> list[tuple[str, ...]]:
+    """Standard deviations of the sensors' noise and of the residual by channel."""
+    return [
+        (name, f"{noise:.3g}", f"{sigma:.3g}", unit)
+        for name, unit, noise, sigma in zip(CHANNELS, UNITS, found.noise, found.made.sigma, strict=True)
+        if np.isfinite(noise)
+    ]
+
+
+def residual_sentence(found: Identification) -> str:
+    """Windows and independent samples."""
+    problem = found.made.problem
+    seconds = problem.correlation_samples * problem.dt
+    return (
+        f"Windows of {problem.seconds:.3g} s, {problem.windows.count} of them. The fit counts one "
+        f"independent sample every {seconds:.2g} s. A residual well above the noise is gusts, or forces that "
+        "the model has no number for: `swamp-rl diagnose` looks for these."
+    )
+
+
+def next_runs(found: Identification) -> list[str]:
+    """Motions that would show the numbers that the runs do not show."""
+    lacking: dict[str, list[str]] = {}
+    for one in found.fitted:
+        if not one.shown:
+            lacking.setdefault(one.number.trial, []).append(one.number.name)
+    said = [f"{trial}: for {', '.join(names)}" for trial, names in lacking.items()]
+    return [*said, *missing_motion(found.data.training, False)] or ["The runs show every number."]
+
+
+def _table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    cells = [
+        "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in row) + "</tr>"
+        for tag, row in (("th", header), *(("td", row) for row in rows))
+    ]
+    return f"<table>{''.join(cells)}</table>"

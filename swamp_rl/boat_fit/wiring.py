@@ -1,0 +1,167 @@
+"""Search for exchanged and sign-flipped command channels and for commands that are stamped late."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from swamp_rl.boat import Boat
+from swamp_rl.boat_fit.fit import SHORT, fit_windows, soft_weights
+from swamp_rl.boat_fit.hypothesis import Array, FreeBoat, free_boat
+from swamp_rl.boat_fit.numbers import free_numbers
+from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.progress import LOG
+from swamp_rl.effects import LIBRARY, EffectEntry
+
+SECONDS = 120.0  # s of runs that the search fits to
+STEPS = 4  # Jacobians of each of its fits
+MOST_TOGETHER = 4  # changes of which every combination is tried; of more, one after the other
+CLEARLY = 0.8  # of the chi2 without it, below which a change is taken
+ADVANCE = 0.6  # s, by which commands that may be stamped late are tried earlier
+DELAYS = (0.0, 0.5, 1.0)  # s, from which the delay of the commands is fitted
+LATE = 0.05  # s that commands must be stamped late to be corrected
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """What had to be changed in the commands. boat: with the effects that say it; changes: in words; advance
+    [s]: by which the commands of the log were taken earlier.
+    """
+
+    boat: Boat
+    changes: tuple[str, ...]
+    advance: float
+    x: Array
+
+
+Change = tuple[str, EffectEntry]
+
+
+def possible_changes(boat: Boat) -> list[Change]:
+    """Exchanged pairs of channels, and channels of the other sign."""
+    names = boat.thruster_names
+    found: list[Change] = [
+        (f"{a} and {b} obey each other's commands", EffectEntry(LIBRARY["channel_swap"], (a, b), {}))
+        for a, b in itertools.combinations(names, 2)
+    ]
+    for thruster in boat.thrusters:
+        if thruster.kind != "fixed":
+            what = "rudder" if thruster.kind == "propeller_rudder" else "azimuth"
+            found.append(
+                (f"the {what} of {thruster.name} has the other sign", _sign(thruster.name, azimuth=-1.0))
+            )
+        if thruster.throttle_min < 0.0:
+            what = "revolutions" if thruster.kind == "propeller_rudder" else "throttle"
+            found.append(
+                (f"the {what} of {thruster.name} has the other sign", _sign(thruster.name, throttle=-1.0))
+            )
+    turning = [thruster.name for thruster in boat.thrusters if thruster.kind != "fixed"]
+    if len(turning) > 1:
+        found.append(("the azimuths of all thrusters have the other sign", _sign("all", azimuth=-1.0)))
+    return found
+
+
+def _sign(thruster: str, azimuth: float = 1.0, throttle: float = 1.0) -> EffectEntry:
+    return EffectEntry(LIBRARY["command_sign"], thruster, {"azimuth": azimuth, "throttle": throttle})
+
+
+def search_wiring(run_set: RunSet, weight: Array, positions: bool = False) -> Wiring:
+    """The wiring that explains the runs best, and the numbers x that it was judged with.
+
+    Of up to MOST_TOGETHER possible changes every combination is fitted, of more the best one change after
+    another; then delays of the commands, and commands taken earlier. weight: (R, T, 6).
+    """
+    some = _some_runs(run_set)
+    part, soft = run_set.subset(some), soft_weights(weight, run_set.boat)[some]
+    trial = _Trial(replace(part, origin=()), soft, positions)
+    changes = possible_changes(run_set.boat)
+    if len(changes) <= MOST_TOGETHER:
+        taken = _best_combination(trial, changes)
+    else:
+        taken = _one_by_one(trial, changes)
+    boat = rewired(run_set.boat, taken)
+    chi2, x = trial.fitted(boat, DELAYS[0])
+    for delay in DELAYS[1:]:
+        found, other = trial.fitted(boat, delay)
+        chi2, x = (found, other) if found < CLEARLY * chi2 else (chi2, x)
+    advance = 0.0
+    found, other = trial.fitted(boat, ADVANCE, ADVANCE)
+    delay = float(other[trial.delay_column(boat)]) if np.isfinite(found) else ADVANCE
+    if found < CLEARLY * chi2 and ADVANCE - delay > LATE:
+        advance = round(ADVANCE - delay, 2)
+        x = other.copy()
+        x[trial.delay_column(boat)] = 0.0
+    return Wiring(boat, tuple(said for said, _ in taken), advance, x)
+
+
+@dataclass
+class _Trial:
+    """Quick fits of differently wired boats to the same runs."""
+
+    run_set: RunSet
+    weight: Array
+    positions: bool
+
+    def hypothesis(self, boat: Boat) -> FreeBoat:
+        return free_boat(boat, free_numbers(boat, self.positions), 0)
+
+    def delay_column(self, boat: Boat) -> int:
+        names = [number.name for number in self.hypothesis(boat).numbers]
+        return names.index("effects.command_delay.delay")
+
+    def fitted(self, boat: Boat, delay: float = 0.0, advance: float = 0.0) -> tuple[float, Array]:
+        """chi2 and numbers of a fit from that delay [s], the commands taken `advance` [s] earlier."""
+        hypothesis = self.hypothesis(boat)
+        x = hypothesis.start()
+        x[self.delay_column(boat)] += delay
+        moved = advanced(replace(self.run_set, boat=boat), advance)
+        with np.errstate(over="ignore", invalid="ignore"):
+            _, made = fit_windows(moved, self.weight, SHORT, hypothesis, x, STEPS)
+        LOG.debug("delay %g s, advance %g s: chi2 %.0f", delay, advance, made.chi2)
+        return made.chi2 if np.isfinite(made.chi2) else np.inf, made.x
+
+
+def rewired(boat: Boat, changes: Sequence[Change]) -> Boat:
+    """The boat with the changes among its effects."""
+    if not changes:
+        return boat
+    return boat.model_copy(update={"effects": (*boat.effects, *(entry for _, entry in changes))})
+
+
+def advanced(run_set: RunSet, seconds: float) -> RunSet:
+    """The runs with their commands taken `seconds` earlier, held to a row; the last ones stay."""
+    rows = round(seconds / run_set.dt)
+    if rows == 0:
+        return run_set
+    last = run_set.commands.shape[1] - 1
+    return replace(run_set, commands=run_set.commands[:, np.minimum(np.arange(last + 1) + rows, last)])
+
+
+def _some_runs(run_set: RunSet) -> list[int]:
+    """Runs of about SECONDS together, spread evenly over all."""
+    mean = float(run_set.lengths.mean()) * run_set.dt
+    count = min(len(run_set.lengths), max(1, round(SECONDS / mean)))
+    return sorted({int(i) for i in np.linspace(0, len(run_set.lengths) - 1, count).round()})
+
+
+def _best_combination(trial: _Trial, changes: list[Change]) -> list[Change]:
+    every = [
+        list(some) for count in range(len(changes) + 1) for some in itertools.combinations(changes, count)
+    ]
+    chi2 = [trial.fitted(rewired(trial.run_set.boat, some))[0] for some in every]
+    best = int(np.argmin(chi2))
+    return every[best] if chi2[best] < CLEARLY * chi2[0] else []
+
+
+def _one_by_one(trial: _Trial, changes: list[Change]) -> list[Change]:
+    taken: list[Change] = []
+    least = trial.fitted(trial.run_set.boat)[0]
+    while len(taken) < len(trial.run_set.boat.thrusters):
+        rest = [change for change in changes if change not in taken]
+        chi2 = [trial.fitted(rewired(trial.run_set.boat, [*taken, change]))[0] for change in rest]
+        best = int(np.argmin(chi2))
+        if chi2[best] >= CLEARLY * least:
+            break
+        taken, least = [*taken, rest[best]], chi2[best]
+    return taken

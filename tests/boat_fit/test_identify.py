@@ -1,0 +1,136 @@
+"""`identify boat` on runs of a hidden boat: its numbers, its wiring, its file, and what it refuses."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat_fit.boat_file import Fitted
+from swamp_rl.boat_fit.fit import fit_boat
+from swamp_rl.boat_fit.hypothesis import free_boat
+from swamp_rl.boat_fit.identify import identify_boat, numbers_of
+from swamp_rl.boat_fit.numbers import free_numbers
+from swamp_rl.boat_fit.pieces import split
+from swamp_rl.boat_fit.report import next_runs, not_better
+from swamp_rl.criticism.data import RunSet, read_run_set
+from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.errors import UserError
+from tests.support.command_line import Call
+from tests.support.command_line import call as call  # the fixture
+from tests.support.from_scratch import written
+from tests.support.sailing import sailed_dataset
+
+HIDDEN = """extends: twin.yaml
+name: hidden
+added_mass_sway: -10.0
+hull: {n_r: -0.11, c_d: 1.3, n_v: -0.09}
+resistance: {x_0_ahead: -0.09}
+thrusters:
+  port: {thrust_quadratic: 6.5, pump_time_constant: 0.3}
+  starboard: {thrust_quadratic: 7.0, pump_time_constant: 0.3}
+effects:
+  - {effect: throttle_dead_band, thruster: all, below: 0.1}
+"""
+WIRED = (
+    HIDDEN
+    + """  - {effect: channel_swap, thruster: [port, starboard]}
+  - {effect: command_sign, thruster: port, throttle: -1.0}
+"""
+)
+FIVE = 1  # place of the horizon of 5 s among those of the report
+
+
+def hidden(folder: Path, text: str) -> Boat:
+    """The hidden boat, and twin.yaml, the file to start from, beside it."""
+    written(folder, "twin")
+    (folder / "hidden.yaml").write_text(text)
+    return load_boat(folder / "hidden.yaml")
+
+
+def start_runs(folder: Path, text: str, **more: float) -> RunSet:
+    truth = hidden(folder, text)
+    sailed_dataset(folder / "runs", folder / "twin.yaml", truth, **more)  # type: ignore[arg-type]
+    return read_run_set(folder / "runs", load_boat(folder / "twin.yaml"))
+
+
+def by_name(fitted: list[Fitted]) -> dict[str, Fitted]:
+    return {one.number.name: one for one in fitted}
+
+
+def test_a_hidden_boat_is_found_within_its_intervals(tmp_path: Path) -> None:
+    runs = start_runs(tmp_path, HIDDEN.replace("effects", "x_g: 0.02\neffects"))
+    hypothesis = free_boat(runs.boat, free_numbers(runs.boat), 0)
+    made = fit_boat(runs, weights(runs, noise_levels(runs)), hypothesis, hypothesis.start())
+    found = by_name(numbers_of(made))
+    truth = {
+        "hull.n_r": -0.11,
+        "hull.c_d": 1.3,
+        "resistance.x_0_ahead": -0.09,
+        "x_g": 0.02,
+        "added_mass_sway": -10.0,
+        "effects.throttle_dead_band.below.port": 0.1,
+        "thrusters.starboard.thrust_quadratic": 7.0,
+    }
+    for name, value in truth.items():
+        assert abs(found[name].value - value) < 4.0 * found[name].standard_error, name
+    assert found["hull.n_r"].shown and found["x_g"].shown
+
+
+@pytest.mark.slow
+def test_the_file_beats_what_is_trivial_and_says_which_numbers_the_runs_do_not_show(tmp_path: Path) -> None:
+    truth = hidden(tmp_path, HIDDEN)
+    sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, low=0.0)
+    found = identify_boat(tmp_path / "runs", tmp_path / "twin.yaml", tmp_path / "new.yaml")
+    assert not_better(found) == []
+    assert found.after[FIVE].boat_file < 0.3 * found.before[FIVE].boat_file
+    assert load_boat(tmp_path / "new.yaml") == found.boat
+    astern = by_name(list(found.fitted))["thrusters.port.astern_quadratic"]
+    assert not astern.shown
+    assert astern.value == pytest.approx(astern.number.start, abs=0.5 * astern.prior_sd)
+    told = found.boat.provenance["thrusters.port.astern_quadratic"]
+    assert told.provenance == "assumed" and "does not show it" in told.source
+    assert any("astern of port" in line and "astern_quadratic" in line for line in next_runs(found))
+
+
+@pytest.mark.slow
+def test_exchanged_and_flipped_channels_are_found_and_the_file_predicts_and_diagnoses(
+    call: Call, tmp_path: Path
+) -> None:
+    truth = hidden(tmp_path, WIRED)
+    sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, count=4)
+    code, said, _ = call("identify", "boat", "runs", "--boat", "twin.yaml", "--out", "new.yaml")
+    assert code == 0
+    assert "port and starboard obey each other's commands" in said
+    assert "the throttle of port has the other sign" in said
+    assert Path("new.html").read_text().count("<table>") == 3
+    assert call("diagnose", "runs", "--boat", "new.yaml", "--out", "diagnosis")[0] == 0
+    assert "nothing_wrong" in Path("diagnosis/diagnosis.json").read_text()
+
+
+def test_runs_are_held_out_whole_and_a_single_one_by_pieces(tmp_path: Path) -> None:
+    runs = start_runs(tmp_path, HIDDEN)
+    by_runs, by_pieces = split(runs), split(runs.subset([0]))
+    assert by_runs.by == "runs" and [name.split(",")[0] for name in by_runs.held_out.names] == ["run2"]
+    assert by_pieces.by == "pieces"
+    assert [len(part.lengths) for part in (by_pieces.training, by_pieces.held_out)] == [2, 1]
+    total = by_pieces.training.lengths.sum() + by_pieces.held_out.lengths.sum()
+    assert total == runs.lengths[0]
+    assert np.isfinite(by_runs.training.commands).all()
+
+
+def test_bad_input_is_refused_with_one_line_and_nothing_written(call: Call, tmp_path: Path) -> None:
+    sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", hidden(tmp_path, HIDDEN), count=1, seconds=12.0)
+    before = sorted(path.name for path in tmp_path.iterdir())
+    asked = ("identify", "boat", "runs", "--boat", "twin.yaml")
+    for more, told in (
+        (("--out", "twin.yaml"), "already exists"),
+        (("--out", "new.txt"), "let --out end in .yaml"),
+        (("--out", "new.yaml"), "too short"),
+        (("--out", "new.yaml", "--holdout", "runs"), "nothing would be held out"),
+    ):
+        code, _, error = call(*asked, *more)
+        assert code == 2 and told in error and error.strip().count("\n") == 0, error
+    assert sorted(path.name for path in tmp_path.iterdir()) == before
+    with pytest.raises(UserError, match="no such file"):
+        identify_boat("runs", "none.yaml", "new.yaml")

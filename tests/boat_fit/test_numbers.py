@@ -1,0 +1,97 @@
+"""The free numbers of each kind of boat, their priors, and the identified boat file."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.mapping import boat_mapping
+from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
+from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
+from swamp_rl.boat_fit.numbers import Number, free_numbers
+from swamp_rl.files import write_yaml
+from swamp_rl.simulator import parameters
+from tests.support.from_scratch import written
+
+
+def boat_of(kind: str, folder: Path) -> Boat:
+    return load_boat(written(folder, kind) if kind in ("twin", "ferry") else kind)
+
+
+def whole(boat: Boat) -> FreeBoat:
+    return free_boat(boat, free_numbers(boat, positions=True), 0)
+
+
+def moved(hypothesis: FreeBoat) -> np.ndarray:
+    """Numbers half a prior width from the file, within their bounds."""
+    low, high = hypothesis.bounds()
+    mean, precision = hypothesis.prior()
+    up, down = mean + 0.5 / np.sqrt(precision), mean - 0.5 / np.sqrt(precision)
+    return np.where(up <= high, np.maximum(up, low), down)
+
+
+KINDS = ("twin", "ferry", "swamp", "esso_osaka")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_records_at_the_prior_mean_are_the_boat_files(kind: str, tmp_path: Path) -> None:
+    boat = boat_of(kind, tmp_path)
+    hypothesis = whole(boat)
+    record, plain = hypothesis.records(boat, hypothesis.prior()[0][None]), parameters(boat)
+    for field in plain.dtype.names:
+        np.testing.assert_allclose(record[field], plain[field], rtol=1e-12, err_msg=field)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_written_boat_simulates_as_the_fitted_numbers(kind: str, tmp_path: Path) -> None:
+    boat = boat_of(kind, tmp_path)
+    hypothesis = whole(boat)
+    x = moved(hypothesis)
+    fitted = [
+        Fitted(number, number.value(own), 0.1 * number.sd, number.sd)
+        for number, own in zip(hypothesis.numbers, x, strict=True)
+    ]
+    write_yaml(tmp_path / "new.yaml", identified_mapping(boat, "new", fitted, "runs"))
+    record, again = hypothesis.records(boat, x[None]), load_boat(tmp_path / "new.yaml")
+    read = parameters(again)
+    for field in set(record.dtype.names) - {"resistance_scale"}:
+        np.testing.assert_allclose(read[field], record[field], rtol=1e-4, atol=1e-12, err_msg=field)
+    assert again.provenance["mass"].provenance == "fitted"
+    assert "standard error" in again.provenance["mass"].source
+
+
+def test_a_boat_as_a_mapping_is_the_boat_again(tmp_path: Path) -> None:
+    for name in ("swamp", "esso_osaka"):
+        boat = load_boat(name)
+        write_yaml(tmp_path / f"{name}.yaml", boat_mapping(boat))
+        again = load_boat(tmp_path / f"{name}.yaml")
+        assert again == boat
+        assert again.provenance == boat.provenance
+
+
+def test_effects_of_the_start_file_on_fitted_numbers_are_in_these_numbers(tmp_path: Path) -> None:
+    (tmp_path / "worn.yaml").write_text(
+        "extends: swamp\neffects: [{effect: yaw_damping, scale: 2.0}, {effect: thrust_scale, scale: 0.9}]\n"
+    )
+    boat = load_boat(tmp_path / "worn.yaml")
+    fitted = [Fitted(number, number.start, 0.1, 0.2) for number in free_numbers(boat)]
+    mapping = identified_mapping(boat, "new", fitted, "runs")
+    assert [entry["effect"] for entry in mapping["effects"]] == ["thrust_scale"]
+    assert mapping["hull"]["n_r"]["value"] == pytest.approx(2.0 * boat.hull.n_r)
+
+
+def test_a_measured_number_has_a_narrower_prior_than_an_assumed_one(tmp_path: Path) -> None:
+    by_name = {number.name: number for number in free_numbers(load_boat("swamp"))}
+    assumed = load_boat(written(tmp_path, "twin"))
+    assert by_name["mass"].sd < 0.5 * {n.name: n for n in free_numbers(assumed)}["mass"].sd
+
+
+def test_the_derivative_of_a_prediction_by_a_scaled_number_is_that_of_its_record(tmp_path: Path) -> None:
+    boat = load_boat(written(tmp_path, "twin"))
+    number = Number("mass", "kg", "mass", boat.mass, 0.1, "", scaled=True)
+    hypothesis = free_boat(boat, (number,), 0)
+    up, down = (float(hypothesis.records(boat, np.array([[h]]))["mass"][0]) for h in (1e-4, -1e-4))
+    assert (up - down) / 2e-4 == pytest.approx(boat.mass, rel=1e-6)
+    assert number.spread(0.2, 0.05) == pytest.approx(boat.mass * math.exp(0.2) * 0.05)

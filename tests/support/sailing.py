@@ -1,0 +1,63 @@
+"""Runs of a boat whose truth is known, short and with little noise, to identify it from."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.runs import Run, append_run, create_dataset
+from swamp_rl.runs.schema import DatasetMeta
+from swamp_rl.simulator import initial_state, parameters, simulate, tank
+from swamp_rl.simulator.sensors import observe
+
+RATE = 0.1  # s
+NOISE = np.array([0.03, 0.03, 0.01, 0.03, 0.03, 0.02])
+
+
+def steps_of_thrust(
+    boat: Boat, rows: int, rng: np.random.Generator, low: float, longest: float
+) -> NDArray[np.float64]:
+    """(rows, 2K) commands that step at random, throttles from `low` on, each for `longest` [s] at most."""
+    commands = np.zeros((rows, 2 * len(boat.thrusters)))
+    for k in range(len(boat.thrusters)):
+        row = 0
+        while row < rows:
+            held = max(1, int(rng.uniform(0.1, 1.0) * longest / RATE))
+            commands[row : row + held, len(boat.thrusters) + k] = rng.uniform(low, 1.0)
+            row += held
+    return commands
+
+
+def sailed_dataset(
+    folder: Path,
+    start: Path,
+    truth: Boat,
+    seed: int = 0,
+    count: int = 3,
+    seconds: float = 60.0,
+    low: float = -1.0,
+) -> Path:
+    """A dataset of runs that `truth` sailed, which names the file `start` as its boat."""
+    rng = np.random.default_rng(seed)
+    rows = int(seconds / RATE)
+    told: dict[str, Any] = {
+        "mass": truth.mass,
+        "draught": truth.draught,
+        "water_density": truth.water_density,
+    }
+    create_dataset(folder, DatasetMeta(vehicle=str(start), sample_rate=1.0 / RATE, source="scripted", **told))
+    for number in range(count):
+        commands = steps_of_thrust(truth, rows, rng, low, 8.0)
+        record = parameters(truth)
+        begin = initial_state(record, np.zeros((1, 3)))
+        track = simulate(record, tank(truth), begin, commands[None], np.zeros(1, np.uint64), RATE, 1)
+        measured = observe(track, record, RATE)[0, :rows] + NOISE * rng.standard_normal((rows, 6))
+        measured[:, 2] = np.pi - np.mod(np.pi - measured[:, 2], 2.0 * np.pi)
+        names = ("north", "east", "heading", "surge", "sway", "yaw_rate")
+        columns = {"time": RATE * np.arange(rows), **dict(zip(names, measured.T, strict=True))}
+        for k, name in enumerate(truth.thruster_names):
+            columns[f"throttle_{name}"] = commands[:, len(truth.thrusters) + k]
+        append_run(folder, Run(f"run{number}", columns))
+    return folder
