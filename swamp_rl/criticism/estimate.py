@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.candidates import EffectInstance, entries_of
 from swamp_rl.criticism.data import RunSet
 from swamp_rl.criticism.identifiability import sensitivities
-from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.multiple_shooting import Shooting, moved_together
 from swamp_rl.criticism.output_error import Fit
 from swamp_rl.criticism.result import Cause, Estimate, Limit
 
@@ -36,7 +36,8 @@ def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
     """(p, p) sandwich covariance (Huber-White) of x.
 
     The inverse Fisher information, widened where the scores of STRETCH-long blocks scatter more than white
-    noise of the estimated variance would, and by Student's t for their number.
+    noise of the estimated variance would, and by Student's t for their number. The same parameter of several
+    groups of runs is widened alike, since a group alone has few blocks.
     """
     from scipy.special import stdtrit
 
@@ -55,6 +56,8 @@ def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
     away = blocks - blocks.mean(axis=0)
     spread = away.T @ away * len(blocks) / (len(blocks) - 1)
     ratio = np.diag(covariance @ spread @ covariance) / np.maximum(np.diag(covariance), 1e-300)
+    for columns, _ in moved_together(at.hypothesis):
+        ratio[columns] = ratio[columns].mean()
     wider = np.sqrt(np.maximum(ratio, 1.0)) * stdtrit(len(blocks) - 1, 0.975) / Z95
     return np.asarray(covariance * np.outer(wider, wider))
 

@@ -1,19 +1,24 @@
-"""Stepwise selection under model error: effects are added while held-out windows confirm them."""
+"""Stepwise selection under model error: effects are added while held-out windows confirm them, weather of a
+run also where its parameters are far from zero.
+"""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.backward_elimination import MOST_RIVALS, Selection, nested, without
 from swamp_rl.criticism.beam_search import MIN_INFORMATION
-from swamp_rl.criticism.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.candidates import EffectInstance, Hypothesis, may_differ
 from swamp_rl.criticism.continuation import Continuation
 from swamp_rl.criticism.cross_validation import Confirmation, confirmation, saturated_loss
 from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.estimate import sandwich_covariance
 from swamp_rl.criticism.model_error import ModelError, model_error
+from swamp_rl.criticism.multiple_shooting import Shooting
 from swamp_rl.criticism.output_error import Fit, fit
-from swamp_rl.criticism.score_test import ScoreTest, score_tests
+from swamp_rl.criticism.score_test import ScoreTest, at_neutral_values, score_tests
 
 Array = NDArray[np.float64]
 
@@ -22,6 +27,8 @@ SHORTLIST = 8  # effects that are fitted in each step
 MOST_EXCHANGES = 3  # single effects tried in place of each effect at the end
 SCREENING_SAMPLES = 8000  # of score tests
 STEPS = 6  # Jacobians of a fit that begins near its end
+LEVEL = 1e-3  # of the Wald test of weather, whose sandwich covariance is from few blocks
+SCOPE_LEVEL = 0.025  # of the Wald test that weather differs between runs, as of its confirmation
 
 
 def select_under_model_error(
@@ -78,7 +85,11 @@ def _forward_selection(
         likely = [one for one in scores if one.information >= MIN_INFORMATION][:SHORTLIST]
         made = [continuation.fit(0, one.hypothesis, one.x, at.states) for one in likely]
         singles = singles or made
-        confirmed_fits = [one for one in made if confirmation(problem, one, at, len(instances)).holds]
+        confirmed_fits = [
+            one
+            for score, one in zip(likely, made, strict=True)
+            if confirmed(problem, one, at, score.instance, len(instances)).holds
+        ]
         if not confirmed_fits:
             break
         at = _simplest(
@@ -89,13 +100,61 @@ def _forward_selection(
     return at, first, singles
 
 
+def confirmed(
+    problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, comparisons: int
+) -> Confirmation:
+    """Of an effect that `whole` has more than `less`: on held-out windows. Weather of a run is no other run's,
+    and one run has few windows: where those gain without being significant, its Wald test decides, at
+    LEVEL divided by the number of comparisons (Bonferroni).
+    """
+    from scipy.special import chdtri
+
+    found = confirmation(problem, whole, less, comparisons)
+    if found.holds or not may_differ(instance.effect, "run"):
+        return found
+    limit = float(chdtri(instance.size, LEVEL / comparisons))
+    return replace(found, certain=wald_statistic(problem, whole, instance) > limit)
+
+
+def wald_statistic(problem: Shooting, at: Fit, instance: EffectInstance, about_mean: bool = False) -> float:
+    """Squared distance of an effect's parameters from neutral, or of those of groups from their mean, in the
+    sandwich covariance: chi-square, with as many degrees of freedom as are free, where there is none.
+    """
+    own = np.array([one.label == instance.label for one in at.hypothesis.instances for _ in one.specs])
+    (neutral,) = at_neutral_values(instance, problem.boat).starts
+    away = at.x[own] - np.tile(neutral, instance.count)
+    covariance = sandwich_covariance(problem, at)[np.ix_(own, own)]
+    if about_mean:
+        groups = np.eye(instance.count) - 1.0 / instance.count
+        apart = np.kron(groups, np.eye(instance.size // instance.count))
+        away, covariance = apart @ away, apart @ covariance @ apart
+    return float(away @ np.linalg.pinv(covariance, rcond=1e-9, hermitian=True) @ away)
+
+
 def _simplest(continuation: Continuation, best: Fit, confirmed_fits: Sequence[Fit]) -> Fit:
     """The best fit, or a special case of it whose held-out loss is not significantly greater."""
     for one in confirmed_fits:
         less = one.hypothesis.size < best.hypothesis.size and nested(one.hypothesis, best.hypothesis)
-        if less and not confirmation(continuation.problems[0], best, one, 1).holds:
+        if (
+            less
+            and not confirmation(continuation.problems[0], best, one, 1).holds
+            and not _differ(continuation.problems[0], best, one.hypothesis)
+        ):
             return one
     return best
+
+
+def _differ(problem: Shooting, whole: Fit, less: Hypothesis) -> bool:
+    """Whether parameters of groups that `less` has shared differ by a Wald test."""
+    from scipy.special import chdtri
+
+    shared = {instance.label for instance in less.instances}
+    return any(
+        wald_statistic(problem, whole, instance, about_mean=True)
+        > chdtri(instance.size - instance.of_one.size, SCOPE_LEVEL)
+        for instance in whole.hypothesis.instances
+        if instance.groups and instance.of_one.label in shared
+    )
 
 
 def _screened(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
@@ -140,10 +199,11 @@ def _eliminated(
         found = {}
         for instance in best.hypothesis.instances:
             less = without(continuation, best, instance.label, 0)
-            found[instance.label] = confirmation(continuation.problems[0], best, less, comparisons)
+            found[instance.label] = confirmed(continuation.problems[0], best, less, instance, comparisons)
         if all(one.holds for one in found.values()):
             return best, found
-        best = without(continuation, best, min(found, key=lambda label: found[label].low), 0)
+        doubtful = [label for label, one in found.items() if not one.holds]
+        best = without(continuation, best, min(doubtful, key=lambda label: found[label].low), 0)
 
 
 def equivalent(continuation: Continuation, winner: Fit, others: Sequence[Fit]) -> list[Fit]:
