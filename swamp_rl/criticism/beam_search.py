@@ -206,8 +206,8 @@ def _expand(
 
 
 def _is_hopeless(continuation: Continuation, one: ScoreTest, beam: Sequence[Fit]) -> bool:
-    """Whether an effect, fitted in full to one window in PART, raises their chi2: it would in all of them, since
-    chi2 is a sum over windows.
+    """Whether an effect, fitted in full to one window in PART, raises their chi2: it would in all of them,
+    since chi2 is a sum over windows.
     """
     problem = continuation.problems[0]
     if problem.windows.count < FEWEST:

@@ -103,9 +103,9 @@ def _forward_selection(
 def confirmed(
     problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, comparisons: int
 ) -> Confirmation:
-    """Of an effect that `whole` has more than `less`: on held-out windows. Weather of a run is no other run's,
-    and one run has few windows: where those gain without being significant, its Wald test decides, at
-    LEVEL divided by the number of comparisons (Bonferroni).
+    """Of an effect that `whole` has more than `less`: on held-out windows. Weather of a run is that run's
+    alone, and one run has few windows: where those gain without being significant, its Wald test decides,
+    at LEVEL divided by the number of comparisons (Bonferroni).
     """
     from scipy.special import chdtri
 
