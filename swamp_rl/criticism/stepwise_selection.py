@@ -28,7 +28,6 @@ MOST_EXCHANGES = 3  # single effects tried in place of each effect at the end
 SCREENING_SAMPLES = 8000  # of score tests
 STEPS = 6  # Jacobians of a fit that begins near its end
 LEVEL = 1e-3  # of the Wald test of weather, whose sandwich covariance is from few blocks
-SCOPE_LEVEL = 0.025  # of the Wald test that weather differs between runs, as of its confirmation
 
 
 def select_under_model_error(
@@ -116,50 +115,45 @@ def confirmed(
     return replace(found, certain=wald_statistic(problem, whole, instance) > limit)
 
 
-def wald_statistic(problem: Shooting, at: Fit, instance: EffectInstance, about_mean: bool = False) -> float:
-    """Squared distance of an effect's parameters from neutral, or of those of groups from their mean, in the
-    sandwich covariance: chi-square, with as many degrees of freedom as are free, where there is none.
+def wald_statistic(problem: Shooting, at: Fit, instance: EffectInstance) -> float:
+    """Squared distance of an effect's parameters from neutral, in the sandwich covariance: chi-square, with
+    as many degrees of freedom, where there is no effect.
     """
     own = np.array([one.label == instance.label for one in at.hypothesis.instances for _ in one.specs])
     (neutral,) = at_neutral_values(instance, problem.boat).starts
     away = at.x[own] - np.tile(neutral, instance.count)
     covariance = sandwich_covariance(problem, at)[np.ix_(own, own)]
-    if about_mean:
-        groups = np.eye(instance.count) - 1.0 / instance.count
-        apart = np.kron(groups, np.eye(instance.size // instance.count))
-        away, covariance = apart @ away, apart @ covariance @ apart
     return float(away @ np.linalg.pinv(covariance, rcond=1e-9, hermitian=True) @ away)
 
 
 def _simplest(continuation: Continuation, best: Fit, confirmed_fits: Sequence[Fit]) -> Fit:
-    """The best fit, or a special case of it whose held-out loss is not significantly greater."""
+    """The best fit, or a special case of it whose held-out loss is not significantly greater. Between weather
+    that all runs share and each run's own the held-out loss itself decides: neither is the rarer.
+    """
+    scopeless = _without_scope(best.hypothesis)
     for one in confirmed_fits:
         less = one.hypothesis.size < best.hypothesis.size and nested(one.hypothesis, best.hypothesis)
         if (
             less
+            and _without_scope(one.hypothesis) != scopeless
             and not confirmation(continuation.problems[0], best, one, 1).holds
-            and not _differ(continuation.problems[0], best, one.hypothesis)
         ):
             return one
     return best
 
 
-def _differ(problem: Shooting, whole: Fit, less: Hypothesis) -> bool:
-    """Whether parameters of groups that `less` has shared differ by a Wald test."""
-    from scipy.special import chdtri
-
-    shared = {instance.label for instance in less.instances}
-    return any(
-        wald_statistic(problem, whole, instance, about_mean=True)
-        > chdtri(instance.size - instance.of_one.size, SCOPE_LEVEL)
-        for instance in whole.hypothesis.instances
-        if instance.groups and instance.of_one.label in shared
-    )
+def _without_scope(hypothesis: Hypothesis) -> set[str]:
+    """Labels of its effects, whether they differ between runs or not."""
+    return {instance.of_one.label for instance in hypothesis.instances}
 
 
 def _screened(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
-    """Score tests beside a fit, from a part of the windows where there are many."""
+    """Score tests beside a fit, from a part of the windows where there are many; none of an effect that it
+    has with another scope.
+    """
     problem = continuation.problems[0]
+    known = _without_scope(at.hypothesis)
+    instances = [one for one in instances if one.of_one.label not in known]
     every = max(1, problem.samples // (problem.weight.shape[2] * SCREENING_SAMPLES))
     chosen = np.arange(problem.windows.count) % every == 0
     part = problem.part(chosen)
