@@ -43,6 +43,7 @@ def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
         "variable_named": names_variable(truth, found, 4) if outside and found else None,
         "variable_named_first": names_variable(truth, found, 1) if outside and found else None,
         "estimates": estimates(truth, causes) if alone else [],
+        "run_estimates": run_estimates(truth, causes),
         "elapsed_s": found["elapsed_s"] if found else None,
     }
 
@@ -94,6 +95,24 @@ def estimates(truth: Judged, causes: Sequence[Judged]) -> list[dict[str, Any]]:
                     difference = (difference + np.pi) % (2 * np.pi) - np.pi
                 one = {"effect": effect["effect"], "parameter": name, "value": number["value"]}
                 found.append(one | {"standard_error": error, "away": float(difference / error)})
+    return found
+
+
+def run_estimates(truth: Judged, causes: Sequence[Judged]) -> list[dict[str, Any]]:
+    """Every parameter of the weather of each run, where it was named by run: its error in standard errors."""
+    found = []
+    named = {cause["effect"]: cause.get("groups", {}) for cause in causes}
+    for number, run in enumerate(truth.get("by_run", ())):
+        for effect in run:
+            told = named.get(effect["effect"], {}).get(f"run_{number}", {})
+            for name, one in told.items():
+                away = one["value"] - effect[name]
+                if one["unit"] == "rad":
+                    away = (away + np.pi) % (2 * np.pi) - np.pi
+                if one["standard_error"] > 0:
+                    found.append(
+                        {"parameter": name, "run": number, "away": float(away / one["standard_error"])}
+                    )
     return found
 
 

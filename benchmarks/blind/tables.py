@@ -20,6 +20,7 @@ from benchmarks.blind.figures import (
     shares,
 )
 from benchmarks.blind.score import WITHIN, Judged, summary
+from benchmarks.blind.weather import weather_table
 
 OTHER = "X"
 # least rates, at levels A to D
@@ -37,10 +38,15 @@ COVER_AT_MOST = 0.98
 
 
 def parts(results: Sequence[Judged]) -> dict[str, str]:
-    """The tables of docs/criticism.md by their markers."""
-    by_level = {level: [r for r in results if r["level"] == level] for level in (*LEVELS, EACH_RUN, OTHER)}
+    """The tables of docs/criticism.md by their markers; level E has its own; only what was run is told."""
+    weather = [r for r in results if r["level"] == EACH_RUN]
+    own = {"blind weather": weather_table(weather)} if weather else {}
+    results = [r for r in results if r["level"] != EACH_RUN]
+    if not results:
+        return own
+    by_level = {level: [r for r in results if r["level"] == level] for level in (*LEVELS, OTHER)}
     scores = {level: summary(mine) for level, mine in by_level.items() if mine}
-    return {
+    return own | {
         "blind scores": scores_table(scores),
         "blind wrong answers": wrong_answers([r for r in results if r["level"] in scores]),
         "blind by effect": by_effect(results),
@@ -49,7 +55,10 @@ def parts(results: Sequence[Judged]) -> dict[str, str]:
 
 
 def pictures(results: Sequence[Judged], folder: Path) -> None:
-    """Draw both figures into a folder."""
+    """Draw both figures into a folder, of all levels but E."""
+    results = [r for r in results if r["level"] != EACH_RUN]
+    if not results:
+        return
     confusion_picture(results, folder / CONFUSION)
     power_picture(results, folder / POWER)
 

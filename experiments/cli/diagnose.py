@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 def diagnose(
     dataset: Annotated[
-        Path, typer.Argument(help="A folder of measured runs, or a YAML file of printed figures.")
+        list[Path],
+        typer.Argument(help="Folders of measured runs of one boat, or a YAML file of printed figures."),
     ],
     out: Annotated[Path, typer.Option(help="The folder to write.")],
     boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",
@@ -31,16 +32,20 @@ def diagnose(
     ] = None,
 ) -> None:
     """Find the causes of a model's error in measured runs, extend the boat by them, and measure the gain."""
-    typer.echo(f"diagnosing {dataset} against boat {boat}")
+    given = ", ".join(map(str, dataset))
+    typer.echo(f"diagnosing {given} against boat {boat}")
     from swamp_rl.experiments.cli.progress import progress
 
     from swamp_rl.criticism.figures.schema import is_figures_file
 
-    if is_figures_file(dataset):
-        _diagnose_figures(dataset, boat, out, holdout, fit)
+    figures = [one for one in dataset if is_figures_file(one)]
+    if figures and len(dataset) > 1:
+        raise UserError(f"{figures[0]}: printed figures are diagnosed alone; leave the other inputs out")
+    if figures:
+        _diagnose_figures(figures[0], boat, out, holdout, fit)
         return
     if fit:
-        raise UserError(f"--fit: {dataset} holds runs, which have no groups; leave it out")
+        raise UserError(f"--fit: {given} holds runs, which have no groups; leave it out")
 
     from swamp_rl.criticism.diagnose import diagnose as examine
     from swamp_rl.criticism.progress import LOG
@@ -50,7 +55,7 @@ def diagnose(
         predictors_sentence,
         share_text,
     )
-    from swamp_rl.criticism.report.words import label_of, parameter_sets
+    from swamp_rl.criticism.report.words import label_of, parameter_sets, spread_sets
 
     with progress(LOG):
         found = examine(dataset, boat, out, holdout, ignore=ignore or [])
@@ -64,6 +69,8 @@ def diagnose(
         for where, parameters in parameter_sets(cause):
             numbers = ", ".join(_number(name, p) for name, p in parameters.items())
             typer.echo(f"  {label_of(cause)}{where}: {numbers}")
+        for name, value, interval, unit in spread_sets(cause):
+            typer.echo(f"    {name}: {value} {unit} (95 % interval {interval})")
         if said := share_text(cause):
             typer.echo(f"    {said}")
     for names in found.indistinguishable:

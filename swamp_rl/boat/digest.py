@@ -13,7 +13,7 @@ NEUTRAL = (("dead_band", 0.0),)
 
 
 def boat_digest(boat: Boat) -> str:
-    """Return the SHA-256 of all that acts on a boat's motion: particulars, coefficients, joypad and effects."""
+    """Return the SHA-256 of what acts on a boat's motion: particulars, coefficients, joypad, effects."""
     numbers = boat.model_dump(mode="json", exclude=NO_MOTION)
     numbers["thrusters"] = [_without_neutral(thruster) for thruster in numbers["thrusters"]]
     numbers["effects"] = [[entry.effect.name, entry.thruster, dict(entry.values)] for entry in boat.effects]

@@ -23,6 +23,7 @@ SHORTLIST = 8  # sets that are fitted at each depth
 FIRST = 3  # of them, those fitted in any case, unless the residual of one is noise
 MOST_FOLLOWED = 4  # of them, those that are fitted to longer windows
 MIN_INFORMATION = 10.0  # least information about an effect, squared typical size over variance
+PART, FEWEST = 4, 16  # windows of which one is fitted first for an effect without parameters; windows in all
 GAIN_SHARE = 0.2  # of the best gain by which another may be worse and still be followed
 
 
@@ -162,7 +163,8 @@ def _expand(
     """Fits to the shortest windows of the sets of least expected criterion with one more effect, best first.
 
     Sets whose expected criterion is far above that of the first FIRST are not fitted, effects without
-    parameters excepted as long as nothing is adequate; once the step budget is spent, only the first are.
+    parameters excepted as long as nothing is adequate and a part of the windows does not refute them; once
+    the step budget is spent, only the first are.
     """
     if not beam:
         return []
@@ -186,7 +188,8 @@ def _expand(
         if number >= FIRST and continuation.boat_steps > step_budget:
             break
         expected = one.expected_chi2 + complexity(one.hypothesis)  # which may overflow
-        if not fitted or expected < limit or not (one.instance.size or enough):
+        jump = not (one.instance.size or enough) and not _is_hopeless(continuation, one, beam)
+        if not fitted or expected < limit or jump:
             made = continuation.fit(0, one.hypothesis, one.x, one.states)
             previous = min(at.chi2 for at in beam if at.hypothesis.label == _base(one).label)
             fitted.append(
@@ -200,3 +203,16 @@ def _expand(
             gained = max(at.chi2 - best.chi2 for at in beam)
             limit = criterion(best) + 300.0 + (1 if enough else 2) * GAIN_SHARE * gained
     return sorted(fitted, key=criterion)
+
+
+def _is_hopeless(continuation: Continuation, one: ScoreTest, beam: Sequence[Fit]) -> bool:
+    """Whether an effect, fitted in full to one window in PART, raises their chi2: it would in all of them,
+    since chi2 is a sum over windows.
+    """
+    problem = continuation.problems[0]
+    if problem.windows.count < FEWEST:
+        return False
+    chosen = np.arange(problem.windows.count) % PART == 0
+    made = fit(problem.part(chosen), one.hypothesis, one.x, one.states[chosen])
+    before = next(at for at in beam if at.hypothesis.label == _base(one).label)
+    return float(made.loss.sum()) > float(before.loss[chosen].sum())

@@ -89,17 +89,18 @@ class Confirmation:
     """Whether a cause lowers chi2 on runs that the parameters were not fitted to.
 
     gain: of the saturated loss; low: lower end of its interval at `level`, corrected for the number of
-    candidates.
+    candidates; certain: whether a Wald test leaves no doubt, of weather, which no other run can confirm.
     """
 
     gain: float
     low: float
     level: float
+    certain: bool = False
 
     @property
     def holds(self) -> bool:
-        """Whether the interval of the gain excludes zero."""
-        return self.low > 0.0
+        """Whether the interval of the gain excludes zero, or a gain is certain."""
+        return self.low > 0.0 or (self.certain and self.gain > 0.0)
 
 
 def confirmation(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> Confirmation:

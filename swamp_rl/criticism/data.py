@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data_checks import (
     SHORTEST,
+    dataset_name,
     refuse_disorder,
+    refuse_mixed,
     refuse_other_boat,
     refuse_too_coarse,
     refuse_too_short,
@@ -118,20 +120,39 @@ class RunSet:
 
 
 def read_run_set(
-    folder: Path | str, boat: Boat, named: str | Path | None = None, ignore: Sequence[str] = ()
+    folders: Path | str | Sequence[Path],
+    boat: Boat,
+    named: str | Path | None = None,
+    ignore: Sequence[str] = (),
 ) -> RunSet:
-    """A folder of measured runs on a uniform grid.
+    """One folder of measured runs, or several, on a uniform grid. Runs of several have the name of their
+    dataset before their own, and the dataset is their group where `dataset.yaml` names none.
 
     named: the boat's name or file, for a folder without `dataset.yaml`; ignore: as `measured_weather` takes
-    it. Missing rows are marked as gaps, not filled in. UserError for any other fault of the folder, and where
+    it. Missing rows are marked as gaps, not filled in. UserError for any other fault of a folder, and where
     the data are too few.
     """
-    folder = Path(folder)
+    every = [Path(folders)] if isinstance(folders, Path | str) else list(folders)
+    if len(every) == 1:
+        return run_set_of(_sound_runs(every[0], named), boat, str(every[0]), ignore)
+    refuse_mixed(every)
+    runs = [_of_dataset(run, dataset_name(folder)) for folder in every for run in _sound_runs(folder, named)]
+    return run_set_of(runs, boat, ", ".join(map(str, every)), ignore)
+
+
+def _sound_runs(folder: Path, named: str | Path | None) -> list[Run]:
+    """The runs of a dataset; UserError for its first fault but lost rows."""
     found = inspect_dataset(folder, named)
     faults = [fault for fault in found.faults if fault.column != "time"]
     if faults:
         raise UserError(f"{folder}{os.sep}{faults[0]}")
-    return run_set_of(found.runs, boat, str(folder), ignore)
+    return found.runs
+
+
+def _of_dataset(run: Run, dataset: str) -> Run:
+    """A run under a name that no other dataset has, in the group of its dataset or a part of it."""
+    group = dataset if run.meta.group is None else f"{dataset} {run.meta.group}"
+    return replace(run, name=f"{dataset}_{run.name}", meta=run.meta.model_copy(update={"group": group}))
 
 
 def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] = ()) -> RunSet:

@@ -1,6 +1,7 @@
 """Checks of the data before a fit: those that no diagnosis is possible from are refused."""
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -89,13 +90,36 @@ def refuse_other_vehicle(dataset: Path, holdout: Path) -> None:
             f"{holdout}: is what was to be diagnosed, nothing would be held out; leave --holdout out, each "
             "run is then held out in turn"
         )
-    if not all((folder / META).exists() for folder in (dataset, holdout)):
+    _refuse_another_boat(dataset, holdout, "hold out runs of the same boat")
+
+
+def refuse_mixed(folders: Sequence[Path]) -> None:
+    """UserError where a dataset is given twice, two have the same name, or they are of different boats."""
+    for number, folder in enumerate(folders):
+        for earlier in folders[:number]:
+            if os.path.realpath(folder) == os.path.realpath(earlier):
+                raise UserError(f"{folder}: is given twice; give every dataset once")
+            if dataset_name(folder) == dataset_name(earlier):
+                raise UserError(
+                    f"{folder}: has the name of {earlier}, and runs are named after their dataset; rename one"
+                )
+        _refuse_another_boat(folders[0], folder, "diagnose the runs of one boat at a time")
+
+
+def dataset_name(folder: Path) -> str:
+    """The name of a dataset's folder."""
+    return Path(os.path.realpath(folder)).name
+
+
+def _refuse_another_boat(dataset: Path, other: Path, advice: str) -> None:
+    """UserError where two datasets name different boats."""
+    if not all((folder / META).exists() for folder in (dataset, other)):
         return  # without metadata the boat is unknown
-    ours, theirs = (boat_of(folder, read_meta(folder)).name for folder in (dataset, holdout))
+    ours, theirs = (boat_of(folder, read_meta(folder)).name for folder in (dataset, other))
     if ours != theirs:
         raise UserError(
-            f"{holdout}: recorded with boat {theirs}, but {dataset} with {ours} (vehicle in dataset.yaml); "
-            "hold out runs of the same boat"
+            f"{other}: recorded with boat {theirs}, but {dataset} with {ours} (vehicle in dataset.yaml); "
+            f"{advice}"
         )
 
 

@@ -46,29 +46,33 @@ LISTED = 20  # candidates in the report
 
 
 def diagnose(
-    dataset: Path | str,
+    dataset: Path | str | Sequence[Path],
     boat: str | Path,
     out: Path | str,
     holdout: Path | str | None = None,
     seed: int = 0,
     ignore: Sequence[str] = (),
 ) -> Diagnosis:
-    """Diagnose a boat file against a folder of runs; writes diagnosis.json, extended_boat.yaml, report.html
-    and, where weather was found, conditions.yaml into `out`.
+    """Diagnose a boat file against a folder of runs, or several; writes diagnosis.json, extended_boat.yaml,
+    report.html and, where weather was found, conditions.yaml into `out`.
 
     holdout: a folder of runs that the gain is measured on; without it, each run in turn (leave-one-run-out);
     ignore: measured weather that is left out (`wind`, `depth`). UserError for data that no diagnosis is
     possible from.
     """
-    dataset, out, holdout = Path(dataset), Path(out), Path(holdout) if holdout is not None else None
-    LOG.info("reading %s", dataset)
+    every = [Path(dataset)] if isinstance(dataset, Path | str) else list(dataset)
+    label = ", ".join(map(str, every))
+    out, holdout = Path(out), Path(holdout) if holdout is not None else None
+    LOG.info("reading %s", label)
     model = load_boat(boat)
-    refuse_sources_inside(out, [Path(one) for one in (dataset, holdout, boat) if one and Path(one).exists()])
-    run_set = read_run_set(dataset, model, boat, ignore)
-    refuse_inconsistent(run_set, str(dataset))
+    inputs = [*every, *([holdout] if holdout else []), Path(boat)]
+    refuse_sources_inside(out, [one for one in inputs if one.exists()])
+    run_set = read_run_set(every, model, boat, ignore)
+    refuse_inconsistent(run_set, label)
     other = read_run_set(holdout, model, boat, ignore) if holdout else None
     if other is not None and holdout is not None:
-        refuse_other_vehicle(dataset, holdout)
+        for one in every:
+            refuse_other_vehicle(one, holdout)
         refuse_inconsistent(other, str(holdout))
     from swamp_rl.criticism.report import write_report
 

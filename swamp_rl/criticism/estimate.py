@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.candidates import EffectInstance, entries_of
 from swamp_rl.criticism.data import RunSet
 from swamp_rl.criticism.identifiability import sensitivities
-from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.multiple_shooting import Shooting, moved_together
 from swamp_rl.criticism.output_error import Fit
-from swamp_rl.criticism.result import Cause, Estimate, Limit
+from swamp_rl.criticism.random_effect import random_effect
+from swamp_rl.criticism.result import Cause, Estimate, Limit, Spread
 
 Array = NDArray[np.float64]
 
@@ -36,7 +37,8 @@ def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
     """(p, p) sandwich covariance (Huber-White) of x.
 
     The inverse Fisher information, widened where the scores of STRETCH-long blocks scatter more than white
-    noise of the estimated variance would, and by Student's t for their number.
+    noise of the estimated variance would, and by Student's t for their number. The same parameter of several
+    groups of runs is widened alike, since a group alone has few blocks.
     """
     from scipy.special import stdtrit
 
@@ -55,34 +57,55 @@ def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
     away = blocks - blocks.mean(axis=0)
     spread = away.T @ away * len(blocks) / (len(blocks) - 1)
     ratio = np.diag(covariance @ spread @ covariance) / np.maximum(np.diag(covariance), 1e-300)
+    for columns, _ in moved_together(at.hypothesis):
+        ratio[columns] = ratio[columns].mean()
     wider = np.sqrt(np.maximum(ratio, 1.0)) * stdtrit(len(blocks) - 1, 0.975) / Z95
     return np.asarray(covariance * np.outer(wider, wider))
 
 
 def _cause(instance: EffectInstance, x: Array, covariance: Array, run_set: RunSet) -> Cause:
     """Of x (p,) with covariance (p, p). Where groups of runs have parameters of their own, those of the cause
-    are of the groups' mean.
+    are the mean of the distribution that they are drawn from, and `spread` is its standard deviation.
     """
-    count = instance.count
-    to_mean = np.tile(np.eye(instance.size // count), (1, count)) / count
-    mean = to_mean @ x
-    entry = entries_of(instance.of_one, mean)[0]
-    selector: Any = entry.thruster
-    found = Cause(
-        effect=instance.effect.name,
-        thruster=list(selector) if isinstance(selector, tuple) else selector,
-        parameters=_estimates(instance.of_one, mean, to_mean @ covariance @ to_mean.T),
-    )
+    one = instance.of_one
     if not instance.groups:
-        return found
-    blocks = covariance.reshape(count, len(mean), count, len(mean))
+        return _of_all(one, x, covariance)
+    values = instance.by_group(x)
+    scale = np.array([spec.scale for spec in one.specs])
+    drawn = random_effect(values, covariance, scale)
+    found = _of_all(one, drawn.mean, drawn.covariance)
     found.scope = "day" if instance.by == "day" else "run"
-    names = run_set.group_names(instance.by)
+    found.spread = {
+        name: Spread(value=drawn.spread * size, low=drawn.low * size, high=drawn.high * size, unit=unit)
+        for (name, unit), size in zip(_components(one), scale, strict=True)
+    }
+    blocks = covariance.reshape(instance.count, one.size, instance.count, one.size)
     found.groups = {
-        name: _estimates(instance.of_one, own, blocks[number, :, number])
-        for number, (name, own) in enumerate(zip(names, instance.by_group(x), strict=True))
+        name: _estimates(one, own, blocks[number, :, number])
+        for number, (name, own) in enumerate(zip(run_set.group_names(instance.by), values, strict=True))
     }
     return found
+
+
+def _of_all(instance: EffectInstance, x: Array, covariance: Array) -> Cause:
+    """The cause whose parameters all runs share, from x (p,) with covariance (p, p)."""
+    selector: Any = entries_of(instance, x)[0].thruster
+    return Cause(
+        effect=instance.effect.name,
+        thruster=list(selector) if isinstance(selector, tuple) else selector,
+        parameters=_estimates(instance, x, covariance),
+    )
+
+
+def _components(instance: EffectInstance) -> list[tuple[str, str]]:
+    """Name and unit of each fitted parameter; a vector's are its components to the north and east."""
+    names = list(instance.effect.parameter_names)
+    units = [instance.effect.parameter(name).unit for name in names]
+    if instance.effect.vector:
+        size, direction = (names.index(name) for name in instance.effect.vector)
+        units[direction] = units[size]
+        names[size], names[direction] = "north", "east"
+    return list(zip(names, units, strict=True))
 
 
 def _estimates(instance: EffectInstance, x: Array, covariance: Array) -> dict[str, Estimate]:

@@ -28,6 +28,15 @@ class Estimate(Part):
     limit: Limit | None = None
 
 
+class Spread(Part):
+    """Standard deviation of a parameter between days or runs, in `unit`, and its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
 class HeldOut(Part):
     """Reduction of the saturated chi2 by a cause on runs that its parameters were not fitted to.
 
@@ -67,7 +76,8 @@ class Cause(Part):
     """An effect that explains the misfit.
 
     thruster: a name, `all`, or two names; none where it has no selector. scope: whether all runs share the
-    parameters, or every day or run has its own, in `groups` by its name; `parameters` are then their mean.
+    parameters, or every day or run has its own, in `groups` by its name; these are drawn from a normal
+    distribution with the mean `parameters` and the standard deviation `spread`, of a vector by component.
     held_out: its confirmation, none for the hull's derivatives beside a cause. share: what it accounts for of
     the prediction error. carries_over: False where a position error on held-out runs is larger with it beyond
     chance; it is not written then.
@@ -78,6 +88,7 @@ class Cause(Part):
     parameters: dict[str, Estimate]
     scope: Literal["boat", "day", "run"] = "boat"
     groups: dict[str, dict[str, Estimate]] = {}
+    spread: dict[str, Spread] = {}
     held_out: HeldOut | None = None
     share: list[Share] = []
     carries_over: bool = True

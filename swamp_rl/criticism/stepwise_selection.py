@@ -1,19 +1,24 @@
-"""Stepwise selection under model error: effects are added while held-out windows confirm them."""
+"""Stepwise selection under model error: effects are added while held-out windows confirm them, weather of a
+run also where its parameters are far from zero.
+"""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.backward_elimination import MOST_RIVALS, Selection, nested, without
 from swamp_rl.criticism.beam_search import MIN_INFORMATION
-from swamp_rl.criticism.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.candidates import EffectInstance, Hypothesis, may_differ
 from swamp_rl.criticism.continuation import Continuation
 from swamp_rl.criticism.cross_validation import Confirmation, confirmation, saturated_loss
 from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.estimate import sandwich_covariance
 from swamp_rl.criticism.model_error import ModelError, model_error
+from swamp_rl.criticism.multiple_shooting import Shooting
 from swamp_rl.criticism.output_error import Fit, fit
-from swamp_rl.criticism.score_test import ScoreTest, score_tests
+from swamp_rl.criticism.score_test import ScoreTest, at_neutral_values, score_tests
 
 Array = NDArray[np.float64]
 
@@ -22,6 +27,7 @@ SHORTLIST = 8  # effects that are fitted in each step
 MOST_EXCHANGES = 3  # single effects tried in place of each effect at the end
 SCREENING_SAMPLES = 8000  # of score tests
 STEPS = 6  # Jacobians of a fit that begins near its end
+LEVEL = 1e-3  # of the Wald test of weather, whose sandwich covariance is from few blocks
 
 
 def select_under_model_error(
@@ -78,7 +84,11 @@ def _forward_selection(
         likely = [one for one in scores if one.information >= MIN_INFORMATION][:SHORTLIST]
         made = [continuation.fit(0, one.hypothesis, one.x, at.states) for one in likely]
         singles = singles or made
-        confirmed_fits = [one for one in made if confirmation(problem, one, at, len(instances)).holds]
+        confirmed_fits = [
+            one
+            for score, one in zip(likely, made, strict=True)
+            if confirmed(problem, one, at, score.instance, len(instances)).holds
+        ]
         if not confirmed_fits:
             break
         at = _simplest(
@@ -89,18 +99,61 @@ def _forward_selection(
     return at, first, singles
 
 
+def confirmed(
+    problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, comparisons: int
+) -> Confirmation:
+    """Of an effect that `whole` has more than `less`: on held-out windows. Weather of a run is that run's
+    alone, and one run has few windows: where those gain without being significant, its Wald test decides,
+    at LEVEL divided by the number of comparisons (Bonferroni).
+    """
+    from scipy.special import chdtri
+
+    found = confirmation(problem, whole, less, comparisons)
+    if found.holds or not may_differ(instance.effect, "run"):
+        return found
+    limit = float(chdtri(instance.size, LEVEL / comparisons))
+    return replace(found, certain=wald_statistic(problem, whole, instance) > limit)
+
+
+def wald_statistic(problem: Shooting, at: Fit, instance: EffectInstance) -> float:
+    """Squared distance of an effect's parameters from neutral, in the sandwich covariance: chi-square, with
+    as many degrees of freedom, where there is no effect.
+    """
+    own = np.array([one.label == instance.label for one in at.hypothesis.instances for _ in one.specs])
+    (neutral,) = at_neutral_values(instance, problem.boat).starts
+    away = at.x[own] - np.tile(neutral, instance.count)
+    covariance = sandwich_covariance(problem, at)[np.ix_(own, own)]
+    return float(away @ np.linalg.pinv(covariance, rcond=1e-9, hermitian=True) @ away)
+
+
 def _simplest(continuation: Continuation, best: Fit, confirmed_fits: Sequence[Fit]) -> Fit:
-    """The best fit, or a special case of it whose held-out loss is not significantly greater."""
+    """The best fit, or a special case of it whose held-out loss is not significantly greater. Between weather
+    that all runs share and each run's own the held-out loss itself decides: neither is the rarer.
+    """
+    scopeless = _without_scope(best.hypothesis)
     for one in confirmed_fits:
         less = one.hypothesis.size < best.hypothesis.size and nested(one.hypothesis, best.hypothesis)
-        if less and not confirmation(continuation.problems[0], best, one, 1).holds:
+        if (
+            less
+            and _without_scope(one.hypothesis) != scopeless
+            and not confirmation(continuation.problems[0], best, one, 1).holds
+        ):
             return one
     return best
 
 
+def _without_scope(hypothesis: Hypothesis) -> set[str]:
+    """Labels of its effects, whether they differ between runs or not."""
+    return {instance.of_one.label for instance in hypothesis.instances}
+
+
 def _screened(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
-    """Score tests beside a fit, from a part of the windows where there are many."""
+    """Score tests beside a fit, from a part of the windows where there are many; none of an effect that it
+    has with another scope.
+    """
     problem = continuation.problems[0]
+    known = _without_scope(at.hypothesis)
+    instances = [one for one in instances if one.of_one.label not in known]
     every = max(1, problem.samples // (problem.weight.shape[2] * SCREENING_SAMPLES))
     chosen = np.arange(problem.windows.count) % every == 0
     part = problem.part(chosen)
@@ -140,10 +193,11 @@ def _eliminated(
         found = {}
         for instance in best.hypothesis.instances:
             less = without(continuation, best, instance.label, 0)
-            found[instance.label] = confirmation(continuation.problems[0], best, less, comparisons)
+            found[instance.label] = confirmed(continuation.problems[0], best, less, instance, comparisons)
         if all(one.holds for one in found.values()):
             return best, found
-        best = without(continuation, best, min(found, key=lambda label: found[label].low), 0)
+        doubtful = [label for label, one in found.items() if not one.holds]
+        best = without(continuation, best, min(doubtful, key=lambda label: found[label].low), 0)
 
 
 def equivalent(continuation: Continuation, winner: Fit, others: Sequence[Fit]) -> list[Fit]:

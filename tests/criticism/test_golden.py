@@ -130,7 +130,6 @@ def holds(values: dict[str, float], parameters: Told) -> None:
 
 
 @pytest.mark.skipif(not POND.is_dir(), reason="the pond data are not beside this checkout")
-@pytest.mark.xfail(reason="the selection under model error names no wind on so short runs", strict=True)
 def test_the_pond_names_a_wind_of_each_run_whose_intervals_hold_the_anemometer(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

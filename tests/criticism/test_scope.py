@@ -10,10 +10,13 @@ import yaml
 from swamp_rl.criticism.backward_elimination import nested
 from swamp_rl.criticism.candidates import EffectInstance, Hypothesis, by_label, candidates
 from swamp_rl.criticism.cross_validation import heldout_numbers
+from swamp_rl.criticism.estimate import causes_of
 from swamp_rl.criticism.extended_boat import write_extended
 from swamp_rl.criticism.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.multiple_shooting import Shooting
 from swamp_rl.criticism.output_error import fit
+from swamp_rl.criticism.report.words import spread_sets
+from swamp_rl.criticism.stepwise_selection import wald_statistic
 from tests.support.criticism import SECONDS, simulated_runs
 
 RUNS = simulated_runs([{"effect": "wind", "speed": 4.0, "from": 0.5}])
@@ -87,6 +90,25 @@ def test_the_conditions_of_each_run_are_a_file_of_their_own(tmp_path: Path) -> N
     ] == ["mass"]
     (wind,) = yaml.safe_load((tmp_path / "conditions" / "b.yaml").read_text())["effects"]
     assert wind["speed"] == pytest.approx(np.hypot(-2.0, 0.5))
+
+
+def test_a_cause_of_each_run_has_their_mean_and_the_spread_between_them() -> None:
+    problem, both = shooting(), hypothesis("mass", "wind by_run")
+    at = fit(problem, both, np.array([RUNS.boat.mass, *([3.5, 1.9] * 3)]), problem.initial_states())
+    wind = next(cause for cause in causes_of(problem, at) if cause.effect == "wind")
+    assert set(wind.groups) == set(RUNS.names)
+    assert set(wind.spread) == {"north", "east"}
+    assert wind.spread["north"].low <= wind.spread["north"].value < wind.spread["north"].high < 2.0
+    assert abs(wind.parameters["speed"].value - 4.0) < 4.0 * wind.parameters["speed"].standard_error
+    assert next(name for name, *_ in spread_sets(wind)) == "standard deviation of north between runs"
+
+
+def test_a_wald_test_tells_wind_from_none() -> None:
+    problem, both = shooting(), hypothesis("mass", "wind by_run")
+    at = fit(problem, both, np.array([RUNS.boat.mass, *([3.5, 1.9] * 3)]), problem.initial_states())
+    assert wald_statistic(problem, at, EVERY["wind by_run"]) > 100.0
+    calm = replace(at, x=np.array([at.x[0], *([0.0] * 6)]))
+    assert wald_statistic(problem, calm, EVERY["wind by_run"]) < 1.0
 
 
 def test_days_are_groups_where_a_dataset_names_them() -> None:

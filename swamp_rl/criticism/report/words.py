@@ -240,10 +240,25 @@ def unidentifiable_effects(found: Diagnosis, boat: Boat) -> str:
 
 
 def parameter_sets(cause: Cause) -> list[tuple[str, dict[str, Estimate]]]:
-    """The parameters of a cause: those that all runs share, or those of each group with its runs' names."""
+    """The parameters of a cause: those that all runs share, or the mean and those of each group by name."""
     if not cause.groups:
         return [("", cause.parameters)]
-    return [(f", {name}", parameters) for name, parameters in cause.groups.items()]
+    return [
+        (", mean", cause.parameters),
+        *((f", {name}", parameters) for name, parameters in cause.groups.items()),
+    ]
+
+
+def spread_sets(cause: Cause) -> list[tuple[str, str, str, str]]:
+    """Name, value, 95 % interval and unit of each standard deviation between groups."""
+    rows = []
+    for name, one in cause.spread.items():
+        factor, unit = (180.0 / math.pi, "degrees") if one.unit == "rad" else (1.0, one.unit)
+        value, low, high = (plain(factor * number) for number in (one.value, one.low, one.high))
+        between = "days" if cause.scope == "day" else "runs"
+        said = f"standard deviation of {name.replace('_', ' ')} between {between}"
+        rows.append((said, value, f"{low} to {high}", written(unit)))
+    return rows
 
 
 def cause_rows(causes: Sequence[Cause], boat: Boat) -> list[tuple[str, ...]]:
@@ -261,6 +276,7 @@ def cause_rows(causes: Sequence[Cause], boat: Boat) -> list[tuple[str, ...]]:
                 said = parameter.replace("_", " ") + where
                 rows.append((*first, said, *number_cells(estimate), neutral))
                 first = ("", "")
+        rows += [("", "", *cells, "") for cells in spread_sets(cause)]
         if not cause.parameters:
             rows.append((*first, "", "", "", "", ""))
     return rows

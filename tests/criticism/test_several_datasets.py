@@ -1,0 +1,56 @@
+"""Several datasets diagnosed together: the names and groups of their runs, and what is refused."""
+
+from pathlib import Path
+
+import pytest
+
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.data import read_run_set
+from swamp_rl.criticism.diagnose import diagnose
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
+from tests.support.runs import circling, described
+
+
+def recorded(folder: Path, *groups: str | None, **meta: object) -> Path:
+    create_dataset(folder, described(**meta))
+    for number, group in enumerate(groups):
+        append_run(folder, Run(f"run_{number}", circling(30.0), RunMeta(group=group)), "csv")
+    return folder
+
+
+def test_each_dataset_is_a_day_and_its_runs_have_its_name_before_theirs(tmp_path: Path) -> None:
+    folders = [recorded(tmp_path / "may", None, None), recorded(tmp_path / "june", None)]
+    run_set = read_run_set(folders, load_boat("swamp"))
+    assert run_set.names == ("may_run_0", "may_run_1", "june_run_0")
+    assert run_set.groups["day"] == (1, 1, 0)
+    assert run_set.group_names("day") == ["june", "may"]
+
+
+def test_the_groups_that_a_dataset_names_stay_apart_from_those_of_another(tmp_path: Path) -> None:
+    folders = [recorded(tmp_path / "may", "am", "pm"), recorded(tmp_path / "june", "am", "am")]
+    run_set = read_run_set(folders, load_boat("swamp"))
+    assert run_set.days == ("may am", "may pm", "june am", "june am")
+
+
+def test_one_dataset_keeps_its_names(tmp_path: Path) -> None:
+    folder = recorded(tmp_path / "may", None)
+    assert read_run_set([folder], load_boat("swamp")).names == ("run_0",)
+
+
+@pytest.mark.parametrize(
+    ("second", "said"),
+    [("may", "is given twice"), ("other/may", "rename one"), ("june", "recorded with boat swamp-light")],
+)
+def test_what_cannot_be_diagnosed_together_is_refused_in_one_line(
+    tmp_path: Path, second: str, said: str
+) -> None:
+    first = recorded(tmp_path / "may", None)
+    if second == "june":
+        recorded(tmp_path / second, None, vehicle="swamp-light")
+    elif second != "may":
+        recorded(tmp_path / second, None)
+    with pytest.raises(UserError, match=said) as refused:
+        diagnose([first, tmp_path / second], "swamp", tmp_path / "answer")
+    assert "\n" not in str(refused.value)
+    assert not (tmp_path / "answer").exists()
