@@ -14,7 +14,9 @@ MODULES = [
 
 
 @pytest.mark.parametrize("module", MODULES)
-def test_it_is_imported_without_running_anything(module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_is_imported_without_running_anything(
+    module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert import_module(module).__name__ == module
     assert list(tmp_path.iterdir()) == []

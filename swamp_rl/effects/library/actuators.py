@@ -211,6 +211,7 @@ declare(
     combine="replace",
     description="share of the jets' thrust that is left at the boat file's low and high throttle, 1 - t",
     source="thesis 7.3.5: given by its ends only",
+    contains=("thrust_scale",),
 )
 
 declare(
