@@ -27,8 +27,7 @@ SEEDS = (*LEVELS, POWER, VARIANT, EACH_RUN)
 # of a hundred cases: the library's effects in turn, and what else there is
 KINDS = ("single",) * 10 + ("pair",) * 4 + ("clean",) * 3 + ("outside",) * 2 + ("confounded",)
 # effects whose size is discrete, or has no neutral value
-# effects whose size is discrete, or has no neutral value
-NEVER_SMALL = ("channel_swap", "thruster_failure", "shallow_water")
+NEVER_SMALL = ("channel_swap", "azimuth_reversed", "thruster_failure", "shallow_water")
 
 
 def kind_of(number: int, level: str) -> str:

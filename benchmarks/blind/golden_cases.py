@@ -122,6 +122,10 @@ GOLDEN: dict[str, Golden] = {
     "thrust_deduction": Golden("thrust", "cause", [one("thrust_deduction", low=0.7, high=0.8)]),
     "thrust_scale": Golden("thrust", "cause", [one("thrust_scale", scale=0.85)]),
     "channel_swap": Golden("thrust", "cause", [one("channel_swap", thruster=["bs", "sp"])]),
+    "azimuth_reversed": Golden("thrust", "cause", [one("azimuth_reversed", thruster="bs")]),
+    "azimuth_reversed_all": Golden(
+        "thrust", "cause", [one("azimuth_reversed", thruster="all")], level="B", runs=2
+    ),
     "thruster_failure": Golden("thrust", "cause", [one("thruster_failure", thruster="ss", time=21.0)]),
     "command_delay": Golden("thrust", "cause", [one("command_delay", delay=0.5)]),
     "wind": Golden("weather", "cause", [WIND]),

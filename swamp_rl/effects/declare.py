@@ -57,7 +57,8 @@ class Effect:
     """A named departure.
 
     thruster: entries name one or `all`, and the fields have a column for each. swaps: entries name two, whose
-    numbers in this per-thruster field of the boat are exchanged; such an effect has no parameters.
+    numbers in this per-thruster field of the boat are exchanged; reverses: whose number in this per-thruster
+    field changes its sign; such effects have no parameters.
 
     The rest says how a diagnosis searches for it. scope: the least that may have a value of its own.
     begin: what the fit's starts come from: the parameters' own, the best point of their grid, a scan of
@@ -77,6 +78,7 @@ class Effect:
     source: str
     thruster: bool = False
     swaps: str = ""
+    reverses: str = ""
     scope: Scope = "boat"
     begin: Begin | None = "score"
     vector: tuple[str, str] | None = None

@@ -80,7 +80,7 @@ def commanded(k: int, time: float, command: Any, p: Any) -> tuple[float, float]:
     """
     thrusters = command.shape[0] // 2
     channel = int(p.channel[k])
-    azimuth, throttle = command[channel], command[thrusters + channel]
+    azimuth, throttle = p.azimuth_sign[k] * command[channel], command[thrusters + channel]
     low, high = throttle_limits(k, p)
     if p.kick_time[k] <= time < p.kick_time[k] + p.kick_duration[k]:
         azimuth, throttle = p.kick_azimuth[k], p.kick_throttle[k] * high

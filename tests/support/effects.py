@@ -34,6 +34,7 @@ STRONG: dict[str, dict[str, Any]] = {  # every effect far enough from neutral fo
     "command_delay": {"delay": 0.25},
     "pump_lag": {"time_constant": 0.5},
     "channel_swap": {"thruster": ["bs", "ss"]},
+    "azimuth_reversed": {"thruster": "bs"},
     "throttle_dead_band": {"thruster": "bp", "below": 0.3},
     "thruster_efficiency_curve": {"thruster": "all", "at_30": 0.5, "at_60": 0.8, "at_100": 1.1},
     "thrust_scale": {"scale": 0.8},

@@ -2,6 +2,7 @@
 
 import math
 
+from swamp_rl.criticism.data import CHANNELS, UNITS
 from swamp_rl.criticism.report.words import label_of, readable
 from swamp_rl.criticism.result import Cause, Diagnosis, Predictors, Share
 
@@ -63,6 +64,25 @@ def minor_sentence(found: Diagnosis) -> str:
         return ""
     names = readable(" + ".join(label_of(cause) for cause in found.minor))
     return f"Significant, but minor: {names} (below 2 % of every prediction error and below the noise)."
+
+
+def smoothed_sentence(found: Diagnosis) -> str:
+    """The channels that a filter smoothed before they were logged."""
+    if not found.smoothed:
+        return ""
+    parts = []
+    for name, one in found.smoothed.items():
+        unit = dict(zip(CHANNELS, UNITS, strict=True))[name]
+        factor, shown = (180.0 / math.pi, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
+        parts.append(
+            f"{name.replace('_', ' ')} {factor * one.sample_noise:.2g} {shown}, weighted with "
+            f"{factor * one.standard_deviation:.2g} {shown} (time constant {one.time_constant_s:.2g} s)"
+        )
+    return (
+        "A filter smoothed channels before they were logged: their noise is correlated from row to row and "
+        "larger at low frequencies than at the sample rate. Standard deviation at the sample rate: "
+        f"{'; '.join(parts)}. Log the unfiltered sensor for smaller standard errors."
+    )
 
 
 def share_rows(causes: list[Cause]) -> list[tuple[str, ...]]:

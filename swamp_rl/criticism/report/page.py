@@ -12,12 +12,14 @@ from swamp_rl.criticism.report.evidence import (
     predictor_rows,
     predictors_sentence,
     share_rows,
+    smoothed_sentence,
 )
 from swamp_rl.criticism.report.figures import DEGREES, SHOWN
 from swamp_rl.criticism.report.words import (
     GAINED_ON,
     cause_rows,
     closeness,
+    effects_listed,
     force_name,
     gain_sentence,
     headline,
@@ -31,7 +33,6 @@ from swamp_rl.criticism.report.words import (
     rest_sentence,
     rounded,
     shape_sentence,
-    unidentifiable_effects,
 )
 from swamp_rl.criticism.result import Diagnosis, Gain
 
@@ -294,14 +295,24 @@ def gain_rows(gain: Gain) -> list[tuple[str, ...]]:
 
 def limits_section(found: Diagnosis, run_set: RunSet) -> str:
     """Effects that are not identifiable from the data, and what to record so that they would be."""
-    unseen = html.escape(unidentifiable_effects(found, run_set.boat))
-    if not unseen and not found.missing_motion:
+    unseen = html.escape(effects_listed(found.unseen, run_set.boat))
+    hidden = html.escape(effects_listed(found.hidden, run_set.boat))
+    if not unseen and not hidden and not found.missing_motion:
         return ""
-    hidden = f"<p>Not identifiable from these data: {unseen}.</p>" if unseen else ""
     wanted = "".join(f"<li>{html.escape(one)}</li>" for one in found.missing_motion)
     return (
         "<h2>Limits of these data</h2>"
-        + hidden
+        + (
+            "<p>Not identifiable from these data, whatever the model (the standard error exceeds a third of "
+            f"the effect's typical size): {unseen}.</p>"
+            if unseen
+            else ""
+        )
+        + (
+            f"<p>Identifiable under the measurement noise, but below the error of this model: {hidden}.</p>"
+            if hidden
+            else ""
+        )
         + (f"<p>Missing in them, to be recorded next time:</p><ul>{wanted}</ul>" if wanted else "")
     )
 
@@ -332,6 +343,7 @@ def details(found: Diagnosis, run_set: RunSet) -> str:
         "integration:</p>"
         + table(("channel", "standard deviation", "unit"), rows, numbers=(1,))
         + (f"<p>{noise_sentence(found)}</p>" if found.wandering else "")
+        + (f"<p>{smoothed_sentence(found)}</p>" if found.smoothed else "")
         + "<details><summary>Hypotheses that were fitted, lowest χ² on held-out runs "
         f"first</summary><p>{CHI2}</p>{table(heads, tried, numbers=(1, 2, 3))}</details>"
         + f'<p class="soft">Found in {found.elapsed_s:.0f} s. <code>diagnosis.json</code> holds every '

@@ -11,6 +11,7 @@ from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Limit
 from swamp_rl.effects import LIBRARY
 
 Z95 = 1.959964
+EQUAL = 9.0  # held-out chi2 within which two functions of the residual force are not separated
 DIFFERS = {"by_run": "another in each run", "by_day": "another on each day"}
 
 
@@ -100,9 +101,11 @@ def meaning(found: Diagnosis) -> str:
             "the lowest χ²: it is valid for motions like those of these runs, not beyond. A manoeuvre that "
             "separates them is proposed below."
         )
+    names = dict.fromkeys(label.split()[0].replace("_", " ") for label in found.discrete)
+    jumps = f", among them the {len(found.discrete)} without a number ({', '.join(names)})" if names else ""
     tried = (
-        f"Every effect of the library was score-tested and {found.hypotheses} sets of effects were fitted; "
-        "the residuals of the best exceed the noise. "
+        f"Every effect of the library was score-tested and {found.hypotheses} sets of effects were fitted"
+        f"{jumps}; the residuals of the best exceed the noise. "
     )
     if not found.leftover:
         return tried + "The residual force is not a function of any single recorded variable."
@@ -118,10 +121,17 @@ def residual_force_sentence(found: Diagnosis) -> str:
     """The largest residual force and its variable."""
     first = found.leftover[0]
     what = "an error of the " if first.force.startswith("thrust of") else "a "
-    return (
+    said = (
         f"The largest residual is {what}{force_name(first.force)} as a function of {first.variable}, which "
         f"explains {first.explained:.0%} of the residual force's variance on held-out runs."
     )
+    equal = [
+        f"{force_name(one.force)} against {one.variable}"
+        for one in found.leftover[1:]
+        if first.gain - one.gain < EQUAL
+        and not first.variable.startswith("position")  # north and east go together
+    ]
+    return said + (f" These data do not separate it from: {'; '.join(equal)}." if equal else "")
 
 
 def rest_sentence(found: Diagnosis) -> str:
@@ -224,10 +234,10 @@ GAINED_ON = {
 }
 
 
-def unidentifiable_effects(found: Diagnosis, boat: Boat) -> str:
-    """Effects that are not identifiable from the data, one entry for each effect."""
+def effects_listed(labels: Sequence[str], boat: Boat) -> str:
+    """Effects by their labels, one entry for each effect."""
     places: dict[str, list[str]] = {}
-    for label in found.unseen:
+    for label in labels:
         name, *thrusters = label.split()
         places.setdefault(name, []).append(" and ".join(thrusters))
     count = len(boat.thrusters)

@@ -143,6 +143,17 @@ declare(
 )
 
 declare(
+    "azimuth_reversed",
+    acts_on="command",
+    combine="replace",
+    description="a thruster or rudder turns to the other side of what it is commanded",
+    source="ours: another sign convention of the log, a servo mounted upside down",
+    thruster=True,
+    reverses="azimuth_sign",
+    all_together=True,
+)
+
+declare(
     "throttle_dead_band",
     Parameter(
         "below",
