@@ -20,6 +20,7 @@ from swamp_rl.criticism.report.page import (
 from swamp_rl.criticism.report.words import (
     cause_rows,
     effects_listed,
+    files_sentence,
     gain_sentence,
     headline,
     manoeuvre_words,
@@ -187,6 +188,15 @@ def test_unidentifiable_effects_are_listed_with_their_thrusters() -> None:
     assert told == "azimuth lag, channel swap, thruster failure (bp), mass"
     some = effects_listed(["channel_swap bs bp", "channel_swap ss sp"], load_boat("swamp"))
     assert some == "channel swap (bs and bp, ss and sp)"
+    weather = ["wind by_run", "wind", "azimuth_offset bs", "thrust_sag by_day"]
+    assert effects_listed(weather, load_boat("swamp")) == "wind, azimuth offset (bs), thrust sag"
+    every = [f"azimuth_offset {place}" for place in ("ss", "bs", "bp", "sp", "all")]
+    assert effects_listed(every, load_boat("swamp")) == "azimuth offset"
+
+
+def test_a_boat_whose_causes_are_all_minor_is_not_called_without_any() -> None:
+    assert "No model error is detectable" in headline(diagnosis("nothing_wrong"))
+    assert "No model error matters" in headline(diagnosis("nothing_wrong", minor=[LAG]))
 
 
 def test_the_page_tells_effects_that_the_data_cannot_show_from_those_below_the_models_error() -> None:
@@ -286,3 +296,17 @@ def test_a_manoeuvre_is_described_as_the_boat_can_sail_it() -> None:
     assert manoeuvre_words("spin", load_boat("swamp")).startswith("turning on the spot")
     assert manoeuvre_words("spin", load_boat("esso_osaka")).startswith("hard over (35°)")
     assert manoeuvre_words("zig-zag, 80 %", load_boat("swamp")) == "zig-zag, 80 %"
+
+
+def test_it_is_told_which_file_has_which_cause() -> None:
+    wind = Cause(effect="wind", parameters={})
+    assert files_sentence(diagnosis("cause", causes=[LAG])).endswith("the boat file with azimuth_lag.")
+    both = files_sentence(diagnosis("cause", causes=[LAG, wind]))
+    assert both.endswith(
+        "with azimuth_lag. What may differ between runs is not the boat's: conditions.yaml has wind."
+    )
+    of_runs = wind.model_copy(update={"groups": {"a": {}}, "scope": "run"})
+    each = files_sentence(diagnosis("cause", causes=[of_runs]))
+    assert "with no effect added" in each and "conditions/RUN.yaml of each run has wind" in each
+    spoilt = LAG.model_copy(update={"carries_over": False})
+    assert "no effect added" in files_sentence(diagnosis("cause", causes=[spoilt]))

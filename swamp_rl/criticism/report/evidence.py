@@ -3,7 +3,7 @@
 import math
 
 from swamp_rl.criticism.data import CHANNELS, UNITS
-from swamp_rl.criticism.report.words import label_of, readable
+from swamp_rl.criticism.report.words import label_of, minus, readable
 from swamp_rl.criticism.result import Cause, Diagnosis, Predictors, Share
 
 TRIVIAL = {
@@ -12,7 +12,10 @@ TRIVIAL = {
     "no_thrust": "the same boat without thrust",
 }
 FROM = 5.0  # s, below which every predictor that starts from the measured state is good
-SCALES = {"position_rmse_m": (1.0, "m", "position"), "heading_rmse_rad": (180.0 / math.pi, "deg", "heading")}
+SCALES = {
+    "position_rmse_m": (1.0, "m", "position"),
+    "heading_rmse_rad": (180.0 / math.pi, "degrees", "heading"),
+}
 
 
 def as_good(one: Predictors) -> list[str]:
@@ -36,7 +39,7 @@ def predictors_sentence(found: Diagnosis) -> str:
 def predictor_rows(found: Diagnosis) -> list[tuple[str, ...]]:
     """Position errors [m] of the boat file and the trivial predictors, a row a horizon."""
     return [
-        (f"{one.horizon_s:g} s", f"{one.boat_file:.3g}", *(f"{getattr(one, name):.3g}" for name in TRIVIAL))
+        (f"{one.horizon_s:g}", f"{one.boat_file:.3g}", *(f"{getattr(one, name):.3g}" for name in TRIVIAL))
         for one in found.predictors
     ]
 
@@ -115,12 +118,12 @@ def percent(one: Share) -> str:
 
 def _share_cells(one: Share) -> tuple[str, ...]:
     scale, unit, quantity = SCALES[one.quantity]
-    low, high = (scale * end for end in one.ci95)
+    less, low, high = (scale * end for end in (one.without - one.with_cause, *one.ci95))
     return (
         f"{quantity}, {one.horizon_s:g} s",
         f"{scale * one.without:.3g}",
         f"{scale * one.with_cause:.3g}",
         percent(one),
-        f"{low:.3g} to {high:.3g}",
+        minus(f"{less:.3g} ({low:.3g} to {high:.3g})"),
         unit,
     )

@@ -40,6 +40,8 @@ def causes(found: Diagnosis) -> str:
 
 def headline(found: Diagnosis) -> str:
     """The verdict as one sentence."""
+    if found.verdict == "nothing_wrong" and found.minor:
+        return "No model error matters: what is significant changes no prediction."
     if found.verdict == "nothing_wrong":
         return "No model error is detectable: the residuals are measurement noise."
     if found.verdict == "cause":
@@ -85,10 +87,7 @@ def meaning(found: Diagnosis) -> str:
         )
     if found.verdict == "cause":
         added = "it" if len(found.causes) == 1 else "them"
-        text = (
-            f"With {added}, the residuals are measurement noise. extended_boat.yaml is the boat file with "
-            "the values below."
-        )
+        text = f"With {added}, the residuals are measurement noise. {files_sentence(found)}"
         if any(one.at_bound for cause in found.causes for one in cause.parameters.values()):
             text += (
                 " One value ended at a bound of the fit, so its effect may be a substitute for another "
@@ -235,13 +234,15 @@ GAINED_ON = {
 
 
 def effects_listed(labels: Sequence[str], boat: Boat) -> str:
-    """Effects by their labels, one entry for each effect."""
+    """Effects by their labels, one entry for each effect, whether all runs share its parameters or not."""
     places: dict[str, list[str]] = {}
     for label in labels:
-        name, *thrusters = label.split()
-        places.setdefault(name, []).append(" and ".join(thrusters))
+        name, *more = label.split()
+        place = " and ".join(one for one in more if one not in DIFFERS)
+        if place not in places.setdefault(name, []):
+            places[name].append(place)
     count = len(boat.thrusters)
-    every = {1, count, count * (count - 1) // 2}
+    every = {1, count, count + 1, count * (count - 1) // 2}
     parts = []
     for name, where in places.items():
         whole = not where[0] or (len(where) in every and len(where) > 1)
@@ -333,7 +334,14 @@ def rounded(value: float) -> str:
     return f"{value:.{places_of(value)}f}"
 
 
-def names_of(found: Diagnosis) -> str:
-    """The names that the boat file uses for the effects found."""
-    effects = ", ".join(dict.fromkeys(cause.effect for cause in found.causes))
-    return f"There the effects are called {effects}." if effects else ""
+def files_sentence(found: Diagnosis) -> str:
+    """Which file each cause was written to, by the names that effects have there."""
+    written = [cause for cause in (*found.causes, *found.minor, *found.nuisance) if cause.carries_over]
+    weather = [cause for cause in written if LIBRARY[cause.effect].scope != "boat"]
+    own = [cause for cause in written if cause not in weather]
+    called = [", ".join(dict.fromkeys(cause.effect for cause in part)) for part in (own, weather)]
+    said = f"extended_boat.yaml is the boat file with {called[0] or 'no effect added'}."
+    if weather:
+        file = "conditions/RUN.yaml of each run" if any(c.groups for c in weather) else "conditions.yaml"
+        said += f" What may differ between runs is not the boat's: {file} has {called[1]}."
+    return said
