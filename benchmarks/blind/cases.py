@@ -12,28 +12,41 @@ from swamp_rl.experiments.synthetic.cases import (
     NOT_BESIDE_WEATHER,
     NOT_IN_GATE_RUNS,
     POWER,
+    ROUGH,
+    TRIPLE,
     Case,
     Rng,
     draw_case,
     write_case,
 )
+from swamp_rl.experiments.synthetic.rough import rough_voyages
 
 from benchmarks.blind.bound import Bound, bound_of
 from benchmarks.blind.score import Judged, judged
 from benchmarks.blind.variants import VARIANT, write_variant
 
-SEEDS = (*LEVELS, POWER, VARIANT, EACH_RUN)
+SEEDS = (*LEVELS, POWER, VARIANT, EACH_RUN, ROUGH, TRIPLE)
 """The levels; a case is drawn from its level's place here and its number."""
 # of a hundred cases: the library's effects in turn, and what else there is
 KINDS = ("single",) * 10 + ("pair",) * 4 + ("clean",) * 3 + ("outside",) * 2 + ("confounded",)
 # effects whose size is discrete, or has no neutral value
-NEVER_SMALL = ("channel_swap", "thruster_failure", "shallow_water")
+NEVER_SMALL = (
+    "channel_swap",
+    "azimuth_reversed",
+    "throttle_reversed",
+    "thruster_failure",
+    "shallow_water",
+)
 
 
 def kind_of(number: int, level: str) -> str:
     """Kinds in a fixed cycle, so that any number of cases has its share of each."""
     if level == POWER:
         return "single"
+    if level == TRIPLE:
+        return "triple"
+    if level == ROUGH:  # two in three have an effect
+        return "clean" if number % 3 == 2 else "single"
     if level == EACH_RUN:  # the weather alone, or beside one effect
         return "single" if number % 4 == 0 else "pair"
     kind = KINDS[(7 * number) % len(KINDS)]
@@ -48,7 +61,7 @@ def effect_of(number: int, level: str) -> tuple[str, ...]:
 
 
 def drawn(number: int, level: str) -> tuple[Case, Rng, bool]:
-    """A case of levels A to E and P, the generator that draws its runs, and whether velocities are
+    """A case of every level but X, the generator that draws its runs, and whether velocities are
     measured.
     """
     rng = np.random.default_rng([SEEDS.index(level), number])
@@ -64,7 +77,8 @@ def write_numbered(number: int, level: str, data: Path, truth: Path) -> None:
         write_variant(np.random.default_rng([SEEDS.index(level), number]), data, truth)
         return
     case, rng, velocities = drawn(number, level)
-    write_case(case, rng, data, truth, velocities=velocities)
+    sailed = rough_voyages if level == ROUGH else None
+    write_case(case, rng, data, truth, velocities=velocities, sailed=sailed)
 
 
 def every_score(folder: Path) -> list[dict[str, Any]]:
@@ -90,10 +104,10 @@ def scored(folder: Path, name: str) -> dict[str, Any]:
 
 def kept_bound(folder: Path, name: str, truth: Judged) -> Bound | None:
     """The bound, from its file if it exists; None for a case that is not what its number draws, or whose
-    noise is not white.
+    errors are not white.
     """
     level, number = name[0], int(name[1:])
-    if level == VARIANT or truth["kind"] == "confounded":
+    if level in (VARIANT, ROUGH) or truth["kind"] == "confounded":
         return None
     path = folder / "bounds" / f"{name}.json"
     if not path.exists():

@@ -7,7 +7,8 @@ Each case is drawn from its own seed and stored, so a run that was stopped goes 
 done can be scored at any time. Writes blind_causes.json, blind_causes.md and two figures into the output
 folder, or into a document and beside it. Levels A to D are the four that have bars; E is A with another wind
 or current in each run, alone or beside one effect; P is A with faults down to nothing, for the power of
-detection; X is other boats, manoeuvres, rates and noise.
+detection; T is A with three effects; X is other boats, manoeuvres, rates and noise; R is sailed by another
+simulator, its curves off by 3 %, under random forces.
 """
 
 import argparse

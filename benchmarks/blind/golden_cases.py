@@ -120,13 +120,12 @@ GOLDEN: dict[str, Golden] = {
     "azimuth_offset": Golden("thrust", "cause", [one("azimuth_offset", thruster="bs", offset=-0.15)]),
     "azimuth_lag": Golden("thrust", "cause", [one("azimuth_lag", time_constant=0.7)]),
     "thrust_deduction": Golden("thrust", "cause", [one("thrust_deduction", low=0.7, high=0.8)]),
-    "thrust_scale": Golden(
-        "thrust",
-        "cause",
-        [one("thrust_scale", scale=0.85)],
-        reason="thrust_deduction, of which it is a special case, stands beside it as a rival",
-    ),
+    "thrust_scale": Golden("thrust", "cause", [one("thrust_scale", scale=0.85)]),
     "channel_swap": Golden("thrust", "cause", [one("channel_swap", thruster=["bs", "sp"])]),
+    "azimuth_reversed": Golden("thrust", "cause", [one("azimuth_reversed", thruster="bs")]),
+    "azimuth_reversed_all": Golden(
+        "thrust", "cause", [one("azimuth_reversed", thruster="all")], level="B", runs=2
+    ),
     "thruster_failure": Golden("thrust", "cause", [one("thruster_failure", thruster="ss", time=21.0)]),
     "command_delay": Golden("thrust", "cause", [one("command_delay", delay=0.5)]),
     "wind": Golden("weather", "cause", [WIND]),

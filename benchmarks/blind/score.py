@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from swamp_rl.experiments.synthetic.cases import ROUGH
 
 Judged = Mapping[str, Any]
 Z95 = 1.959964
@@ -21,7 +22,8 @@ def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
     sets = [
         sorted(names_in(label)) for group in (found or {}).get("indistinguishable", []) for label in group
     ]
-    alone = verdict == "cause" and named == true
+    verdicts = ("cause", "unexplained") if truth["level"] == ROUGH else ("cause",)
+    alone = verdict in verdicts and named == true
     among = verdict == "indistinguishable" and true in sets
     small = among and len(sets) <= AT_MOST
     right = rightly(truth, verdict, named, alone or small)
@@ -49,9 +51,13 @@ def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
 
 
 def rightly(truth: Judged, verdict: str, named: Sequence[str], effects: bool) -> bool:
-    """Whether the verdict is correct; `effects`: whether the true effects were named."""
+    """Whether the verdict is correct; `effects`: whether the true effects were named. At level R no model is
+    right, so that `unexplained` is too, beside no cause but the true one.
+    """
     if truth["kind"] == "outside":
         return verdict == "unexplained"
+    if truth["kind"] == "clean" and truth["level"] == ROUGH:
+        return not named
     if truth["kind"] == "clean":  # where it is off, nothing but its hull's derivatives
         hull = bool(truth["hull"]) and verdict == "cause" and named == ["hull_coefficients"]
         return verdict == "nothing_wrong" or hull
@@ -130,7 +136,8 @@ def share(flags: Sequence[bool]) -> dict[str, float] | None:
 def summary(results: Sequence[Judged]) -> dict[str, Any]:
     """Rates of one level; None where no case counts."""
     of = {kind: [r for r in results if r["kind"] == kind] for kind in {r["kind"] for r in results}}
-    single, pair, clean, outside = (of.get(k, []) for k in ("single", "pair", "clean", "outside"))
+    single, pair, triple = (of.get(kind, []) for kind in ("single", "pair", "triple"))
+    clean, outside = of.get("clean", []), of.get("outside", [])
     confounded = of.get("confounded", [])
     undecided = [r for r in confounded if r["in_a_set"]]
     numbers = [number for r in results for number in r["estimates"]]
@@ -144,6 +151,8 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
         "single_in_a_small_set": share([r["small_set"] for r in single]),
         "pair_named_alone": share([r["alone"] for r in pair]),
         "pair_in_a_small_set": share([r["small_set"] for r in pair]),
+        "triple_named_alone": share([r["alone"] for r in triple]),
+        "triple_in_a_small_set": share([r["small_set"] for r in triple]),
         "thruster_right_where_named": share([r["place"] for r in results if r["place"] is not None]),
         "clean_false_positive": share([is_false_positive(r) for r in clean]),
         "clean_unexplained": share([r["verdict"] == "unexplained" for r in clean]),
@@ -164,5 +173,7 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
 
 
 def is_false_positive(result: Judged) -> bool:
-    """Whether a boat of which nothing is wrong was said to have a fault."""
+    """Whether a boat of which nothing is wrong was said to have a fault, at level R also a part of one."""
+    if result["level"] == ROUGH:
+        return not result["right"]
     return result["verdict"] in ("cause", "indistinguishable") and not result["right"]

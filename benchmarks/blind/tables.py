@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from swamp_rl.experiments.reports.experiment import table
-from swamp_rl.experiments.synthetic.cases import EACH_RUN, LEVELS
+from swamp_rl.experiments.synthetic.cases import EACH_RUN, LEVELS, ROUGH, TRIPLE
 from swamp_rl.experiments.synthetic.cases import POWER as SMALL_ONES
 
 from benchmarks.blind.figures import (
@@ -23,7 +23,6 @@ from benchmarks.blind.score import WITHIN, Judged, summary
 from benchmarks.blind.weather import weather_table
 
 OTHER = "X"
-# least rates, at levels A to D
 TARGETS: dict[str, tuple[float | None, ...]] = {  # target rates, at levels A to D
     "single_named_alone": (0.98, 0.85, 0.92, 0.85),
     "single_in_a_small_set": (0.99, 0.95, 0.97, 0.95),
@@ -34,6 +33,7 @@ TARGETS: dict[str, tuple[float | None, ...]] = {  # target rates, at levels A to
     "interval_coverage": (0.90, 0.90, 0.90, 0.90),
     "error_over_bound_median": (WITHIN,) * 4,
 }
+TARGETS_OF_ROUGH = {"single_named_alone": 0.85, "clean_false_positive": 0.02}
 COVER_AT_MOST = 0.98
 
 
@@ -44,7 +44,9 @@ def parts(results: Sequence[Judged]) -> dict[str, str]:
     results = [r for r in results if r["level"] != EACH_RUN]
     if not results:
         return own
-    by_level = {level: [r for r in results if r["level"] == level] for level in (*LEVELS, OTHER)}
+    by_level = {
+        level: [r for r in results if r["level"] == level] for level in (*LEVELS, TRIPLE, OTHER, ROUGH)
+    }
     scores = {level: summary(mine) for level, mine in by_level.items() if mine}
     return own | {
         "blind scores": scores_table(scores),
@@ -75,6 +77,7 @@ def judgement(row: str, level: str, value: Any) -> str:
     target.
     """
     bar = TARGETS[row][LEVELS.index(level)] if row in TARGETS and level in LEVELS else None
+    bar = TARGETS_OF_ROUGH.get(row) if level == ROUGH else bar
     if bar is None or value is None:
         return ""
     if not isinstance(value, dict):

@@ -6,10 +6,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from swamp_rl.experiments.synthetic.cases import EACH_RUN, EFFECTS, LEVELS, draw_case, voyages, write_case
+from swamp_rl.experiments.synthetic import rough
+from swamp_rl.experiments.synthetic.cases import (
+    EACH_RUN,
+    EFFECTS,
+    LEVELS,
+    ONE_PURPOSE,
+    ROUGH,
+    TRIPLE,
+    draw_case,
+    voyages,
+    write_case,
+)
 
 from benchmarks.blind.cases import drawn
-from benchmarks.blind.score import judged
+from benchmarks.blind.score import is_false_positive, judged
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data import read_run_set
 from swamp_rl.effects import LIBRARY
@@ -68,8 +79,53 @@ def test_at_level_e_each_run_has_a_weather_of_its_own_alone_or_beside_one_effect
     assert not judged(vars(case), answer("cause", names[1:]))["right"]
 
 
+def test_at_level_t_three_effects_of_different_purpose_are_hidden() -> None:
+    cases = [drawn(number, TRIPLE)[0] for number in range(40)]
+    assert all(len({one["effect"] for one in case.effects}) == 3 for case in cases)
+    assert not any(set(pair) <= set(case.names) for case in cases for pair in ONE_PURPOSE)
+    truth = vars(cases[0])
+    assert judged(truth, answer("cause", cases[0].names))["right"]
+    assert not judged(truth, answer("cause", cases[0].names[:2]))["right"]
+
+
+def test_the_other_simulator_without_its_errors_is_near_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = draw_case(np.random.default_rng(0), ROUGH, "single", ("thruster_gain",), 1.0)
+    first = voyages(case, np.random.default_rng(5), 2, 20.0)
+    rough_ones = rough.rough_voyages(case, np.random.default_rng(5), 2, 20.0)
+    monkeypatch.setattr(rough, "curves_in_error", lambda rng, thrusters: np.zeros((3 + thrusters, 3)))
+    monkeypatch.setattr(rough, "process_noise", lambda rng, rows: np.zeros((rows, 3)))
+    exact = rough.rough_voyages(case, np.random.default_rng(5), 2, 20.0)
+    for one, other in zip(first, exact, strict=True):
+        assert 0.0 < np.hypot(*(one.track - other.track)[:, :2].T).max() < 0.1
+        assert np.array_equal(one.record, other.record)
+    assert not np.allclose(rough_ones[0].track, first[0].track, atol=0.1)
+
+
+def test_a_curve_is_off_by_three_percent_and_right_on_average() -> None:
+    curve = rough.curves_in_error(np.random.default_rng(2), 4)[1]
+    period = 2.0 * np.pi / curve[0]
+    factors = np.array([rough.in_error(x, curve) for x in np.arange(200) * period / 200])
+    assert factors.mean() == pytest.approx(1.0, abs=1e-9)
+    assert factors.std() == pytest.approx(0.03, rel=1e-6)
+    noise = rough.process_noise(np.random.default_rng(3), 40_000)
+    np.testing.assert_allclose(noise.std(axis=0), rough.PROCESS_NOISE, rtol=0.15)
+
+
+def test_a_case_of_the_other_simulator_is_right_where_nothing_else_is_named() -> None:
+    case, _, _ = drawn(0, ROUGH)
+    truth = vars(case)
+    assert drawn(2, ROUGH)[0].kind == "clean"
+    assert judged(truth, answer("unexplained", case.names))["right"]
+    assert judged(truth, answer("cause", case.names))["right"]
+    assert not judged(truth, answer("unexplained", [*case.names, "mass"]))["right"]
+    clean = truth | {"kind": "clean", "effects": []}
+    assert judged(clean, answer("unexplained", []))["right"]
+    accused = judged(clean, answer("unexplained", ["mass"]))
+    assert not accused["right"] and is_false_positive(accused)
+
+
 def answer(verdict: str, causes: list[str], sets: list[list[str]] | None = None) -> dict[str, object]:
-    named = [{"effect": name, "parameters": {}} for name in causes]
+    named = [{"effect": name, "thruster": "bs", "parameters": {}} for name in causes]
     return {"verdict": verdict, "causes": named, "indistinguishable": sets or [], "elapsed_s": 1.0}
 
 

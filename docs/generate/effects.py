@@ -32,7 +32,8 @@ def _effect(effect: Effect) -> str:
     if effect.swaps:
         lines.append("`thruster` names two thrusters. There are no other parameters.\n")
     elif effect.thruster:
-        lines.append("`thruster` names one thruster, or `all`.\n")
+        others = " There are no other parameters." if effect.reverses else ""
+        lines.append(f"`thruster` names one thruster, or `all`.{others}\n")
     if effect.parameters:
         head = ["parameter", "unit", "neutral value", "allowed", "required"]
         lines.append(table(head, [_row(parameter) for parameter in effect.parameters]))

@@ -54,6 +54,7 @@ def diagnose(
         minor_sentence,
         predictors_sentence,
         share_text,
+        smoothed_sentence,
     )
     from swamp_rl.criticism.report.words import label_of, parameter_sets, spread_sets
 
@@ -93,6 +94,8 @@ def diagnose(
                 f"  position error 10 s ahead (root mean square): {missed.before:.3g} m with the boat file"
                 f"{extended}"
             )
+    if said := smoothed_sentence(found):
+        typer.echo(f"  {said}")
     for lack in found.missing_motion:
         typer.echo(f"  the runs lack {lack}")
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")

@@ -44,7 +44,9 @@ LEVELS = ("A", "B", "C", "D")
 POWER = "P"  # as A, single effects of any size down to nothing
 SMALL = (3e-4, 0.1)  # sizes of its effects
 EACH_RUN = "E"  # as A, another wind or current in each run, alone or beside one effect
-KINDS = ("single", "pair", "clean", "outside", "confounded")
+ROUGH = "R"  # as A, sailed by another simulator, see `rough`
+TRIPLE = "T"  # as A, three effects
+KINDS = ("single", "pair", "triple", "clean", "outside", "confounded")
 DEGREE = math.pi / 180
 # standard deviations of north, east [m], heading [rad], surge, sway [m/s], yaw rate [rad/s]
 RTK = np.array([0.05, 0.05, 0.5 * DEGREE, 0.03, 0.03, 0.3 * DEGREE])
@@ -105,7 +107,7 @@ def draw_case(
         return Case(level, kind, [], size, OUTSIDE[str(rng.choice(possible))](rng, size, level), hull)
     if kind == "confounded":
         names = (str(rng.choice(["thrust_scale", "resistance"])),)
-    count, by_run = {"clean": 0, "pair": 2}.get(kind, 1), []
+    count, by_run = {"clean": 0, "pair": 2, "triple": 3}.get(kind, 1), []
     if level == EACH_RUN:
         weather = str(rng.choice(sorted(WEATHER)))
         by_run, count = weather_by_run(rng, weather, size), count - 1
@@ -113,7 +115,7 @@ def draw_case(
         without = {"C": NOT_IN_GATE_RUNS, EACH_RUN: NOT_BESIDE_WEATHER}.get(level, ())
         possible = [name for name in EFFECTS if name not in without]
         drawn = tuple(str(n) for n in rng.choice(possible, count, replace=False))
-        names = () if any(set(drawn) == set(pair) for pair in ONE_PURPOSE) else drawn
+        names = () if any(set(pair) <= set(drawn) for pair in ONE_PURPOSE) else drawn
     effects = [{"effect": name} | EFFECTS[name](rng, size, level) for name in names]
     return Case(level, kind, effects, size, None, hull, by_run)
 
@@ -261,11 +263,15 @@ def write_case(
     runs: int = RUNS,
     seconds: float = 80.0,
     velocities: bool = True,
+    sailed: Callable[[Case, Rng, int, float], list[Voyage]] | None = None,
 ) -> None:
-    """Sail the case and write its runs into the folder `data` and what is wrong into the file `truth`."""
+    """Sail the case and write its runs into the folder `data` and what is wrong into the file `truth`.
+
+    sailed: another simulator than `voyages`.
+    """
     boat, noise = load_boat("swamp"), deviations(case.level)
     tables = []
-    for voyage in voyages(case, rng, runs, seconds):
+    for voyage in (sailed or voyages)(case, rng, runs, seconds):
         measured, kept = measure(voyage, noise, rng)
         columns = table(boat, measured, voyage.commands, velocities and case.level != "B")
         tables.append({key: values[kept] for key, values in columns.items()})

@@ -83,6 +83,7 @@ EFFECTS: dict[str, Draw] = {
     "command_delay": lambda g, s, _: {"delay": 0.5 * s},
     "pump_lag": lambda g, s, _: {"time_constant": 0.8 * s},
     "channel_swap": lambda g, s, _: {"thruster": swap(g)},
+    "azimuth_reversed": lambda g, s, v: {"thruster": "all" if g.random() < 0.3 else thruster(g, v)},
     "throttle_dead_band": lambda g, s, v: {"thruster": thruster(g, v), "below": 0.2 * s},
     "thruster_efficiency_curve": lambda g, s, v: (
         {"thruster": thruster(g, v)}

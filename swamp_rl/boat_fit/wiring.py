@@ -10,9 +10,10 @@ from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.fit import SHORT, fit_windows, soft_weights
 from swamp_rl.boat_fit.hypothesis import Array, FreeBoat, free_boat
 from swamp_rl.boat_fit.numbers import free_numbers
+from swamp_rl.criticism.candidates import selectors
 from swamp_rl.criticism.data import RunSet
 from swamp_rl.criticism.progress import LOG
-from swamp_rl.effects import LIBRARY, EffectEntry
+from swamp_rl.effects import LIBRARY, Effect, EffectEntry
 
 SECONDS = 120.0  # s of runs that the search fits to
 STEPS = 4  # Jacobians of each of its fits
@@ -36,34 +37,30 @@ class Wiring:
 
 
 Change = tuple[str, EffectEntry]
+SIGNS = {
+    "azimuth_reversed": {"propeller_rudder": "rudder", "": "azimuth"},
+    "throttle_reversed": {"propeller_rudder": "revolutions", "": "throttle"},
+}
 
 
 def possible_changes(boat: Boat) -> list[Change]:
-    """Exchanged pairs of channels, and channels of the other sign."""
-    names = boat.thruster_names
-    found: list[Change] = [
-        (f"{a} and {b} obey each other's commands", EffectEntry(LIBRARY["channel_swap"], (a, b), {}))
-        for a, b in itertools.combinations(names, 2)
+    """Exchanged pairs of channels and channels of the other sign, on the thrusters that can show it."""
+    return [
+        (_words(effect, chosen, boat), EffectEntry(effect, chosen if effect.swaps else chosen[0], {}))
+        for effect in LIBRARY.values()
+        if effect.swaps or effect.reverses
+        for chosen in selectors(effect, boat)
     ]
-    for thruster in boat.thrusters:
-        if thruster.kind != "fixed":
-            what = "rudder" if thruster.kind == "propeller_rudder" else "azimuth"
-            found.append(
-                (f"the {what} of {thruster.name} has the other sign", _sign(thruster.name, azimuth=-1.0))
-            )
-        if thruster.throttle_min < 0.0:
-            what = "revolutions" if thruster.kind == "propeller_rudder" else "throttle"
-            found.append(
-                (f"the {what} of {thruster.name} has the other sign", _sign(thruster.name, throttle=-1.0))
-            )
-    turning = [thruster.name for thruster in boat.thrusters if thruster.kind != "fixed"]
-    if len(turning) > 1:
-        found.append(("the azimuths of all thrusters have the other sign", _sign("all", azimuth=-1.0)))
-    return found
 
 
-def _sign(thruster: str, azimuth: float = 1.0, throttle: float = 1.0) -> EffectEntry:
-    return EffectEntry(LIBRARY["command_sign"], thruster, {"azimuth": azimuth, "throttle": throttle})
+def _words(effect: Effect, chosen: Sequence[str], boat: Boat) -> str:
+    if effect.swaps:
+        return f"{chosen[0]} and {chosen[1]} obey each other's commands"
+    named = SIGNS[effect.name]
+    if chosen == ("all",):
+        return f"the {named['']} commands of all thrusters have the other sign"
+    kind = boat.thrusters[boat.thruster_names.index(chosen[0])].kind
+    return f"the {named.get(kind, named[''])} of {chosen[0]} has the other sign"
 
 
 def search_wiring(run_set: RunSet, weight: Array, positions: bool = False) -> Wiring:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.boat import Boat
+from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.effects import LIBRARY, Effect, EffectEntry, Parameter, Reference, apply_effects
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.reference import reference_of
@@ -292,10 +292,16 @@ def selectors(effect: Effect, boat: Boat) -> list[tuple[str, ...]]:
         return list(itertools.combinations(boat.thruster_names, 2))
     if not effect.thruster:
         return [()]
-    each: list[tuple[str, ...]] = [(name,) for name in boat.thruster_names]
-    if len(each) == 1:
+    each: list[tuple[str, ...]] = [(t.name,) for t in boat.thrusters if able(t, effect.needs)]
+    if len(each) < 2:
         return [] if effect.alone_equals else each
     return [*each, ("all",)] if effect.all_together else each
+
+
+def able(thruster: Thruster | PropellerRudder, needs: str) -> bool:
+    """Whether a thruster can do what an effect needs: turn its thrust, or push astern."""
+    turns, astern = thruster.kind != "fixed", thruster.throttle_min < 0.0
+    return {"": True, "azimuth": turns, "astern": astern}[needs]
 
 
 def hull_nuisance(boat: Boat) -> EffectInstance | None:

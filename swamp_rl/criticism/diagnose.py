@@ -25,6 +25,7 @@ from swamp_rl.criticism.excitation import missing_motion
 from swamp_rl.criticism.extended_boat import write_extended
 from swamp_rl.criticism.finding import Finding
 from swamp_rl.criticism.force_regression import residual_force_functions
+from swamp_rl.criticism.hidden_effects import hidden_effects
 from swamp_rl.criticism.identifiability import contrast, separating_manoeuvre
 from swamp_rl.criticism.information_criterion import criterion
 from swamp_rl.criticism.measurement_noise import noise_levels, weights
@@ -34,7 +35,8 @@ from swamp_rl.criticism.output_error import Fit
 from swamp_rl.criticism.prediction_error import gains
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.residual_force import residual_forces
-from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, GaussMarkovNoise, Verdict
+from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, GaussMarkovNoise, SmoothedNoise, Verdict
+from swamp_rl.criticism.smoothed_channels import raised, smoothed_channels
 from swamp_rl.criticism.trivial_predictors import trivial_predictors
 from swamp_rl.unfinished import folder_beside
 
@@ -94,13 +96,15 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
         len(run_set.lengths),
         run_set.lengths.sum() * run_set.dt / 60,
     )
-    sigmas = noise_levels(run_set)
+    smoothed = smoothed_channels(run_set)
+    sigmas = raised(noise_levels(run_set), smoothed)
     weight = weights(run_set, sigmas)
     duration = float(run_set.lengths.max() * run_set.dt)
     every = [
         one for one in candidates(run_set.boat, duration, run_set.groups) if not _is_measured(one, run_set)
     ]
-    with_noise, continuation, found = select_model(run_set, weight, every, hull_nuisance(run_set.boat))
+    hull = hull_nuisance(run_set.boat)
+    with_noise, continuation, found = select_model(run_set, weight, every, hull)
     run_set = replace(run_set, commands=with_noise.commands)  # reconstructed
     LOG.info("the best hypothesis is %s; adequacy and missing forces", found.winner.hypothesis.label)
     judged = continuation.problems[found.stage]
@@ -113,6 +117,8 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
     listed = list_causes(judged, found, cause_shares(continuation, found, on, rng), noise)
     found = found if listed.sound else replace(found, adequate=False)
     written = without_all(continuation, found, listed.left_out)
+
+    hidden = hidden_effects(run_set, weight, judged, found, [*every, *([hull] if hull else [])])
 
     def apart(rival: Fit) -> float:
         return criterion(rival) - criterion(found.winner)
@@ -141,12 +147,22 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
         ),
         candidates=_candidates(continuation, found, rng),
         hypotheses=len(found.tried),
-        unseen=found.unidentifiable,
+        discrete=[one.hypothesis.label for one in found.tried if not one.hypothesis.size],
+        unseen=[label for label in found.unidentifiable if label not in hidden],
+        hidden=hidden,
         missing_motion=missing_motion(run_set, other is not None),
         gain=_gains(on, continuation, found.stage, written, rng),
         gain_on="other_runs" if other else "same_run" if len(run_set.lengths) == 1 else "each_run_in_turn",
         noise=noise,
         wandering=_gauss_markov_noise(with_noise),
+        smoothed={
+            name: SmoothedNoise(
+                sample_noise=one.sample_noise,
+                standard_deviation=one.standard_deviation,
+                time_constant_s=one.time_constant,
+            )
+            for name, one in smoothed.items()
+        },
         adequacy={"worst_excess": measure.worst, "channel": measure.channel, "adequate": found.adequate},
         elapsed_s=time.perf_counter() - began,
     )

@@ -289,7 +289,7 @@ def curves(pair: Pair, information: Array, gradient: Array, deviation: float) ->
 
 def select_functions(found: ForceLikelihood) -> tuple[float, list[ResidualForce]]:
     """The -2 log likelihood at the end, see `MarginalLikelihood`, and the functions by forward selection on
-    held-out gain, sorted by explained variance. Empty where none is significant.
+    held-out gain, in that order. Empty where none is significant.
     """
     every = pairs(found)
     known = np.zeros(found.gradient.shape)
@@ -309,13 +309,15 @@ def select_functions(found: ForceLikelihood) -> tuple[float, list[ResidualForce]
         for one, pair in [one for one in judged if one[0].gain > least]:
             share = power_share(pair, one.predicted_force, marginal, first)
             listed += [
-                ResidualForce(force=force, variable=variable, explained=share, curve=curve)
+                ResidualForce(force=force, variable=variable, explained=share, gain=one.gain, curve=curve)
                 for (force, variable), curve in zip(
                     _labels(pair), curves(pair, marginal.information, back, one.deviation), strict=True
                 )
             ]
-    apart = {(one.force, one.variable): one for one in reversed(listed)}
-    return marginal.left, sorted(list(reversed(apart.values()))[:LISTED], key=lambda one: -one.explained)
+    apart: dict[tuple[str, str], ResidualForce] = {}
+    for function in listed:
+        apart.setdefault((function.force, function.variable), function)
+    return marginal.left, list(apart.values())[:LISTED]
 
 
 def power_share(

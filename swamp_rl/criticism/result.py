@@ -139,13 +139,15 @@ class ResidualForce(Part):
     """A residual force, and the variable that it is a function of.
 
     force: surge, sway, yaw, north, east, or `thrust of` a thruster; explained: share of its variance that the
-    function explains on held-out runs; curve: the function estimated from all runs, linear between its
-    points; beside: the causes that the boat file was extended by for this estimate.
+    function explains on held-out runs; gain: fall of chi2 there, by which they are ordered; curve: the
+    function estimated from all runs, linear between its points; beside: the causes that the boat file was
+    extended by for this estimate.
     """
 
     force: str
     variable: str
     explained: float
+    gain: float = 0.0
     curve: list[CurvePoint] = []
     beside: list[str] = []
 
@@ -182,15 +184,27 @@ class GaussMarkovNoise(Part):
     time_constant_s: float
 
 
+class SmoothedNoise(Part):
+    """Noise of a channel that a filter smoothed before it was logged (SI, rad): at the sample rate, and the
+    larger one that the channel is weighted by, as in `noise`; time_constant_s: of the filter.
+    """
+
+    sample_noise: float
+    standard_deviation: float
+    time_constant_s: float
+
+
 class Diagnosis(Part):
     """The diagnosis.
 
     predictors: the boat file against trivial predictors. causes: by their share of the prediction error, the
     largest first. minor: causes whose share is below 2 % and below the sensors' noise, which the verdict
-    leaves out. hypotheses: how many sets of effects were fitted. nuisance: the hull's linear derivatives
+    leaves out. hypotheses: how many sets of effects were fitted; discrete: those of them that have no
+    number, as a swap of channels. nuisance: the hull's linear derivatives
     where they had to be fitted beside a cause; correlation: of the errors of the parameters of `causes`, then
     of `nuisance`, in their order; noise: standard deviation by channel (SI, rad); wandering: Gauss-Markov
-    part of the noise by channel; unseen: effects that are not identifiable from the data; missing_motion:
+    part of the noise by channel; smoothed: channels that a filter smoothed; unseen: effects that are not
+    identifiable from the data; hidden: those that are, but not beside the model's own error; missing_motion:
     what to record so that they would be; gain_on: the runs that the gain is measured on: each in turn, its
     parameters from the others, other runs that were given, or the very run that the parameters are from.
     """
@@ -200,6 +214,7 @@ class Diagnosis(Part):
     causes: list[Cause]
     minor: list[Cause] = []
     hypotheses: int = 0
+    discrete: list[str] = []
     nuisance: list[Cause] = []
     correlation: list[list[float]] = []
     indistinguishable: list[list[str]]
@@ -208,10 +223,12 @@ class Diagnosis(Part):
     leftover: list[ResidualForce]
     candidates: list[Candidate]
     unseen: list[str]
+    hidden: list[str] = []
     missing_motion: list[str] = []
     gain: list[Gain]
     gain_on: GainOn = "each_run_in_turn"
     noise: dict[str, float]
     wandering: dict[str, GaussMarkovNoise] = {}
+    smoothed: dict[str, SmoothedNoise] = {}
     adequacy: dict[str, Any]
     elapsed_s: float

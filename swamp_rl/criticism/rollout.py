@@ -1,5 +1,7 @@
 """Compiled simulation of many windows, and the whitening filter of Gauss-Markov noise."""
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numba
@@ -10,10 +12,10 @@ from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import SURGE, TIME
 from swamp_rl.simulator.step import move_actuators, step_boat, take_weather
 
-CHUNK = 16
+LEAST_STEPS = 10_000  # boat steps that are worth a thread: about 5 ms
+ACTUATOR_SHARE = 5  # steps of actuators alone that take as long as one of a boat
 
 
-@compiled(parallel=True)
 def roll(
     params: Any,
     tank: Any,
@@ -38,40 +40,84 @@ def roll(
     3) added acceleration [m/s2, m/s2, rad/s2] of surge, sway and yaw, each for `block` steps; half of a
     step's share before the step and half after (Strang splitting).
     """
-    boats = start.shape[0]
-    for chunk in numba.prange((boats + CHUNK - 1) // CHUNK):
-        jets = np.empty((3, commands.shape[2] // 2, 2))
-        state = np.empty(start.shape[1])
-        arrived = np.empty(commands.shape[2])
-        for i in range(chunk * CHUNK, min((chunk + 1) * CHUNK, boats)):
-            state[:] = start[i]
-            track[i, 0] = state[:6]
-            for j in range(track.shape[1] - 1):
-                if j < steps[i]:
-                    accelerated = acceleration.shape[0] > 0
-                    part = min(j // block, acceleration.shape[1] - 1)
-                    if accelerated:
-                        for c in range(3):
-                            state[SURGE + c] += 0.5 * dt * acceleration[i, part, c]
-                    if weather.shape[0] > 0:
-                        take_weather(params[i], weather[run[i], min(first[i] + j, weather.shape[1] - 1)])
-                    row = min(first[i] + j, commands.shape[1] - 1)
-                    delayed_command(commands[run[i]], row, params[i].command_delay / dt, arrived)
-                    step_boat(state, params[i], tank, arrived, seeds[i], dt, substeps, jets)
-                    if accelerated:
-                        for c in range(3):
-                            state[SURGE + c] += 0.5 * dt * acceleration[i, part, c]
-                track[i, j + 1] = state[:6]
+
+    def part(mine: slice) -> None:
+        added = acceleration[mine] if len(acceleration) else acceleration
+        own = params[mine], tank, start[mine], commands, weather, run[mine], first[mine], steps[mine]
+        _roll(*own, seeds[mine], dt, substeps, added, block, track[mine])
+
+    _divided(part, len(start), int(steps.sum()) * substeps)
 
 
-@compiled(parallel=True)
 def roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, states: Any) -> None:
     """Fill states (n, T, S - 6) with time and actuators of whole runs; they depend on the commands alone."""
-    boats = start.shape[0]
-    for i in numba.prange(boats):
-        jets = np.empty((3, commands.shape[2] // 2, 2))
-        state = np.empty(start.shape[1])
-        arrived = np.empty(commands.shape[2])
+
+    def part(mine: slice) -> None:
+        _roll_actuators(params[mine], start[mine], commands, run[mine], dt, states[mine])
+
+    _divided(part, len(start), states.shape[0] * states.shape[1] // ACTUATOR_SHARE)
+
+
+def _divided(part: Callable[[slice], None], boats: int, steps: int) -> None:
+    """Call `part` with slices of the boats, on a thread for each LEAST_STEPS boat steps, at most numba's
+    number of them: to start threads takes as long as many of the small simulations of a fit.
+    """
+    count = min(numba.config.NUMBA_NUM_THREADS, boats, steps // LEAST_STEPS)
+    if count < 2:
+        part(slice(None))
+        return
+    edges = np.linspace(0, boats, count + 1).astype(int)
+    with ThreadPoolExecutor(count) as pool:
+        list(pool.map(part, map(slice, edges[:-1], edges[1:])))
+
+
+@compiled(threaded=True)
+def _roll(
+    params: Any,
+    tank: Any,
+    start: Any,
+    commands: Any,
+    weather: Any,
+    run: Any,
+    first: Any,
+    steps: Any,
+    seeds: Any,
+    dt: float,
+    substeps: int,
+    acceleration: Any,
+    block: int,
+    track: Any,
+) -> None:
+    jets = np.empty((3, commands.shape[2] // 2, 2))
+    state = np.empty(start.shape[1])
+    arrived = np.empty(commands.shape[2])
+    for i in range(start.shape[0]):
+        state[:] = start[i]
+        track[i, 0] = state[:6]
+        for j in range(track.shape[1] - 1):
+            if j < steps[i]:
+                accelerated = acceleration.shape[0] > 0
+                part = min(j // block, acceleration.shape[1] - 1)
+                if accelerated:
+                    for c in range(3):
+                        state[SURGE + c] += 0.5 * dt * acceleration[i, part, c]
+                if weather.shape[0] > 0:
+                    take_weather(params[i], weather[run[i], min(first[i] + j, weather.shape[1] - 1)])
+                row = min(first[i] + j, commands.shape[1] - 1)
+                delayed_command(commands[run[i]], row, params[i].command_delay / dt, arrived)
+                step_boat(state, params[i], tank, arrived, seeds[i], dt, substeps, jets)
+                if accelerated:
+                    for c in range(3):
+                        state[SURGE + c] += 0.5 * dt * acceleration[i, part, c]
+            track[i, j + 1] = state[:6]
+
+
+@compiled(threaded=True)
+def _roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, states: Any) -> None:
+    jets = np.empty((3, commands.shape[2] // 2, 2))
+    state = np.empty(start.shape[1])
+    arrived = np.empty(commands.shape[2])
+    for i in range(start.shape[0]):
         state[:] = start[i]
         for j in range(states.shape[1]):
             states[i, j] = state[6:]

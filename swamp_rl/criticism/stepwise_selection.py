@@ -81,7 +81,10 @@ def _forward_selection(
     for _ in range(MOST):
         scores = _screened(continuation, at, instances)
         first = first or scores
-        likely = [one for one in scores if one.information >= MIN_INFORMATION][:SHORTLIST]
+        likely = [one for one in scores if one.information >= MIN_INFORMATION]
+        # of an effect without a number the score is no guide: it is a jump
+        discrete = [one for one in likely[SHORTLIST:] if not one.instance.size and not singles]
+        likely = [*likely[:SHORTLIST], *discrete]
         made = [continuation.fit(0, one.hypothesis, one.x, at.states) for one in likely]
         singles = singles or made
         confirmed_fits = [

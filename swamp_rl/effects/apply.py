@@ -55,6 +55,9 @@ def write_effect(
         np.copyto(field, COMBINE[effect.combine](field, value), where=where)
     if effect.swaps:
         exchange(record[effect.swaps], boats[:, None] & thrusters)
+    if effect.reverses:
+        field = record[effect.reverses]
+        np.copyto(field, -field, where=boats[:, None] & thrusters)
 
 
 def exchange(field: NDArray[Any], marked: NDArray[np.bool_]) -> None:

@@ -9,6 +9,7 @@ from swamp_rl.effects.search import Search
 Combine = Literal["add", "multiply", "replace"]
 ActsOn = Literal["force", "actuator", "sensor", "command"]
 Scope = Literal["boat", "day", "run"]
+Needs = Literal["", "azimuth", "astern"]
 Begin = Literal["score", "grid", "spectral", "changepoint"]
 
 FULL_TURN = 2.0 * math.pi
@@ -57,7 +58,8 @@ class Effect:
     """A named departure.
 
     thruster: entries name one or `all`, and the fields have a column for each. swaps: entries name two, whose
-    numbers in this per-thruster field of the boat are exchanged; such an effect has no parameters.
+    numbers in this per-thruster field of the boat are exchanged; reverses: whose number in this per-thruster
+    field changes its sign; such effects have no parameters. needs: what a thruster must be able to do.
 
     The rest says how a diagnosis searches for it. scope: the least that may have a value of its own.
     begin: what the fit's starts come from: the parameters' own, the best point of their grid, a scan of
@@ -77,6 +79,8 @@ class Effect:
     source: str
     thruster: bool = False
     swaps: str = ""
+    reverses: str = ""
+    needs: Needs = ""
     scope: Scope = "boat"
     begin: Begin | None = "score"
     vector: tuple[str, str] | None = None

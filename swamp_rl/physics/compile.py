@@ -23,6 +23,7 @@ KEPT_CACHES = 4
 
 NUMERICS: dict[str, Any] = {"error_model": "numpy"}  # a division by zero is inf or nan, no exception
 INSIDE = NUMERICS | {"forceinline": True}
+THREADED = NUMERICS | {"nogil": True}
 
 
 def compiled_sources() -> list[Path]:
@@ -60,15 +61,18 @@ def cache_folder() -> Path:
     return folder_of_sources
 
 
-def compiled(function: F | None = None, *, parallel: bool = False) -> F:
+def compiled(function: F | None = None, *, parallel: bool = False, threaded: bool = False) -> F:
     """Compile with numba: IEEE arithmetic (no fast-math), so a batch gives the bits that one boat gives.
+
+    parallel: its `prange` is divided among numba's threads; threaded: several threads of Python may run it at
+    the same time.
 
     A function lands inside those that call it: a call costs more than what most of them compute, above all
     for counting who still uses the arrays that it takes.
     """
     if function is None:
-        return cast(F, lambda decorated: compiled(decorated, parallel=parallel))
-    options = NUMERICS if parallel else INSIDE
+        return cast(F, lambda decorated: compiled(decorated, parallel=parallel, threaded=threaded))
+    options = NUMERICS if parallel else THREADED if threaded else INSIDE
     before = config.CACHE_DIR
     config.CACHE_DIR = str(cache_folder())
     try:

@@ -90,14 +90,17 @@ def deduction_fields(boat: Boat) -> dict[str, float]:
 def thruster_fields(boat: Boat) -> dict[str, list[Any]]:
     """The per-thruster numbers of the record that come from the boat file, by field name.
 
-    `channel`: which thruster's command each one obeys, by place in the file.
+    `channel`: which thruster's command each one obeys, by place in the file; `azimuth_sign`, `throttle_sign`:
+    factors of its commands.
     """
     rows = [propeller_row(t) if isinstance(t, PropellerRudder) else jet_row(t) for t in boat.thrusters]
     names = dict.fromkeys(name for row in rows for name in row)
     lengths = {name: len(row[name]) for row in rows for name in row if isinstance(row[name], tuple)}
     absent = {name: (0.0,) * lengths[name] if name in lengths else 0.0 for name in names}
     fields = {name: [row.get(name, absent[name]) for row in rows] for name in names}
-    return fields | {"channel": [float(k) for k in range(len(rows))]}
+    own = {"channel": [float(k) for k in range(len(rows))]}
+    own |= {"azimuth_sign": [1.0] * len(rows), "throttle_sign": [1.0] * len(rows)}
+    return fields | own
 
 
 def jet_row(thruster: Thruster) -> dict[str, Any]:

@@ -35,7 +35,7 @@ effects:
 WIRED = (
     HIDDEN
     + """  - {effect: channel_swap, thruster: [port, starboard]}
-  - {effect: command_sign, thruster: port, throttle: -1.0}
+  - {effect: throttle_reversed, thruster: port}
 """
 )
 FIVE = 1  # place of the horizon of 5 s among those of the report

@@ -5,6 +5,7 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.report.evidence import smoothed_sentence
 from swamp_rl.criticism.report.figures import DEGREES, labelled, shown_variables, thrusters_of_causes
 from swamp_rl.criticism.report.page import (
     causes_section,
@@ -18,6 +19,8 @@ from swamp_rl.criticism.report.page import (
 )
 from swamp_rl.criticism.report.words import (
     cause_rows,
+    effects_listed,
+    files_sentence,
     gain_sentence,
     headline,
     manoeuvre_words,
@@ -27,7 +30,6 @@ from swamp_rl.criticism.report.words import (
     readable,
     residual_force_sentence,
     rounded,
-    unidentifiable_effects,
     written,
 )
 from swamp_rl.criticism.residual_force import Forces, motion_variables
@@ -40,6 +42,7 @@ from swamp_rl.criticism.result import (
     Gain,
     Paired,
     ResidualForce,
+    SmoothedNoise,
 )
 
 pytestmark = pytest.mark.numerical
@@ -181,12 +184,52 @@ def test_digits_are_plain_and_cells_are_escaped() -> None:
 def test_unidentifiable_effects_are_listed_with_their_thrusters() -> None:
     pairs = ["bs bp", "bs ss", "bs sp", "bp ss", "bp sp", "ss sp"]
     unseen = ["azimuth_lag", *(f"channel_swap {pair}" for pair in pairs), "thruster_failure bp", "mass"]
-    told = unidentifiable_effects(diagnosis("cause", unseen=unseen), load_boat("swamp"))
+    told = effects_listed(unseen, load_boat("swamp"))
     assert told == "azimuth lag, channel swap, thruster failure (bp), mass"
-    some = unidentifiable_effects(
-        diagnosis("cause", unseen=["channel_swap bs bp", "channel_swap ss sp"]), load_boat("swamp")
-    )
+    some = effects_listed(["channel_swap bs bp", "channel_swap ss sp"], load_boat("swamp"))
     assert some == "channel swap (bs and bp, ss and sp)"
+    weather = ["wind by_run", "wind", "azimuth_offset bs", "thrust_sag by_day"]
+    assert effects_listed(weather, load_boat("swamp")) == "wind, azimuth offset (bs), thrust sag"
+    every = [f"azimuth_offset {place}" for place in ("ss", "bs", "bp", "sp", "all")]
+    assert effects_listed(every, load_boat("swamp")) == "azimuth offset"
+
+
+def test_a_boat_whose_causes_are_all_minor_is_not_called_without_any() -> None:
+    assert "No model error is detectable" in headline(diagnosis("nothing_wrong"))
+    assert "No model error matters" in headline(diagnosis("nothing_wrong", minor=[LAG]))
+
+
+def test_the_page_tells_effects_that_the_data_cannot_show_from_those_below_the_models_error() -> None:
+    found = diagnosis("unexplained", unseen=["azimuth_lag"], hidden=["mass", "current"])
+    said = limits_section(found, no_runs())
+    assert "from these data, whatever the model" in said and "typical size): azimuth lag." in said
+    assert "below the error of this model: mass, current." in said
+    assert "below the error" not in limits_section(diagnosis("cause", unseen=["mass"]), no_runs())
+
+
+def test_the_report_counts_the_effects_without_a_number_that_were_fitted() -> None:
+    tried = ["channel_swap bs bp", "channel_swap bs ss", "azimuth_reversed all"]
+    said = meaning(diagnosis("unexplained", hypotheses=9, discrete=tried))
+    assert "9 sets" in said and "the 3 without a number (channel swap, azimuth reversed)" in said
+    assert "without a number" not in meaning(diagnosis("unexplained", hypotheses=9))
+
+
+def test_functions_of_the_residual_force_that_the_data_do_not_separate_are_named_together() -> None:
+    first = ResidualForce(force="thrust of ss", variable="throttle ss", explained=0.6, gain=33.0)
+    near = ResidualForce(force="thrust of bs", variable="throttle bs", explained=0.7, gain=32.0)
+    far = ResidualForce(force="yaw", variable="heading", explained=0.2, gain=17.0)
+    said = residual_force_sentence(diagnosis("unexplained", leftover=[first, near, far]))
+    assert said.endswith("do not separate it from: thrust of bs against throttle bs.")
+    assert "separate" not in residual_force_sentence(diagnosis("unexplained", leftover=[first, far]))
+
+
+def test_a_smoothed_channel_is_told_with_both_of_its_noises() -> None:
+    north = SmoothedNoise(sample_noise=0.01, standard_deviation=0.06, time_constant_s=0.2)
+    yaw_rate = SmoothedNoise(sample_noise=0.001, standard_deviation=0.01, time_constant_s=0.3)
+    said = smoothed_sentence(diagnosis("cause", smoothed={"north": north, "yaw_rate": yaw_rate}))
+    assert "north 0.01 m, weighted with 0.06 m (time constant 0.2 s)" in said
+    assert "yaw rate 0.057 degrees/s, weighted with 0.57 degrees/s" in said
+    assert smoothed_sentence(diagnosis("cause")) == ""
 
 
 def test_the_page_says_what_was_held_out_and_what_to_record() -> None:
@@ -253,3 +296,17 @@ def test_a_manoeuvre_is_described_as_the_boat_can_sail_it() -> None:
     assert manoeuvre_words("spin", load_boat("swamp")).startswith("turning on the spot")
     assert manoeuvre_words("spin", load_boat("esso_osaka")).startswith("hard over (35°)")
     assert manoeuvre_words("zig-zag, 80 %", load_boat("swamp")) == "zig-zag, 80 %"
+
+
+def test_it_is_told_which_file_has_which_cause() -> None:
+    wind = Cause(effect="wind", parameters={})
+    assert files_sentence(diagnosis("cause", causes=[LAG])).endswith("the boat file with azimuth_lag.")
+    both = files_sentence(diagnosis("cause", causes=[LAG, wind]))
+    assert both.endswith(
+        "with azimuth_lag. What may differ between runs is not the boat's: conditions.yaml has wind."
+    )
+    of_runs = wind.model_copy(update={"groups": {"a": {}}, "scope": "run"})
+    each = files_sentence(diagnosis("cause", causes=[of_runs]))
+    assert "with no effect added" in each and "conditions/RUN.yaml of each run has wind" in each
+    spoilt = LAG.model_copy(update={"carries_over": False})
+    assert "no effect added" in files_sentence(diagnosis("cause", causes=[spoilt]))

@@ -54,6 +54,8 @@ def test_the_library_has_the_projects_vocabulary() -> None:
         "command_delay": ("delay",),
         "pump_lag": ("time_constant",),
         "channel_swap": (),
+        "azimuth_reversed": (),
+        "throttle_reversed": (),
         "thrust_scale": ("scale",),
         "advance_thrust_loss": ("factor",),
         "crossflow_thrust_loss": ("coefficient",),
@@ -80,12 +82,12 @@ def test_the_library_has_the_projects_vocabulary() -> None:
         "heading_drift": ("rate",),
         "clock_offset": ("offset",),
         "clock_drift": ("rate",),
-        "command_sign": ("azimuth", "throttle"),
     }
 
 
 # A failure that never comes and plugs that are not exchanged cannot be written down.
-WRITABLE_NEUTRAL = sorted(set(LIBRARY) - {"thruster_failure", "channel_swap"})
+WITHOUT_NUMBER = {"channel_swap", "azimuth_reversed", "throttle_reversed"}
+WRITABLE_NEUTRAL = sorted(set(LIBRARY) - WITHOUT_NUMBER - {"thruster_failure"})
 
 
 @pytest.mark.parametrize("name", WRITABLE_NEUTRAL)
@@ -99,7 +101,7 @@ def test_an_effect_at_its_neutral_values_changes_nothing(name: str) -> None:
     assert changed_fields(with_effects({"effect": name} | selector | numbers)) == set()
 
 
-@pytest.mark.parametrize("name", sorted(set(LIBRARY) - {"channel_swap"}))
+@pytest.mark.parametrize("name", sorted(set(LIBRARY) - WITHOUT_NUMBER))
 def test_an_effect_changes_its_own_fields_and_no_other(name: str) -> None:
     effect = LIBRARY[name]
     numbers = {p.name: next(x for x in (1.7, 0.7, 0.07) if p.allows(x)) for p in effect.parameters}
@@ -121,6 +123,16 @@ def test_swapped_channels_are_exchanged_and_two_swaps_follow_one_another() -> No
         {"effect": "channel_swap", "thruster": ["bs", "bp"]},
     )
     assert again["channel"].tolist() == [[1.0, 2.0, 0.0, 3.0]] * 2
+
+
+def test_a_reversed_azimuth_changes_the_sign_of_one_thruster_or_of_all() -> None:
+    record = with_effects({"effect": "azimuth_reversed", "thruster": "ss"})
+    assert record["azimuth_sign"].tolist() == [[1.0, 1.0, -1.0, 1.0]] * 2
+    assert changed_fields(record) == {"azimuth_sign"}
+    again = with_effects(
+        {"effect": "azimuth_reversed", "thruster": "ss"}, {"effect": "azimuth_reversed", "thruster": "all"}
+    )
+    assert again["azimuth_sign"].tolist() == [[-1.0, -1.0, 1.0, -1.0]] * 2
 
 
 def test_every_field_of_the_library_stands_in_the_record_at_its_neutral_value() -> None:

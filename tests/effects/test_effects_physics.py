@@ -133,6 +133,12 @@ def test_swapped_channels_are_the_commands_exchanged() -> None:
     assert np.array_equal(swapped, track(command[:, [3, 1, 2, 0, 7, 5, 6, 4]]))
 
 
+def test_a_reversed_azimuth_is_the_command_of_the_other_sign() -> None:
+    command = lively()
+    turned = track(command, {"effect": "azimuth_reversed", "thruster": "sp"})
+    assert np.array_equal(turned, track(command * [1, 1, 1, -1, 1, 1, 1, 1]))
+
+
 def test_thrust_scale_and_sag_give_the_speed_of_their_impulse() -> None:
     worn = [{"effect": "thrust_scale", "scale": 0.8}, {"effect": "thrust_sag", "rate": 0.05}, NO_RESISTANCE]
     ahead = track(commands(0, 0, (0.5,) * 4, 300), *worn)
@@ -290,7 +296,7 @@ def test_effects_at_their_neutral_values_change_no_bit_of_what_is_measured() -> 
     for name in named:
         effect = LIBRARY[name]
         entry: dict[str, Any] = {"effect": name} | {p.name: p.neutral for p in effect.parameters}
-        if not effect.swaps and name != "thruster_failure":
+        if effect.parameters and name != "thruster_failure":
             neutral.append(entry | ({"thruster": "all"} if effect.thruster else {}))
     assert np.array_equal(record(*neutral), record())
     plain, same = track(lively()), track(lively(), *neutral)

@@ -2,7 +2,8 @@
 
 import math
 
-from swamp_rl.criticism.report.words import label_of, readable
+from swamp_rl.criticism.data import CHANNELS, UNITS
+from swamp_rl.criticism.report.words import label_of, minus, readable
 from swamp_rl.criticism.result import Cause, Diagnosis, Predictors, Share
 
 TRIVIAL = {
@@ -11,7 +12,10 @@ TRIVIAL = {
     "no_thrust": "the same boat without thrust",
 }
 FROM = 5.0  # s, below which every predictor that starts from the measured state is good
-SCALES = {"position_rmse_m": (1.0, "m", "position"), "heading_rmse_rad": (180.0 / math.pi, "deg", "heading")}
+SCALES = {
+    "position_rmse_m": (1.0, "m", "position"),
+    "heading_rmse_rad": (180.0 / math.pi, "degrees", "heading"),
+}
 
 
 def as_good(one: Predictors) -> list[str]:
@@ -35,7 +39,7 @@ def predictors_sentence(found: Diagnosis) -> str:
 def predictor_rows(found: Diagnosis) -> list[tuple[str, ...]]:
     """Position errors [m] of the boat file and the trivial predictors, a row a horizon."""
     return [
-        (f"{one.horizon_s:g} s", f"{one.boat_file:.3g}", *(f"{getattr(one, name):.3g}" for name in TRIVIAL))
+        (f"{one.horizon_s:g}", f"{one.boat_file:.3g}", *(f"{getattr(one, name):.3g}" for name in TRIVIAL))
         for one in found.predictors
     ]
 
@@ -63,6 +67,25 @@ def minor_sentence(found: Diagnosis) -> str:
         return ""
     names = readable(" + ".join(label_of(cause) for cause in found.minor))
     return f"Significant, but minor: {names} (below 2 % of every prediction error and below the noise)."
+
+
+def smoothed_sentence(found: Diagnosis) -> str:
+    """The channels that a filter smoothed before they were logged."""
+    if not found.smoothed:
+        return ""
+    parts = []
+    for name, one in found.smoothed.items():
+        unit = dict(zip(CHANNELS, UNITS, strict=True))[name]
+        factor, shown = (180.0 / math.pi, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
+        parts.append(
+            f"{name.replace('_', ' ')} {factor * one.sample_noise:.2g} {shown}, weighted with "
+            f"{factor * one.standard_deviation:.2g} {shown} (time constant {one.time_constant_s:.2g} s)"
+        )
+    return (
+        "A filter smoothed channels before they were logged: their noise is correlated from row to row and "
+        "larger at low frequencies than at the sample rate. Standard deviation at the sample rate: "
+        f"{'; '.join(parts)}. Log the unfiltered sensor for smaller standard errors."
+    )
 
 
 def share_rows(causes: list[Cause]) -> list[tuple[str, ...]]:
@@ -95,12 +118,12 @@ def percent(one: Share) -> str:
 
 def _share_cells(one: Share) -> tuple[str, ...]:
     scale, unit, quantity = SCALES[one.quantity]
-    low, high = (scale * end for end in one.ci95)
+    less, low, high = (scale * end for end in (one.without - one.with_cause, *one.ci95))
     return (
         f"{quantity}, {one.horizon_s:g} s",
         f"{scale * one.without:.3g}",
         f"{scale * one.with_cause:.3g}",
         percent(one),
-        f"{low:.3g} to {high:.3g}",
+        minus(f"{less:.3g} ({low:.3g} to {high:.3g})"),
         unit,
     )

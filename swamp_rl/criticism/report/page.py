@@ -12,26 +12,27 @@ from swamp_rl.criticism.report.evidence import (
     predictor_rows,
     predictors_sentence,
     share_rows,
+    smoothed_sentence,
 )
 from swamp_rl.criticism.report.figures import DEGREES, SHOWN
 from swamp_rl.criticism.report.words import (
     GAINED_ON,
     cause_rows,
     closeness,
+    effects_listed,
+    files_sentence,
     force_name,
     gain_sentence,
     headline,
     manoeuvre_words,
     meaning,
     minus,
-    names_of,
     noise_sentence,
     places_of,
     readable,
     rest_sentence,
     rounded,
     shape_sentence,
-    unidentifiable_effects,
 )
 from swamp_rl.criticism.result import Diagnosis, Gain
 
@@ -54,10 +55,13 @@ th{font-weight:600;border-bottom:2px solid var(--line);color:var(--soft)}
 td,th{padding:.3rem 1.1rem .3rem 0;text-align:left;vertical-align:top}td{border-bottom:1px solid var(--line)}
 td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
 img{width:100%;height:auto;margin:.4rem 0}summary{cursor:pointer;color:var(--soft)}
+.wide{overflow-x:auto}td.t{white-space:nowrap}
+@media(max-width:40rem){body{margin:1.2rem auto;padding:0 1rem}h1{font-size:1.5rem}.wide img{min-width:44rem}}
 """
 
 
-SHARES = ("cause", "error, horizon", "without", "with", "share", "95 % interval", "unit")
+PREDICTORS = ("seconds ahead", "boat file", "at rest", "constant velocity", "no thrust")
+SHARES = ("cause", "error, horizon", "without", "with", "share", "reduction (95 % interval)", "unit")
 CHI2 = "χ² is the sum of squared errors over the measurement noise's variance: 1 a sample for noise alone."
 
 
@@ -136,7 +140,7 @@ def errors_section(found: Diagnosis, images: Mapping[str, str]) -> str:
         + f"<p>Prediction error (root mean square) against the horizon.{perfect}</p>"
         + image(images["errors"], "Prediction error by horizon")
         + "<p>Position error [m] of the boat file and of predictors that need no model:</p>"
-        + table(("horizon", "boat file", "at rest", "constant velocity", "no thrust"), predictor_rows(found))
+        + table(PREDICTORS, predictor_rows(found), numbers=(0, 1, 2, 3, 4))
         + "<p>Missing forces: those that, added to the model, reproduce the measured motion, against the "
         "boat's motion and commands. A dependence on heading indicates a cause fixed to the earth (wind, "
         "current), one on throttle or azimuth the thrusters, one on speed or yaw rate the hull. Dots are "
@@ -147,7 +151,7 @@ def errors_section(found: Diagnosis, images: Mapping[str, str]) -> str:
 
 def image(data: str, title: str) -> str:
     """A figure held in the page."""
-    return f'<img alt="{html.escape(title)}" src="data:image/png;base64,{data}">'
+    return f'<div class="wide"><img alt="{html.escape(title)}" src="data:image/png;base64,{data}"></div>'
 
 
 def causes_section(found: Diagnosis, run_set: RunSet) -> str:
@@ -174,10 +178,10 @@ def causes_section(found: Diagnosis, run_set: RunSet) -> str:
         )
     shares = (
         "<p>What each accounts for: prediction errors on held-out runs without it, the others fitted anew, "
-        "and with it; the interval is of the difference.</p>"
+        "and with it. Shares need not add up to 100 %.</p>"
         + table(SHARES, share_rows([*found.causes, *found.minor]), numbers=(2, 3, 4, 5))
     )
-    return f"<h2>{title}</h2>{note}" + table(heads, rows, numbers=(3, 4, 6)) + shares
+    return f"<h2>{title}</h2>{note}" + table(heads, rows, numbers=(3, 4, 6), unbroken=(2,)) + shares
 
 
 def identifiability_section(found: Diagnosis, run_set: RunSet) -> str:
@@ -294,14 +298,24 @@ def gain_rows(gain: Gain) -> list[tuple[str, ...]]:
 
 def limits_section(found: Diagnosis, run_set: RunSet) -> str:
     """Effects that are not identifiable from the data, and what to record so that they would be."""
-    unseen = html.escape(unidentifiable_effects(found, run_set.boat))
-    if not unseen and not found.missing_motion:
+    unseen = html.escape(effects_listed(found.unseen, run_set.boat))
+    hidden = html.escape(effects_listed(found.hidden, run_set.boat))
+    if not unseen and not hidden and not found.missing_motion:
         return ""
-    hidden = f"<p>Not identifiable from these data: {unseen}.</p>" if unseen else ""
     wanted = "".join(f"<li>{html.escape(one)}</li>" for one in found.missing_motion)
     return (
         "<h2>Limits of these data</h2>"
-        + hidden
+        + (
+            "<p>Not identifiable from these data, whatever the model (the standard error exceeds a third of "
+            f"the effect's typical size): {unseen}.</p>"
+            if unseen
+            else ""
+        )
+        + (
+            f"<p>Identifiable under the measurement noise, but below the error of this model: {hidden}.</p>"
+            if hidden
+            else ""
+        )
         + (f"<p>Missing in them, to be recorded next time:</p><ul>{wanted}</ul>" if wanted else "")
     )
 
@@ -324,7 +338,6 @@ def details(found: Diagnosis, run_set: RunSet) -> str:
         )
         for c in found.candidates
     ]
-    extended = "with the causes found" if found.causes else "unchanged, since no cause was found"
     heads = ("hypothesis", "χ² a sample (noise alone: 1)", "reduction [χ²]", "95 % interval")
     return (
         "<h2>Details</h2><p>White measurement noise, estimated from third differences of the data. Data "
@@ -332,21 +345,29 @@ def details(found: Diagnosis, run_set: RunSet) -> str:
         "integration:</p>"
         + table(("channel", "standard deviation", "unit"), rows, numbers=(1,))
         + (f"<p>{noise_sentence(found)}</p>" if found.wandering else "")
+        + (f"<p>{smoothed_sentence(found)}</p>" if found.smoothed else "")
         + "<details><summary>Hypotheses that were fitted, lowest χ² on held-out runs "
         f"first</summary><p>{CHI2}</p>{table(heads, tried, numbers=(1, 2, 3))}</details>"
         + f'<p class="soft">Found in {found.elapsed_s:.0f} s. <code>diagnosis.json</code> holds every '
-        f"number, <code>extended_boat.yaml</code> is the boat file {extended}. "
-        f"{html.escape(names_of(found))}</p>"
+        f"number. {html.escape(files_sentence(found))}</p>"
     )
 
 
 def table(
-    heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[int] = (), raw: bool = False
+    heads: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    numbers: Sequence[int] = (),
+    raw: bool = False,
+    unbroken: Sequence[int] = (),
 ) -> str:
-    """An HTML table, the columns `numbers` aligned right; raw: the cells are HTML already."""
+    """An HTML table, the columns `numbers` aligned right, those and `unbroken` on one line; raw: cells are
+    HTML already.
+    """
     if not rows:
         return "<p>None.</p>"
-    kinds = [' class="n"' if i in numbers else "" for i in range(len(heads))]
+    kinds = [
+        ' class="n"' if i in numbers else ' class="t"' if i in unbroken else "" for i in range(len(heads))
+    ]
     top = "".join(f"<th{kind}>{html.escape(head)}</th>" for kind, head in zip(kinds, heads, strict=True))
     body = "".join(
         "<tr>"
@@ -357,4 +378,4 @@ def table(
         + "</tr>"
         for row in rows
     )
-    return f"<table><tr>{top}</tr>{body}</table>"
+    return f'<div class="wide"><table><tr>{top}</tr>{body}</table></div>'

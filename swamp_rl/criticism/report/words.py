@@ -11,6 +11,7 @@ from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Limit
 from swamp_rl.effects import LIBRARY
 
 Z95 = 1.959964
+EQUAL = 9.0  # held-out chi2 within which two functions of the residual force are not separated
 DIFFERS = {"by_run": "another in each run", "by_day": "another on each day"}
 
 
@@ -39,6 +40,8 @@ def causes(found: Diagnosis) -> str:
 
 def headline(found: Diagnosis) -> str:
     """The verdict as one sentence."""
+    if found.verdict == "nothing_wrong" and found.minor:
+        return "No model error matters: what is significant changes no prediction."
     if found.verdict == "nothing_wrong":
         return "No model error is detectable: the residuals are measurement noise."
     if found.verdict == "cause":
@@ -84,10 +87,7 @@ def meaning(found: Diagnosis) -> str:
         )
     if found.verdict == "cause":
         added = "it" if len(found.causes) == 1 else "them"
-        text = (
-            f"With {added}, the residuals are measurement noise. extended_boat.yaml is the boat file with "
-            "the values below."
-        )
+        text = f"With {added}, the residuals are measurement noise. {files_sentence(found)}"
         if any(one.at_bound for cause in found.causes for one in cause.parameters.values()):
             text += (
                 " One value ended at a bound of the fit, so its effect may be a substitute for another "
@@ -100,9 +100,11 @@ def meaning(found: Diagnosis) -> str:
             "the lowest χ²: it is valid for motions like those of these runs, not beyond. A manoeuvre that "
             "separates them is proposed below."
         )
+    names = dict.fromkeys(label.split()[0].replace("_", " ") for label in found.discrete)
+    jumps = f", among them the {len(found.discrete)} without a number ({', '.join(names)})" if names else ""
     tried = (
-        f"Every effect of the library was score-tested and {found.hypotheses} sets of effects were fitted; "
-        "the residuals of the best exceed the noise. "
+        f"Every effect of the library was score-tested and {found.hypotheses} sets of effects were fitted"
+        f"{jumps}; the residuals of the best exceed the noise. "
     )
     if not found.leftover:
         return tried + "The residual force is not a function of any single recorded variable."
@@ -118,10 +120,17 @@ def residual_force_sentence(found: Diagnosis) -> str:
     """The largest residual force and its variable."""
     first = found.leftover[0]
     what = "an error of the " if first.force.startswith("thrust of") else "a "
-    return (
+    said = (
         f"The largest residual is {what}{force_name(first.force)} as a function of {first.variable}, which "
         f"explains {first.explained:.0%} of the residual force's variance on held-out runs."
     )
+    equal = [
+        f"{force_name(one.force)} against {one.variable}"
+        for one in found.leftover[1:]
+        if first.gain - one.gain < EQUAL
+        and not first.variable.startswith("position")  # north and east go together
+    ]
+    return said + (f" These data do not separate it from: {'; '.join(equal)}." if equal else "")
 
 
 def rest_sentence(found: Diagnosis) -> str:
@@ -224,14 +233,16 @@ GAINED_ON = {
 }
 
 
-def unidentifiable_effects(found: Diagnosis, boat: Boat) -> str:
-    """Effects that are not identifiable from the data, one entry for each effect."""
+def effects_listed(labels: Sequence[str], boat: Boat) -> str:
+    """Effects by their labels, one entry for each effect, whether all runs share its parameters or not."""
     places: dict[str, list[str]] = {}
-    for label in found.unseen:
-        name, *thrusters = label.split()
-        places.setdefault(name, []).append(" and ".join(thrusters))
+    for label in labels:
+        name, *more = label.split()
+        place = " and ".join(one for one in more if one not in DIFFERS)
+        if place not in places.setdefault(name, []):
+            places[name].append(place)
     count = len(boat.thrusters)
-    every = {1, count, count * (count - 1) // 2}
+    every = {1, count, count + 1, count * (count - 1) // 2}
     parts = []
     for name, where in places.items():
         whole = not where[0] or (len(where) in every and len(where) > 1)
@@ -339,7 +350,14 @@ def rounded(value: float) -> str:
     return f"{value:.{places_of(value)}f}"
 
 
-def names_of(found: Diagnosis) -> str:
-    """The names that the boat file uses for the effects found."""
-    effects = ", ".join(dict.fromkeys(cause.effect for cause in found.causes))
-    return f"There the effects are called {effects}." if effects else ""
+def files_sentence(found: Diagnosis) -> str:
+    """Which file each cause was written to, by the names that effects have there."""
+    written = [cause for cause in (*found.causes, *found.minor, *found.nuisance) if cause.carries_over]
+    weather = [cause for cause in written if LIBRARY[cause.effect].scope != "boat"]
+    own = [cause for cause in written if cause not in weather]
+    called = [", ".join(dict.fromkeys(cause.effect for cause in part)) for part in (own, weather)]
+    said = f"extended_boat.yaml is the boat file with {called[0] or 'no effect added'}."
+    if weather:
+        file = "conditions/RUN.yaml of each run" if any(c.groups for c in weather) else "conditions.yaml"
+        said += f" What may differ between runs is not the boat's: {file} has {called[1]}."
+    return said

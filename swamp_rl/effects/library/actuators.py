@@ -143,15 +143,27 @@ declare(
 )
 
 declare(
-    "command_sign",
-    Parameter("azimuth", "1", 1.0, "azimuth_sign", low=-1.0, high=1.0),
-    Parameter("throttle", "1", 1.0, "throttle_sign", low=-1.0, high=1.0),
+    "azimuth_reversed",
     acts_on="command",
-    combine="multiply",
-    description="the thruster obeys its command times that: -1 where a log or controller has the other sign",
-    source="ours: a channel wired or logged the other way round",
+    combine="replace",
+    description="a thruster or rudder turns to the other side of what it is commanded",
+    source="ours: another sign convention of the log, a servo mounted upside down",
     thruster=True,
-    begin=None,
+    reverses="azimuth_sign",
+    needs="azimuth",
+    all_together=True,
+)
+
+declare(
+    "throttle_reversed",
+    acts_on="command",
+    combine="replace",
+    description="a thruster pushes the other way than it is commanded",
+    source="ours: another sign convention of the log, a motor wired the other way round",
+    thruster=True,
+    reverses="throttle_sign",
+    needs="astern",
+    all_together=True,
 )
 
 declare(
@@ -223,6 +235,7 @@ declare(
     combine="replace",
     description="share of the jets' thrust that is left at the boat file's low and high throttle, 1 - t",
     source="thesis 7.3.5: given by its ends only",
+    contains=("thrust_scale",),
 )
 
 declare(

@@ -1,0 +1,106 @@
+"""Channels that a filter smoothed before they were logged."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from swamp_rl.criticism.data import CHANNELS, RunSet
+from swamp_rl.criticism.diagnose import examine
+from swamp_rl.criticism.measurement_noise import noise_levels
+from swamp_rl.criticism.smoothed_channels import raised, smoothed_channels
+from tests.support.criticism import DT, SIGMA, gauss_markov_noise, simulated_runs
+
+Array = np.ndarray
+Filter = Callable[[Array], Array]
+SECONDS = 0.3  # of the filters
+
+
+def one_pole(values: Array) -> Array:
+    """(R, T) after a filter of first order."""
+    share = 1.0 - np.exp(-DT / SECONDS)
+    found = values.copy()
+    for row in range(1, values.shape[1]):
+        found[:, row] += (1.0 - share) * (found[:, row - 1] - values[:, row])
+    return found
+
+
+def kalman(values: Array) -> Array:
+    """(R, T) after a steady Kalman filter of a constant velocity (Kalata 1984), of gains for SECONDS."""
+    index = (DT / SECONDS) ** 2
+    root = (4.0 + index - np.sqrt(8.0 * index + index**2)) / 4.0
+    alpha = 1.0 - root**2
+    beta = 2.0 * (2.0 - alpha) - 4.0 * np.sqrt(1.0 - alpha)
+    found, rate = values.copy(), np.zeros(len(values))
+    for row in range(1, values.shape[1]):
+        ahead = found[:, row - 1] + DT * rate
+        missed = values[:, row] - ahead
+        found[:, row], rate = ahead + alpha * missed, rate + beta / DT * missed
+    return found
+
+
+def filtered(runs: RunSet, way: Filter, *names: str) -> RunSet:
+    """The runs with those channels after a filter."""
+    measured = runs.measured.copy()
+    for name in names:
+        index = CHANNELS.index(name)
+        measured[..., index] = way(measured[..., index])
+    return replace(runs, measured=measured)
+
+
+@pytest.mark.parametrize("way", [one_pole, kalman])
+@pytest.mark.parametrize("seed", range(3))
+def test_smoothed_channels_are_recognised_and_the_others_are_not(way: Filter, seed: int) -> None:
+    runs = simulated_runs([{"effect": "thruster_gain", "thruster": "sp", "gain": 0.7}], seed)
+    names = ("north", "east", "sway")
+    found = smoothed_channels(filtered(runs, way, *names))
+    assert set(found) == set(names)
+    for name, one in found.items():
+        true = SIGMA[CHANNELS.index(name)]
+        assert one.sample_noise < 0.5 * true
+        assert true < 1.3 * one.standard_deviation
+    if way is one_pole:
+        assert found["north"].time_constant == pytest.approx(SECONDS, rel=0.5)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_white_noise_is_never_taken_for_a_filters(seed: int) -> None:
+    effects = [[], [{"effect": "thruster_gain", "thruster": "sp", "gain": 0.7}]][seed % 2]
+    runs = simulated_runs(effects, seed, velocities=seed % 4 < 2)
+    assert smoothed_channels(runs) == {}
+    sigmas = noise_levels(runs)
+    np.testing.assert_array_equal(raised(sigmas, {}), sigmas)
+
+
+def test_a_wandering_receiver_a_slow_log_and_a_run_without_noise_are_not_filters() -> None:
+    runs = simulated_runs([], 3)
+    wander = gauss_markov_noise(np.random.default_rng(0), runs.measured[..., :2].shape, 0.3, 20.0)
+    measured = runs.measured.copy()
+    measured[..., :2] += wander
+    assert smoothed_channels(replace(runs, measured=measured)) == {}
+    every = filtered(runs, one_pole, *CHANNELS)
+    slow = replace(
+        every,
+        dt=3 * DT,
+        commands=every.commands[:, ::3],
+        measured=every.measured[:, ::3],
+        lengths=np.full(3, every.measured[:, ::3].shape[1]),
+    )
+    assert smoothed_channels(slow) == {}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", [one_pole, kalman])
+def test_a_cause_is_found_and_measured_although_channels_were_smoothed(way: Filter) -> None:
+    runs = simulated_runs([{"effect": "thruster_gain", "thruster": "sp", "gain": 0.7}], 1)
+    runs = filtered(runs, way, "sway", "yaw_rate")
+    found = examine(runs, None, np.random.default_rng(0)).diagnosis
+    assert set(found.smoothed) == {"sway", "yaw_rate"}
+    assert found.verdict == "cause"
+    (cause,) = found.causes
+    assert (cause.effect, cause.thruster) == ("thruster_gain", "sp")
+    gain = cause.parameters["gain"]
+    assert abs(gain.value - 0.7) < 4.0 * gain.standard_error < 0.04
+    for name, one in found.smoothed.items():
+        assert found.noise[name] == one.standard_deviation > 2.0 * one.sample_noise
