@@ -22,6 +22,7 @@ from swamp_rl.experiments.synthetic.cases import (
 from benchmarks.blind.cases import drawn
 from benchmarks.blind.score import is_false_positive, judged
 from swamp_rl.boat import load_boat
+from swamp_rl.criticism.candidates import selectors
 from swamp_rl.criticism.data import read_run_set
 from swamp_rl.effects import LIBRARY
 
@@ -62,7 +63,12 @@ def test_the_seed_alone_decides_a_case(tmp_path: Path) -> None:
 def test_every_effect_that_the_library_can_be_guilty_of_is_hidden() -> None:
     by_chance = {"gusts", "thruster_kick"}  # somebody else's doing, not the boat's
     nuisance = {"hull_coefficients"}
-    assert set(EFFECTS) == set(LIBRARY) - by_chance - nuisance
+    boat = load_boat("swamp")
+    not_of_the_boat = {
+        name for name, effect in LIBRARY.items() if effect.needs and not selectors(effect, boat)
+    }
+    assert not_of_the_boat == {"throttle_reversed"}
+    assert set(EFFECTS) == set(LIBRARY) - by_chance - nuisance - not_of_the_boat
 
 
 @pytest.mark.parametrize("number", range(4))
