@@ -85,7 +85,7 @@ def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
     sigma = 1.0 / np.maximum(soft.max(axis=(0, 1)), 1e-12)
     problem = Shooting(run_set, seen / sigma, seconds)
     states, _, residual = fit_states(problem, hypothesis, first.x, problem.initial_states(), STATE_ROUNDS)
-    sound = np.isfinite(residual).all(axis=1)
+    sound = np.asarray(np.isfinite(residual).all(axis=1), dtype=bool)
     if not sound.any():
         raise UserError(
             f"boat {boat.name} diverges in every window of {seconds:.3g} s; check its masses and damping, "
