@@ -18,8 +18,9 @@ from swamp_rl.experiments.reports.experiment import table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.mapping import boat_mapping
-from swamp_rl.boat_fit.identify import Identification, errors_on, identify_boat
-from swamp_rl.boat_fit.report import TRIVIAL
+from swamp_rl.boat_fit.identify import errors_on, identify_boat
+from swamp_rl.boat_fit.result import Identification
+from swamp_rl.criticism.report.evidence import TRIVIAL
 from swamp_rl.files import write_yaml
 from swamp_rl.runs import append_run, create_dataset
 from swamp_rl.runs.free_running import import_free_running

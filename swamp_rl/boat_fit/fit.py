@@ -13,6 +13,7 @@ from swamp_rl.criticism.multiple_shooting import Shooting
 from swamp_rl.criticism.output_error import Fit, fit, inverse
 from swamp_rl.criticism.scales import state_scale
 from swamp_rl.criticism.state_fit import fit_states
+from swamp_rl.errors import UserError
 from swamp_rl.simulator.reference import reference_of
 
 Array = NDArray[np.float64]
@@ -84,7 +85,12 @@ def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
     sigma = 1.0 / np.maximum(soft.max(axis=(0, 1)), 1e-12)
     problem = Shooting(run_set, seen / sigma, seconds)
     states, _, residual = fit_states(problem, hypothesis, first.x, problem.initial_states(), STATE_ROUNDS)
-    sound = np.isfinite(residual).all(axis=1)
+    sound = np.asarray(np.isfinite(residual).all(axis=1), dtype=bool)
+    if not sound.any():
+        raise UserError(
+            f"boat {boat.name} diverges in every window of {seconds:.3g} s; check its masses and damping, "
+            "or the units of the runs"
+        )
     trust, made = np.ones(int(sound.sum())), replace(first, states=states[sound])
 
     def fitted(sigma: Array, steps: int, fresh: bool = False) -> tuple[Shooting, Fit]:

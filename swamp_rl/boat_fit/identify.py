@@ -4,7 +4,7 @@ import os
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,9 @@ from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.fit import BoatFit, fit_boat
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.numbers import free_numbers
-from swamp_rl.boat_fit.pieces import Split, split
+from swamp_rl.boat_fit.pieces import split
+from swamp_rl.boat_fit.report import page_of
+from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
 from swamp_rl.criticism.consistency import refuse_inconsistent
 from swamp_rl.criticism.data import RunSet, read_run_set
@@ -30,26 +32,6 @@ from swamp_rl.files import write_beside, yaml_text
 Array = NDArray[np.float64]
 
 SUFFIX, REPORT = ".yaml", ".html"
-
-
-@dataclass(frozen=True)
-class Identification:
-    """An identified boat.
-
-    start, boat: before and after; fitted: its numbers; before, after: position errors on the held-out runs of
-    the two files and of the trivial predictors; noise: (6,) of the sensors, NaN where there is none.
-    """
-
-    start: Boat
-    boat: Boat
-    data: Split
-    wiring: Wiring
-    made: BoatFit
-    fitted: tuple[Fitted, ...]
-    before: list[Predictors]
-    after: list[Predictors]
-    noise: Array
-    elapsed: float
 
 
 def identify_boat(
@@ -71,12 +53,11 @@ def identify_boat(
     began = time.perf_counter()
     refuse_to_overwrite(out)
     start = load_boat(boat)
-    LOG.info("reading %s", dataset)
-    run_set = _read(dataset, start, boat, ignore)
-    other = None
     if holdout is not None:
         refuse_other_vehicle(dataset, Path(holdout))
-        other = _read(Path(holdout), start, boat, ignore)
+    LOG.info("reading %s", dataset)
+    run_set = _read(dataset, start, boat, ignore)
+    other = _read(Path(holdout), start, boat, ignore) if holdout is not None else None
     data = split(run_set, other)
     wiring, made = fitted_boat(data.training, positions)
     fitted = numbers_of(made)
@@ -84,7 +65,7 @@ def identify_boat(
     with ExitStack() as files:
         part, page = (files.enter_context(write_beside(path)) for path in (out, out.with_suffix(REPORT)))
         part.write_text(yaml_text(mapping), encoding="utf-8")
-        identified = load_boat(part)
+        identified = _loaded(part, dataset)
         found = Identification(
             start,
             identified,
@@ -97,8 +78,6 @@ def identify_boat(
             noise_levels(run_set),
             time.perf_counter() - began,
         )
-        from swamp_rl.boat_fit.report import page_of
-
         page.write_text(page_of(found), encoding="utf-8")
     return found
 
@@ -116,6 +95,17 @@ def _read(folder: Path, boat: Boat, named: str | Path, ignore: Sequence[str]) ->
     run_set = read_run_set(folder, boat, named, ignore)
     refuse_inconsistent(run_set, str(folder))
     return run_set
+
+
+def _loaded(part: Path, dataset: Path) -> Boat:
+    """The written boat; UserError that names the dataset where its numbers are of no boat."""
+    try:
+        return load_boat(part)
+    except UserError as error:
+        fault = str(error).splitlines()[0].removeprefix(f"{part}: ")
+        raise UserError(
+            f"{dataset}: the fitted numbers are of no boat: {fault}; check the start file"
+        ) from error
 
 
 def _told(dataset: Path) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from swamp_rl.boat_fit.boat_file import Fitted
-from swamp_rl.boat_fit.identify import Identification
+from swamp_rl.boat_fit.result import Identification
 from swamp_rl.criticism.data import CHANNELS, UNITS
 from swamp_rl.criticism.excitation import missing_motion
 from swamp_rl.criticism.report.evidence import TRIVIAL
@@ -83,14 +83,15 @@ def held_out_sentence(found: Identification) -> str:
 
 def error_rows(found: Identification) -> list[tuple[str, ...]]:
     """Errors [m] by horizon: start file, identified file, trivial predictors."""
+    before = {was.horizon_s: f"{was.boat_file:.3g}" for was in found.before}
     return [
         (
-            f"{was.horizon_s:g} s",
-            f"{was.boat_file:.3g}",
+            f"{now.horizon_s:g} s",
+            before.get(now.horizon_s, "diverges"),
             f"{now.boat_file:.3g}",
             *(f"{getattr(now, name):.3g}" for name in TRIVIAL),
         )
-        for was, now in zip(found.before, found.after, strict=True)
+        for now in found.after
     ]
 
 

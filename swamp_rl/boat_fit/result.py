@@ -1,0 +1,35 @@
+"""What an identification found."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.boat_fit.boat_file import Fitted
+from swamp_rl.boat_fit.fit import BoatFit
+from swamp_rl.boat_fit.pieces import Split
+from swamp_rl.boat_fit.wiring import Wiring
+from swamp_rl.criticism.result import Predictors
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Identification:
+    """An identified boat.
+
+    start, boat: before and after; fitted: its numbers; before, after: position errors on the held-out runs of
+    the two files and of the trivial predictors; noise: (6,) of the sensors, NaN where there is none.
+    """
+
+    start: Boat
+    boat: Boat
+    data: Split
+    wiring: Wiring
+    made: BoatFit
+    fitted: tuple[Fitted, ...]
+    before: list[Predictors]
+    after: list[Predictors]
+    noise: Array
+    elapsed: float
