@@ -101,12 +101,12 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
         schema = pq.read_schema(ordinary(path))
         texts = [one.name for one in schema if pa.types.is_string(one.type)]  # not one copy for each row
         read = pq.read_table(path, page_checksum_verification=True, read_dictionary=texts)
+        columns = {name: read[name].to_numpy() for name in read.column_names}
     except (OSError, UnicodeDecodeError, pa.ArrowException) as error:
         raise UserError(f"{path}: is no readable Parquet file; run the experiment again") from error
     missing = [name for name in ("pilot", "level", *COLUMNS) if name not in read.column_names]
     if missing:
         raise UserError(f"{path}: has no column {missing[0]}; it must be the episodes of an experiment")
-    columns = {name: read[name].to_numpy() for name in read.column_names}
     keys = list(zip(columns.pop("pilot").tolist(), columns.pop("level").tolist(), strict=True))
     rows: dict[tuple[str, str], list[int]] = {}
     for row, key in enumerate(keys):

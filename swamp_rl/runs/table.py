@@ -51,7 +51,7 @@ def read_table(path: Path) -> Table:
     try:
         ordinary(path, LARGEST)
         return _read_csv(path) if path.suffix.lower() == ".csv" else _read_parquet(path)
-    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
+    except (pa.ArrowException, OSError, UnicodeDecodeError, IndexError) as error:
         reason = clipped(" ".join(str(getattr(error, "strerror", None) or error).split()), 300)
         return _unreadable(path, f"cannot be read and may be cut short ({reason}); copy it again")
 
