@@ -7,7 +7,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -112,16 +112,54 @@ def test_a_page_that_answers_no_ping_is_closed_and_one_that_does_is_not(
         driving(address) as page,
         socket.create_connection(place(address)) as silent,
     ):
-        host = address.split("/")[2]
-        lines = ["GET /socket HTTP/1.1", f"Host: {host}", f"Origin: http://{host}", "Connection: Upgrade"]
-        lines += ["Upgrade: websocket", "Sec-WebSocket-Version: 13"]
-        lines += ["Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==", "", ""]
-        silent.sendall("\r\n".join(lines).encode())
+        silent.sendall(upgrade(address))
         hear(page, lambda message: message.get("watchers") == 1)
         hear(page, lambda message: message.get("watchers") == 0)
         assert is_closed(silent)
         page.send(json.dumps(COMMAND))
         hear(page, lambda message: message.get("levers") == [0.5, 0.1])
+
+
+FRAMES = {
+    "text that is none": b"\x81\x82\0\0\0\0\xff\xfe",
+    "no mask": b"\x81\x02{}",
+    "a reserved bit": b"\xc1\x82\0\0\0\0{}",
+    "a reserved kind": b"\x85\x81\0\0\0\0x",
+    "a length of 2^62 bytes": b"\x81\xff\x40" + bytes(7) + bytes(4),
+    "a fragment of nothing": b"\x80\x81\0\0\0\0x",
+    "fragments without end": b"\x01\xfe\x03\xe8" + bytes(1004) + (b"\x00\xfe\x03\xe8" + bytes(1004)) * 40,
+    "a long ping": b"\x89\xfe\x00\x7e" + bytes(4 + 126),
+    "a close without its code": b"\x88\x81\0\0\0\0x",
+}
+
+
+@pytest.mark.parametrize("frame", FRAMES)
+def test_a_frame_that_is_none_ends_its_own_connection_in_a_line_and_no_other(
+    tmp_path: Path, frame: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with (
+        serving(tmp_path / "runs") as (address, _),
+        driving(address) as driver,
+        socket.create_connection(place(address)) as bad,
+    ):
+        bad.sendall(upgrade(address))
+        hear(driver, lambda message: message.get("watchers") == 1)
+        with suppress(OSError):  # it may be closed before all is sent
+            bad.sendall(FRAMES[frame])
+        assert is_closed(bad)
+        hear(driver, lambda message: message.get("watchers") == 0)
+        driver.send(json.dumps(COMMAND))
+        hear(driver, lambda message: message.get("levers") == [0.5, 0.1])
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def upgrade(address: str) -> bytes:
+    """What a page asks for its socket."""
+    host = address.split("/")[2]
+    lines = ["GET /socket HTTP/1.1", f"Host: {host}", f"Origin: http://{host}", "Connection: Upgrade"]
+    lines += ["Upgrade: websocket", "Sec-WebSocket-Version: 13"]
+    lines += ["Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==", "", ""]
+    return "\r\n".join(lines).encode()
 
 
 def test_of_too_many_silent_connections_the_oldest_makes_room_for_a_page(
