@@ -26,7 +26,7 @@ FLOORS = (
         "seal",
         "sums",
     },
-    {"files", "arrays_file", "unfinished"},
+    {"files", "arrays_file", "tensors_file", "unfinished"},
     {"physics", "boat", "effects", "course"},
     {"runs", "simulator"},
     {"allocation", "guidance", "navigation", "manoeuvres", "identification", "pilots"},
