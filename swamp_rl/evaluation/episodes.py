@@ -14,7 +14,7 @@ from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_powe
 from swamp_rl.evaluation.rollout import Rollout
 from swamp_rl.evaluation.statistics import Interval, paired_difference, wilson
 from swamp_rl.names import refuse_odd_label
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import contents
 
 Table = dict[str, NDArray[Any]]
 COSTS = ("time", "path_length", "command_change", "energy")
@@ -98,9 +98,11 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
     import pyarrow.parquet as pq
 
     try:
-        schema = pq.read_schema(ordinary(path))
+        held = contents(path)
+        schema = pq.read_schema(pa.BufferReader(held))
         texts = [one.name for one in schema if pa.types.is_string(one.type)]  # not one copy for each row
-        read = pq.read_table(path, page_checksum_verification=True, read_dictionary=texts)
+        source = pa.BufferReader(held)
+        read = pq.read_table(source, page_checksum_verification=True, read_dictionary=texts)
         columns = {name: read[name].to_numpy() for name in read.column_names}
     except (OSError, UnicodeDecodeError, pa.ArrowException) as error:
         raise UserError(f"{path}: is no readable Parquet file; run the experiment again") from error
