@@ -16,6 +16,7 @@ STYLE: Any = {
     "legend.frameon": False,
     "axes.titlesize": 10,
     "figure.dpi": 130,
+    "text.parse_math": False,  # names of runs and pilots are no formulas, and a wrong one cannot be drawn
 }
 
 

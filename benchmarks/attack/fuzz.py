@@ -37,6 +37,7 @@ LOADERS = (
     "swamp_rl.explain",
     "swamp_rl.seal",
     "swamp_rl.arrays_file",
+    "swamp_rl.tensors_file",
     "swamp_rl.runs",
     "swamp_rl.boat.load",
     "swamp_rl.boat.merge",

@@ -87,7 +87,8 @@ def _pictures(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with matplotlib.rc_context({"font.size": 9.0 * min(1.0, size[1] / 600.0)}):
+    style: Any = {"font.size": 9.0 * min(1.0, size[1] / 600.0), "text.parse_math": False}
+    with matplotlib.rc_context(style):
         figure = Figure(figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI, facecolor="#fbfcfd")
         canvas = FigureCanvasAgg(figure)
         groups = [None] if layout == "overlay" else scene.groups

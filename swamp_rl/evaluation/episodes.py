@@ -15,7 +15,7 @@ from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_powe
 from swamp_rl.evaluation.rollout import Rollout
 from swamp_rl.evaluation.statistics import Interval, paired_difference, wilson
 from swamp_rl.names import refuse_odd_label
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import contents
 
 Table = dict[str, NDArray[Any]]
 COSTS = ("time", "path_length", "command_change", "energy")
@@ -123,15 +123,17 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
     import pyarrow.parquet as pq
 
     try:
-        schema = pq.read_schema(ordinary(path))
+        held = contents(path)
+        schema = pq.read_schema(pa.BufferReader(held))
         texts = [one.name for one in schema if pa.types.is_string(one.type)]  # not one copy for each row
-        read = pq.read_table(path, page_checksum_verification=True, read_dictionary=texts)
+        source = pa.BufferReader(held)
+        read = pq.read_table(source, page_checksum_verification=True, read_dictionary=texts)
+        columns = {name: read[name].to_numpy() for name in read.column_names}
     except (OSError, UnicodeDecodeError, pa.ArrowException) as error:
         raise UserError(f"{path}: is no readable Parquet file; run the experiment again") from error
     missing = [name for name in ("pilot", "level", *COLUMNS) if name not in read.column_names]
     if missing:
         raise UserError(f"{path}: has no column {missing[0]}; it must be the episodes of an experiment")
-    columns = {name: read[name].to_numpy() for name in read.column_names}
     keys = list(zip(columns.pop("pilot").tolist(), columns.pop("level").tolist(), strict=True))
     rows: dict[tuple[str, str], list[int]] = {}
     for row, key in enumerate(keys):

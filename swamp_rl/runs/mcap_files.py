@@ -86,8 +86,8 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
 
 
 def _refuse_unpacked(path: Path, stream: Any) -> None:
-    """UserError where the chunks hold more than MOST_BYTES unpacked, ValueError where one has another size
-    than it says: LZ4 unpacks as much as there is."""
+    """UserError where the chunks hold more than MOST_BYTES unpacked, ValueError where one holds more than it
+    says: LZ4 unpacks as much as there is, Zstandard as much as its own header tells."""
     size = 0
     for record in _mcap("mcap.stream_reader").StreamReader(stream, emit_chunks=True).records:
         if type(record).__name__ != "Chunk":
@@ -95,10 +95,17 @@ def _refuse_unpacked(path: Path, stream: Any) -> None:
         size += record.uncompressed_size
         if size > MOST_BYTES:
             raise UserError(f"{path}: holds {size / 2**30:.3g} GiB unpacked; divide it into runs")
-        if record.compression == "lz4":
-            whole = importlib.import_module("lz4.frame").LZ4FrameDecompressor()
-            if len(whole.decompress(record.data, record.uncompressed_size + 1)) > record.uncompressed_size:
-                raise ValueError("a chunk holds more than it says")
+        if _unpacked(record.compression, record.data, record.uncompressed_size) > record.uncompressed_size:
+            raise ValueError("a chunk holds more than it says")
+
+
+def _unpacked(compression: str, data: bytes, told: int) -> int:
+    """How many bytes it will unpack to, at most one more than is told; 0 where mcap itself keeps to that."""
+    if compression == "lz4":
+        return len(importlib.import_module("lz4.frame").LZ4FrameDecompressor().decompress(data, told + 1))
+    if compression == "zstd":
+        return int(importlib.import_module("zstandard").frame_content_size(data))
+    return 0
 
 
 def _reader(stream: Any) -> Any:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
-from swamp_rl.ordinary import ordinary
+from swamp_rl.ordinary import contents
 from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
 
 FORMATS = ("csv", "parquet")
@@ -51,9 +51,10 @@ def read_table(path: Path) -> Table:
     if path.suffix.lower().lstrip(".") not in FORMATS:
         return _unreadable(path, f"is neither .csv nor .parquet; save it as one of {', '.join(FORMATS)}")
     try:
-        ordinary(path, LARGEST)
-        return _read_csv(path) if path.suffix.lower() == ".csv" else _read_parquet(path)
-    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
+        # Arrow, where it opens the file itself, tells the operating system's refusals on lines of its own.
+        held = contents(path, LARGEST)
+        return _read_csv(path, held) if path.suffix.lower() == ".csv" else _read_parquet(path, held)
+    except (pa.ArrowException, OSError, UnicodeDecodeError, IndexError) as error:
         reason = clipped(" ".join(str(getattr(error, "strerror", None) or error).split()), 300)
         return _unreadable(path, f"cannot be read and may be cut short ({reason}); copy it again")
 
@@ -62,8 +63,8 @@ def _unreadable(path: Path, message: str) -> Table:
     return Table(faults=[Fault(path.name, None, None, message)], whole=False)
 
 
-def _read_parquet(path: Path) -> Table:
-    file = pa.parquet.ParquetFile(path, page_checksum_verification=True)
+def _read_parquet(path: Path, held: bytes) -> Table:
+    file = pa.parquet.ParquetFile(pa.BufferReader(held), page_checksum_verification=True)
     if file.metadata.num_columns > MOST_COLUMNS:
         return _unreadable(
             path, f"has {file.metadata.num_columns} columns, at most {MOST_COLUMNS}; leave some out"
@@ -79,12 +80,13 @@ def _read_parquet(path: Path) -> Table:
         return _unreadable(path, f"is larger than {LARGEST / 2**30:g} GiB unpacked; divide it into runs")
     # A text that many rows share would otherwise be there once for each.
     texts = [one.name for one in file.schema_arrow if not _numeric(one.type)]
-    data = pa.parquet.read_table(path, read_dictionary=texts, page_checksum_verification=True)
+    source = pa.BufferReader(held)
+    data = pa.parquet.read_table(source, read_dictionary=texts, page_checksum_verification=True)
     return _numbers(path.name, data, np.arange(1, data.num_rows + 1), [])
 
 
-def _read_csv(path: Path) -> Table:
-    with path.open(encoding="utf-8-sig", newline="") as lines:
+def _read_csv(path: Path, held: bytes) -> Table:
+    with io.TextIOWrapper(io.BytesIO(held), encoding="utf-8-sig", newline="") as lines:
         head = lines.read(LONGEST_HEADER)
     try:
         names = next(csv.reader(io.StringIO(head, newline="")), [])
@@ -105,7 +107,7 @@ def _read_csv(path: Path) -> Table:
         return "skip" if len(odd_rows) < MOST_ODD_ROWS else "error"
 
     data = pa.csv.read_csv(
-        path,
+        pa.BufferReader(held),
         pa.csv.ReadOptions(use_threads=False),
         pa.csv.ParseOptions(ignore_empty_lines=False, invalid_row_handler=keep_note),
         pa.csv.ConvertOptions(column_types=dict.fromkeys(names, pa.string()), strings_can_be_null=False),
@@ -114,7 +116,7 @@ def _read_csv(path: Path) -> Table:
     odd = {row.number - 1: row for row in odd_rows}
     rows = np.array([n for n in range(1, data.num_rows + len(odd) + 1) if n not in odd], np.int64)
     faults = [Fault(path.name, number, None, _odd_row(row)) for number, row in odd.items()]
-    if not _ends_with_a_line_end(path):
+    if not held.endswith((b"\n", b"\r")):
         last = data.num_rows + len(odd)
         message = "the file does not end with a line end, it may be cut short; compare it with its source"
         faults.append(Fault(path.name, last or None, None, message))
@@ -123,12 +125,6 @@ def _read_csv(path: Path) -> Table:
 
 def _odd_row(row: pa.csv.InvalidRow) -> str:
     return f"has {row.actual_columns} values for {row.expected_columns} columns; complete or remove the row"
-
-
-def _ends_with_a_line_end(path: Path) -> bool:
-    with path.open("rb") as file:
-        file.seek(max(path.stat().st_size - 1, 0))
-        return file.read() in (b"\n", b"\r")
 
 
 def _numbers(file: str, data: pa.Table, rows: NDArray[np.int64], faults: list[Fault]) -> Table:

@@ -69,6 +69,8 @@ class Sparing(logging.Filter):
 
     def filter(self, record: logging.LogRecord) -> bool:
         """As `logging` has it."""
+        if record.exc_info and isinstance(record.exc_info[1], UnicodeDecodeError):
+            record.exc_info = None  # a stranger's bytes, by uvicorn's WebSocket: they have no place here
         if not self._allowances[record.levelno >= logging.ERROR].spend(time.monotonic()):
             self._kept_out += 1
             return False

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.pages import ROOT, environment
+from tests.support.patience import PATIENCE
 
 SAYS = {  # what is printed when it worked
     "batch_of_boats": r"million boat-steps per second\nsuccess: \d+ of \d+ episodes",
@@ -42,7 +43,13 @@ def test_an_example_is_short_and_says_what_it_prints(script: Path) -> None:
 def test_an_example_runs(script: Path, tmp_path: Path) -> None:
     command = [sys.executable, script]
     done = subprocess.run(
-        command, cwd=tmp_path, env=environment(), capture_output=True, text=True, timeout=300, check=False
+        command,
+        cwd=tmp_path,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
     assert re.search(SAYS[script.stem], done.stdout), done.stdout

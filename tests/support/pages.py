@@ -29,6 +29,8 @@ import yaml
 from markdown_it import MarkdownIt
 from swamp_rl.experiments.cli.app import app
 
+from tests.support.patience import PATIENCE
+
 ROOT = Path(__file__).resolve().parents[2]
 NOT_RUN = re.compile(r"<!-- not run: (.+) -->")
 FILE = re.compile(r"# ([\w.-]+\.(?:py|yaml|toml))\n")
@@ -110,7 +112,7 @@ def environment() -> dict[str, str]:
 def call(command: str, folder: Path, where: str) -> str:
     """What a command prints in `folder`; AssertionError where it fails."""
     done = subprocess.run(
-        command, shell=True, cwd=folder, env=environment(), capture_output=True, text=True, timeout=300
+        command, shell=True, cwd=folder, env=environment(), capture_output=True, text=True, timeout=PATIENCE
     )
     assert done.returncode == 0, f"{where}: {command}\n{done.stdout}\n{done.stderr}"
     return done.stdout

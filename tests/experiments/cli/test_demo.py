@@ -125,7 +125,7 @@ def test_a_source_that_cannot_be_shown_is_one_line_and_leaves_nothing(
     description.write_text(description.read_text().replace("swamp-light", "swamp-heavy"))
     (tmp_path / "file").write_text("")
     process = started("demo", *sources, *([] if "--html" in sources else ["--html", "a.html"]))
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == 2
     assert part in said and len(said.splitlines()) == 1
     assert {path.name for path in tmp_path.iterdir()} == {"pond", "other", "damaged", "file"}
