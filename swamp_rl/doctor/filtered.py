@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
 
-from swamp_rl.doctor.finding import Finding
+from swamp_rl.doctor.finding import Finding, Level
 from swamp_rl.runs import Run
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ def filter_findings(runs: Sequence[Run], measured: bool) -> list[Finding]:
         if measured
         else "as simulated runs without sensor noise do"
     )
-    level = "fault" if measured else "note"
+    level: Level = "fault" if measured else "note"
     return [Finding(level, "filtered", tuple(drops), told, advice, figures=drops)]
 
 
