@@ -1,6 +1,6 @@
 """Faults seeded in runs of the scripted driver and in runs under wandering commands: found, and false.
 
-python -m benchmarks.doctor                     # the table of docs/import.md, ten minutes
+python -m benchmarks.doctor                     # the table of docs/import.md
 python -m benchmarks.doctor --datasets 2 --screen
 """
 
@@ -37,23 +37,28 @@ def faults(runs: list[Run], boat: Boat) -> list[Finding]:
     return [finding for finding in examine(runs, boat) if finding.level == "fault"]
 
 
-def judged(count: int, folder: Path) -> tuple[dict[str, Counter[str]], Counter[str], list[str]]:
-    """Found and tried by fault and noise; false and tried by noise; the false findings."""
+def judged(count: int, draws: int, folder: Path) -> tuple[dict[str, Counter[str]], Counter[str], list[str]]:
+    """Found and tried by fault and noise; false and tried by noise; the false findings.
+
+    draws: of the noise of each sound dataset; faults are seeded in the first.
+    """
     found: dict[str, Counter[str]] = defaultdict(Counter)
     false: Counter[str] = Counter()
     told = []
     for source, (boat, parts) in datasets(count, folder).items():
         for noise in NOISES:
             rng = np.random.default_rng(1)
-            for clean in ([measured(run, noise, rng) for run in part] for part in parts):
-                wrong = faults(clean, boat)
-                false[f"{noise} tried"] += 1
-                false[noise] += bool(wrong)
-                told += [f"{source}, {noise}: {finding}" for finding in wrong]
+            for part in parts:
+                clean = [[measured(run, noise, rng) for run in part] for _ in range(draws)]
+                for runs in clean:
+                    wrong = faults(runs, boat)
+                    false[f"{noise} tried"] += 1
+                    false[noise] += bool(wrong)
+                    told += [f"{source}, {noise}: {finding}" for finding in wrong]
                 for seed in SEEDS:
-                    if seed.differs(clean):
+                    if seed.differs(clean[0]):
                         found[seed.name][f"{noise} tried"] += 1
-                        found[seed.name][noise] += _is_found(seed, clean, boat, rng)
+                        found[seed.name][noise] += _is_found(seed, clean[0], boat, rng)
     return found, false, told
 
 
@@ -79,11 +84,12 @@ def table(found: dict[str, Counter[str]], false: Counter[str]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--datasets", type=int, default=12, help="of each source")
+    parser.add_argument("--datasets", type=int, default=3, help="of each source")
+    parser.add_argument("--draws", type=int, default=8, help="of the noise of each sound dataset")
     parser.add_argument("--screen", action="store_true", help="print, and write no document")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        found, false, told = judged(asked.datasets, Path(folder))
+        found, false, told = judged(asked.datasets, asked.draws, Path(folder))
     print("\n".join([table(found, false), *told]))
     if not asked.screen:
         write_parts(DOCS / "import.md", {"doctor": f"\n{table(found, false)}\n"})

@@ -24,6 +24,8 @@ BOATS = {"swamp": (1.0, 8, "standard"), "swamp-light": (1.0, 8, "standard"), "es
 """Scale of the course, runs of one dataset (some 200 s for SWAMP, 400 s for the ship), disturbances."""
 CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
 NOISES = {"RTK": RTK, "plain GPS": PLAIN}
+SHIP = math.sqrt(3.0 / 1.24)
+"""Time of the ship model relative to SWAMP's by Froude's law, from their lengths [m]."""
 WANDER, MEMORY = 1.0, 60.0
 """m and s of the Gauss-Markov error of a plain receiver's position, beside its white noise."""
 
@@ -160,10 +162,11 @@ def is_command(name: str) -> bool:
 
 
 def shifted(seconds: float) -> Callable[[Columns, Rng], Columns]:
-    """Commands logged so much before (positive) or after the motion that they cause."""
+    """Commands logged so much before (negative) or after the motion that they cause; longer for the ship."""
 
     def change(columns: Columns, rng: Rng) -> Columns:
-        rows = round(abs(seconds) / float(np.median(np.diff(columns["time"]))))
+        longer = SHIP if "rudder_main" in columns else 1.0
+        rows = round(longer * abs(seconds) / float(np.median(np.diff(columns["time"]))))
         early, late = slice(None, -rows), slice(rows, None)
         mine, theirs = (late, early) if seconds > 0.0 else (early, late)
         found = {n: v[mine] if is_command(n) else v[theirs] for n, v in columns.items()}

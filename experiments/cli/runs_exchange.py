@@ -1,7 +1,7 @@
 """`swamp-rl runs import` and `runs export`: datasets from and for the programmes of others."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, cast
 
 import typer
 from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
@@ -91,7 +91,7 @@ def import_(
     """Make a dataset of the logs of a boat: tables, messages, telemetry, free-running tests."""
     from swamp_rl.logs.import_logs import BINARY, Reading, import_logs
     from swamp_rl.logs.mapping import mapping_of
-    from swamp_rl.runs.import_dataset import About, import_runs
+    from swamp_rl.runs.import_dataset import About, Kind, import_runs
     from swamp_rl.runs.import_foreign import Wishes
 
     wishes = Wishes(
@@ -111,14 +111,12 @@ def import_(
     if out is None:
         raise UserError("--out: the new dataset has no name; give one, or --list")
     if from_ in BINARY or map_ or frame or clock or join:
-        if from_ in ("mcap", "telemetry", "free-running"):
-            raise UserError(f"--map: is not for --from {from_}; leave it out, or give --column")
         if wishes.renamed or wishes.dropped or wishes.rate:
             raise UserError("--column, --drop, --rate: a mapping says it all; give --map OUR=THEIRS")
         reading = Reading(mapping_of(map_ or [], frame, clock or []), join)
         made = import_logs(sources, from_, out, about, wishes, reading)
     else:
-        made = import_runs(sources, from_, out, about, wishes)
+        made = import_runs(sources, cast(Kind, from_), out, about, wishes)
     for run in made.runs:
         _tell(run)
     rows = sum(run.rows or 0 for run in made.runs)

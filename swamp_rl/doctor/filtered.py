@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
 
-from swamp_rl.doctor.finding import Finding
+from swamp_rl.doctor.finding import Finding, Level
 from swamp_rl.runs import Run
 
 Array = NDArray[np.float64]
@@ -38,11 +38,11 @@ def filter_findings(runs: Sequence[Run], measured: bool) -> list[Finding]:
     )
     told += f" from {LOW[0]:g}-{LOW[1]:g} to {HIGH[0]:g}-{HIGH[1]:g} of the Nyquist frequency"
     advice = (
-        "a filter smoothed and delayed them: log the raw sensor; intervals from white noise do not hold"
+        "a filter or resampling smoothed them: log the raw sensor; intervals from white noise do not hold"
         if measured
         else "as simulated runs without sensor noise do"
     )
-    level = "fault" if measured else "note"
+    level: Level = "fault" if measured else "note"
     return [Finding(level, "filtered", tuple(drops), told, advice, figures=drops)]
 
 

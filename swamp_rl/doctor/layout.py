@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,10 @@ class Place:
     lag: float = 0.0
     level_lag: float = 0.0
     rudder: bool = False
+
+    def without_lags(self) -> "Place":
+        """The same, whose actuators follow at once."""
+        return replace(self, rate=np.inf, lag=0.0, level_lag=0.0)
 
 
 def places_of(boat: Boat | None, columns: Mapping[str, Array]) -> list[Place]:

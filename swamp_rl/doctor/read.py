@@ -81,10 +81,17 @@ def _dataset(folder: Path, boat: str | None) -> Records:
     return Records(runs, "dataset", vessel, faults, measured)
 
 
+def _own(path: Path) -> Path:
+    """The path, unless it leads elsewhere."""
+    if path.is_symlink():
+        raise UserError(f"{path}: is a link; put a copy of the file in its place")
+    return path
+
+
 def _tables(folder: Path) -> Records:
     """A plain folder without a boat."""
     paths = sorted(path for path in folder.iterdir() if is_table(path))[:MOST_FILES]
-    tables = {path: read_table(path) for path in paths}
+    tables = {path: read_table(_own(path)) for path in paths}
     faults = [str(fault) for table in tables.values() for fault in table.faults]
     runs = [Run(path.stem, table.columns) for path, table in tables.items() if table.columns]
     return Records(runs, "folder of tables", None, faults)
@@ -126,7 +133,7 @@ def _times(columns: dict[str, Array], rate: Any) -> Array:
 def _frames(path: Path, features: dict[str, Any]) -> dict[str, Array]:
     """Numeric columns, and each part of a vector as a column of its own, under its name where it has one."""
     try:
-        file = pq.ParquetFile(ordinary(path))
+        file = pq.ParquetFile(ordinary(_own(path)))
         if file.metadata.num_rows * file.metadata.num_columns > MOST_CELLS:
             raise UserError(f"{path}: says that it has {file.metadata.num_rows} rows; divide it")
         data = file.read()
@@ -169,7 +176,7 @@ def _minari(folder: Path, paths: list[Path], boat: str | None) -> Records:
     runs: list[Run] = []
     vessel, measured = None, True
     for path in paths:
-        ordinary(path, 2**33)
+        ordinary(_own(path), 2**33)
         episodes, told = _minari_episodes(path)
         runs += [Run(name, columns) for name, columns in episodes]
         measured = measured and _measured(told)
@@ -245,7 +252,7 @@ def _episode(group: Any) -> dict[str, Array]:
 
 def _json(path: Path) -> dict[str, Any]:
     try:
-        found = parsed_json(ordinary(path, 2**26).read_bytes())
+        found = parsed_json(ordinary(_own(path), 2**26).read_bytes())
     except OSError as error:
         raise os_error(error, path) from error
     except (ValueError, json.JSONDecodeError) as error:

@@ -30,6 +30,8 @@ EXPLAINED = 0.1
 """Share of the acceleration's variance that the likeliest commands must explain, else nothing is said."""
 LONGEST_SHIFT = 4.0
 """s, to either side."""
+COARSE = 0.4
+"""s: of the first search, less than a window on either side."""
 SHORTEST_LATENCY = 0.5
 """s: below it, latency cannot be told from lags of pumps, propeller races and waves of the hull."""
 
@@ -72,16 +74,19 @@ def response_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Find
         return []
     own = Hypothesis("", "", (), lambda columns: columns)
     tried = [own, *_hypotheses(places, answers[0].motion.run.columns)]
-    demands = [_demands(answers, places, hypothesis) for hypothesis in tried]
-    shifted = [_latest(answers, demand) for demand in demands]
-    best = max(range(len(tried)), key=lambda i: (shifted[i][1], -i))
-    gain, explained = shifted[best][1] - shifted[0][1], shifted[best][2]
+    # Logged commands may be what was asked of the actuators, or how these followed.
+    direct = [place.without_lags() for place in places]
+    demands = [
+        (_demands(answers, places, hypothesis), _demands(answers, direct, hypothesis)) for hypothesis in tried
+    ]
+    shifted = [tuple(_latest(answers, demand) for demand in pair) for pair in demands]
+    scores = [max(latest[1] for latest in pair) for pair in shifted]
+    best = max(range(len(tried)), key=lambda i: (scores[i], -i))
+    gain, explained = scores[best] - scores[0], max(latest[2] for latest in shifted[best])
     found = []
     if gain > LIKELIER and explained > EXPLAINED:
         rivals = [
-            tried[i].told
-            for i in range(1, len(tried))
-            if i != best and shifted[best][1] - shifted[i][1] < LIKELIER
+            tried[i].told for i in range(1, len(tried)) if i != best and scores[best] - scores[i] < LIKELIER
         ]
         told = " or ".join([tried[best].told, *rivals])
         told += f": the boat answers as if so (log likelihood {gain:+.0f})"
@@ -91,7 +96,13 @@ def response_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Find
         found.append(Finding("fault", code, columns, told, advice, figures=figures))
     else:
         best = 0
-    return found + _latency(answers, demands[best], shifted[best], places, boat is not None)
+    late = _latency(answers, demands[best][0], shifted[best][0], places, boat is not None)
+    early = _latency(answers, demands[best][1], shifted[best][1], places, boat is not None)
+    return (
+        found
+        + [finding for finding in late if finding.figures["latency_s"] > 0.0]
+        + [finding for finding in early if finding.figures["latency_s"] < 0.0]
+    )
 
 
 def _answers(motion: Motion) -> Answers:
@@ -221,7 +232,14 @@ def _explained(table: Array) -> float:
 def _latest(answers: Sequence[Answers], demands: Sequence[Pair]) -> tuple[float, float, float]:
     """The shift [s] of the commands with the greatest likelihood, its logarithm, and the share explained."""
     grid = max(answers[0].motion.step, 0.1)
-    shifts = np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 0.5 * grid, grid)
+    coarse = np.arange(-LONGEST_SHIFT, LONGEST_SHIFT + 0.5 * COARSE, max(COARSE, grid))
+    first = _likeliest(answers, demands, coarse)
+    return _likeliest(answers, demands, np.arange(first[0] - COARSE, first[0] + COARSE + 0.5 * grid, grid))
+
+
+def _likeliest(
+    answers: Sequence[Answers], demands: Sequence[Pair], shifts: Array
+) -> tuple[float, float, float]:
     scores = [_score(answers, demands, float(shift)) for shift in shifts]
     best = max(range(len(scores)), key=lambda i: scores[i][0])
     return float(shifts[best]), *scores[best]

@@ -9,6 +9,8 @@ from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
 
+Record = tuple[Array, Array]
+"""Times [s] and values."""
 LONGEST_OFFSET = 10.0
 """s, to either side."""
 LOWEST_CORRELATION = 0.5
@@ -25,13 +27,14 @@ class Offset:
     correlation: float
 
 
-def clock_offset(time_a: Array, a: Array, time_b: Array, b: Array, where: str) -> Offset:
-    """The shift of record b (T_b,) that gives it the greatest correlation with record a (T_a,).
+def clock_offset(one: Record, other: Record, where: str) -> Offset:
+    """The shift of the other record (T_b,) that gives it the greatest correlation with the one (T_a,).
 
     Both are interpolated to the finer of their steps; between shifts the correlation is taken as a parabola.
     UserError where they overlap too little, do not vary, or where the correlation stays below
     LOWEST_CORRELATION.
     """
+    (time_a, a), (time_b, b) = one, other
     step = min(float(np.median(np.diff(time))) for time in (time_a, time_b))
     low, high = max(time_a[0], time_b[0]), min(time_a[-1], time_b[-1])
     count = int((high - low) / step) if step > 0.0 else 0

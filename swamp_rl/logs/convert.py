@@ -96,8 +96,9 @@ def _single(
         for fault in table.faults
         if fault.column is None or fault.column in read
     ]
-    missing = np.any([table.unread[name] for name in read if name in table.unread] or [False], axis=0)
-    missing = np.broadcast_to(missing, table.rows.shape)
+    missing = np.zeros(table.rows.shape, bool)
+    for name in read:
+        missing = missing | table.unread.get(name, np.zeros(table.rows.shape, bool))
     columns = {"time": stamps.time} | in_our_frame(columns, mapping.frame)
     unread = {name: missing & ~np.isfinite(values) for name, values in columns.items()}
     if unread["time"].any() or not np.isfinite(stamps.time).all():
@@ -236,16 +237,19 @@ def _clocks(log: Log, mapping: Mapping, stamps: Mapped[str, Stamps]) -> dict[str
         if first.table == second.table:
             raise UserError(f"{where}: both are of table {first.table}, which has one clock")
         begin = min(stamps[first.table].start, stamps[second.table].start)
-        records = []
-        for column in (first, second):
-            time = stamps[column.table].time + stamps[column.table].start - begin
-            values = _values(log, Mapping(), "clock", column, stamps[column.table])
-            known = np.isfinite(time) & np.isfinite(values)
-            records += [time[known], values[known]]
-        offset = clock_offset(*records, where=f"{log.file}: {where}")
+        records = [_record(log, column, stamps[column.table], begin) for column in (first, second)]
+        offset = clock_offset(records[0], records[1], f"{log.file}: {where}")
         told = f"{second.table} shifted by {offset.seconds:+.3f} s (correlation {offset.correlation:.2f})"
         found[second.table] = (offset.seconds, told)
     return found
+
+
+def _record(log: Log, column: Column, stamps: Stamps, begin: float) -> tuple[Array, Array]:
+    """Times [s] from `begin` and values of a column, where both are finite."""
+    time = stamps.time + stamps.start - begin
+    values = _values(log, Mapping(), "clock", column, stamps)
+    known = np.isfinite(time) & np.isfinite(values)
+    return time[known], values[known]
 
 
 def _left_out(log: Log, mapping: Mapping, found: Mapped[str, Column], used: list[str]) -> dict[str, str]:

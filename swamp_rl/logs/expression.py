@@ -55,6 +55,10 @@ def _heading_of(w: Array, x: Array, y: Array, z: Array) -> Array:
     return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
+def _where(condition: Array, one: Array, other: Array) -> Array:
+    return np.asarray(np.where(condition != 0.0, one, other), float)
+
+
 FUNCTIONS: dict[str, tuple[int, Callable[..., Array]]] = {
     "sin": (1, np.sin),
     "cos": (1, np.cos),
@@ -68,7 +72,7 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., Array]]] = {
     "min": (2, np.minimum),
     "max": (2, np.maximum),
     "clip": (3, lambda value, low, high: np.minimum(np.maximum(value, low), high)),
-    "where": (3, lambda condition, one, other: np.where(condition != 0.0, one, other)),
+    "where": (3, _where),
     "yaw": (4, _heading_of),
 }
 """Number of arguments and the function; two more need the times: `rate(x)` and `turn_rate(angle)`."""

@@ -3,7 +3,6 @@
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
 
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
@@ -19,7 +18,7 @@ from swamp_rl.runs.import_dataset import About, files_of_kind, import_tables
 from swamp_rl.runs.import_foreign import Foreign, Wishes
 from swamp_rl.runs.schema import DatasetMeta
 
-LogKind = Literal["csv", "parquet", "dataflash", "ulog", "rosbag"]
+TABLES = ("csv", "parquet")
 BINARY = ("dataflash", "ulog", "rosbag")
 
 
@@ -32,12 +31,14 @@ class Reading:
 
 
 def import_logs(
-    sources: Sequence[Path], kind: LogKind, out: Path | str, about: About, wishes: Wishes, reading: Reading
+    sources: Sequence[Path], kind: str, out: Path | str, about: About, wishes: Wishes, reading: Reading
 ) -> DatasetMeta:
     """Write the runs that a mapping makes of logs into the new dataset `out`; what it then says.
 
     UserError lists the faults with file, row and column, and then there is no `out`.
     """
+    if kind not in (*TABLES, *BINARY):
+        raise UserError(f"--map: is not for --from {kind}; leave it out, or give --column")
     mapping = replace(reading.mapping, units={**reading.mapping.units, **wishes.units})
     boat = load_boat(about.boat or "swamp")
     logs, mappings = [], []

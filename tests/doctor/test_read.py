@@ -63,6 +63,16 @@ def test_a_damaged_lerobot_folder_is_one_line(tmp_path: Path, text: str) -> None
     assert "\n" not in str(told.value)
 
 
+@pytest.mark.parametrize("name", ["one.csv", "meta/info.json", "data/main_data.hdf5"])
+def test_a_link_in_a_folder_is_refused(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "runs" / name
+    path.parent.mkdir(parents=True)
+    (tmp_path / "elsewhere").write_text("time,north\n")
+    path.symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(UserError, match="is a link"):
+        read_records(tmp_path / "runs")
+
+
 @pytest.mark.parametrize("held", [b"", b"\x89HDF\r\n\x1a\n" + b"\0" * 200])
 def test_a_damaged_minari_file_is_one_line(tmp_path: Path, held: bytes) -> None:
     pytest.importorskip("h5py", reason="h5py is not installed; Minari's folders are not tested")

@@ -1,5 +1,7 @@
 """Tables of others by a mapping: expressions, times, frames, several tables, bad rows."""
 
+import os
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -155,8 +157,6 @@ def test_a_pause_of_a_table_is_a_bad_stretch_and_can_be_filled(tmp_path: Path, b
         imported(paths, boat, JOINED, join="trip")
     runs = imported(paths, boat, JOINED, Wishes(bad_rows="split"), join="trip")
     assert [run.name for run in runs] == ["trip-1", "trip-2"]
-    import shutil
-
     shutil.rmtree(tmp_path / "out")
     (run,) = imported(paths, boat, JOINED, Wishes(fill=5.0), join="trip")
     assert run.duration == pytest.approx(30.0)
@@ -188,8 +188,6 @@ def test_cut_keeps_the_longest_stretch_and_split_all_of_them(tmp_path: Path, boa
     told = (runs[0].meta.model_extra or {})["rows_left_out"]
     assert told[0].startswith("5 of 300 rows left out; kept are rows 1 to 50, 54 to 120, 122 to 200,")
     assert any("row 251" in line and "0.2 s after the row before" in line for line in told)
-    import shutil
-
     shutil.rmtree(tmp_path / "out")
     (longest,) = imported(path, boat, MAP, Wishes(bad_rows="cut"))
     assert longest.name == "log" and longest.duration == pytest.approx(7.8)
@@ -274,3 +272,17 @@ def test_options_hold_over_a_file(tmp_path: Path, boat: str) -> None:
     for wrong in (["north"], ["a=1", "a=2"], ["a=(1"]):
         with pytest.raises(UserError, match="--map"):
             mapping_of(wrong)
+
+
+@pytest.mark.parametrize("name", ["\x1b[2J.csv", "a\nb.csv", "x" * 230 + ".csv"])
+def test_a_log_whose_name_is_no_plain_one_is_not_imported(tmp_path: Path, boat: str, name: str) -> None:
+    path = csv_of(tmp_path / name, stranger_columns(weaving()))
+    with pytest.raises(UserError) as told:
+        imported(path, boat, MAP)
+    assert str(told.value).isprintable() and not (tmp_path / "out").exists()
+
+
+def test_a_pipe_is_no_log(tmp_path: Path, boat: str) -> None:
+    os.mkfifo(tmp_path / "log.csv")
+    with pytest.raises(UserError, match="no such file or folder"):
+        imported(tmp_path / "log.csv", boat, MAP)

@@ -58,6 +58,14 @@ def test_a_log_becomes_a_dataset_and_goes_out_again(call: Callable[..., Called],
     assert sorted(path.name for path in Path("bags").iterdir()) == ["SHA256SUMS", "log.mcap"]
 
 
+def test_all_that_is_missing_is_listed_a_line_each(call: Callable[..., Called], log: Path) -> None:
+    code, _, said = call("import", log, "--from", "csv", "--out", "day", *RENAMED[:2])
+    assert code == cli.BAD_INPUT
+    lines = said.splitlines()
+    assert [line.count("is missing") for line in lines] == [1, 1, 1]
+    assert all(line.startswith("swamp-rl: ") for line in lines) and "nothing was imported" in lines[-1]
+
+
 @pytest.mark.parametrize(
     ("words", "part"),
     [
@@ -70,7 +78,7 @@ def test_a_log_becomes_a_dataset_and_goes_out_again(call: Callable[..., Called],
         (["--resample", "-1"], "--resample"),
         (["--boat", "titanic"], "titanic"),
         ([*RENAMED, "--degrees", "sway"], "has no column sway to be given in deg"),
-        (RENAMED[:2], "column north: is missing"),
+        (RENAMED[:6], "column heading: is missing"),
     ],
 )
 def test_what_is_asked_wrongly_is_one_line_and_imports_nothing(
