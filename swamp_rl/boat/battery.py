@@ -44,6 +44,8 @@ class Battery(Part):
     "Drawn from each pack by all but its thrusters."
     packs: Annotated[int, Field(ge=1, le=2), Unit("1")]
     "1, or 2 where each hull has its own."
+    thrust_exponent: Annotated[float, Field(ge=0.0, le=4.0), Unit("1")] = 0.0
+    "e of T ∝ (V/V_f)^e in a mission: 0 of drives that regulate their speed, 2 of motors at V itself."
 
     @model_validator(mode="after")
     def _limits_are_in_order(self) -> Self:

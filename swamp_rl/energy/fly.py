@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat.battery import Battery
-from swamp_rl.energy.charge import Discharge, discharge, stored_energy
+from swamp_rl.energy.charge import Discharge, charge_at, discharge, stored_energy
 from swamp_rl.energy.mission import Mission
 from swamp_rl.energy.pilot import MissionPilot
-from swamp_rl.energy.power import pack_power, refuse_without_battery
+from swamp_rl.energy.power import pack_power, refuse_without_battery, thrust_left
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.loop import closed_loop, truth
 from swamp_rl.simulator import initial_state, parameters
@@ -85,8 +85,7 @@ def fly(boat: Boat, mission: Mission, where: object, even_if_empty: bool = False
         )
     refuse_speeds(boat, mission, where)
     least = 0.0 if even_if_empty else reserve
-    states, leg, short = _flown(boat, mission, boat.battery, least, where)
-    power = pack_power(boat, states[1:, ACTUATORS + len(boat.thrusters) :])
+    states, leg, power, short = _flown(boat, mission, boat.battery, least, where)
     packs = discharge(boat.battery, power, STEP, mission.charge)
     flight = Flight(boat, mission, states, leg, packs, len(leg) * STEP if short else None)
     if short and not even_if_empty:
@@ -116,23 +115,48 @@ def too_much(flight: Flight, reserve: float) -> str:
     )
 
 
+class Load:
+    """The packs under way: the power of each step so far, and what the voltage leaves of the thrust.
+
+    The voltage is that of the last look, `CHECKED` steps ago at most.
+    """
+
+    def __init__(self, boat: Boat, battery: Battery, charge: float, least: float) -> None:
+        self.boat, self.battery = boat, battery
+        self.first = float(stored_energy(battery, np.array(charge)))
+        self.usable = self.first - float(stored_energy(battery, np.array(least)))
+        self.power: list[Array] = []
+        self.drawn = np.zeros(battery.packs)
+        self.left = thrust_left(boat, np.full(battery.packs, charge))
+
+    def take(self, states: list[Array]) -> bool:
+        """Account for the steps to these states (1, S) each; whether a pack has given all that it may."""
+        throttle = np.concatenate(states)[:, ACTUATORS + len(self.boat.thrusters) :]
+        self.power.append(pack_power(self.boat, throttle, self.left))
+        self.drawn = self.drawn + self.power[-1].sum(axis=0) * STEP
+        self.left = thrust_left(self.boat, charge_at(self.battery, self.first - self.drawn))
+        return bool(self.drawn.max() >= self.usable)
+
+
 def _flown(
     boat: Boat, mission: Mission, battery: Battery, least: float, where: object
-) -> tuple[Array, NDArray[np.int64], bool]:
-    """States, leg of each step, and whether a pack came to the state of charge `least` before the end."""
-    pilot = MissionPilot(boat, mission)
-    usable = float(stored_energy(battery, np.array(mission.charge)) - stored_energy(battery, np.array(least)))
-    drawn, legs, short = np.zeros(1), [], [False]
+) -> tuple[Array, NDArray[np.int64], Array, bool]:
+    """States, leg and power of each step, and whether a pack came to the charge `least` before the end."""
+    pilot, load = MissionPilot(boat, mission), Load(boat, battery, mission.charge, least)
+    params = parameters(boat)
+    gain, legs, short = params["thruster_gain"].copy(), [], [False]
+    params["thruster_gain"] = gain * load.left
 
     def decide(states: list[Array]) -> tuple[Array, bool]:
-        nonlocal drawn
         if len(states) > 1 and (len(states) - 1) % CHECKED == 0:
-            throttle = np.concatenate(states[-CHECKED:])[:, ACTUATORS + len(boat.thrusters) :]
-            drawn = drawn + pack_power(boat, throttle).sum(axis=0) * STEP
-            short[0] = bool(drawn.max() >= usable)
+            short[0] = load.take(states[-CHECKED:])
+            params["thruster_gain"] = gain * load.left
         seen = truth(states[-1][0])
         commands = pilot.act(seen, STEP)[None]
         if pilot.leg is None or short[0]:
+            rest = (len(states) - 1) % CHECKED
+            if rest:
+                load.take(states[-rest:])
             return commands, True
         legs.append(pilot.leg)
         spent = seen.time - pilot.begun
@@ -144,10 +168,9 @@ def _flown(
         return commands, False
 
     pose = np.array([[mission.start.north, mission.start.east, mission.course]])
-    params = parameters(boat)
     seeds = np.array([mission.seed], np.uint64)
     states, _ = closed_loop(boat, params, initial_state(params, pose), decide, seeds, STEP)
-    return states[0], np.array(legs, dtype=np.int64), short[0]
+    return states[0], np.array(legs, dtype=np.int64), np.concatenate(load.power), short[0]
 
 
 def refuse_slow_legs(flight: Flight, where: object) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, Thruster
-from swamp_rl.energy.charge import stored_energy
+from swamp_rl.energy.charge import stored_energy, voltage_at
 from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
@@ -25,10 +25,11 @@ def refuse_without_battery(boat: Boat) -> None:
         raise UserError(f"boat {boat.name}: {key}: is missing; energy needs it, add it to the boat file")
 
 
-def thruster_power(boat: Boat, throttle: Array) -> Array:
+def thruster_power(boat: Boat, throttle: Array, left: Array | float = 1.0) -> Array:
     """Electric power [W] (..., K) of thrusters at throttles [1] (..., K): P = P_0 + k |T|^1.5.
 
-    T [N] is the thrust at rest at that throttle, (a + b p) p ahead and (a' − b' p) p astern. The power is a
+    T [N] is the thrust at rest at that throttle, (a + b p) p ahead and (a' − b' p) p astern, times what the
+    voltage leaves of it (..., K), 1 at the voltage of a full pack. The power is a
     function of the throttle alone: the sources measure it on the bollard (thesis 5.5.2, figures 5.32, 5.33),
     and none of them under way. UserError where the boat file lacks a key.
     """
@@ -43,7 +44,18 @@ def thruster_power(boat: Boat, throttle: Array) -> Array:
     thrust = (linear + quadratic * ahead) * ahead + (linear_astern + quadratic_astern * astern) * astern
     curves = [jet.power for jet in jets if jet.power is not None]
     idle, coefficient = np.array([(curve.idle, curve.coefficient) for curve in curves]).T
-    return np.asarray(idle + coefficient * thrust**1.5)
+    return np.asarray(idle + coefficient * (left * thrust) ** 1.5)
+
+
+def thrust_left(boat: Boat, charge: Array) -> Array:
+    """Share [1] (..., K) that the packs' voltages leave of each thruster's thrust, (V(s) / V_f)^e.
+
+    charge: state of charge s of each pack (..., packs). A thruster on the centre line has the mean of both.
+    """
+    refuse_without_battery(boat)
+    assert boat.battery is not None
+    ratio = voltage_at(boat.battery, charge) / boat.battery.voltage_full
+    return np.asarray(ratio**boat.battery.thrust_exponent @ shares(boat).T)
 
 
 def pack_names(boat: Boat) -> tuple[str, ...]:
@@ -60,12 +72,12 @@ def shares(boat: Boat) -> Array:
     return np.stack([starboard, 1.0 - starboard], axis=1)
 
 
-def pack_power(boat: Boat, throttle: Array) -> Array:
+def pack_power(boat: Boat, throttle: Array, left: Array | float = 1.0) -> Array:
     """Power [W] (..., packs) drawn from each pack at throttles [1] (..., K), its hotel load included.
 
-    UserError where the boat file lacks a key.
+    left: as in `thruster_power`. UserError where the boat file lacks a key.
     """
-    of_thrusters = thruster_power(boat, throttle) @ shares(boat)
+    of_thrusters = thruster_power(boat, throttle, left) @ shares(boat)
     return np.asarray(of_thrusters + (boat.battery.hotel_power if boat.battery else 0.0))
 
 

@@ -89,6 +89,28 @@ def test_holding_the_commands_changes_neither_way_nor_energy(
     assert held.way[-1] == pytest.approx(always.way[-1], rel=1e-3)
 
 
+SAGGING = "extends: swamp\nbattery: {thrust_exponent: 2.0}\n"
+
+
+def test_thrust_that_follows_the_voltage_falls_with_the_charge_and_draws_less(tmp_path: Path) -> None:
+    (tmp_path / "b.yaml").write_text(SAGGING)
+    boat = load_boat(tmp_path / "b.yaml")
+    legs = [{"speed": 1.38, "duration_s": 100.0}]  # full throttle once the voltage is lower
+    full, lower = (fly(boat, mission(charge=charge, legs=legs), "m.yaml") for charge in (1.0, 0.9))
+    top = [float(flight.speed[-20:].mean()) for flight in (full, lower)]
+    assert top[1] < top[0] - 0.005
+    ratio = (32.0 + 8.0 * lower.packs.charge[100, 0]) / 40.0  # full throttle
+    thrust = 12.2 * lower.states[101, ACTUATORS + 4] ** 2 * ratio**2
+    assert lower.packs.power[100, 0] == pytest.approx(88.0 + 2 * (9.404 + 2.0237 * thrust**1.5), rel=1e-4)
+
+
+def test_a_boat_whose_drives_regulate_their_speed_flies_alike_at_any_charge(swamp: Boat) -> None:
+    full, low = (fly(swamp, mission(charge=charge), "m.yaml") for charge in (1.0, 0.3))
+    np.testing.assert_array_equal(full.states, low.states)
+    np.testing.assert_array_equal(full.packs.power, low.packs.power)
+    assert np.all(low.packs.current > full.packs.current)
+
+
 def test_more_than_the_battery_is_refused_with_the_place_where_it_ends(swamp: Boat) -> None:
     asked = mission(
         charge=0.11, legs=[{"speed": 1.2, "duration_s": 60.0}, {"speed": 1.2, "duration_s": 600.0}]
