@@ -79,8 +79,8 @@ def boat_file(
 ) -> dict[str, Any]:
     """The content of a boat file, each number `assumed`, with its source and the width `sd` of its prior.
 
-    kind: one of KINDS; length, breadth, draught [m], mass [kg]; thrust [N]: of all thrusters together, full ahead at rest;
-    top_speed [m/s] that it gives. UserError for a number that is not above 0.
+    kind: one of KINDS; length, breadth, draught [m], mass [kg]; thrust [N]: of all thrusters together, full
+    ahead at rest; top_speed [m/s]: what it gives. UserError for a number that is not above 0.
     """
     asked: dict[str, float | None] = {"length": length, "breadth": breadth, "mass": mass}
     asked |= {"thrust": thrust} | {"top-speed": top_speed, "draught": draught}
