@@ -39,6 +39,7 @@ def boats(
 ) -> None:
     """List the boats; of one, every number with its unit, provenance and source."""
     from swamp_rl.boat import load_boat
+    from swamp_rl.boat.quantity import value_at
     from swamp_rl.files import config_names
 
     if name is None:
@@ -51,7 +52,7 @@ def boats(
         return
     boat = load_boat(name)
     for key, origin in boat.provenance.items():
-        value = _number(_at(boat, key.split(".")))
+        value = _number(value_at(boat, key.split(".")))
         typer.echo(f"{key} = {value} [{origin.unit}], {origin.provenance}: {origin.source}")
     for entry in boat.effects:
         on = f" {entry.thruster}" if entry.thruster else ""
@@ -163,17 +164,6 @@ def _option_lines(settings: "type[BaseModel]") -> list[str]:
         told = f": {' '.join(field.description.split())}" if field.description else ""
         lines.append(f"{key} ({default}{'; ' + bounds if bounds else ''}){told}")
     return lines
-
-
-def _at(part: Any, path: list[str]) -> Any:
-    """What a boat holds at a key path; items of a list go by their name, else by their number."""
-    for key in path:
-        if isinstance(part, tuple):
-            names = [str(getattr(item, "name", number)) for number, item in enumerate(part)]
-            part = part[names.index(key)]
-        else:
-            part = getattr(part, key)
-    return part
 
 
 def _number(value: Any) -> str:

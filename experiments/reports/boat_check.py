@@ -10,7 +10,7 @@ from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.trial_figures import draw_trials
 
 from swamp_rl.boat import Boat, Provenance
-from swamp_rl.boat.quantity import ORIGINS
+from swamp_rl.boat.quantity import ORIGINS, value_at
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.heading import GRAVITY
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
@@ -115,7 +115,7 @@ def _rows(boat: Boat) -> list[list[str]]:
     return [
         [
             key,
-            _told(_at(boat, key.split("."))),
+            _told(value_at(boat, key.split("."))),
             _told(origin.sd),
             origin.unit,
             origin.provenance,
@@ -129,14 +129,3 @@ def _told(value: Any) -> str:
     if value is None:
         return ""
     return ", ".join(f"{one:.6g}" for one in value) if isinstance(value, tuple) else f"{value:.6g}"
-
-
-def _at(part: Any, path: list[str]) -> Any:
-    """What a boat holds at a key path; items of a list go by their name, else by their number."""
-    for key in path:
-        if isinstance(part, tuple):
-            names = [str(getattr(item, "name", number)) for number, item in enumerate(part)]
-            part = part[names.index(key)]
-        else:
-            part = getattr(part, key)
-    return part

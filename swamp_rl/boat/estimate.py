@@ -69,7 +69,7 @@ SOURCES = {
 
 def boat_file(
     name: str,
-    kind: Kind,
+    kind: str,
     length: float,
     breadth: float,
     mass: float,
@@ -79,8 +79,8 @@ def boat_file(
 ) -> dict[str, Any]:
     """The content of a boat file, each number `assumed`, with its source and the width `sd` of its prior.
 
-    length, breadth, draught [m], mass [kg]; thrust [N]: of all thrusters together, full ahead at rest;
-    top_speed [m/s] that it gives. UserError for a number that is not above 0.
+    kind: one of KINDS; length, breadth, draught [m], mass [kg]; thrust [N]: of all thrusters together, full
+    ahead at rest; top_speed [m/s]: what it gives. UserError for a number that is not above 0.
     """
     asked: dict[str, float | None] = {"length": length, "breadth": breadth, "mass": mass}
     asked |= {"thrust": thrust} | {"top-speed": top_speed, "draught": draught}
@@ -105,7 +105,7 @@ def boat_file(
 
 
 def _sizes(
-    kind: Kind,
+    kind: str,
     length: float,
     breadth: float,
     mass: float,

@@ -14,10 +14,15 @@ BLOCK = 0.5  # C_B of small craft, 0.35 to 0.65
 GYRATION = 0.25  # radius of gyration in yaw over the length
 LOWEST, FULLEST = 0.07, 0.25  # C_B B/L at the ends of the database of Yoshimura and Masumoto
 SHALLOWEST_TURN = 0.27  # k beyond which Kijima's N'_r falls again: there his regression ends
-HOERNER_RATIO = (0.0109, 0.1766, 0.3530, 0.4519, 0.4728, 0.4929, 0.4933, 0.5585, 0.6464, 0.8336, 0.9880)
-HOERNER_RATIO += (1.3081, 1.6392, 1.8600, 2.3129, 2.6000, 3.0088, 3.4508, 3.7379, 4.0031)
-HOERNER_DRAG = (1.9661, 1.9657, 1.8976, 1.7872, 1.5837, 1.2786, 1.2108, 1.0836, 0.9986, 0.8796, 0.8284)
-HOERNER_DRAG += (0.7599, 0.6914, 0.6571, 0.6307, 0.5962, 0.5868, 0.5859, 0.5599, 0.5593)
+# B/(2d) and C_D
+HOERNER_RATIO = (
+    *(0.0109, 0.1766, 0.3530, 0.4519, 0.4728, 0.4929, 0.4933, 0.5585, 0.6464, 0.8336),
+    *(0.9880, 1.3081, 1.6392, 1.8600, 2.3129, 2.6000, 3.0088, 3.4508, 3.7379, 4.0031),
+)
+HOERNER_DRAG = (
+    *(1.9661, 1.9657, 1.8976, 1.7872, 1.5837, 1.2786, 1.2108, 1.0836, 0.9986, 0.8796),
+    *(0.8284, 0.7599, 0.6914, 0.6571, 0.6307, 0.5962, 0.5868, 0.5859, 0.5599, 0.5593),
+)
 
 
 def draught_of(mass: float, length: float, breadth: float, density: float, block: float = BLOCK) -> float:

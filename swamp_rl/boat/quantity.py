@@ -1,7 +1,7 @@
 """A number of a boat file: its value, unit, provenance and source."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -86,3 +86,14 @@ def units(model: BaseModel) -> Iterator[tuple[tuple[str, ...], str]]:
                 if isinstance(item, BaseModel):
                     inner = str(getattr(item, "name", index))
                     yield from (((key, inner, *path), unit) for path, unit in units(item))
+
+
+def value_at(part: Any, path: Sequence[str]) -> Any:
+    """What a boat holds at a key path; items of a list go by their name, else by their number."""
+    for key in path:
+        if isinstance(part, tuple):
+            names = [str(getattr(item, "name", number)) for number, item in enumerate(part)]
+            part = part[names.index(key)]
+        else:
+            part = getattr(part, key)
+    return part
