@@ -22,6 +22,9 @@ from swamp_rl.simulator.step import simulate
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 BOAT = load_boat("swamp")
+# a single push from outside
+PUSHED = next(number for number in range(1000) if drawn(number, "A")[0].names == ["external_force"])
+NAME = f"A{PUSHED:04d}"
 
 
 def test_the_bound_is_how_far_the_best_fit_to_noisy_data_scatters() -> None:
@@ -86,20 +89,20 @@ def test_small_faults_are_small_and_of_every_smooth_kind() -> None:
 
 
 def answers(folder: Path, verdict: str, causes: list[dict[str, Any]], **more: Any) -> dict[str, Any]:
-    """Score of case A0095, a push from outside, answered so."""
-    for part in ("judged", "truth", "answers/A0095"):
+    """Score of the case NAME, answered so."""
+    for part in ("judged", "truth", f"answers/{NAME}"):
         (folder / part).mkdir(parents=True, exist_ok=True)
-    (folder / "truth" / "A0095.json").write_text(json.dumps(vars(drawn(95, "A")[0])))
-    timed = {"case": "A0095", "error": "", "processor_s": 70.0, "alone_s": 40.0}
-    (folder / "judged" / "A0095.json").write_text(json.dumps(timed))
+    (folder / "truth" / f"{NAME}.json").write_text(json.dumps(vars(drawn(PUSHED, "A")[0])))
+    timed = {"case": NAME, "error": "", "processor_s": 70.0, "alone_s": 40.0}
+    (folder / "judged" / f"{NAME}.json").write_text(json.dumps(timed))
     said = {"verdict": verdict, "causes": causes, "indistinguishable": [], "elapsed_s": 1.0} | more
-    (folder / "answers" / "A0095" / "diagnosis.json").write_text(json.dumps(said))
+    (folder / "answers" / NAME / "diagnosis.json").write_text(json.dumps(said))
     return every_score(folder)[0]
 
 
 def push(*errors: float) -> list[dict[str, Any]]:
-    """Case A0095's cause, north off by two of its errors."""
-    effect = drawn(95, "A")[0].effects[0]
+    """The cause of the case NAME, north off by two of its errors."""
+    effect = drawn(PUSHED, "A")[0].effects[0]
     numbers = {
         name: {"value": effect[name] + off * error, "standard_error": error, "unit": "N"}
         for name, off, error in zip(("north", "east"), (2.0, 0.0), errors, strict=True)
@@ -108,7 +111,7 @@ def push(*errors: float) -> list[dict[str, Any]]:
 
 
 def test_stated_errors_are_held_against_the_truth_and_against_the_bound(tmp_path: Path) -> None:
-    bound = bound_of(*drawn(95, "A")).deviation
+    bound = bound_of(*drawn(PUSHED, "A")).deviation
     score = answers(tmp_path, "cause", push(2.0 * bound[0], bound[1]))
     assert [number["away"] for number in score["estimates"]] == pytest.approx([2.0, 0.0])
     assert score["estimates"][0]["bound"] == pytest.approx(bound[0])
