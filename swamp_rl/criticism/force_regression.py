@@ -289,7 +289,7 @@ def curves(pair: Pair, information: Array, gradient: Array, deviation: float) ->
 
 def select_functions(found: ForceLikelihood) -> tuple[float, list[ResidualForce]]:
     """The -2 log likelihood at the end, see `MarginalLikelihood`, and the functions by forward selection on
-    held-out gain, in that order. Empty where none is significant.
+    held-out gain, sorted by explained variance. Empty where none is significant.
     """
     every = pairs(found)
     known = np.zeros(found.gradient.shape)
@@ -317,7 +317,7 @@ def select_functions(found: ForceLikelihood) -> tuple[float, list[ResidualForce]
     apart: dict[tuple[str, str], ResidualForce] = {}
     for function in listed:
         apart.setdefault((function.force, function.variable), function)
-    return marginal.left, list(apart.values())[:LISTED]
+    return marginal.left, sorted(list(apart.values())[:LISTED], key=lambda one: -one.explained)
 
 
 def power_share(

@@ -139,7 +139,7 @@ class ResidualForce(Part):
     """A residual force, and the variable that it is a function of.
 
     force: surge, sway, yaw, north, east, or `thrust of` a thruster; explained: share of its variance that the
-    function explains on held-out runs; gain: fall of chi2 there, by which they are ordered; curve: the
+    function explains on held-out runs; gain: fall of chi2 there; curve: the
     function estimated from all runs, linear between its points; beside: the causes that the boat file was
     extended by for this estimate.
     """

@@ -128,7 +128,7 @@ def residual_force_sentence(found: Diagnosis) -> str:
         f"{force_name(one.force)} against {one.variable}"
         for one in found.leftover[1:]
         if first.gain - one.gain < EQUAL
-        and not first.variable.startswith("position")  # north and east go together
+        and not (first.variable.startswith("position") and one.variable.startswith("position"))
     ]
     return said + (f" These data do not separate it from: {'; '.join(equal)}." if equal else "")
 
