@@ -21,6 +21,7 @@ NOT_RUN = {  # blocks that no test can run: servers, hours, logs of others
     "docs/criticism.md": 4,
     "docs/demo.md": 2,
     "docs/formats.md": 1,
+    "docs/identify_boat.md": 2,
     "docs/import.md": 2,
     "docs/learners.md": 1,
     "docs/recording.md": 3,
