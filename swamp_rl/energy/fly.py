@@ -54,7 +54,7 @@ class Flight:
     def way(self) -> Array:
         """(T + 1,) distance over ground so far [m]."""
         steps = np.hypot(*np.diff(self.states[:, NORTH : NORTH + 2], axis=0).T)
-        return np.concatenate([[0.0], np.cumsum(steps)])
+        return np.concatenate([np.zeros(1), np.cumsum(steps, dtype=np.float64)])
 
     @property
     def speed(self) -> Array:
