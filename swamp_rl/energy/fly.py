@@ -54,12 +54,12 @@ class Flight:
     def way(self) -> Array:
         """(T + 1,) distance over ground so far [m]."""
         steps = np.hypot(*np.diff(self.states[:, NORTH : NORTH + 2], axis=0).T)
-        return np.concatenate([np.zeros(1), np.cumsum(steps, dtype=np.float64)])
+        return np.asarray(np.concatenate([[0.0], np.cumsum(steps)]), dtype=np.float64)
 
     @property
     def speed(self) -> Array:
         """(T + 1,) over ground [m/s]."""
-        return np.hypot(self.states[:, SURGE], self.states[:, SWAY])
+        return np.asarray(np.hypot(self.states[:, SURGE], self.states[:, SWAY]))
 
 
 def reserve_of(boat: Boat, mission: Mission) -> float:
