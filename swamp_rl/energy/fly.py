@@ -48,13 +48,13 @@ class Flight:
     @property
     def time(self) -> Array:
         """(T + 1,) [s]."""
-        return np.arange(len(self.states)) * STEP
+        return np.asarray(np.arange(len(self.states)) * STEP, dtype=np.float64)
 
     @property
     def way(self) -> Array:
         """(T + 1,) distance over ground so far [m]."""
         steps = np.hypot(*np.diff(self.states[:, NORTH : NORTH + 2], axis=0).T)
-        return np.asarray(np.concatenate([[0.0], np.cumsum(steps)]), dtype=np.float64)
+        return np.concatenate([[0.0], np.cumsum(steps)])
 
     @property
     def speed(self) -> Array:
