@@ -48,7 +48,7 @@ class Flight:
     @property
     def time(self) -> Array:
         """(T + 1,) [s]."""
-        return np.arange(len(self.states)) * STEP
+        return np.asarray(np.arange(len(self.states)) * STEP, dtype=np.float64)
 
     @property
     def way(self) -> Array:
@@ -59,7 +59,7 @@ class Flight:
     @property
     def speed(self) -> Array:
         """(T + 1,) over ground [m/s]."""
-        return np.hypot(self.states[:, SURGE], self.states[:, SWAY])
+        return np.asarray(np.hypot(self.states[:, SURGE], self.states[:, SWAY]))
 
 
 def reserve_of(boat: Boat, mission: Mission) -> float:
