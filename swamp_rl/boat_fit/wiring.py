@@ -46,7 +46,10 @@ SIGNS = {
 def possible_changes(boat: Boat) -> list[Change]:
     """Exchanged pairs of channels and channels of the other sign, on the thrusters that can show it."""
     return [
-        (_words(effect, chosen, boat), EffectEntry(effect, (chosen[0], chosen[1]) if effect.swaps else chosen[0], {}))
+        (
+            _words(effect, chosen, boat),
+            EffectEntry(effect, (chosen[0], chosen[1]) if effect.swaps else chosen[0], {}),
+        )
         for effect in LIBRARY.values()
         if effect.swaps or effect.reverses
         for chosen in selectors(effect, boat)
