@@ -135,9 +135,11 @@ class Recordings:
     def _left_behind(self) -> list[str]:
         """Names of the runs that an earlier recorder began and neither listed nor removed."""
         listed = self._listed()
-        moved = [path.stem for path in self.folder.glob("run-*.csv") if path.name not in listed]
+        tables = [path.stem for path in self.folder.glob("run-*.csv") if path.name not in listed]
+        # A power cut may keep a table and lose the description that was made, or removed, beside it.
+        tables += [path.stem for path in self.unfinished.glob("run-*.csv")]
         return sorted(
-            {path.stem for path in self.unfinished.glob("*.json")} | set(filter(NAME.fullmatch, moved))
+            {path.stem for path in self.unfinished.glob("*.json")} | set(filter(NAME.fullmatch, tables))
         )
 
     def _recover(self, description: Path, report: Callable[[str], None]) -> None:

@@ -20,13 +20,14 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import find_config
 from swamp_rl.runs import DatasetMeta, Run, append_runs, check_dataset, create_dataset, read_dataset
 from swamp_rl.runs.dataset import read_meta
+from swamp_rl.runs.table import write_table
 from swamp_rl.teleop.journal import write_description
 from swamp_rl.teleop.recordings import Recordings
 from swamp_rl.teleop.rows import largest_difference
 from swamp_rl.teleop.session import RUN, Session
 from tests.support.driving import BOAT, accept, command, drive, meta, recordings, session
 from tests.support.patience import PATIENCE
-from tests.support.runs import circling
+from tests.support.runs import circling, described
 
 KILLS = 12
 
@@ -366,3 +367,12 @@ def test_the_board_keeps_the_fastest_few_whatever_is_counted(
     seconds = sorted(last - first for first, last in gates)
     assert game.recordings.count == 3
     assert [row["seconds"] for row in game.recordings.board] == pytest.approx(seconds[:2])
+
+
+def test_a_table_whose_description_a_power_cut_took_is_taken_in_as_interrupted(tmp_path: Path) -> None:
+    Recordings(tmp_path / "runs", described(), lambda line: None).close()
+    write_table(tmp_path / "runs" / "unfinished" / "run-0007.csv", circling())
+    Recordings(tmp_path / "runs", described(), lambda line: None).close()
+    assert list((tmp_path / "runs" / "unfinished").glob("run-*")) == []
+    runs = read_dataset(tmp_path / "runs").runs
+    assert [(run.name, run.meta.outcome) for run in runs] == [("run-0007", "interrupted")]
