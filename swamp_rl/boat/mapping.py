@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from swamp_rl.boat.quantity import Provenance, Unit
+from swamp_rl.boat.quantity import SPREAD, Provenance, Unit
 from swamp_rl.boat.schema import Boat
 from swamp_rl.effects import EffectEntry
 
@@ -42,8 +42,13 @@ def _section(model: BaseModel, at: tuple[str, ...], known: dict[str, Provenance]
 
 def quantity_mapping(value: Any, origin: Provenance) -> dict[str, Any]:
     """A number with its provenance."""
-    plain = list(value) if isinstance(value, tuple) else value
-    return {"value": plain, "unit": origin.unit, "provenance": origin.provenance, "source": origin.source}
+    quantity = {"value": _plain(value), "unit": origin.unit}
+    quantity |= {"provenance": origin.provenance, "source": origin.source}
+    return quantity if origin.sd is None else quantity | {SPREAD: _plain(origin.sd)}
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value
 
 
 def _content(value: Any, path: tuple[str, ...], known: dict[str, Provenance]) -> Any:

@@ -6,6 +6,7 @@ from typing import Any
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat.mapping import boat_mapping, effect_mapping
+from swamp_rl.boat.quantity import SPREAD
 from swamp_rl.boat_fit.numbers import Number
 
 DIGITS = 5  # significant, of a number in the file
@@ -103,8 +104,9 @@ def _replace(section: dict[str, Any], key: str, one: Fitted, told_from: str) -> 
     given = section.get(key)
     if isinstance(given, dict) and isinstance(given["value"], list):  # all of them scaled by one factor
         value: Any = [_rounded(item * one.value) for item in given["value"]]
+        sd: Any = [_rounded(abs(item) * one.standard_error) for item in given["value"]]
     else:
-        value = _rounded(one.value)
+        value, sd = _rounded(one.value), _rounded(one.standard_error)
     if not one.shown and isinstance(given, dict):
         source = f"{given['source']}; {told_from} does not show it"
         section[key] = {**given, "value": value, "source": source}
@@ -114,6 +116,7 @@ def _replace(section: dict[str, Any], key: str, one: Fitted, told_from: str) -> 
         "unit": one.number.unit,
         "provenance": "fitted",
         "source": _source(one, told_from),
+        SPREAD: sd,
     }
 
 
@@ -122,7 +125,9 @@ def _scale_table(resistance: dict[str, Any], one: Fitted, told_from: str) -> Non
         given = curve["resistance"]
         values = [_rounded(item * one.value) for item in given["value"]]
         source = f"{given['source']}, times {one.value:.4g}; {_source(one, told_from)}"
-        curve["resistance"] = {**given, "value": values, "provenance": "fitted", "source": source}
+        sd = [_rounded(abs(item) * one.standard_error) for item in given["value"]]
+        curve["resistance"] = {"value": values, "unit": given["unit"], "provenance": "fitted"}
+        curve["resistance"] |= {"source": source, SPREAD: sd}
 
 
 def _errors(one: Fitted) -> str:

@@ -102,10 +102,15 @@ def free_numbers(boat: Boat, positions: bool = False) -> tuple[Number, ...]:
 
 
 def _narrowed(number: Number, boat: Boat) -> Number:
-    """The number with the narrower prior of a measured one."""
-    given = boat.provenance.get(number.name)
-    measured = given is not None and given.provenance == "measured"
-    return replace(number, sd=MEASURED * number.sd) if measured else number
+    """The number with the prior width that the boat file gives; without one, a narrower prior if measured."""
+    key = number.name if number.element is None else number.name.rpartition(".")[0]
+    given = boat.provenance.get(key)
+    if given is None:
+        return number
+    sd = given.sd[number.element] if isinstance(given.sd, tuple) and number.element is not None else given.sd
+    if isinstance(sd, float | int) and sd > 0.0 and (number.start != 0.0 or not number.scaled):
+        return replace(number, sd=sd / abs(number.start) if number.scaled else float(sd))
+    return replace(number, sd=MEASURED * number.sd) if given.provenance == "measured" else number
 
 
 def _inertia(boat: Boat) -> Iterable[Number]:

@@ -60,6 +60,19 @@ def test_the_written_boat_simulates_as_the_fitted_numbers(kind: str, tmp_path: P
         np.testing.assert_allclose(read[field], record[field], rtol=1e-4, atol=1e-12, err_msg=field)
     assert again.provenance["mass"].provenance == "fitted"
     assert "standard error" in again.provenance["mass"].source
+    mass = next(one for one in fitted if one.number.name == "mass")
+    assert again.provenance["mass"].sd == pytest.approx(mass.standard_error, rel=1e-4)
+
+
+def test_the_width_that_a_boat_file_gives_is_the_prior_of_the_fit(tmp_path: Path) -> None:
+    (tmp_path / "wide.yaml").write_text(
+        "extends: swamp\n"
+        "mass: {value: 58.0, unit: kg, provenance: assumed, source: guess, sd: 11.6}\n"
+        "x_g: {value: 0.0, unit: m, provenance: assumed, source: guess, sd: 0.05}\n"
+    )
+    width = {number.name: number.sd for number in free_numbers(load_boat(tmp_path / "wide.yaml"))}
+    assert width["mass"] == pytest.approx(0.2)  # of ln(mass)
+    assert width["x_g"] == pytest.approx(0.05)
 
 
 def test_a_boat_as_a_mapping_is_the_boat_again(tmp_path: Path) -> None:
