@@ -3,12 +3,14 @@
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.actuator_history import first_compared
 from swamp_rl.criticism.data_checks import (
     SHORTEST,
     dataset_name,
@@ -72,6 +74,11 @@ class RunSet:
         """Channels that at least one run holds."""
         here = np.isfinite(self.measured).any(axis=(0, 1))
         return tuple(CHANNELS[channel] for channel in np.flatnonzero(here))
+
+    @cached_property
+    def first_compared(self) -> NDArray[np.int64]:
+        """(R,) first row that is compared with a simulation; before it the actuators' states are unknown."""
+        return first_compared(self.boat, self.commands, self.lengths, self.dt)
 
     def subset(self, runs: list[int]) -> "RunSet":
         """The set of those runs alone."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.actuator_history import actuator_history
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import RunSet
 from swamp_rl.criticism.force_sensitivity import AXES, ForceGrid, force_grid, force_normal_equations
@@ -21,10 +22,7 @@ from swamp_rl.criticism.multiple_shooting import Shooting, wrap
 from swamp_rl.criticism.process_noise import random_forces
 from swamp_rl.criticism.residual_force import fit_forces, motion_variables
 from swamp_rl.criticism.result import CurvePoint, ResidualForce
-from swamp_rl.criticism.rollout import roll_actuators
 from swamp_rl.criticism.scales import force_scale
-from swamp_rl.simulator import initial_state, parameters
-from swamp_rl.simulator.state import ACTUATORS
 
 Array = NDArray[np.float64]
 
@@ -142,7 +140,7 @@ def _variables_and_directions(
     places = np.minimum(np.arange(count), win.steps[:, None])
     at = track[np.arange(win.count)[:, None], places]
     sample = win.first[:, None] + places
-    reached = reached_actuators(run_set)[win.run[:, None], sample]
+    reached = actuator_history(run_set.boat, run_set.commands, run_set.dt)[win.run[:, None], sample]
     rows, heading = motion_variables(np.asarray(sample * run_set.dt), at), at[..., 2]
     zero, one = np.zeros_like(heading), np.ones_like(heading)
     cos, sin = np.cos(heading), np.sin(heading)
@@ -162,17 +160,6 @@ def _variables_and_directions(
         lever = thruster.x * aside - thruster.y * ahead
         directions[f"{THRUST}{thruster.name}"] = np.stack([ahead, aside, lever], axis=-1)
     return {name: values for name, values in rows.items() if np.ptp(values) > 1e-6}, directions
-
-
-def reached_actuators(run_set: RunSet) -> Array:
-    """(R, T, 2K) azimuths and throttles of the actuators in each run, under the boat file."""
-    runs, samples = run_set.commands.shape[:2]
-    records = parameters(run_set.boat, runs)
-    start = initial_state(records, np.zeros((runs, 3)))
-    start[:, ACTUATORS:] = run_set.commands[:, 0]
-    states = np.empty((runs, samples, start.shape[1] - AXES * 2))
-    roll_actuators(records, start, run_set.commands, np.arange(runs), run_set.dt, states)
-    return states[..., ACTUATORS - 2 * AXES :]
 
 
 def is_angle(name: str, values: Array) -> bool:

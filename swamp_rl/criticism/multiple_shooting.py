@@ -25,8 +25,6 @@ Array = NDArray[np.float64]
 SUBSTEP, SUBSTEP_OF_RUNS = 0.1, 0.05  # s, the longest Runge-Kutta step; whole runs magnify its error
 PAD = 1.0  # s simulated before a window's first sample, so that delays see what went before
 SHORTEST = 1.5  # s of a window between gaps, below which it is not compared
-# s at a run's start that are not compared: the actuators' state there is not recorded
-START_TRANSIENT = 3.0
 # standard deviations of a smoothed state, at least, in `state_scale` and in those of the noise
 START_SD, START_SD_IN_NOISE = np.array([0.403, 0.403, 0.15, 0.361, 0.361, 0.268]), 3.0
 MOST_HISTORIES = 12  # actuator histories that are kept
@@ -42,10 +40,10 @@ def cut(run_set: RunSet, weight: Array, seconds: float, before: float = PAD) -> 
     A run is cut in a power of two, so that longer windows start where shorter ones do, and at every gap.
     """
     pad = math.ceil(before / run_set.dt)
-    transient = max(pad, math.ceil(START_TRANSIENT / run_set.dt))
     shortest = math.ceil(SHORTEST / run_set.dt)
     rows: list[tuple[int, int, int]] = []
     for run, length in enumerate(run_set.lengths):
+        transient = max(pad, int(run_set.first_compared[run]))
         available = int(length) - transient
         pieces = (
             2 ** max(0, round(math.log2(available * run_set.dt / seconds))) if math.isfinite(seconds) else 1

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import CHANNELS, RunSet
-from swamp_rl.criticism.multiple_shooting import START_TRANSIENT, Shooting, Windows, wrap
+from swamp_rl.criticism.multiple_shooting import Shooting, Windows, wrap
 from swamp_rl.criticism.result import Gain, Paired
 from swamp_rl.simulator.sensors import true_motion
 
@@ -114,17 +114,17 @@ class Restarts:
 def restarts(run_set: RunSet, weight: Array, run: int, horizon: float) -> Restarts | None:
     """Of one run, for predictions of `horizon` [s]; None for a run too short."""
     one = run_set.subset([run])
-    windows = _restarts(one, horizon)
+    windows = _restarts(one, horizon, int(run_set.first_compared[run]))
     if windows is None:
         return None
     problem = Shooting(one, weight[run : run + 1], horizon, windows)
     return Restarts(problem, windows.first, windows.rows - 1, problem.initial_states())
 
 
-def _restarts(run_set: RunSet, horizon: float) -> Windows | None:
+def _restarts(run_set: RunSet, horizon: float, begin: int) -> Windows | None:
     steps = round(horizon / run_set.dt)
     every = max(1, round(max(horizon, RESTART) / run_set.dt))
-    first = np.arange(math.ceil(START_TRANSIENT / run_set.dt), int(run_set.lengths[0]) - steps, every)
+    first = np.arange(begin, int(run_set.lengths[0]) - steps, every)
     if len(first) == 0:
         return None
     nothing = np.zeros((len(first), steps + 1, len(CHANNELS)))

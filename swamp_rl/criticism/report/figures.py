@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.data import CHANNELS, RunSet
 from swamp_rl.criticism.finding import Finding
-from swamp_rl.criticism.multiple_shooting import START_TRANSIENT
 from swamp_rl.criticism.prediction_error import QUANTITIES, errors_at, restarts
 from swamp_rl.criticism.report.words import Z95, force_name
 from swamp_rl.criticism.residual_force import Forces, residual_forces
@@ -188,7 +187,7 @@ def perfect_run_set(misfit: Misfit, rng: np.random.Generator) -> RunSet:
     sigma = np.array([noise.get(name, 0.0) for name in CHANNELS])
     measured = run_set.measured.copy()
     for run, length in enumerate(run_set.lengths):
-        whole = (int(length) - 1) * run_set.dt - START_TRANSIENT
+        whole = (int(length) - 1 - int(run_set.first_compared[run])) * run_set.dt
         start = restarts(run_set, misfit.weight, run, whole)
         if start is not None:
             first = int(start.first[0])
