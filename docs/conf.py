@@ -21,7 +21,7 @@ exclude_patterns = ["generate"]
 nitpicky = True
 nitpick_ignore_regex = [  # other projects' types, and those of fields that are not public
     ("py:.*", r"(?!swamp_rl\.).*"),
-    ("py:class", r"swamp_rl\.effects\.(distributions|random_entry|correlated)\..*"),
+    ("py:class", r"swamp_rl\.effects\.(distributions|random_entry|correlated|fit)\..*"),
 ]
 myst_enable_extensions = ["smartquotes"]
 myst_heading_anchors = 4

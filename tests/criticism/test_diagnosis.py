@@ -146,10 +146,22 @@ def test_waves_are_found_by_a_scan_of_frequencies() -> None:
 
 
 def test_every_effect_that_is_not_random_or_external_is_a_candidate() -> None:
-    found = {instance.effect.name for instance in candidates(load_boat("swamp"), SECONDS)}
+    found = {
+        instance.effect.name
+        for boat in ("swamp", "esso_osaka")
+        for instance in candidates(load_boat(boat), SECONDS)
+    }
     nuisance = hull_nuisance(load_boat("swamp"))
     assert nuisance is not None
     assert found | {nuisance.effect.name} == set(LIBRARY) - {"gusts", "thruster_kick"}
+
+
+def test_only_thrusters_that_push_astern_may_be_reversed() -> None:
+    names = {
+        boat: {instance.effect.name for instance in candidates(load_boat(boat), SECONDS)}
+        for boat in ("swamp", "esso_osaka")
+    }
+    assert "throttle_reversed" in names["esso_osaka"] - names["swamp"]
 
 
 def test_the_extended_boat_can_be_loaded_and_holds_the_effect(tmp_path: Any) -> None:

@@ -1,5 +1,6 @@
 """`swamp-rl boat new` and `boat check`, as a newcomer calls them in an empty folder."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -76,3 +77,20 @@ def test_every_fault_of_a_file_is_told_at_once(call: Call) -> None:
     assert code == 2
     assert [part in error for part in ("mass", "hull.c_d", "colour")] == [True] * 3
     assert len(error.splitlines()) == 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("kind", "length", "breadth", "mass", "thrust"),
+    [("azimuth", 5, 2, 900, 800), ("propeller-rudder", 20, 5, 60_000, 12_000)],
+)
+def test_nothing_is_wrong_with_a_large_boat_about_its_own_runs(
+    call: Call, kind: str, length: float, breadth: float, mass: float, thrust: float
+) -> None:
+    sizes = f"--length {length} --breadth {breadth} --mass {mass} --thrust {thrust}"
+    call(*f"boat new own --kind {kind} {sizes}".split())
+    call(
+        *["record-scripted", "--boat", "own.yaml", "--disturbances", "calm", "--out", "runs", "--count", "3"]
+    )
+    call(*["diagnose", "runs", "--boat", "own.yaml", "--out", "diagnosis"])
+    assert json.loads(Path("diagnosis/diagnosis.json").read_text())["verdict"] == "nothing_wrong"
