@@ -19,6 +19,7 @@ from swamp_rl.experiments.reports.experiment import table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, PropellerRudder, load_boat
 from swamp_rl.boat.mapping import boat_mapping
+from swamp_rl.boat.quantity import SPREAD
 from swamp_rl.boat_fit.fit import fit_boat
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.numbers import free_numbers
@@ -62,8 +63,9 @@ def enlarged(section: Any, ratio: float) -> Any:
     if not isinstance(section, dict):
         return section
     if "unit" in section:
-        size = ratio ** FROUDE.get(section["unit"], 0.0)
-        return section | {"value": np.multiply(section["value"], size).tolist()}
+        power = FROUDE.get(section["unit"], 0.0)
+        sizes = [key for key in ("value", SPREAD) if key in section and power != 0.0]
+        return section | {key: np.multiply(section[key], ratio**power).tolist() for key in sizes}
     return {name: enlarged(part, ratio) for name, part in section.items()}
 
 
@@ -89,6 +91,7 @@ def start_boat(rng: np.random.Generator) -> tuple[str, Boat]:
     low, high = np.log(LENGTHS)
     whole = enlarged(boat_mapping(shipped), float(np.exp(rng.uniform(low, high))) / shipped.length)
     whole = twin(whole) if kind == "twin" else whole
+    whole.pop("battery", None)  # not on the motion
     with tempfile.TemporaryDirectory() as folder:
         write_yaml(Path(folder) / "start.yaml", whole | {"name": kind})
         return kind, load_boat(Path(folder) / "start.yaml")

@@ -28,6 +28,12 @@ class Limit(NamedTuple):
     high: float
 
 
+def ranges(boat: Boat) -> Iterator[Limit]:
+    """Every number that has a plausible range."""
+    for part in (dimensions, mass_and_water, everything_else):
+        yield from part(boat)
+
+
 def implausible(boat: Boat) -> list[tuple[str, str]]:
     """Dotted key and complaint for each number that no boat of this size has.
 

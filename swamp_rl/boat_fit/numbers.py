@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, PropellerRudder
+from swamp_rl.boat.plausible import Limit, ranges
 from swamp_rl.boat.resistance import TankResistance
 from swamp_rl.effects import Reference
 from swamp_rl.effects.limits import LONGEST_DELAY
@@ -24,6 +25,7 @@ STEP = 3e-3
 DELAY_STEP = 0.1  # the same for delays, which act through interpolated commands
 # of the prior width of a time constant: the shortest that is fitted, since shorter ones are followed at once
 SHORTEST, LAG_STEP = 0.05, 0.03
+ROOM = 1.25  # factor that is left to the ends of plausible ranges, which depend on the mass as well
 LAG = 0.3  # prior width of a time constant, in lengths over top speed
 DERIVATIVE = 0.02  # prior width [1] of a hull derivative beside its share, which may be 0 or of either sign
 
@@ -34,7 +36,7 @@ class Number:
 
     name: its dotted key in the boat file, or `effects.` EFFECT.PARAMETER; field, thrusters, element: where it
     lands in the simulator's record. scaled: the fit moves x, by which the number is start · exp(x), and sd is
-    of x; otherwise x is the number, within low and high. trial: the motion that shows it. least: where a fit
+    of x; otherwise x is the number. low, high: of x. trial: the motion that shows it. least: where a fit
     begins at least, for a number without a gradient at its start.
     """
 
@@ -66,9 +68,7 @@ class Number:
     def bounds(self) -> tuple[float, float]:
         """Of x."""
         room = FAR * self.sd
-        if self.scaled:
-            return -room, room
-        return max(self.low, self.start - room), min(self.high, self.start + room)
+        return max(self.low, self.mean - room), min(self.high, self.mean + room)
 
     def value(self, x: float) -> float:
         """The number at x."""
@@ -98,7 +98,16 @@ def free_numbers(boat: Boat, positions: bool = False) -> tuple[Number, ...]:
         found += _propeller(boat, k) if isinstance(thruster, PropellerRudder) else _jet(boat, k)
         found += _positions(boat, k) if positions and not isinstance(thruster, PropellerRudder) else []
     found += [*_lags(boat, of), *_clocks(boat)]
-    return tuple(_narrowed(number, boat) for number in found)
+    plausible = {limit.key: limit for limit in ranges(boat)}
+    return tuple(_within(_narrowed(number, boat), plausible.get(number.name)) for number in found)
+
+
+def _within(number: Number, limit: Limit | None) -> Number:
+    """The number with the bounds that a boat file's plausible range sets its factor exp(x)."""
+    if limit is None or not number.scaled or limit.ratio <= 0.0:
+        return number
+    low = math.log(limit.low * ROOM / limit.ratio) if limit.low > 0.0 else -math.inf
+    return replace(number, low=min(low, 0.0), high=max(math.log(limit.high / ROOM / limit.ratio), 0.0))
 
 
 def _narrowed(number: Number, boat: Boat) -> Number:

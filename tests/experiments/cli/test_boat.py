@@ -88,9 +88,8 @@ def test_nothing_is_wrong_with_a_large_boat_about_its_own_runs(
     call: Call, kind: str, length: float, breadth: float, mass: float, thrust: float
 ) -> None:
     sizes = f"--length {length} --breadth {breadth} --mass {mass} --thrust {thrust}"
-    call(*f"boat new own --kind {kind} {sizes}".split())
-    call(
-        *["record-scripted", "--boat", "own.yaml", "--disturbances", "calm", "--out", "runs", "--count", "3"]
-    )
-    call(*["diagnose", "runs", "--boat", "own.yaml", "--out", "diagnosis"])
+    call("boat", "new", "own", "--kind", kind, *sizes.split())
+    record = "record-scripted --boat own.yaml --disturbances calm --out runs --count 3"
+    call(*record.split(" "))
+    call("diagnose", "runs", "--boat", "own.yaml", "--out", "diagnosis")
     assert json.loads(Path("diagnosis/diagnosis.json").read_text())["verdict"] == "nothing_wrong"
