@@ -4,6 +4,7 @@ MLflow where it is asked for.
 
 import os
 import shutil
+import threading
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from functools import cache
@@ -67,12 +68,25 @@ def _event_files(folder: Path, stack: ExitStack) -> Log:
         if write is None:
             return
         if not writers:
+            _without_its_tracebacks(stack)
             writers.append(write(str(folder)))
             stack.callback(writers[0].close)
         for name, value in values.items():
             writers[0].add_scalar(name, value, step)
 
     return log
+
+
+def _without_its_tracebacks(stack: ExitStack) -> None:
+    """Print no traceback of TensorBoard's thread, whose error is raised again at the next point or close."""
+    print_traceback = threading.excepthook
+    stack.callback(setattr, threading, "excepthook", print_traceback)
+
+    def hook(failed: threading.ExceptHookArgs) -> None:
+        if not isinstance(failed.exc_value, OSError):
+            print_traceback(failed)
+
+    threading.excepthook = hook
 
 
 @cache

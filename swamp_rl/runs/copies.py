@@ -34,11 +34,18 @@ def standing_alone(
         load_course(given)
         path = find_config("courses", given)
         stem = _stem(path.name.removesuffix(path.suffix).removesuffix(COURSE.removesuffix(".yaml")))
-        files[stem + COURSE] = path.read_bytes()
+        files[stem + COURSE] = _bytes_of(path)
         given = stem
     vehicle = _copy_boat(boat or meta.vehicle, files)
     digests = {name: hashlib.sha256(held).hexdigest() for name, held in files.items()}
     return meta.model_copy(update={"vehicle": vehicle, "course": given, "copies": digests}), files
+
+
+def _bytes_of(path: Path) -> bytes:
+    try:
+        return contents(path)
+    except OSError as error:
+        raise os_error(error, path) from error
 
 
 def _stem(name: str) -> str:
@@ -52,7 +59,7 @@ def _copy_boat(boat: str | Path, files: Files) -> str:
         stem, number = _stem(path.stem), 1
         while (name := f"{stem}{f'-{number}' if number > 1 else ''}.yaml") in {META, *files}:
             number += 1
-        files[name] = _extending(path.read_bytes(), data, below) if below else path.read_bytes()
+        files[name] = _extending(_bytes_of(path), data, below) if below else _bytes_of(path)
         below = name
     return below.removesuffix(".yaml")
 

@@ -9,7 +9,16 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, write_yaml
-from swamp_rl.runs import Run, RunMeta, append_run, create_dataset, inspect_dataset, read_dataset, write_run
+from swamp_rl.runs import (
+    Run,
+    RunMeta,
+    append_run,
+    copies,
+    create_dataset,
+    inspect_dataset,
+    read_dataset,
+    write_run,
+)
 from tests.support.runs import circling, described
 
 HULL = "extends: swamp\nname: mine  # heavier\nmass: {mass} # kg\n"
@@ -126,3 +135,15 @@ def test_a_description_of_one_line_is_enough(tmp_path: Path) -> None:
 def test_runs_of_a_plain_folder_have_the_outcome_that_the_course_gives_them(tmp_path: Path) -> None:
     dataset = read_dataset(plain(tmp_path / "day"), "swamp", "camogli")
     assert [run.meta.outcome for run in dataset.runs] == ["incomplete", "incomplete"]
+
+
+def test_a_file_that_the_disk_refuses_while_it_is_copied_is_one_line(
+    boat: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(path: Path, *_: object, **__: object) -> bytes:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(copies, "contents", refused)
+    with pytest.raises(UserError, match=r"\.yaml: Permission denied"):
+        create_dataset(tmp_path / "runs", described(vehicle=str(boat)))
+    assert not (tmp_path / "runs").exists()

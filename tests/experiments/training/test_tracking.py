@@ -1,6 +1,7 @@
 """A training's points reach TensorBoard's event files and, where it is asked for, MLflow."""
 
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,31 @@ def test_event_files_hold_every_point_once_also_after_a_second_life(tmp_path: Pa
         log_points(tmp_path / "ppo", experiment())
         assert events(tmp_path / "ppo") == expected
         assert len(list((tmp_path / "ppo").iterdir())) == 1
+
+
+def failing(error: Exception) -> None:
+    def fail() -> None:
+        raise error
+
+    thread = threading.Thread(target=fail)
+    thread.start()
+    thread.join()
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_writing_thread_that_the_disk_refuses_prints_no_traceback(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    printed: list[Any] = []
+    monkeypatch.setattr(threading, "excepthook", printed.append)
+    with tracked(tmp_path / "ppo", experiment(), "ppo") as log:
+        log(*POINTS[0])
+        failing(OSError("no space left"))
+        assert printed == []
+        failing(ValueError("a fault of the program"))
+        assert [one.exc_type for one in printed] == [ValueError]
+    failing(OSError("no space left"))
+    assert [one.exc_type for one in printed] == [ValueError, OSError]
 
 
 def test_a_training_that_logs_nothing_leaves_no_file(tmp_path: Path) -> None:
