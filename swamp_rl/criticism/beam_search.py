@@ -206,8 +206,8 @@ def _expand(
 
 
 def _is_hopeless(continuation: Continuation, one: ScoreTest, beam: Sequence[Fit]) -> bool:
-    """Whether an effect, fitted in full to one window in PART, raises their chi2: it would in all of them,
-    since chi2 is a sum over windows.
+    """Whether an effect, fitted in full to one window in PART, has a greater chi2 on these windows than the
+    hypothesis without it. The part stands for all windows: a fit to all of them could differ.
     """
     problem = continuation.problems[0]
     if problem.windows.count < FEWEST:

@@ -15,8 +15,6 @@ Array = NDArray[np.float64]
 QUATERNION = ("qw", "qx", "qy", "qz")
 GROUPS = (("x", "y"), QUATERNION, ("vx", "vy"), ("velocity_north", "velocity_east"))
 """Columns of which all or none must be mapped."""
-INTERMEDIATE = {"x", "y", "yaw", *QUATERNION, "vx", "vy", "velocity_north", "velocity_east", "u", "v", "r"}
-"""What a mapping may give in place of north, east, heading, surge, sway and yaw_rate."""
 
 
 def refuse_halves(names: Mapping[str, object]) -> None:
