@@ -43,6 +43,18 @@ FLOORS = (
     {"experiments.sweep"},
     {"experiments.cli"},
 )
+CRITICISM = (
+    {"result", "progress"},
+    {"model"},
+    {"data"},
+    {"likelihood"},
+    {"nuisance"},
+    {"selection"},
+    {"inference"},
+    {"report"},
+    {"figures", "diagnose"},
+    {"posterior", "schema"},
+)
 FLOOR = {package: number for number, packages in enumerate(FLOORS) for package in packages}
 NOT_OF_THE_LIBRARY = FLOOR["envs"]
 
@@ -108,6 +120,23 @@ def test_no_module_imports_from_a_floor_above_its_own() -> None:
         for name, others in GRAPH.items()
         for other in others
         if package_of(name) in FLOOR and FLOOR.get(package_of(other), 0) > FLOOR[package_of(name)]
+    ]
+    assert upward == []
+
+
+def test_the_parts_of_criticism_import_from_their_own_floor_or_from_below() -> None:
+    floor = {part: number for number, parts in enumerate(CRITICISM) for part in parts}
+    inside = {
+        name: {other for other in others if other.startswith("swamp_rl.criticism.")}
+        for name, others in GRAPH.items()
+        if name.startswith("swamp_rl.criticism.")
+    }
+    assert {name.split(".")[2] for name in inside} == set(floor)
+    upward = [
+        f"{name} imports {other}"
+        for name, others in inside.items()
+        for other in others
+        if floor[other.split(".")[2]] > floor[name.split(".")[2]]
     ]
     assert upward == []
 

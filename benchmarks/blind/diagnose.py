@@ -39,9 +39,9 @@ DIAGNOSE = """
 import sys, time, traceback, numpy
 from pathlib import Path
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data import read_run_set
+from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.criticism.diagnose import examine
-from swamp_rl.criticism.consistency import refuse_inconsistent
+from swamp_rl.criticism.data.consistency import refuse_inconsistent
 for line in sys.stdin:
     data, answer, boat = line.rstrip().split(chr(9))
     begun = time.process_time()

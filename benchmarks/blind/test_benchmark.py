@@ -14,7 +14,7 @@ from benchmarks.blind.diagnose import main
 from benchmarks.blind.score import share, summary
 from benchmarks.blind.tables import judgement, parts
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data import read_run_set
+from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.simulator import tank
 from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.step import simulate

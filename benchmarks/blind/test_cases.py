@@ -22,8 +22,8 @@ from swamp_rl.experiments.synthetic.cases import (
 from benchmarks.blind.cases import drawn
 from benchmarks.blind.score import is_false_positive, judged
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.candidates import selectors
-from swamp_rl.criticism.data import read_run_set
+from swamp_rl.criticism.data.run_set import read_run_set
+from swamp_rl.criticism.model.candidates import selectors
 from swamp_rl.effects import LIBRARY
 
 pytestmark = pytest.mark.numerical

@@ -23,10 +23,10 @@ from swamp_rl.boat.quantity import SPREAD
 from swamp_rl.boat_fit.fit import fit_boat
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.numbers import free_numbers
-from swamp_rl.criticism.data import RunSet
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.rollout import roll
-from swamp_rl.criticism.scales import state_scale
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.model.rollout import roll
+from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_yaml
 from swamp_rl.simulator import initial_state, tank

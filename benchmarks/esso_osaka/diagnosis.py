@@ -9,7 +9,7 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.esso_osaka.wind import anemometer, apart, hidden
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.data import run_set_of
+from swamp_rl.criticism.data.run_set import run_set_of
 from swamp_rl.criticism.diagnose import examine
 from swamp_rl.criticism.report.words import readable
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate

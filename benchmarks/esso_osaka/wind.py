@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from swamp_rl.experiments.reports.experiment import table
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates
-from swamp_rl.criticism.cross_validation import heldout_loss
-from swamp_rl.criticism.data import CHANNELS, run_set_of
-from swamp_rl.criticism.multiple_shooting import Shooting
-from swamp_rl.criticism.output_error import Fit, fit, fit_states
-from swamp_rl.criticism.score_test import at_neutral_values
+from swamp_rl.criticism.data.run_set import CHANNELS, run_set_of
+from swamp_rl.criticism.likelihood.cross_validation import heldout_loss
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, fit, fit_states
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.selection.score_test import at_neutral_values
 from swamp_rl.effects import EffectEntry
 from swamp_rl.runs import Run
 from swamp_rl.simulator.windows import WIND, replay_from

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.candidates import Hypothesis, candidates
-from swamp_rl.criticism.data import run_set_of
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.multiple_shooting import Shooting
-from swamp_rl.criticism.output_error import fit
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import run_set_of
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import fit
+from swamp_rl.criticism.model.candidates import Hypothesis, candidates
 from swamp_rl.runs import Run
 
 WINDOW = 20.0  # s

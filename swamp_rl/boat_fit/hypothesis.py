@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.numbers import Number
-from swamp_rl.criticism.candidates import (
+from swamp_rl.criticism.model.candidates import (
     ONE_RUN,
     EffectInstance,
     Hypothesis,

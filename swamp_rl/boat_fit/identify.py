@@ -19,13 +19,13 @@ from swamp_rl.boat_fit.pieces import split
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
-from swamp_rl.criticism.consistency import refuse_inconsistent
-from swamp_rl.criticism.data import RunSet, read_run_set
-from swamp_rl.criticism.data_checks import refuse_other_vehicle
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.checks import refuse_other_vehicle
+from swamp_rl.criticism.data.consistency import refuse_inconsistent
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet, read_run_set
+from swamp_rl.criticism.inference.trivial_predictors import trivial_predictors
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Predictors
-from swamp_rl.criticism.trivial_predictors import trivial_predictors
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside, yaml_text
 

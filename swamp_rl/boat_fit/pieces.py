@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.data import Gap, RunSet
+from swamp_rl.criticism.data.run_set import Gap, RunSet
 
 PIECE = 120.0  # s of a piece, at least
 MOST_PIECES = 16  # of all runs together

@@ -7,8 +7,8 @@ import numpy as np
 
 from swamp_rl.boat_fit.boat_file import Fitted
 from swamp_rl.boat_fit.result import Identification
-from swamp_rl.criticism.data import CHANNELS, UNITS
-from swamp_rl.criticism.excitation import missing_motion
+from swamp_rl.criticism.data.excitation import missing_motion
+from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.report.evidence import TRIVIAL
 from swamp_rl.criticism.report.page import STYLE
 

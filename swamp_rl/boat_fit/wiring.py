@@ -10,8 +10,8 @@ from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.fit import SHORT, fit_windows, soft_weights
 from swamp_rl.boat_fit.hypothesis import Array, FreeBoat, free_boat
 from swamp_rl.boat_fit.numbers import free_numbers
-from swamp_rl.criticism.candidates import selectors
-from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.model.candidates import selectors
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.effects import LIBRARY, Effect, EffectEntry
 

@@ -9,35 +9,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.adequacy import adequacy
-from swamp_rl.criticism.backward_elimination import Selection, without_all
-from swamp_rl.criticism.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
-from swamp_rl.criticism.cause_list import CauseList, list_causes
-from swamp_rl.criticism.cause_share import cause_shares
-from swamp_rl.criticism.consistency import refuse_inconsistent
-from swamp_rl.criticism.continuation import Continuation
-from swamp_rl.criticism.correlation import correlation
-from swamp_rl.criticism.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
-from swamp_rl.criticism.data import CHANNELS, RunSet, read_run_set
-from swamp_rl.criticism.data_checks import refuse_other_vehicle, refuse_sources_inside
-from swamp_rl.criticism.estimate import causes_of
-from swamp_rl.criticism.excitation import missing_motion
-from swamp_rl.criticism.extended_boat import write_extended
-from swamp_rl.criticism.finding import Finding
-from swamp_rl.criticism.force_regression import residual_force_functions
-from swamp_rl.criticism.hidden_effects import hidden_effects
-from swamp_rl.criticism.identifiability import contrast, separating_manoeuvre
-from swamp_rl.criticism.information_criterion import criterion
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.model_error import in_noise_units
-from swamp_rl.criticism.model_selection import select_model
-from swamp_rl.criticism.output_error import Fit
-from swamp_rl.criticism.prediction_error import gains
+from swamp_rl.criticism.data.checks import refuse_other_vehicle, refuse_sources_inside
+from swamp_rl.criticism.data.consistency import refuse_inconsistent
+from swamp_rl.criticism.data.excitation import missing_motion
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet, read_run_set
+from swamp_rl.criticism.inference.cause_list import CauseList, list_causes
+from swamp_rl.criticism.inference.cause_share import cause_shares
+from swamp_rl.criticism.inference.correlation import correlation
+from swamp_rl.criticism.inference.estimate import causes_of
+from swamp_rl.criticism.inference.finding import Finding
+from swamp_rl.criticism.inference.force_regression import residual_force_functions
+from swamp_rl.criticism.inference.identifiability import contrast, separating_manoeuvre
+from swamp_rl.criticism.inference.residual_force import residual_forces
+from swamp_rl.criticism.inference.trivial_predictors import trivial_predictors
+from swamp_rl.criticism.likelihood.adequacy import adequacy
+from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
+from swamp_rl.criticism.likelihood.output_error import Fit
+from swamp_rl.criticism.likelihood.prediction_error import gains
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
+from swamp_rl.criticism.model.extended_boat import write_extended
+from swamp_rl.criticism.nuisance.model_error import in_noise_units
+from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
 from swamp_rl.criticism.progress import LOG
-from swamp_rl.criticism.residual_force import residual_forces
 from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, GaussMarkovNoise, SmoothedNoise, Verdict
-from swamp_rl.criticism.smoothed_channels import raised, smoothed_channels
-from swamp_rl.criticism.trivial_predictors import trivial_predictors
+from swamp_rl.criticism.selection.backward_elimination import Selection, without_all
+from swamp_rl.criticism.selection.continuation import Continuation
+from swamp_rl.criticism.selection.hidden_effects import hidden_effects
+from swamp_rl.criticism.selection.information_criterion import criterion
+from swamp_rl.criticism.selection.model_selection import select_model
 from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]

@@ -13,8 +13,8 @@ from swamp_rl.boat_fit.identify import identify_boat, numbers_of
 from swamp_rl.boat_fit.numbers import free_numbers
 from swamp_rl.boat_fit.pieces import split
 from swamp_rl.boat_fit.report import next_runs, not_better
-from swamp_rl.criticism.data import RunSet, read_run_set
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet, read_run_set
 from swamp_rl.errors import UserError
 from tests.support.command_line import Call
 from tests.support.command_line import call as call  # the fixture

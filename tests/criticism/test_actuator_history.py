@@ -3,7 +3,7 @@
 import numpy as np
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.criticism.actuator_history import actuator_history, first_compared
+from swamp_rl.criticism.model.actuator_history import actuator_history, first_compared
 
 DT, ROWS = 0.1, 300
 

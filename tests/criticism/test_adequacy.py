@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from swamp_rl.criticism.adequacy import adequacy
-from swamp_rl.criticism.backward_elimination import Selection, without_unconfirmed
-from swamp_rl.criticism.candidates import Hypothesis, candidates
-from swamp_rl.criticism.continuation import continuation_of
-from swamp_rl.criticism.cross_validation import Confirmation
-from swamp_rl.criticism.force_regression import residual_force_functions
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.multiple_shooting import Shooting
-from swamp_rl.criticism.output_error import Fit, fit
-from swamp_rl.criticism.residual_force import residual_forces
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.inference.force_regression import residual_force_functions
+from swamp_rl.criticism.inference.residual_force import residual_forces
+from swamp_rl.criticism.likelihood.adequacy import adequacy
+from swamp_rl.criticism.likelihood.cross_validation import Confirmation
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.model.candidates import Hypothesis, candidates
+from swamp_rl.criticism.selection.backward_elimination import Selection, without_unconfirmed
+from swamp_rl.criticism.selection.continuation import continuation_of
 from tests.support.criticism import SECONDS, commands, driven
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from swamp_rl.criticism.candidates import candidates
-from swamp_rl.criticism.command_reconstruction import interpolated, least_of_parabola
-from swamp_rl.criticism.data import RunSet
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.model_selection import select_model
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.model.candidates import candidates
+from swamp_rl.criticism.selection.command_reconstruction import interpolated, least_of_parabola
+from swamp_rl.criticism.selection.model_selection import select_model
 from tests.support.criticism import DT, SECONDS, driven
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]

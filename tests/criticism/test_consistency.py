@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from swamp_rl.criticism.consistency import refuse_inconsistent
+from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.errors import UserError
 from tests.support.criticism import simulated_runs
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from swamp_rl.criticism.candidates import Hypothesis, candidates
-from swamp_rl.criticism.continuation import continuation_of
-from swamp_rl.criticism.cross_validation import folds_of
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.score_test import score_tests
-from swamp_rl.criticism.windows import Windows
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.windows import Windows
+from swamp_rl.criticism.likelihood.cross_validation import folds_of
+from swamp_rl.criticism.model.candidates import Hypothesis, candidates
+from swamp_rl.criticism.selection.continuation import continuation_of
+from swamp_rl.criticism.selection.score_test import score_tests
 from tests.support.criticism import SECONDS, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]

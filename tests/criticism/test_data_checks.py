@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism import diagnose as module
-from swamp_rl.criticism.data import read_run_set
+from swamp_rl.criticism.data.excitation import missing_motion
+from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.criticism.diagnose import diagnose
-from swamp_rl.criticism.excitation import missing_motion
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, append_run, create_dataset
 from swamp_rl.unfinished import folder_beside

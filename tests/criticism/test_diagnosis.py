@@ -8,21 +8,21 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.backward_elimination import with_special_cases
-from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates, hull_nuisance
-from swamp_rl.criticism.continuation import continuation_of
-from swamp_rl.criticism.cross_validation import heldout_loss
-from swamp_rl.criticism.data import CHANNELS, Gap, run_set_of
-from swamp_rl.criticism.extended_boat import write_extended
-from swamp_rl.criticism.frequency_scan import wave_starts
-from swamp_rl.criticism.identifiability import separating_manoeuvre
-from swamp_rl.criticism.lost_rows import with_best_commands, with_relevant_gaps
-from swamp_rl.criticism.manoeuvres import manoeuvres
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.multiple_shooting import Shooting
-from swamp_rl.criticism.output_error import fit
-from swamp_rl.criticism.residual_force import residual_forces
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import CHANNELS, Gap, run_set_of
+from swamp_rl.criticism.inference.identifiability import separating_manoeuvre
+from swamp_rl.criticism.inference.residual_force import residual_forces
+from swamp_rl.criticism.likelihood.cross_validation import heldout_loss
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import fit
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates, hull_nuisance
+from swamp_rl.criticism.model.extended_boat import write_extended
+from swamp_rl.criticism.model.manoeuvres import manoeuvres
+from swamp_rl.criticism.nuisance.lost_rows import with_best_commands, with_relevant_gaps
 from swamp_rl.criticism.result import Diagnosis
+from swamp_rl.criticism.selection.backward_elimination import with_special_cases
+from swamp_rl.criticism.selection.continuation import continuation_of
+from swamp_rl.criticism.selection.frequency_scan import wave_starts
 from swamp_rl.effects import LIBRARY
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run

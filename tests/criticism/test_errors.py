@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.backward_elimination import Selection
-from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates
-from swamp_rl.criticism.cause_list import list_causes
-from swamp_rl.criticism.estimate import causes_of, sandwich_covariance, sides_of
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.multiple_shooting import Shooting
-from swamp_rl.criticism.output_error import Fit, fit
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.inference.cause_list import list_causes
+from swamp_rl.criticism.inference.estimate import causes_of, sides_of
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.selection.backward_elimination import Selection
 from tests.support.criticism import SECONDS, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]

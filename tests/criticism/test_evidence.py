@@ -8,12 +8,12 @@ import pytest
 import yaml
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.cause_share import carries_over, is_minor
-from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.diagnose import diagnose
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.inference.cause_share import carries_over, is_minor
+from swamp_rl.criticism.inference.trivial_predictors import trivial_predictors
 from swamp_rl.criticism.result import Share
-from swamp_rl.criticism.trivial_predictors import trivial_predictors
 from swamp_rl.effects import parse_effects
 from swamp_rl.runs import Run, write_run
 from swamp_rl.simulator.replay import replay

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data import RunSet
-from swamp_rl.criticism.excitation import missing_motion
+from swamp_rl.criticism.data.excitation import missing_motion
+from swamp_rl.criticism.data.run_set import RunSet
 
 pytestmark = pytest.mark.numerical
 

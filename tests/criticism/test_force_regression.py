@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.candidates import Hypothesis
-from swamp_rl.criticism.force_regression import (
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.inference.force_regression import (
     CORRELATION_TIME,
     ForceLikelihood,
     MarginalLikelihood,
@@ -17,9 +17,9 @@ from swamp_rl.criticism.force_regression import (
     marginal_likelihood,
     residual_force_functions,
 )
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.process_noise import random_forces
-from swamp_rl.criticism.scales import force_scale
+from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.scales import force_scale
+from swamp_rl.criticism.nuisance.process_noise import random_forces
 from tests.support.unmodelled_forces import DEAD_ZONE, MOORING, SECTOR, sailed
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]

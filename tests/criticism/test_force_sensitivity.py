@@ -5,12 +5,12 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from swamp_rl.criticism import force_sensitivity
-from swamp_rl.criticism.candidates import Hypothesis
-from swamp_rl.criticism.force_sensitivity import force_grid, force_jacobian, force_normal_equations
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.multiple_shooting import Shooting
-from swamp_rl.criticism.output_error import normal_equations
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.likelihood import force_sensitivity
+from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_jacobian, force_normal_equations
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import normal_equations
+from swamp_rl.criticism.model.candidates import Hypothesis
 from tests.support.criticism import simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from swamp_rl.criticism.candidates import Hypothesis, candidates
-from swamp_rl.criticism.estimate import causes_of
-from swamp_rl.criticism.gauss_markov import fit_gauss_markov, kalman_filter
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.model_selection import select_model
-from swamp_rl.criticism.windows import Windows
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.windows import Windows
+from swamp_rl.criticism.inference.estimate import causes_of
+from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov, kalman_filter
+from swamp_rl.criticism.model.candidates import Hypothesis, candidates
+from swamp_rl.criticism.selection.model_selection import select_model
 from tests.support.criticism import DT, SECONDS, gauss_markov_noise, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from swamp_rl.criticism.candidates import Hypothesis
-from swamp_rl.criticism.initial_states import levels_and_slopes, smoothed_states
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.multiple_shooting import Shooting
-from swamp_rl.criticism.output_error import fit
-from swamp_rl.criticism.unlogged_commands import with_unlogged_commands
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.likelihood.initial_states import levels_and_slopes, smoothed_states
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import fit
+from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.nuisance.unlogged_commands import with_unlogged_commands
 from tests.support.criticism import commands, driven
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]

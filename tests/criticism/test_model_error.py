@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from swamp_rl.criticism.adequacy import adequacy
-from swamp_rl.criticism.candidates import Hypothesis, candidates
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.model_error import correlation_samples, in_noise_units, model_error
-from swamp_rl.criticism.stepwise_selection import select_under_model_error
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.likelihood.adequacy import adequacy
+from swamp_rl.criticism.model.candidates import Hypothesis, candidates
+from swamp_rl.criticism.nuisance.model_error import correlation_samples, in_noise_units, model_error
+from swamp_rl.criticism.selection.stepwise_selection import select_under_model_error
 from tests.support.criticism import SECONDS, gauss_markov_noise, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.prediction_error import Errors, blocks_of, change, expanded_tail, gains
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.likelihood.prediction_error import Errors, blocks_of, change, expanded_tail, gains
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from tests.support.criticism import SECONDS, SIGMA, simulated_runs
 
 pytestmark = pytest.mark.numerical

@@ -12,12 +12,12 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.figures.diagnose import diagnose_figures
 from swamp_rl.criticism.figures.predict import fleet_of, misfits, predicted
 from swamp_rl.criticism.figures.result import FiguresDiagnosis
 from swamp_rl.criticism.figures.schema import Figure, read_figures
 from swamp_rl.criticism.figures.select import laplace_term
+from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.posterior import write_posterior
 from swamp_rl.criticism.schema import schema_text
 from swamp_rl.files import find_config, read_yaml, write_yaml

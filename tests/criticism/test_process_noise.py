@@ -7,13 +7,13 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.candidates import Hypothesis
-from swamp_rl.criticism.continuation import MIDDLE, continuation_of
-from swamp_rl.criticism.data import RunSet
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.model_selection import correlated_noise
-from swamp_rl.criticism.process_noise import random_forces
-from swamp_rl.criticism.scales import force_scale
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.scales import force_scale
+from swamp_rl.criticism.nuisance.process_noise import random_forces
+from swamp_rl.criticism.selection.continuation import MIDDLE, continuation_of
+from swamp_rl.criticism.selection.model_selection import correlated_noise
 from tests.support.criticism import gauss_markov_noise
 from tests.support.unmodelled_forces import DEAD_ZONE, MOORING, SECTOR, sailed
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swamp_rl.criticism.random_effect import random_effect
+from swamp_rl.criticism.nuisance.random_effect import random_effect
 
 SCALE = np.array([5.0, 5.0])
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference.residual_force import Forces, motion_variables
 from swamp_rl.criticism.report.evidence import smoothed_sentence
 from swamp_rl.criticism.report.figures import DEGREES, labelled, shown_variables, thrusters_of_causes
 from swamp_rl.criticism.report.page import (
@@ -32,7 +33,6 @@ from swamp_rl.criticism.report.words import (
     rounded,
     written,
 )
-from swamp_rl.criticism.residual_force import Forces, motion_variables
 from swamp_rl.criticism.result import (
     Cause,
     Contrast,

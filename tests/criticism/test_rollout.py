@@ -4,10 +4,10 @@ import numba
 import numpy as np
 import pytest
 
-from swamp_rl.criticism import rollout
-from swamp_rl.criticism.candidates import Hypothesis, by_label, candidates
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.multiple_shooting import Shooting
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.model import rollout
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from tests.support.criticism import SECONDS, simulated_runs
 
 

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 import yaml
 
-from swamp_rl.criticism.backward_elimination import nested
-from swamp_rl.criticism.candidates import EffectInstance, Hypothesis, by_label, candidates
-from swamp_rl.criticism.cross_validation import heldout_numbers
-from swamp_rl.criticism.estimate import causes_of
-from swamp_rl.criticism.extended_boat import write_extended
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.multiple_shooting import Shooting
-from swamp_rl.criticism.output_error import fit
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.inference.estimate import causes_of
+from swamp_rl.criticism.likelihood.cross_validation import heldout_numbers
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import fit
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, by_label, candidates
+from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.report.words import spread_sets
-from swamp_rl.criticism.stepwise_selection import wald_statistic
+from swamp_rl.criticism.selection.backward_elimination import nested
+from swamp_rl.criticism.selection.stepwise_selection import wald_statistic
 from tests.support.criticism import SECONDS, simulated_runs
 
 RUNS = simulated_runs([{"effect": "wind", "speed": 4.0, "from": 0.5}])

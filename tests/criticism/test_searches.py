@@ -11,9 +11,9 @@ import pytest
 from swamp_rl.experiments.synthetic.cases import Case, write_case
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.criticism.candidates import by_label, candidates
 from swamp_rl.criticism.diagnose import diagnose
-from swamp_rl.criticism.scales import state_scale
+from swamp_rl.criticism.model.candidates import by_label, candidates
+from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.effects import LIBRARY, Effect, Parameter, Reference, Search, apply_effects, parse_effects
 from swamp_rl.effects.declare import declare
 from swamp_rl.runs.table import write_table

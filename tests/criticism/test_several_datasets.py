@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data import read_run_set
+from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset

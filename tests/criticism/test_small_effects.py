@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.backward_elimination import fit_by_continuation
-from swamp_rl.criticism.candidates import EffectInstance, Hypothesis, by_label, candidates, hull_nuisance
-from swamp_rl.criticism.continuation import UNBROKEN, Continuation, continuation_of
-from swamp_rl.criticism.cross_validation import confirmation_by_stretches, stretch_losses
-from swamp_rl.criticism.data import RunSet
-from swamp_rl.criticism.information_criterion import required_gain
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.score_test import at_neutral_values, score_tests
-from swamp_rl.criticism.small_effects import is_small
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.cross_validation import confirmation_by_stretches, stretch_losses
+from swamp_rl.criticism.model.candidates import (
+    EffectInstance,
+    Hypothesis,
+    by_label,
+    candidates,
+    hull_nuisance,
+)
+from swamp_rl.criticism.selection.backward_elimination import fit_by_continuation
+from swamp_rl.criticism.selection.continuation import UNBROKEN, Continuation, continuation_of
+from swamp_rl.criticism.selection.information_criterion import required_gain
+from swamp_rl.criticism.selection.score_test import at_neutral_values, score_tests
+from swamp_rl.criticism.selection.small_effects import is_small
 from swamp_rl.simulator import parameters
 from tests.support.criticism import SECONDS, select_effects, simulated_runs
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from swamp_rl.criticism.data import CHANNELS, RunSet
+from swamp_rl.criticism.data.measurement_noise import noise_levels
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.diagnose import examine
-from swamp_rl.criticism.measurement_noise import noise_levels
-from swamp_rl.criticism.smoothed_channels import raised, smoothed_channels
+from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
 from tests.support.criticism import DT, SIGMA, gauss_markov_noise, simulated_runs
 
 Array = np.ndarray

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.beam_search import beam_search
-from swamp_rl.criticism.candidates import candidates, hull_nuisance
-from swamp_rl.criticism.continuation import continuation_of
-from swamp_rl.criticism.data import RunSet
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.model.candidates import candidates, hull_nuisance
+from swamp_rl.criticism.selection.beam_search import beam_search
+from swamp_rl.criticism.selection.continuation import continuation_of
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.sensors import observe

@@ -6,7 +6,7 @@ import numpy as np
 from swamp_rl.experiments.synthetic.cases import DT, Case, deviations, measure, voyages
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.data.run_set import RunSet
 
 SECTOR = {"what": "sector", "centre": 1.0, "force": 4.0}
 

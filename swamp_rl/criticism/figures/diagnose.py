@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.candidates import Hypothesis, entries_of
-from swamp_rl.criticism.data_checks import refuse_sources_inside
-from swamp_rl.criticism.extended_boat import write_extended
+from swamp_rl.criticism.data.checks import refuse_sources_inside
 from swamp_rl.criticism.figures.predict import Fleet, fleet_of, misfits, predicted
 from swamp_rl.criticism.figures.result import (
     CandidateFound,
@@ -34,6 +32,8 @@ from swamp_rl.criticism.figures.select import (
     rivals_of,
     stage_of,
 )
+from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
+from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.result import Cause, Estimate, Verdict
 from swamp_rl.errors import UserError
 from swamp_rl.unfinished import folder_beside

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.criticism.candidates import Hypothesis
 from swamp_rl.criticism.figures.manoeuvres import READERS, Loaded, Test
 from swamp_rl.criticism.figures.schema import Figure, FiguresFile, Load
+from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.effects import EffectEntry, apply_effects
 
 Array = NDArray[np.float64]

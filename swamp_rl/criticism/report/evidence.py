@@ -2,7 +2,7 @@
 
 import math
 
-from swamp_rl.criticism.data import CHANNELS, UNITS
+from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.report.words import label_of, minus, readable
 from swamp_rl.criticism.result import Cause, Diagnosis, Predictors, Share
 

@@ -3,9 +3,9 @@
 import html
 from collections.abc import Mapping, Sequence
 
-from swamp_rl.criticism.data import CHANNELS, UNITS, RunSet
-from swamp_rl.criticism.measurement_noise import noise_floor
-from swamp_rl.criticism.prediction_error import QUANTITIES
+from swamp_rl.criticism.data.measurement_noise import noise_floor
+from swamp_rl.criticism.data.run_set import CHANNELS, UNITS, RunSet
+from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES
 from swamp_rl.criticism.report.evidence import (
     carry_over_sentence,
     minor_sentence,

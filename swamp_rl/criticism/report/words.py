@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.data import CHANNELS, UNITS
+from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Limit
 from swamp_rl.effects import LIBRARY
 

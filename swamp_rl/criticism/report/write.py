@@ -3,7 +3,7 @@
 import base64
 from pathlib import Path
 
-from swamp_rl.criticism.finding import Finding
+from swamp_rl.criticism.inference.finding import Finding
 from swamp_rl.criticism.report.figures import (
     Misfit,
     draw,

@@ -1,0 +1,1 @@
+"""Measured runs: loading, checks, excitation, windows, measurement noise."""

@@ -1,0 +1,249 @@
+"""Measured runs as arrays on one uniform time grid, with gaps marked."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.data.checks import (
+    SHORTEST,
+    dataset_name,
+    refuse_disorder,
+    refuse_mixed,
+    refuse_other_boat,
+    refuse_too_coarse,
+    refuse_too_short,
+    refuse_unexciting,
+)
+from swamp_rl.criticism.model.actuator_history import first_compared
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run, inspect_dataset
+from swamp_rl.simulator.replay import fixed_thrusters, sample_step
+from swamp_rl.simulator.weather import DEPTH, FIELDS, FROM, SPEED, measured_weather
+
+Array = NDArray[np.float64]
+
+CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
+UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
+GRID_TOLERANCE = 0.3  # of a sample step, largest distance of a row from the grid
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Lost rows over which the command changed: `rows` of them from `row` on. The commands in them are
+    unknown.
+    """
+
+    run: int
+    row: int
+    rows: int
+
+
+@dataclass(frozen=True)
+class RunSet:
+    """R runs of up to T samples of one boat.
+
+    dt: sample step [s]; commands: (R, T, 2K), interpolated linearly over missing rows; measured: (R, T, 6) in
+    the order of CHANNELS (SI, rad, heading unwrapped), NaN where there is none; lengths: (R,) samples of each
+    run; gaps: where the commands are unknown; gauss_markov: (6, 2) standard deviation [the channel's unit]
+    and time constant [s] of the Gauss-Markov part of the noise, None where it is white; too_short: names of
+    runs that are left out; weather: (R or 0, T, 3), rows of `measured_weather`; origin: the run that
+    each is a part of, itself where empty; days: the group that a dataset gives each run, or none.
+    """
+
+    boat: Boat
+    dt: float
+    names: tuple[str, ...]
+    commands: Array
+    measured: Array
+    lengths: NDArray[np.int64]
+    gaps: tuple[Gap, ...] = ()
+    gauss_markov: Array | None = None
+    too_short: tuple[str, ...] = ()
+    weather: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    origin: tuple[int, ...] = ()
+    days: tuple[str, ...] = ()
+
+    @property
+    def present(self) -> tuple[str, ...]:
+        """Channels that at least one run holds."""
+        here = np.isfinite(self.measured).any(axis=(0, 1))
+        return tuple(CHANNELS[channel] for channel in np.flatnonzero(here))
+
+    @cached_property
+    def first_compared(self) -> NDArray[np.int64]:
+        """(R,) first row that is compared with a simulation; before it the actuators' states are unknown."""
+        return first_compared(self.boat, self.commands, self.lengths, self.dt)
+
+    def subset(self, runs: list[int]) -> "RunSet":
+        """The set of those runs alone."""
+        return RunSet(
+            self.boat,
+            self.dt,
+            tuple(self.names[run] for run in runs),
+            self.commands[runs],
+            self.measured[runs],
+            self.lengths[runs],
+            tuple(Gap(runs.index(gap.run), gap.row, gap.rows) for gap in self.gaps if gap.run in runs),
+            self.gauss_markov,
+            weather=self.weather[runs] if len(self.weather) else self.weather,
+            origin=tuple(int(self.origins[run]) for run in runs),
+        )
+
+    def copies(self, runs: list[int], commands: Array) -> "RunSet":
+        """Copies of those runs, some perhaps several times, with commands (n, T, 2K) of their own."""
+        return replace(self.subset(runs), commands=commands, gaps=())
+
+    @property
+    def origins(self) -> NDArray[np.int64]:
+        """(R,) the run that each is a part of."""
+        return np.array(self.origin) if self.origin else np.arange(len(self.lengths))
+
+    @property
+    def groups(self) -> dict[str, tuple[int, ...]]:
+        """Group of each run, by `day` where a dataset tells it, and by `run`."""
+        found = {"run": tuple(range(len(self.lengths)))}
+        if len(set(self.days)) > 1 and len(set(self.days)) < len(self.days):
+            order = sorted(set(self.days))
+            found = {"day": tuple(order.index(day) for day in self.days)} | found
+        return found
+
+    def group_names(self, by: str) -> list[str]:
+        """Names of the groups, in their order; `by`: `day` or `run`."""
+        return sorted(set(self.days)) if by == "day" else list(self.names)
+
+    @property
+    def measured_fields(self) -> frozenset[str]:
+        """Fields of the boat's record that every run measures, so that no effect on them is a candidate."""
+        if not len(self.weather):
+            return frozenset()
+        known: NDArray[np.bool_] = np.asarray(np.isfinite(self.weather).all(axis=(0, 1)))
+        return frozenset(name for name, here in zip(FIELDS, known, strict=True) if here)
+
+
+def read_run_set(
+    folders: Path | str | Sequence[Path],
+    boat: Boat,
+    named: str | Path | None = None,
+    ignore: Sequence[str] = (),
+) -> RunSet:
+    """One folder of measured runs, or several, on a uniform grid. Runs of several have the name of their
+    dataset before their own, and the dataset is their group where `dataset.yaml` names none.
+
+    named: the boat's name or file, for a folder without `dataset.yaml`; ignore: as `measured_weather` takes
+    it. Missing rows are marked as gaps, not filled in. UserError for any other fault of a folder, and where
+    the data are too few.
+    """
+    every = [Path(folders)] if isinstance(folders, Path | str) else list(folders)
+    if len(every) == 1:
+        return run_set_of(_sound_runs(every[0], named), boat, str(every[0]), ignore)
+    refuse_mixed(every)
+    runs = [_of_dataset(run, dataset_name(folder)) for folder in every for run in _sound_runs(folder, named)]
+    return run_set_of(runs, boat, ", ".join(map(str, every)), ignore)
+
+
+def _sound_runs(folder: Path, named: str | Path | None) -> list[Run]:
+    """The runs of a dataset; UserError for its first fault but lost rows."""
+    found = inspect_dataset(folder, named)
+    faults = [fault for fault in found.faults if fault.column != "time"]
+    if faults:
+        raise UserError(f"{folder}{os.sep}{faults[0]}")
+    return found.runs
+
+
+def _of_dataset(run: Run, dataset: str) -> Run:
+    """A run under a name that no other dataset has, in the group of its dataset or a part of it."""
+    group = dataset if run.meta.group is None else f"{dataset} {run.meta.group}"
+    return replace(run, name=f"{dataset}_{run.name}", meta=run.meta.model_copy(update={"group": group}))
+
+
+def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] = ()) -> RunSet:
+    """Runs on a uniform grid; `folder` begins every message. UserError."""
+    for run in every:
+        refuse_disorder(run, folder)
+    refuse_too_short(every, folder)
+    runs = [run for run in every if run.duration >= SHORTEST]
+    for run in runs:
+        refuse_other_boat(run, boat, folder)
+    dt = float(np.median([sample_step(run) for run in runs]))
+    refuse_too_coarse(dt, folder)
+    placed = [_on_grid(run, boat, dt, folder) for run in runs]
+    weather = _weather_on_grid(runs, boat, dt, ignore)
+    longest = max(len(commands) for commands, _, _ in placed)
+    commands = np.zeros((len(runs), longest, placed[0][0].shape[1]))
+    measured = np.full((len(runs), longest, len(CHANNELS)), np.nan)
+    for index, (command, track, _) in enumerate(placed):
+        commands[index, : len(command)] = command
+        commands[index, len(command) :] = command[-1]
+        measured[index, : len(track)] = track
+    lengths = np.array([len(track) for _, track, _ in placed])
+    gaps = tuple(Gap(index, *lost) for index, (_, _, every) in enumerate(placed) for lost in every)
+    names = tuple(run.name for run in runs)
+    short = tuple(run.name for run in every if run.duration < SHORTEST)
+    days = tuple(run.meta.group or run.name for run in runs)
+    run_set = RunSet(
+        boat, dt, names, commands, measured, lengths, gaps, too_short=short, weather=weather, days=days
+    )
+    refuse_unexciting(
+        [command for command, _, _ in placed], [track[:, :3] for _, track, _ in placed], dt, boat, folder
+    )
+    return run_set
+
+
+def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array, list[tuple[int, int]]]:
+    place = (run.time - run.time[0]) / dt
+    index = np.rint(place).astype(int)
+    off = np.abs(place - index)
+    if off.max() > GRID_TOLERANCE or (np.diff(index) <= 0).any():
+        row = int(off.argmax()) + 1
+        raise UserError(
+            f"{folder}: run {run.name}, row {row}: time {run.time[row - 1]:.3f} s does not fit the sample "
+            f"step of {dt:.4f} s; resample the run to a fixed rate (missing rows are fine)"
+        )
+    commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
+    track = np.full((index[-1] + 1, len(CHANNELS)), np.nan)
+    for column, name in enumerate(CHANNELS):
+        if name in run.columns:
+            values = run.columns[name]
+            track[index, column] = np.unwrap(values) if name == "heading" else values
+    filled, lost = _filled(index, commands)
+    return filled, track, lost
+
+
+def _filled(index: NDArray[np.int64], commands: Array) -> tuple[Array, list[tuple[int, int]]]:
+    """Commands (T, 2K) of every row, interpolated over missing rows, and (row, rows) of each gap over which
+    they changed. An azimuth that changes by more than a quarter turn is held, not interpolated.
+    """
+    rows = np.arange(index[-1] + 1)
+    last = np.searchsorted(index, rows, side="right") - 1
+    next_ = np.minimum(last + 1, len(index) - 1)
+    share = (rows - index[last]) / np.maximum(index[next_] - index[last], 1)
+    change = commands[next_] - commands[last]
+    jumps = np.abs(change) > np.pi / 2
+    filled = commands[last] + np.where(jumps, 0.0, change * share[:, None])
+    lost = np.flatnonzero((np.diff(index) > 1) & (np.abs(np.diff(commands, axis=0)) > 1e-9).any(axis=1))
+    return filled, [(int(index[i]) + 1, int(index[i + 1] - index[i]) - 1) for i in lost]
+
+
+def _weather_on_grid(runs: list[Run], boat: Boat, dt: float, ignore: Sequence[str]) -> Array:
+    """(R or 0, T, 3) measured weather of every run, linear between the neighbours of a missing row."""
+    every = [measured_weather(run, boat, ignore) for run in runs]
+    if not any(len(weather) for weather in every):
+        return np.zeros((0, 0, 3))
+    places = [np.rint((run.time - run.time[0]) / dt) for run in runs]
+    found = np.full((len(runs), int(max(place[-1] for place in places)) + 1, 3), np.nan)
+    rows = np.arange(found.shape[1])
+    for own, weather, place in zip(found, every, places, strict=True):
+        if not len(weather):
+            continue
+        speed, angle = weather[:, SPEED], weather[:, FROM]
+        north = np.interp(rows, place, speed * np.cos(angle))
+        east = np.interp(rows, place, speed * np.sin(angle))
+        own[:, SPEED], own[:, FROM] = np.hypot(north, east), np.arctan2(east, north)
+        own[:, DEPTH] = np.interp(rows, place, weather[:, DEPTH])
+    return found

@@ -1,0 +1,1 @@
+"""Conclusions from the selected hypothesis: estimates, shares, rivals, residual force."""

@@ -1,0 +1,120 @@
+"""Parameter estimates and their standard errors, in the effects' own parameters."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit
+from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
+from swamp_rl.criticism.model.candidates import EffectInstance, entries_of
+from swamp_rl.criticism.nuisance.random_effect import random_effect
+from swamp_rl.criticism.result import Cause, Estimate, Limit, Spread
+
+Array = NDArray[np.float64]
+
+AT_BOUND = 1e-3  # of a parameter's typical size: its distance from a bound that it is at
+
+
+def causes_of(problem: Shooting, at: Fit) -> list[Cause]:
+    """Every effect of a fit as a cause."""
+    covariance = sandwich_covariance(problem, at)
+    causes = []
+    start = 0
+    for instance, own in at.hypothesis.parts(at.x):
+        block = covariance[start : start + instance.size, start : start + instance.size]
+        causes.append(_cause(instance, own, block, problem.run_set))
+        start += instance.size
+    return causes
+
+
+def _cause(instance: EffectInstance, x: Array, covariance: Array, run_set: RunSet) -> Cause:
+    """Of x (p,) with covariance (p, p). Where groups of runs have parameters of their own, those of the cause
+    are the mean of the distribution that they are drawn from, and `spread` is its standard deviation.
+    """
+    one = instance.of_one
+    if not instance.groups:
+        return _of_all(one, x, covariance)
+    values = instance.by_group(x)
+    scale = np.array([spec.scale for spec in one.specs])
+    drawn = random_effect(values, covariance, scale)
+    found = _of_all(one, drawn.mean, drawn.covariance)
+    found.scope = "day" if instance.by == "day" else "run"
+    found.spread = {
+        name: Spread(value=drawn.spread * size, low=drawn.low * size, high=drawn.high * size, unit=unit)
+        for (name, unit), size in zip(_components(one), scale, strict=True)
+    }
+    blocks = covariance.reshape(instance.count, one.size, instance.count, one.size)
+    found.groups = {
+        name: _estimates(one, own, blocks[number, :, number])
+        for number, (name, own) in enumerate(zip(run_set.group_names(instance.by), values, strict=True))
+    }
+    return found
+
+
+def _of_all(instance: EffectInstance, x: Array, covariance: Array) -> Cause:
+    """The cause whose parameters all runs share, from x (p,) with covariance (p, p)."""
+    selector: Any = entries_of(instance, x)[0].thruster
+    return Cause(
+        effect=instance.effect.name,
+        thruster=list(selector) if isinstance(selector, tuple) else selector,
+        parameters=_estimates(instance, x, covariance),
+    )
+
+
+def _components(instance: EffectInstance) -> list[tuple[str, str]]:
+    """Name and unit of each fitted parameter; a vector's are its components to the north and east."""
+    names = list(instance.effect.parameter_names)
+    units = [instance.effect.parameter(name).unit for name in names]
+    if instance.effect.vector:
+        size, direction = (names.index(name) for name in instance.effect.vector)
+        units[direction] = units[size]
+        names[size], names[direction] = "north", "east"
+    return list(zip(names, units, strict=True))
+
+
+def _estimates(instance: EffectInstance, x: Array, covariance: Array) -> dict[str, Estimate]:
+    """The effect's parameters from x (p,) with covariance (p, p)."""
+    slopes = slopes_of(instance, x)
+    sides = sides_of(instance, x)
+    return {
+        name: Estimate(
+            value=float(value),
+            standard_error=float(np.sqrt(abs(slopes[name] @ covariance @ slopes[name]))),
+            unit=instance.effect.parameter(name).unit,
+            at_bound=bool((slopes[name] * sides).any()),
+            limit=_limit(slopes[name] * sides),
+        )
+        for name, value in entries_of(instance, x)[0].values.items()
+    }
+
+
+def sides_of(instance: EffectInstance, x: Array) -> Array:
+    """(p,) -1 for each parameter at its lower bound, 1 at its upper one, 0 in between."""
+    room = AT_BOUND * np.array([spec.scale for spec in instance.specs])
+    low, high = np.array([s.low for s in instance.specs]), np.array([s.high for s in instance.specs])
+    return np.asarray((x >= high - room).astype(float) - (x <= low + room))
+
+
+def _limit(outwards: Array) -> Limit | None:
+    """The direction in which a parameter is bounded, from its derivatives (p,) by the fitted numbers at
+    bounds.
+    """
+    ways = set(np.sign(outwards[outwards != 0.0]))
+    return ("at_least" if ways == {1.0} else "at_most") if len(ways) == 1 else None
+
+
+def slopes_of(instance: EffectInstance, x: Array) -> dict[str, Array]:
+    """Derivatives (p,) of each of the effect's parameters by the fitted ones: the identity, except where
+    these are vector components.
+    """
+    values = {name: float(value) for name, value in entries_of(instance, x)[0].values.items()}
+    slopes = {name: np.zeros(len(x)) for name in values}
+    for i, spec in enumerate(instance.specs):
+        moved = x.copy()
+        moved[i] += 1e-6 * spec.scale
+        for name, value in entries_of(instance, moved)[0].values.items():
+            slopes[name][i] = (float(value) - values[name]) / (1e-6 * spec.scale)
+    return slopes

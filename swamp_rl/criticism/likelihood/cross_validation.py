@@ -1,0 +1,163 @@
+"""Cross-validation: chi2 on held-out runs, and the bootstrap interval of its reduction."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data.windows import Windows
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, inverse
+from swamp_rl.criticism.likelihood.state_fit import fit_states
+from swamp_rl.criticism.model.candidates import Hypothesis
+
+Array = NDArray[np.float64]
+
+RESAMPLES = 2000
+ENOUGH_RUNS = 4  # from which whole runs are held out
+RESAMPLES_OF_TAIL = 50000  # for a level far out in the tail
+STRETCH = 20.0  # s of a block of a long window
+ROUNDS = 8  # iterations of the initial states of a held-out window
+
+
+def heldout_loss(problem: Shooting, at: Fit) -> Array:
+    """(W,) chi2 of each window under the parameters fitted to the other runs alone (leave-one-run-out).
+
+    One Newton step without a run's own windows, the loss there to second order with the initial states
+    eliminated. Folds as in `folds_of`.
+    """
+    if at.hypothesis.size == 0:
+        return at.loss
+    runs = folds_of(problem.windows, at.hypothesis.differs)
+    _, precision = at.hypothesis.prior()
+    mean, _ = at.hypothesis.prior()
+    H, g = at.normal.information, at.normal.gradient
+    loss = at.loss.copy()
+    for run in np.unique(runs):
+        mine = runs == run
+        rest = H[~mine].sum(axis=0) + np.diag(precision)
+        step = inverse(rest) @ (g[~mine].sum(axis=0) - precision * (at.x - mean))
+        loss[mine] += -2.0 * g[mine] @ step + np.einsum("wij,i,j->w", H[mine], step, step)
+    return loss
+
+
+def folds_of(windows: Windows, halves: bool = False) -> NDArray[np.int64]:
+    """(W,) fold of each window: its run where there are ENOUGH_RUNS, else half a run; of a single run each
+    window. halves: half a run in any case, for parameters that each run has its own of.
+    """
+    every = np.unique(windows.run)
+    if len(every) >= ENOUGH_RUNS and not halves:
+        return windows.run
+    if len(every) == 1:
+        return np.arange(windows.count)
+    middle = np.array([np.median(windows.first[windows.run == run]) for run in every])
+    place = np.searchsorted(every, windows.run)
+    return np.asarray(2 * place + (windows.first > middle[place]))
+
+
+def heldout_numbers(problem: Shooting, at: Fit) -> Array:
+    """(R, p) parameters fitted to all runs but each one; those of the fit where there is one run. What each
+    group of runs has its own of is that of the fit, where no other run is of the group.
+    """
+    windows = problem.windows.run
+    runs = len(problem.run_set.lengths)
+    if runs == 1 or at.hypothesis.size == 0:
+        return np.repeat(at.x[None], runs, axis=0)
+    mean, precision = at.hypothesis.prior()
+    numbers = np.empty((runs, at.hypothesis.size))
+    low, high = at.hypothesis.bounds()
+    for run in range(runs):
+        others = windows != run
+        H = at.normal.information[others].sum(axis=0) + np.diag(precision)
+        g = at.normal.gradient[others].sum(axis=0) - precision * (at.x - mean)
+        numbers[run] = np.clip(at.x + inverse(H) @ g, low, high)
+    return numbers
+
+
+def judged_numbers(problem: Shooting, at: Fit, runs: int, others: bool) -> tuple[Hypothesis, Array]:
+    """A hypothesis and its parameters (R, p) for predictions of so many runs; others: they are not those of
+    the fit, so that only what its runs share is known of them.
+    """
+    if not others:
+        return at.hypothesis, heldout_numbers(problem, at)
+    hypothesis, x = at.hypothesis.shared(at.x)
+    return hypothesis, np.repeat(x[None], runs, axis=0)
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """Whether a cause lowers chi2 on runs that the parameters were not fitted to.
+
+    gain: of the saturated loss; low: lower end of its interval at `level`, corrected for the number of
+    candidates; certain: whether a Wald test leaves no doubt, of weather, which no other run can confirm.
+    """
+
+    gain: float
+    low: float
+    level: float
+    certain: bool = False
+
+    @property
+    def holds(self) -> bool:
+        """Whether the interval of the gain excludes zero, or a gain is certain."""
+        return self.low > 0.0 or (self.certain and self.gain > 0.0)
+
+
+def confirmation(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> Confirmation:
+    """Of what `whole` has more than `less`, both fitted on the same windows: block bootstrap of the gain over
+    windows, at a level divided by the number of comparisons (Bonferroni).
+
+    Percentiles, since a cause that acts in few windows gives a skewed sum. The loss of a window saturates, n
+    ln(1 + chi2 / n), so that a few outlying windows do not determine the sum.
+    """
+    return _bootstrapped(saturated_loss(problem, less) - saturated_loss(problem, whole), comparisons)
+
+
+def confirmation_by_stretches(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> Confirmation:
+    """As `confirmation`, with STRETCH-long parts of the windows as blocks, for windows that are long and few;
+    predicted with the parameters fitted to the other runs, initial states refitted.
+    """
+    gains = stretch_losses(problem, less) - stretch_losses(problem, whole)
+    return _bootstrapped(gains[np.isfinite(gains)], comparisons)
+
+
+def stretch_losses(problem: Shooting, at: Fit) -> Array:
+    """(W S,) saturated loss of each stretch of each window; not finite where nothing was measured."""
+    residual = at.residual.copy()
+    if at.hypothesis.size:
+        for run, x in enumerate(heldout_numbers(problem, at)):
+            mine = problem.windows.run == run
+            if mine.any():
+                states = at.states[mine]
+                residual[mine] = fit_states(problem.part(mine), at.hypothesis, x, states, ROUNDS)[2]
+    rows = max(1, round(STRETCH / problem.dt))
+    squares = (residual**2).reshape(len(residual), -1, problem.windows.weight.shape[2]).sum(axis=2)
+    starts = np.arange(0, squares.shape[1], rows)
+    chi2 = np.add.reduceat(squares, starts, axis=1)
+    seen = np.add.reduceat((problem.windows.weight > 0).sum(axis=2), starts, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(seen > 0, seen * np.log1p(chi2 / seen), np.nan).ravel())
+
+
+def _bootstrapped(gains: Array, comparisons: int) -> Confirmation:
+    """Of the gains of blocks (B,)."""
+    tail = 0.025 / comparisons
+    rng = np.random.default_rng(len(gains))
+    shares = np.full(len(gains), 1.0 / len(gains))
+    sums = rng.multinomial(len(gains), shares, RESAMPLES_OF_TAIL) @ gains
+    return Confirmation(float(gains.sum()), float(np.quantile(sums, tail)), 1.0 - 2.0 * tail)
+
+
+def saturated_loss(problem: Shooting, at: Fit) -> Array:
+    """(W,) n ln(1 + chi2 / n) of each window's held-out chi2, n being its effective number of samples."""
+    seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)) / problem.correlation_samples, 1.0)
+    return np.asarray(seen * np.log1p(np.maximum(heldout_loss(problem, at), 0.0) / seen))
+
+
+def bootstrap_interval(gains: Array, share: float, rng: np.random.Generator) -> tuple[float, float]:
+    """Interval of the sum of per-block gains (B,), each end leaving out half of 1 - share."""
+    picks = rng.integers(0, len(gains), (RESAMPLES, len(gains)))
+    sums = gains[picks].sum(axis=1)
+    tail = 100.0 * (1.0 - share) / 2.0
+    low, high = np.percentile(sums, [tail, 100.0 - tail])
+    return float(low), float(high)

@@ -1,0 +1,124 @@
+"""Sensitivity of every window to short forces on the hull."""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import STATE_REACH, Normal, normal_equations
+from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.scales import acceleration_scale
+from swamp_rl.simulator import parameters
+
+Array = NDArray[np.float64]
+
+STEP = np.array([0.00646, 0.00646, 0.00801])  # in `acceleration_scale`, of the finite difference
+AXES = 3  # surge, sway, yaw
+CHUNK = 2**26  # bytes of Jacobians or tracks that are computed at once
+
+
+@dataclass(frozen=True)
+class ForceGrid:
+    """B intervals of `block` steps in which forces are constant.
+
+    inertia: (3,) mass with added mass [kg] of surge and sway, inertia of yaw [kg m2].
+    """
+
+    block: int
+    count: int
+    inertia: Array
+
+
+def force_grid(problem: Shooting, seconds: float) -> ForceGrid:
+    """Intervals of about `seconds` for the windows of a problem."""
+    steps = problem.windows.rows - 1
+    count = max(1, round(steps * problem.dt / seconds))
+    return ForceGrid(-(-steps // count), count, inertia(problem.boat))
+
+
+def inertia(boat: Boat) -> Array:
+    """(3,) inertia to surge and sway force and yaw moment; the coupling of sway and yaw is neglected."""
+    record = parameters(boat)[0]
+    return np.array(
+        [
+            record["mass"] - record["added_mass_surge"],
+            record["mass"] - record["added_mass_sway"],
+            record["inertia_z"] - record["added_inertia_yaw"],
+        ]
+    )
+
+
+def force_normal_equations(
+    problem: Shooting,
+    hypothesis: Hypothesis,
+    x: Array,
+    states: Array,
+    grid: ForceGrid,
+    axes: tuple[int, ...],
+    by_state: Array,
+    residual: Array,
+    forces: Array | None = None,
+    beside: Array | None = None,
+    damping: Array | None = None,
+) -> Normal:
+    """Normal equations of a force [N, N m] along each axis in each interval, in bounded memory.
+
+    by_state: (W, M, 6); residual: (W, M); forces: (W, B, 3) about which is linearised; beside: (W, M, p)
+    Jacobian by other parameters, whose columns come first; damping: (W,) of the initial states, in reaches.
+    """
+    windows = problem.windows.count
+    size = grid.count * len(axes) * residual.shape[1] * residual.itemsize
+    together = max(1, CHUNK // max(1, size))
+    parts = []
+    for start in range(0, windows, together):
+        rows = slice(start, start + together)
+        chosen = np.zeros(windows, dtype=bool)
+        chosen[rows] = True
+        part = problem if together >= windows else problem.part(chosen)
+        acting = None if forces is None else forces[rows]
+        slopes = force_jacobian(part, hypothesis, x, states[rows], grid, axes, acting)
+        if beside is not None and beside.shape[2]:
+            slopes = np.concatenate([beside[rows], slopes], axis=2)
+        damped = 0.0 if damping is None else damping[rows, None] / (STATE_REACH * problem.scale)
+        parts.append(normal_equations(by_state[rows], slopes, residual[rows], damped))
+    return Normal(
+        *(np.concatenate(field) for field in zip(*(vars(one).values() for one in parts), strict=True))
+    )
+
+
+def force_jacobian(
+    problem: Shooting,
+    hypothesis: Hypothesis,
+    x: Array,
+    states: Array,
+    grid: ForceGrid,
+    axes: tuple[int, ...],
+    forces: Array | None = None,
+) -> Array:
+    """(W, M, B len(axes)) derivative of the standardised prediction by a force of 1 N (or 1 N m) along each
+    axis in each interval, interval by interval; about forces (W, B, 3).
+    """
+    windows, count = problem.windows.count, grid.count
+    acting = np.zeros((windows, count, AXES)) if forces is None else forces / grid.inertia
+    base = problem.predict(hypothesis, x[None], states[None], acting, grid.block)[0]
+    slopes = np.empty((count, len(axes), windows, base[0].size))
+    together, step = max(1, CHUNK // base.nbytes), STEP * acceleration_scale(problem.boat)
+    for (column, axis), start in itertools.product(enumerate(axes), range(0, count, together)):
+        pieces = np.arange(start, min(start + together, count))
+        variants = len(pieces)
+        moved = np.repeat(acting[None], variants, axis=0)
+        moved[np.arange(variants), :, pieces, axis] += step[axis]
+        track = problem.predict(
+            hypothesis,
+            np.repeat(x[None], variants, axis=0),
+            np.repeat(states[None], variants, axis=0),
+            moved.reshape(-1, count, AXES),
+            grid.block,
+        )
+        track -= base
+        track /= step[axis] * grid.inertia[axis]
+        slopes[pieces, column] = problem.standardised(track)
+    return np.moveaxis(slopes.reshape(-1, windows, slopes.shape[-1]), 0, -1)

@@ -1,0 +1,339 @@
+"""Multiple shooting: windows of runs, each simulated from its own initial state."""
+
+import math
+from copy import copy
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.data.windows import Windows
+from swamp_rl.criticism.likelihood.gauss_markov import kalman_filter
+from swamp_rl.criticism.likelihood.initial_states import smoothed_states
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.model.rollout import roll, roll_actuators
+from swamp_rl.criticism.model.scales import state_scale
+from swamp_rl.simulator import initial_state, parameters, tank
+from swamp_rl.simulator.reference import reference_of
+from swamp_rl.simulator.sensors import observe, rows_ahead
+from swamp_rl.simulator.state import ACTUATORS, TIME
+
+Array = NDArray[np.float64]
+
+SUBSTEP, SUBSTEP_OF_RUNS = 0.1, 0.05  # s, the longest Runge-Kutta step; whole runs magnify its error
+PAD = 1.0  # s simulated before a window's first sample, so that delays see what went before
+SHORTEST = 1.5  # s of a window between gaps, below which it is not compared
+# standard deviations of a smoothed state, at least, in `state_scale` and in those of the noise
+START_SD, START_SD_IN_NOISE = np.array([0.403, 0.403, 0.15, 0.361, 0.361, 0.268]), 3.0
+MOST_HISTORIES = 12  # actuator histories that are kept
+NO_ACCELERATION = np.zeros((0, 1, 3))
+# of finite differences; small, since a boat that is unstable on course magnifies them
+STATE_STEP = np.array([8e-6, 8e-6, 1e-6, 7.2e-7, 7.2e-7, 8.9e-7])  # in `state_scale`
+
+
+def cut(run_set: RunSet, weight: Array, seconds: float, before: float = PAD) -> Windows:
+    """Windows of about `seconds` without overlap, inf: one window a run; simulated from `before` [s]
+    earlier.
+
+    A run is cut in a power of two, so that longer windows start where shorter ones do, and at every gap.
+    """
+    pad = math.ceil(before / run_set.dt)
+    shortest = math.ceil(SHORTEST / run_set.dt)
+    rows: list[tuple[int, int, int]] = []
+    for run, length in enumerate(run_set.lengths):
+        transient = max(pad, int(run_set.first_compared[run]))
+        available = int(length) - transient
+        pieces = (
+            2 ** max(0, round(math.log2(available * run_set.dt / seconds))) if math.isfinite(seconds) else 1
+        )
+        edges = np.linspace(transient, length, pieces + 1).round().astype(int)
+        lost = [(gap.row, gap.row + gap.rows) for gap in run_set.gaps if gap.run == run]
+        for a, b in pairwise(edges):
+            inside = [(g, h) for g, h in lost if g < b and h > a]
+            starts = [a, *(h for _, h in inside)]
+            ends = [*(g for g, _ in inside), b]
+            rows += [
+                (run, s - pad, e - 1 - (s - pad))
+                for s, e in zip(starts, ends, strict=True)
+                if e - s >= min(shortest, b - a)
+            ]
+    run_of, first, steps = (np.array(column) for column in zip(*rows, strict=True))
+    measured, weights = window_data(run_set, weight, run_of, first, steps, pad)
+    return Windows(run_of, first, steps, measured, weights, pad, int(steps.max()) + 1)
+
+
+def window_data(
+    run_set: RunSet,
+    weight: Array,
+    run: NDArray[np.int64],
+    first: NDArray[np.int64],
+    steps: NDArray[np.int64],
+    pad: int,
+) -> tuple[Array, Array]:
+    """Measured and weight (W, rows, 6) of windows; the first `pad` rows are only simulated."""
+    measured = np.zeros((len(run), int(steps.max()) + 1, 6))
+    weights = np.zeros_like(measured)
+    for w, (its_run, start, count) in enumerate(zip(run, first, steps, strict=True)):
+        part = slice(start + pad, start + count + 1)
+        measured[w, pad : count + 1] = run_set.measured[its_run, part]
+        weights[w, pad : count + 1] = weight[its_run, part]
+    return np.nan_to_num(measured), weights
+
+
+def wrap(angle: Array) -> Array:
+    """Angles [rad] in [-pi, pi]."""
+    return angle - 2 * np.pi * np.round(angle / (2 * np.pi))
+
+
+def moved_together(hypothesis: Hypothesis) -> list[tuple[NDArray[np.int64], EffectInstance]]:
+    """Columns of x that one simulation moves, and the effect that they are of: one alone, or the same
+    parameter of all groups.
+    """
+    found: list[tuple[NDArray[np.int64], EffectInstance]] = []
+    start = 0
+    for own in hypothesis.instances:
+        columns = np.arange(start, start + own.size).reshape(own.count, -1)
+        found += [(column, own) for column in columns.T]
+        start += own.size
+    return found
+
+
+class Shooting:
+    """Runs cut in windows of one length, and their simulation.
+
+    Holds what every fit shares: windows, commands, towing tank, and the actuators' states under the boat
+    file.
+    """
+
+    def __init__(
+        self,
+        run_set: RunSet,
+        weight: Array,
+        seconds: float,
+        windows: Windows | None = None,
+        before: float = PAD,
+    ) -> None:
+        self.run_set = run_set
+        self.boat = run_set.boat
+        self.seconds = seconds
+        self.weight = weight
+        self.tank = tank(run_set.boat)
+        self.record = parameters(run_set.boat)
+        self.scale = state_scale(run_set.boat)
+        self.dt = run_set.dt
+        self.windows = (
+            self._with_start_prior(cut(run_set, weight, seconds, before)) if windows is None else windows
+        )
+        self.substeps = max(
+            1, math.ceil(run_set.dt / (SUBSTEP if math.isfinite(seconds) else SUBSTEP_OF_RUNS) - 1e-9)
+        )
+        self.samples = int((self.windows.weight[:, self.windows.pad :] > 0).sum())
+        process = run_set.gauss_markov
+        self.filter = None if process is None else kalman_filter(self.windows, process, run_set.dt)
+        self.last = int(self.windows.first.max()) + 1
+        # integrated autocorrelation time, where weights are the model error's
+        self.correlation_samples = 1.0
+        self.boat_steps = [0]  # shared by all parts of this problem
+        self.histories: dict[tuple[str, bytes], Array] = {}
+
+    def _with_start_prior(self, windows: Windows) -> Windows:
+        """The windows with a Gaussian prior on the initial states: the first row holds the smoothed measured
+        state.
+        """
+        if windows.pad > 0:
+            noise = 1.0 / np.maximum(self.weight.max(axis=(0, 1)), 1e-6)
+            windows.measured[:, 0] = self.initial_states(windows)
+            windows.weight[:, 0] = 1.0 / np.maximum(
+                START_SD * self.scale, np.where(noise < 1e6, START_SD_IN_NOISE * noise, 0.0)
+            )
+        return windows
+
+    @cached_property
+    def boat_thrust(self) -> Array:
+        """(K,) greatest thrust [N] of each thruster, at rest."""
+        record = self.record[0]
+        jets = record["thrust_linear"] + record["thrust_quadratic"]
+        return np.where(jets > 0.0, jets, reference_of(self.boat).thrust / len(jets))
+
+    @cached_property
+    def plain_actuators(self) -> Array:
+        """(W, S - 6) time and actuators at the windows' starts under the boat file."""
+        return self.actuators(Hypothesis(), np.zeros((1, 0)))[0]
+
+    def part(self, chosen: NDArray[np.bool_]) -> "Shooting":
+        """The problem on some of its windows (W,)."""
+        win = self.windows
+        windows = Windows(
+            win.run[chosen],
+            win.first[chosen],
+            win.steps[chosen],
+            win.measured[chosen],
+            win.weight[chosen],
+            win.pad,
+            win.measured.shape[1],
+        )
+        made = copy(self)
+        made.windows = windows
+        made.filter = self.filter.part(chosen) if self.filter is not None else None
+        made.samples = int((windows.weight[:, windows.pad :] > 0).sum())
+        made.plain_actuators = self.plain_actuators[chosen]
+        return made
+
+    def with_commands(self, run_set: RunSet) -> "Shooting":
+        """The same windows with the commands of other runs."""
+        made = copy(self)
+        made.run_set, made.histories = run_set, {}
+        made.plain_actuators = made.actuators(Hypothesis(), np.zeros((1, 0)))[0]
+        return made
+
+    def actuators(self, hypothesis: Hypothesis, x: Array) -> Array:
+        """(V, W, S - 6) time and actuators at the windows' starts for each row of x (V, p)."""
+        places = self.windows.run, self.windows.first
+        return np.stack([self._actuator_history(hypothesis, row)[places] for row in x])
+
+    def _actuator_history(self, hypothesis: Hypothesis, x: Array) -> Array:
+        """(R, rows, S - 6) time and actuators up to the last window's start under x (p,)."""
+        key = hypothesis.label, x.tobytes()
+        if key not in self.histories:
+            runs = len(self.run_set.lengths)
+            records = hypothesis.records(self.boat, x[None], self.record, self.run_set.origins)
+            start = initial_state(records, np.zeros((runs, 3)))
+            start[:, ACTUATORS:] = self._first_actuators(start.shape[1] - ACTUATORS)
+            states = np.empty((runs, self.last, start.shape[1] - 6))
+            roll_actuators(records, start, self.run_set.commands, np.arange(runs), self.dt, states)
+            if len(self.histories) >= MOST_HISTORIES:
+                del self.histories[next(iter(self.histories))]
+            self.histories[key] = states
+        return self.histories[key]
+
+    def _first_actuators(self, width: int) -> Array:
+        """(R, width) actuators at their first commands."""
+        first = np.zeros((len(self.run_set.lengths), width))
+        commands = self.run_set.commands[:, 0]
+        first[:, : commands.shape[1]] = commands
+        return first
+
+    def predict(
+        self,
+        hypothesis: Hypothesis,
+        x: Array,
+        states: Array,
+        acceleration: Array = NO_ACCELERATION,
+        block: int = 1,
+    ) -> Array:
+        """(V, W, T + 1, 6) predicted measurements for x (V, p) and rigid states (V, W, 6) at the starts;
+        acceleration: (V W or 0, B, 3) and block as in `roll`.
+        """
+        win, variants = self.windows, len(x)
+        batch = hypothesis.records(self.boat, x, self.record, self.run_set.origins[win.run])
+        ahead = rows_ahead(batch, float(self.run_set.lengths.max()) * self.dt, self.dt)
+        if hypothesis.moves_actuators:
+            rows, place = np.unique(hypothesis.of_actuators(x), axis=0, return_inverse=True)
+            actuators = self.actuators(hypothesis, rows)[place.reshape(-1)]
+        else:
+            actuators = np.broadcast_to(self.plain_actuators, (variants, *self.plain_actuators.shape))
+        start = np.concatenate([states, actuators], axis=2).reshape(variants * win.count, -1)
+        track = np.empty((len(start), win.rows + ahead, 6))
+        run, first, steps = (np.tile(a, variants) for a in (win.run, win.first, win.steps))
+        seeds = np.zeros(len(start), np.uint64)
+        steps += ahead
+        self.boat_steps[0] += int(steps.sum()) * self.substeps
+        roll(
+            batch,
+            self.tank,
+            start,
+            self.run_set.commands,
+            self.run_set.weather,
+            run,
+            first,
+            steps,
+            seeds,
+            self.dt,
+            self.substeps,
+            acceleration,
+            block,
+            track,
+        )
+        track = observe(track, batch, self.dt, start[:, TIME])[:, : win.rows]
+        return track.reshape(variants, win.count, *track.shape[1:])
+
+    def residuals(self, prediction: Array) -> Array:
+        """(..., W, M) measured less predicted in standard deviations, 0 where nothing was measured."""
+        with np.errstate(invalid="ignore"):
+            return self.standardised(self.difference(prediction))
+
+    def difference(self, prediction: Array) -> Array:
+        """(..., W, T, 6) measured less predicted, headings in [-pi, pi]."""
+        difference = self.windows.measured - prediction
+        difference[..., 2] = wrap(difference[..., 2])
+        return difference
+
+    def standardised(self, difference: Array) -> Array:
+        """(..., W, M) of differences (..., W, T, 6) between tracks, in standard deviations, whitened where
+        the noise has a Gauss-Markov part.
+        """
+        standardised = difference * self.windows.weight
+        if self.filter is not None:
+            standardised = self.filter.whitened(standardised)
+        return standardised.reshape(*standardised.shape[:-2], -1)
+
+    def state_jacobian(
+        self,
+        hypothesis: Hypothesis,
+        x: Array,
+        states: Array,
+        base: Array,
+        acceleration: Array = NO_ACCELERATION,
+        block: int = 1,
+    ) -> Array:
+        """(W, M, 6) derivative of the standardised prediction by the initial states; by positions
+        analytically. acceleration: (W or 0, B, 3).
+        """
+        moved, step = np.repeat(states[None], 4, axis=0), STATE_STEP * self.scale
+        for i, column in enumerate((2, 3, 4, 5)):
+            moved[i, :, column] += step[column]
+        four = np.repeat(x[None], 4, axis=0)
+        prediction = self.predict(hypothesis, four, moved, np.tile(acceleration, (4, 1, 1)), block)
+        change = np.zeros((6, *base.shape))
+        change[0, ..., 0] = 1.0
+        change[1, ..., 1] = 1.0
+        for i, column in enumerate((2, 3, 4, 5)):
+            change[column] = (prediction[i] - base) / step[column]
+        return np.ascontiguousarray(np.moveaxis(self.standardised(change), 0, -1))
+
+    def parameter_jacobian(
+        self,
+        hypothesis: Hypothesis,
+        x: Array,
+        states: Array,
+        base: Array,
+        chosen: NDArray[np.bool_] | None = None,
+    ) -> Array:
+        """(W, M, p) derivative of the standardised prediction by x, one-sided differences within the bounds;
+        chosen: (p,) the columns that are wanted. A parameter that differs between groups of runs is moved in
+        all groups at once, since each window is of one group.
+        """
+        size = hypothesis.size
+        wanted = np.arange(size) if chosen is None else np.flatnonzero(chosen)
+        slopes = np.zeros((self.windows.count, base[0].size, len(wanted)))
+        moves = [(columns, own) for columns, own in moved_together(hypothesis) if columns[0] in wanted]
+        if not moves:
+            return slopes
+        step = np.array([s.difference for s in hypothesis.specs])
+        step = np.where(x + step > hypothesis.bounds()[1], -step, step)
+        moved = np.repeat(x[None], len(moves), axis=0)
+        for row, (columns, _) in zip(moved, moves, strict=True):
+            row[columns] += step[columns]
+        prediction = self.predict(hypothesis, moved, np.repeat(states[None], len(moves), axis=0))
+        for change, (columns, own) in zip(prediction - base, moves, strict=True):
+            group = np.array(own.groups)[self.run_set.origins[self.windows.run]] if own.groups else None
+            mine = columns[0] if group is None else columns[group]
+            slope = self.standardised(change / np.reshape(step[mine], (-1, 1, 1)))
+            slopes[np.arange(len(slopes)), :, np.searchsorted(wanted, mine)] = slope
+        return slopes
+
+    def initial_states(self, windows: Windows | None = None) -> Array:
+        """(W, 6) states at the starts, smoothed from the measurements about them."""
+        return smoothed_states(self.run_set, self.weight, windows or self.windows)

@@ -1,0 +1,291 @@
+"""Output-error fit by Gauss-Newton: parameters common to all windows, an initial state for each."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.state_fit import fit_states, losses, min_decrease
+from swamp_rl.criticism.model.candidates import Hypothesis
+
+Array = NDArray[np.float64]
+
+DAMPINGS = (0.0, 1.0, 4.0, 16.0, 64.0)  # tried in turn, relative to the reach of a parameter or state
+STRAY, ROUNDS = 1.35, 4  # times the median loss of a stray window; iterations of its initial state
+# gain ratios below which a new Jacobian is taken, where a step gains less than CLOSE and more
+MIN_GAIN_RATIO, MIN_GAIN_RATIO_FAR, CLOSE = 0.6, 0.9, 30.0
+MAX_INCREASE = 10.0  # chi2 by which a window may become worse before its initial state is refitted
+STATE_REACH = np.array([0.403, 0.403, 0.2, 0.144, 0.144, 0.179])  # in `state_scale`
+MIN_STATE_GAIN = 2.0  # chi2 that refitting an initial state must promise at the end of a fit
+MOST_REFITS = 3  # continuations of a fit after that
+NO_INFORMATION = 1e42  # variance of a parameter that nothing depends on
+FAR = 4.0  # reaches: largest step of a window's state
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Normal equations of every window, its six initial states eliminated (Schur complement).
+
+    information: (W, p, p); gradient: (W, p); profile_chi2: (W,) chi2 minimised over the initial states, -2
+    log of the profile likelihood but for a constant.
+    """
+
+    states_information: Array
+    cross: Array
+    states_gradient: Array
+    information: Array
+    gradient: Array
+    profile_chi2: Array
+
+    def shift(self, step: Array) -> Array:
+        """(W, 6) change of the initial states that goes with a step (p,) of the parameters."""
+        wanted = self.states_gradient - self.cross @ step
+        return np.asarray(np.linalg.solve(self.states_information, wanted[..., None])[..., 0], dtype=float)
+
+
+def normal_equations(states: Array, slopes: Array, residual: Array, damping: float | Array = 0.0) -> Normal:
+    """From Jacobians by initial states (W, M, 6) and by parameters (W, M, p), and residuals (W, M)."""
+    transposed = np.swapaxes(states, 1, 2)
+    A = transposed @ states
+    ridge = 1e-11 * np.einsum("wii->wi", A) + 1e-12 + damping**2
+    A = A + ridge[..., None] * np.eye(6)
+    C = transposed @ slopes
+    b = (transposed @ residual[..., None])[..., 0]
+    solved = np.linalg.solve(A, np.concatenate([C, b[..., None]], axis=2))
+    across = np.swapaxes(C, 1, 2)
+    by = np.swapaxes(slopes, 1, 2)
+    information = by @ slopes - across @ solved[..., :-1]
+    gradient = (by @ residual[..., None])[..., 0] - (across @ solved[..., -1:])[..., 0]
+    profile_chi2 = (residual**2).sum(axis=1) - (b * solved[..., -1]).sum(axis=1)
+    return Normal(A, C, b, information, gradient, profile_chi2)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted hypothesis.
+
+    x: (p,); states: (W, 6); residual: (W, M) in standard deviations; loss: (W,) chi2 of each window; normal:
+    the normal equations there; penalty: of the prior; states_jacobian: (W, M, 6); steps: Jacobians used.
+    """
+
+    hypothesis: Hypothesis
+    x: Array
+    states: Array
+    residual: Array
+    loss: Array
+    normal: Normal
+    penalty: float
+    states_jacobian: Array
+    steps: int
+
+    @property
+    def chi2(self) -> float:
+        """Sum of squared standardised residuals, prior included."""
+        return float(self.loss.sum()) + self.penalty
+
+    @property
+    def covariance(self) -> Array:
+        """(p, p) of x, the inverse of the Fisher information under white noise of the estimated variance."""
+        _, precision = self.hypothesis.prior()
+        return inverse(self.normal.information.sum(axis=0) + np.diag(precision))
+
+
+def inverse(H: Array) -> Array:
+    """Inverse of an information matrix (p, p), scaled; directions without information get a huge variance,
+    and parameters without any no covariance with others.
+    """
+    if not len(H) or not np.isfinite(H).all():
+        return np.full_like(H, np.inf)
+    known = np.diag(H) > 0.0
+    inner = H[np.ix_(known, known)]
+    scale = np.sqrt(np.maximum(np.diag(inner), 1e-30))
+    values, vectors = np.linalg.eigh(inner / np.outer(scale, scale))
+    found = np.diag(np.where(known, 0.0, NO_INFORMATION))
+    found[np.ix_(known, known)] = (vectors / np.maximum(values, 1e-12)) @ vectors.T / np.outer(scale, scale)
+    return found
+
+
+def prior_penalty(hypothesis: Hypothesis, x: Array) -> float:
+    """Squared distance of x from the prior mean, in standard deviations."""
+    mean, precision = hypothesis.prior()
+    return float(precision @ (x - mean) ** 2)
+
+
+def bounded_step(H: Array, g: Array, x: Array, low: Array, high: Array) -> Array:
+    """Newton's step (p,) for information H and gradient g, projected onto the bounds."""
+    step = np.zeros(len(x))
+    if not (np.isfinite(H).all() and np.isfinite(g).all()):  # a simulation diverged
+        return step
+    free = np.ones(len(x), dtype=bool)
+    while free.any():
+        rest = g - H @ np.where(free, 0.0, step)
+        scale = np.sqrt(np.maximum(np.diag(H)[free], 1e-30))
+        scaled = H[np.ix_(free, free)] / np.outer(scale, scale)
+        step[free] = np.linalg.lstsq(scaled, rest[free] / scale, rcond=1e-12)[0] / scale
+        beyond = free & ((x + step > high) | (x + step < low))
+        if not beyond.any():
+            break
+        step[beyond] = np.clip(x + step, low, high)[beyond] - x[beyond]
+        free &= ~beyond
+    return step
+
+
+def stray_windows(problem: Shooting, residual: Array) -> NDArray[np.bool_]:
+    """(W,) windows that fit far worse than the others: their initial state has not converged."""
+    seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)), 1)
+    share = (residual**2).sum(axis=1) / seen
+    stray = share > STRAY * np.median(share)
+    return stray if stray.sum() <= len(stray) // 3 else np.zeros_like(stray)
+
+
+@dataclass
+class Iterate:
+    """An iterate: x (p,), states (W, 6), prediction and residual there."""
+
+    x: Array
+    states: Array
+    base: Array
+    residual: Array
+    penalty: float
+
+    @property
+    def loss(self) -> Array:
+        """(W,) chi2 of each window."""
+        return losses(self.residual)
+
+    @property
+    def chi2(self) -> float:
+        """Prior included."""
+        return float(self.loss.sum()) + self.penalty
+
+
+Jacobians = tuple[Array, Array]
+
+
+def fit(
+    problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, steps: int = 8, fresh: bool = False
+) -> Fit:
+    """The hypothesis fitted from x (p,) and states (W, 6) by Levenberg-Marquardt, with at most `steps`
+    Jacobians.
+
+    A Jacobian is kept while the gain ratio is high. fresh: the last Jacobian is taken at the solution.
+    """
+    x, states = np.array(x, dtype=float), np.array(states, dtype=float)
+    base = problem.predict(hypothesis, x[None], states[None])[0]
+    at = Iterate(x, states, base, problem.residuals(base), prior_penalty(hypothesis, x))
+    refitted = _with_states_refitted(
+        problem, hypothesis, at, problem.state_jacobian(hypothesis, x, states, base), MAX_INCREASE
+    )
+    at = refitted or at
+    slopes, start, used = jacobians_at(problem, hypothesis, at), 0, 1
+    newest, first, refits = True, True, 0
+    while True:
+        moved, start, gain_ratio = _step(problem, hypothesis, at, slopes, start, first)
+        first = False
+        gain = at.chi2 - moved.chi2
+        at, newest = moved, newest and gain == 0.0
+        least = min_decrease(problem, at.chi2)
+        if gain > least and gain_ratio > (MIN_GAIN_RATIO if gain < CLOSE else MIN_GAIN_RATIO_FAR):
+            continue
+        if newest or used >= steps or (gain_ratio > MIN_GAIN_RATIO and not fresh):
+            refitted = (
+                _with_states_refitted(problem, hypothesis, at, slopes[0], max(MIN_STATE_GAIN, least))
+                if refits < MOST_REFITS
+                else None
+            )
+            if refitted is None:
+                break
+            at, refits = refitted, refits + 1
+        slopes, used, newest = jacobians_at(problem, hypothesis, at), used + 1, True
+    if fresh and not newest:
+        slopes = jacobians_at(problem, hypothesis, at)
+    return Fit(
+        hypothesis,
+        at.x,
+        at.states,
+        at.residual,
+        at.loss,
+        normal_equations(*slopes, at.residual),
+        at.penalty,
+        slopes[0],
+        used,
+    )
+
+
+def jacobians_at(problem: Shooting, hypothesis: Hypothesis, at: Iterate) -> Jacobians:
+    """Jacobians by states (W, M, 6) and by parameters (W, M, p)."""
+    return (
+        problem.state_jacobian(hypothesis, at.x, at.states, at.base),
+        problem.parameter_jacobian(hypothesis, at.x, at.states, at.base),
+    )
+
+
+def _step(
+    problem: Shooting, hypothesis: Hypothesis, at: Iterate, slopes: Jacobians, start: int, first: bool
+) -> tuple[Iterate, int, float]:
+    """The first step of increasing damping that lowers chi2, the index of the damping to begin the next one
+    with, and the gain ratio; `at` itself and 0 where no step does.
+    """
+    mean, precision = hypothesis.prior()
+    low, high = hypothesis.bounds()
+    reach = np.array([spec.scale for spec in hypothesis.specs])
+    for number in range(start, len(DAMPINGS)):
+        damping = DAMPINGS[number]
+        normal = normal_equations(*slopes, at.residual, damping / (STATE_REACH * problem.scale))
+        H = normal.information.sum(axis=0) + np.diag(precision + len(at.states) * (damping / reach) ** 2)
+        g = normal.gradient.sum(axis=0) - precision * (at.x - mean)
+        step = bounded_step(H, g, at.x, low, high)
+        predicted_gain = (
+            at.chi2 - float(normal.profile_chi2.sum()) - at.penalty + float(2 * g @ step - step @ H @ step)
+        )
+        if number == 0 and predicted_gain < min_decrease(problem, at.chi2):
+            return at, 0, 1.0
+        moved = _moved(problem, hypothesis, at, step, normal.shift(step), first)
+        if moved.chi2 < at.chi2:
+            return moved, max(0, number - 2), (at.chi2 - moved.chi2) / max(predicted_gain, 1e-12)
+    return at, max(0, len(DAMPINGS) - 2), 0.0
+
+
+def _with_states_refitted(
+    problem: Shooting, hypothesis: Hypothesis, at: Iterate, by_state: Array, least: float
+) -> Iterate | None:
+    """The iterate with the initial states refitted in those windows in which that alone promises to save
+    `least` chi2; None where no window does.
+    """
+    none = np.zeros((*at.residual.shape, 0))
+    could = at.loss - normal_equations(by_state, none, at.residual).profile_chi2 > least
+    if not could.any():
+        return None
+    base, states, residual = at.base.copy(), at.states.copy(), at.residual.copy()
+    part, held = problem.part(could), problem.windows.measured[could, 0]
+    starts = [states[could]] if problem.windows.pad == 0 else [states[could], held]
+    for start in starts:  # the current states, and the measured ones
+        found = fit_states(part, hypothesis, at.x, start, 2 * ROUNDS)
+        better = losses(found[2]) < losses(residual[could])
+        place = np.flatnonzero(could)[better]
+        states[place], base[place], residual[place] = (one[better] for one in found)
+    moved = Iterate(at.x, states, base, residual, at.penalty)
+    return moved if moved.chi2 < at.chi2 - min_decrease(problem, at.chi2) else None
+
+
+def _moved(
+    problem: Shooting, hypothesis: Hypothesis, at: Iterate, step: Array, shift: Array, first: bool
+) -> Iterate:
+    """The iterate after a step (p,) and a shift of the states (W, 6); the initial states of windows that
+    become worse are refitted, at the first step also those of stray windows.
+    """
+    x, states = at.x + step, at.states + shift
+    base = problem.predict(hypothesis, x[None], states[None])[0]
+    residual = problem.residuals(base)
+    loss = losses(residual)
+    off = (loss > at.loss + MAX_INCREASE) | (np.abs(shift) > FAR * STATE_REACH * problem.scale).any(axis=1)
+    if not 0 < off.sum() <= len(off) // 3:
+        off = np.zeros_like(off)
+    better = loss.sum() < at.chi2
+    if first and better:
+        off |= stray_windows(problem, residual)
+    if off.any() and (better or loss[~off].sum() < at.loss[~off].sum()):
+        found = fit_states(problem.part(off), hypothesis, x, at.states[off], ROUNDS)
+        states[off], base[off], residual[off] = found
+    return Iterate(x, states, base, residual, prior_penalty(hypothesis, x))

@@ -1,0 +1,178 @@
+"""Prediction error by horizon under the boat file and under the extended one, on held-out runs."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, Windows, wrap
+from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.result import Gain, Paired
+from swamp_rl.simulator.sensors import true_motion
+
+Array = NDArray[np.float64]
+
+HORIZONS = (1.0, 5.0, 10.0, 30.0)  # s
+RESTART = 5.0  # s between restarts, at least
+RESAMPLES = 4000
+ENOUGH_RUNS = 4  # runs that are the blocks; with fewer, runs are cut in stretches
+STRETCH = 20.0  # s of a stretch, or two horizons where that is longer
+QUANTITIES = {
+    "position_rmse_m": [0, 1],
+    "heading_rmse_rad": [2],
+    "surge_rmse_m_s": [3],
+    "sway_rmse_m_s": [4],
+    "yaw_rate_rmse_rad_s": [5],
+}
+
+
+@dataclass(frozen=True)
+class Errors:
+    """error: (n, 6) measured less predicted, in the order of CHANNELS, NaN where nothing was measured; run:
+    (n,); end: (n,) time in its run [s].
+    """
+
+    error: Array
+    run: NDArray[np.int64]
+    end: Array
+
+
+def gains(
+    run_set: RunSet, weight: Array, hypothesis: Hypothesis, numbers: Array, rng: np.random.Generator
+) -> list[Gain]:
+    """Errors under the boat file and under a hypothesis, at every horizon that the runs allow.
+
+    weight: (R, T, 6); numbers: (R, p), the parameters for each run, fitted without it.
+    """
+    none = np.zeros((len(run_set.lengths), 0))
+    found = []
+    for horizon in HORIZONS:
+        before = errors_at(run_set, weight, horizon, Hypothesis(), none)
+        after = errors_at(run_set, weight, horizon, hypothesis, numbers)
+        block, called = blocks_of(before, horizon)
+        kept = {
+            name: paired
+            for name, columns in QUANTITIES.items()
+            if (paired := change(before.error[:, columns], after.error[:, columns], block, rng))
+        }
+        found.append(Gain(horizon_s=horizon, restarts=len(block), blocks=called, **kept))
+    return found
+
+
+def errors_at(run_set: RunSet, weight: Array, horizon: float, hypothesis: Hypothesis, x: Array) -> Errors:
+    """Errors `horizon` [s] after restarts from smoothed measured states; x: (R, p)."""
+
+    def ends(run: int, start: Restarts) -> Array:
+        return start.predict(hypothesis, x[run])[:, -1]
+
+    return errors_of(run_set, weight, horizon, ends)
+
+
+def errors_of(
+    run_set: RunSet, weight: Array, horizon: float, ends: Callable[[int, "Restarts"], Array]
+) -> Errors:
+    """Errors `horizon` [s] after restarts; ends: (n, 6) predicted measurements of a run's restarts."""
+    error, run_of, end = [np.zeros((0, len(CHANNELS)))], [np.zeros(0, int)], [np.zeros(0)]
+    for run in range(len(run_set.lengths)):
+        start = restarts(run_set, weight, run, horizon)
+        if start is None:
+            continue
+        last = start.first + start.steps
+        measured = np.where(weight[run, last] > 0, run_set.measured[run, last], np.nan)
+        apart = measured - ends(run, start)
+        apart[:, 2] = wrap(apart[:, 2])
+        error.append(apart)
+        run_of.append(np.full(len(last), run))
+        end.append(np.asarray(last * run_set.dt, dtype=float))
+    return Errors(np.concatenate(error), np.concatenate(run_of), np.concatenate(end))
+
+
+@dataclass(frozen=True)
+class Restarts:
+    """Where the predictions of a run start.
+
+    first: (n,) samples; steps: of each prediction; states: (n, 6) smoothed from the measurements about them,
+    in the order of CHANNELS.
+    """
+
+    problem: Shooting
+    first: NDArray[np.int64]
+    steps: int
+    states: Array
+
+    def predict(self, hypothesis: Hypothesis, x: Array) -> Array:
+        """(n, steps + 1, 6) what the sensors would say under x (p,)."""
+        origins = self.problem.run_set.origins[self.problem.windows.run]
+        records = hypothesis.records(self.problem.boat, x[None], runs=origins)
+        states = true_motion(self.states, records, np.asarray(self.first * self.problem.dt, dtype=float))
+        return self.problem.predict(hypothesis, x[None], states[None])[0]
+
+
+def restarts(run_set: RunSet, weight: Array, run: int, horizon: float) -> Restarts | None:
+    """Of one run, for predictions of `horizon` [s]; None for a run too short."""
+    one = run_set.subset([run])
+    windows = _restarts(one, horizon, int(run_set.first_compared[run]))
+    if windows is None:
+        return None
+    problem = Shooting(one, weight[run : run + 1], horizon, windows)
+    return Restarts(problem, windows.first, windows.rows - 1, problem.initial_states())
+
+
+def _restarts(run_set: RunSet, horizon: float, begin: int) -> Windows | None:
+    steps = round(horizon / run_set.dt)
+    every = max(1, round(max(horizon, RESTART) / run_set.dt))
+    first = np.arange(begin, int(run_set.lengths[0]) - steps, every)
+    if len(first) == 0:
+        return None
+    nothing = np.zeros((len(first), steps + 1, len(CHANNELS)))
+    return Windows(
+        np.zeros(len(first), int), first, np.full(len(first), steps), nothing, nothing, 0, steps + 1
+    )
+
+
+def blocks_of(errors: Errors, horizon: float) -> tuple[NDArray[np.int64], str]:
+    """(n,) block of each restart, and the name of the blocks.
+
+    Neighbouring restarts are correlated. Whole runs are resampled where there are ENOUGH_RUNS, else stretches
+    of a run.
+    """
+    if len(np.unique(errors.run)) >= ENOUGH_RUNS:
+        return errors.run, "runs"
+    seconds = max(STRETCH, 2.0 * horizon)
+    place = np.stack([errors.run, (errors.end // seconds).astype(int)], axis=1)
+    _, block = np.unique(place, axis=0, return_inverse=True)
+    return np.asarray(block.reshape(-1), dtype=int), f"stretches of {seconds:g} s"
+
+
+def change(before: Array, after: Array, block: NDArray[np.int64], rng: np.random.Generator) -> Paired | None:
+    """Root mean square errors before and after, and the interval of their difference, of errors (n, k) in
+    blocks (n,); None for fewer than two blocks.
+
+    Percentile bootstrap over blocks, expanded to the width of Student's t for few blocks (Hesterberg 2015,
+    10.1080/00031305.2015.1089789).
+    """
+    good = np.isfinite(before).all(axis=1) & np.isfinite(after).all(axis=1)
+    names, place = np.unique(block[good], return_inverse=True)
+    count = len(names)
+    if count < 2:
+        return None
+    sums = np.zeros((3, count))
+    np.add.at(sums[0], place, (before[good] ** 2).sum(axis=1))
+    np.add.at(sums[1], place, (after[good] ** 2).sum(axis=1))
+    np.add.at(sums[2], place, 1.0)
+    picked = sums @ rng.multinomial(count, np.full(count, 1.0 / count), RESAMPLES).T
+    roots = np.sqrt(picked[:2] / picked[2])
+    tail = 100.0 * expanded_tail(count)
+    low, high = np.percentile(roots[0] - roots[1], [tail, 100.0 - tail])
+    whole = np.sqrt(sums[:2].sum(axis=1) / sums[2].sum())
+    return Paired(before=float(whole[0]), after=float(whole[1]), ci95=(float(low), float(high)))
+
+
+def expanded_tail(count: int, tail: float = 0.025) -> float:
+    """Probability cut from each end of a percentile bootstrap of `count` blocks."""
+    from scipy.special import ndtr, stdtrit
+
+    return float(ndtr(math.sqrt(count / (count - 1)) * stdtrit(count - 1, tail)))

@@ -1,0 +1,47 @@
+"""Azimuths and throttles along runs from the commands, and from when on the start is irrelevant."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.model.rollout import roll_actuators
+from swamp_rl.simulator import initial_state, parameters
+from swamp_rl.simulator.state import ACTUATORS
+
+Array = NDArray[np.float64]
+
+LEAST_TRANSIENT = 3.0  # s at a run's start that are not compared: the actuators' state there is not recorded
+CONVERGED = 0.01  # rad of azimuth and share of throttle by which two histories may differ
+FIRST_ACTUATOR = ACTUATORS - 6  # of a row of `roll_actuators`, which begins with the time
+
+
+def actuator_history(boat: Boat, commands: Array, dt: float, at_first_commands: bool = True) -> Array:
+    """Azimuths [rad] and throttles [1] of the actuators (R, T, 2K) under the boat file.
+
+    commands: (R, T, 2K), a row each dt [s]. The actuators are at their first commands at the start, or
+    straight ahead and stopped.
+    """
+    runs, samples = commands.shape[:2]
+    records = parameters(boat, runs)
+    start = initial_state(records, np.zeros((runs, 3)))
+    if at_first_commands:
+        start[:, ACTUATORS:] = commands[:, 0]
+    states = np.empty((runs, samples, start.shape[1] - 6))
+    roll_actuators(records, start, commands, np.arange(runs), dt, states)
+    return states[..., FIRST_ACTUATOR:]
+
+
+def first_compared(boat: Boat, commands: Array, lengths: NDArray[np.int64], dt: float) -> NDArray[np.int64]:
+    """First row (R,) of each run that is compared with a simulation, at most in its middle.
+
+    From there on the actuators' history is the same, whether they were straight ahead and stopped at the
+    start or at their first commands.
+    """
+    apart = actuator_history(boat, commands, dt) - actuator_history(boat, commands, dt, False)
+    azimuths = apart[..., : apart.shape[2] // 2]
+    azimuths -= 2.0 * np.pi * np.rint(azimuths / (2.0 * np.pi))  # whole turns are one direction
+    differ = (np.abs(apart) > CONVERGED).any(axis=2) & (np.arange(commands.shape[1]) < lengths[:, None])
+    last = np.where(differ.any(axis=1), differ.shape[1] - np.argmax(differ[:, ::-1], axis=1), 0)
+    return np.maximum(math.ceil(LEAST_TRANSIENT / dt), np.minimum(last, lengths // 2))

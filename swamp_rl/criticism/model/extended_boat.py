@@ -1,0 +1,60 @@
+"""The extended boat file: the given one and the effects that were found; and the weather that was found."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.effects import LIBRARY
+from swamp_rl.files import write_yaml
+from swamp_rl.names import file_in
+
+
+def effect_mappings(hypothesis: Hypothesis, x: NDArray[np.float64]) -> list[dict[str, Any]]:
+    """The effects as mappings for YAML; x: (p,)."""
+    found = []
+    for entry in hypothesis.entries(x):
+        selector = list(entry.thruster) if isinstance(entry.thruster, tuple) else entry.thruster
+        thruster = {} if selector is None else {"thruster": selector}
+        found.append(
+            {"effect": entry.effect.name, **thruster, **{k: float(v) for k, v in entry.values.items()}}
+        )
+    return found
+
+
+BOAT, CONDITIONS = "extended_boat.yaml", "conditions"
+
+
+def write_extended(
+    folder: Path, boat: str | Path, hypothesis: Hypothesis, x: NDArray[np.float64], names: Sequence[str] = ()
+) -> None:
+    """Write BOAT and, where some effects of the hypothesis may differ between days or runs, levels of
+    disturbances with those into `folder`: CONDITIONS.yaml, or CONDITIONS/RUN.yaml of each of the runs `names`
+    where they do differ.
+
+    BOAT extends `boat`, given by name or by path, with the other effects. x: (p,).
+    """
+    shared = hypothesis.shared(x)
+    own = [one for one in effect_mappings(*shared) if LIBRARY[one["effect"]].scope == "boat"]
+    if hypothesis.differs:
+        (folder / CONDITIONS).mkdir()
+        for run, name in enumerate(names):
+            path = file_in(folder / CONDITIONS, f"{name}.yaml", (".yaml",))
+            _write_conditions(path, *hypothesis.of_run(x, run)[:2])
+    else:
+        _write_conditions(folder / f"{CONDITIONS}.yaml", *shared)
+    given = Path(boat)
+    is_name = given.suffix == "" and len(given.parts) == 1
+    extends = str(boat) if is_name else os.path.relpath(given, folder)
+    write_yaml(folder / BOAT, {"extends": extends, "name": f"{given.stem}-extended", "effects": own})
+
+
+def _write_conditions(path: Path, hypothesis: Hypothesis, x: NDArray[np.float64]) -> None:
+    """The effects that may differ between days or runs as a level of disturbances, if there are any."""
+    effects = [one for one in effect_mappings(hypothesis, x) if LIBRARY[one["effect"]].scope != "boat"]
+    if effects:
+        write_yaml(path, {"description": "what a diagnosis found of a run's weather", "effects": effects})

@@ -1,0 +1,138 @@
+"""Commands during lost rows: the sequence that fits the measurement best."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data.run_set import Gap, RunSet
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, Windows, window_data
+from swamp_rl.criticism.likelihood.output_error import Fit, fit_states, normal_equations
+from swamp_rl.criticism.model.candidates import Hypothesis
+
+Array = NDArray[np.float64]
+
+AROUND = 5.0  # s to either side of a gap that are compared
+NEGLIGIBLE = 2.0  # chi2 between the latest and the earliest change below which a gap is ignored
+MIN_GAIN = 1.0  # chi2 by which another command must be better
+OTHER_SHARES, EXTRA_CHI2 = (
+    (0.5, -1.0, 2.0),
+    9.0,
+)  # shares of the change, and the chi2 that such a command must save
+LONGEST = 5  # rows: commands of longer gaps are not estimated
+ROUNDS = 5  # iterations for the initial state of each window
+
+
+def with_relevant_gaps(run_set: RunSet, weight: Array) -> RunSet:
+    """The runs with those gaps only in which the unknown command matters to the prediction."""
+    short = [gap for gap in run_set.gaps if gap.rows <= LONGEST]
+    kept = [gap for gap in run_set.gaps if gap.rows > LONGEST]
+    if short:
+        problem, _ = _windows_of_each(run_set, weight, short, ends_alone=True)
+        states = np.repeat(problem.initial_states()[::2], 2, axis=0)
+        tracks = problem.predict(Hypothesis(), np.zeros((1, 0)), states[None])[0]
+        apart = problem.part(np.arange(len(tracks)) % 2 == 0).standardised(tracks[1::2] - tracks[::2])
+        power = (apart**2).sum(axis=1)
+        kept += [gap for gap, much in zip(short, power, strict=True) if much > NEGLIGIBLE]
+    return replace(run_set, gaps=tuple(kept))
+
+
+def with_best_commands(
+    run_set: RunSet, weight: Array, every: Sequence[Gap], hypothesis: Hypothesis, x: Array
+) -> RunSet:
+    """The runs with the best-fitting commands in each short gap of `every`, under a hypothesis at x (p,)."""
+    short = [gap for gap in every if gap.rows <= LONGEST and stepwise(run_set, gap.run)]
+    if not short:
+        return run_set
+    commands = run_set.commands.copy()
+    problem, group = _windows_of_each(run_set, weight, short)
+    _, _, residual = fit_states(problem, hypothesis, x, problem.initial_states(), ROUNDS)
+    loss = (residual**2).sum(axis=1)
+    loss += [needed for gap in short for _, needed in possible_commands(run_set, gap)]
+    for number, gap in enumerate(short):
+        mine = np.flatnonzero(group == number)
+        best = problem.run_set.commands[mine[loss[mine].argmin()]]
+        rows = slice(gap.row, gap.row + gap.rows)
+        commands[gap.run, rows] = best[rows]
+    kept = tuple(gap for gap in run_set.gaps if gap not in short)
+    return replace(run_set, commands=commands, gaps=kept)
+
+
+def stepwise(run_set: RunSet, run: int) -> bool:
+    """Whether a run's commands are constant most of the time; others are interpolated over a gap."""
+    commands = run_set.commands[run, : run_set.lengths[run]]
+    return bool((commands[1:] == commands[:-1]).all(axis=1).mean() > 0.5)
+
+
+def possible_commands(run_set: RunSet, gap: Gap) -> list[tuple[Array, float]]:
+    """Commands (rows, 2K) that are possible in a gap, and the chi2 that each must save: the change after any
+    number of its rows, or another command during the gap, half way or as far to either side.
+    """
+    commands = run_set.commands[gap.run]
+    before, after = commands[gap.row - 1], commands[gap.row + gap.rows]
+    late = np.arange(gap.rows)[:, None]
+    found = [(np.where(late < keeps, before, after), 0.0) for keeps in range(gap.rows, -1, -1)]
+    for share in OTHER_SHARES:
+        held = before + share * (after - before)
+        held[len(held) // 2 :] = np.clip(held[len(held) // 2 :], -1.0, 1.0)
+        found.append((np.repeat(held[None], gap.rows, axis=0), EXTRA_CHI2))
+    return found
+
+
+def with_commands_refined(problem: Shooting, at: Fit, every: Sequence[Gap]) -> RunSet:
+    """The runs of a fit to whole runs, commands in gaps exchanged where others fit better by MIN_GAIN."""
+    run_set = problem.run_set
+    commands = run_set.commands.copy()
+    for gap in every:
+        window = np.flatnonzero(problem.windows.run == gap.run)
+        if gap.rows > LONGEST or len(window) != 1 or not stepwise(run_set, gap.run):
+            continue
+        one = problem.part(problem.windows.run == gap.run)
+        rows = slice(gap.row, gap.row + gap.rows)
+        losses = []
+        readings = [(commands[gap.run, rows].copy(), 0.0), *possible_commands(run_set, gap)]
+        for reading, needed in readings:
+            changed = run_set.commands.copy()
+            changed[gap.run, rows] = reading
+            one = one.with_commands(replace(run_set, commands=changed))
+            track = one.predict(at.hypothesis, at.x[None], at.states[window][None])[0]
+            none = np.zeros((1, track.size, 0))
+            normal = normal_equations(at.states_jacobian[window], none, one.residuals(track))
+            losses.append(needed + float(normal.profile_chi2.sum()))
+        best = int(np.argmin(losses))
+        if losses[best] < losses[0] - MIN_GAIN:
+            commands[gap.run, rows] = readings[best][0]
+    return replace(run_set, commands=commands)
+
+
+def _windows_of_each(
+    run_set: RunSet, weight: Array, gaps: Sequence[Gap], ends_alone: bool = False
+) -> tuple[Shooting, NDArray[np.int64]]:
+    """One window about each gap for each possible command, as separate runs, and (W,) the gap of each.
+
+    ends_alone: only the latest and the earliest change.
+    """
+    every = [possible_commands(run_set, gap) for gap in gaps]
+    rows = [
+        (number, reading)
+        for number, found in enumerate(every)
+        for reading, _ in ((found[0], found[gaps[number].rows]) if ends_alone else found)
+    ]
+    group = np.array([number for number, _ in rows])
+    runs = np.array([gaps[number].run for number in group])
+    commands = run_set.commands[runs]
+    around = math.ceil(AROUND / run_set.dt)
+    first = np.array([max(0, gaps[number].row - around) for number in group])
+    last = np.array([gaps[number].row + gaps[number].rows + around for number in group])
+    for i, (number, reading) in enumerate(rows):
+        gap = gaps[number]
+        commands[i, gap.row : gap.row + gap.rows] = reading
+    lengths = run_set.lengths[runs]
+    several = run_set.copies(runs.tolist(), commands)
+    steps = np.minimum(lengths - 1, last) - first
+    own = np.arange(len(rows))
+    measured, seen = window_data(several, weight[runs], own, first, steps, 0)
+    windows = Windows(own, first, steps, measured, seen, 0, int(steps.max()) + 1)
+    return Shooting(several, weight[runs], AROUND, windows), group

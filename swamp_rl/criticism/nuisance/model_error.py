@@ -1,0 +1,107 @@
+"""Weights from the model error, where it exceeds the measurement noise."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, fit, fit_states
+from swamp_rl.criticism.model.candidates import Hypothesis
+
+Array = NDArray[np.float64]
+
+LONGEST_WINDOW = 30.0  # s
+FEWEST = 12  # windows of all runs together
+ROUNDS = 3  # repetitions of fit and estimate of the model error
+STEPS = 4  # Jacobians of such a fit
+BEGIN = 12  # iterations of the first initial states
+POSITIONS = slice(0, 2)
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """Windows weighted by the model error, and the fit whose residual it was estimated from.
+
+    errors: (6, 2) standard deviation [the channel's unit] of the residual, 0 where nothing was measured, and
+    its correlation time [s].
+    """
+
+    problem: Shooting
+    fit: Fit
+    errors: Array
+
+    @property
+    def run_set(self) -> RunSet:
+        """The runs with the model error as Gauss-Markov noise."""
+        return replace(self.problem.run_set, gauss_markov=self.errors)
+
+
+def model_error(
+    run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: Array, states: Array | None = None
+) -> ModelError:
+    """Windows of LONGEST_WINDOW, or shorter where the runs give too few, weighted by the standard deviation
+    of each channel's residual; north and east have a common one, so that no direction is weighted less.
+
+    Weights are divided by the root of the residual's integrated autocorrelation time, so that chi2 counts
+    independent samples. weight: (R, T, 6); x: (p,); states: (W, 6) to begin with.
+    """
+    seconds = min(LONGEST_WINDOW, float(run_set.lengths.sum() * run_set.dt) / FEWEST)
+    seen = weight > 0
+    sigma = 1.0 / np.where(seen.any(axis=(0, 1)), weight.max(axis=(0, 1)), 1.0)
+    problem = Shooting(run_set, seen / sigma, seconds)
+    if states is None:
+        states = fit_states(problem, hypothesis, x, problem.initial_states(), BEGIN)[0]
+    for _ in range(ROUNDS):
+        made = fit(problem, hypothesis, x, states, STEPS)
+        x, states = made.x, made.states
+        sigma = sigma * residual_rms(problem, made)
+        problem = Shooting(run_set, seen / sigma, seconds)
+    samples = correlation_samples(standardised_residual(problem, fit(problem, hypothesis, x, states, STEPS)))
+    problem = Shooting(run_set, seen / (sigma * np.sqrt(samples)), seconds)
+    problem.correlation_samples = samples
+    sizes = np.where(seen.any(axis=(0, 1)), sigma, 0.0)
+    times = np.full(len(CHANNELS), 0.5 * samples * run_set.dt)
+    return ModelError(problem, fit(problem, hypothesis, x, states, STEPS), np.column_stack([sizes, times]))
+
+
+def in_noise_units(at: Fit, problem: Shooting, weight: Array) -> Fit:
+    """A fit whose residual is in standard deviations of the measurement noise; weight: (R, T, 6) by that
+    noise.
+    """
+    own, noise = (np.maximum(one.max(axis=(0, 1)), 1e-12) for one in (problem.weight, weight))
+    residual = at.residual.reshape(len(at.residual), -1, len(CHANNELS)) * (noise / own)
+    return replace(at, residual=residual.reshape(at.residual.shape))
+
+
+def standardised_residual(problem: Shooting, at: Fit) -> Array:
+    """(W, T, 6) residual of a fit in standard deviations, without the rows that are only simulated."""
+    return at.residual.reshape(len(at.residual), -1, len(CHANNELS))[:, problem.windows.pad :]
+
+
+def residual_rms(problem: Shooting, at: Fit) -> Array:
+    """(6,) root mean square residual of each channel in standard deviations; 1 where nothing was measured."""
+    seen = problem.windows.weight[:, problem.windows.pad :] > 0
+    count = seen.sum(axis=(0, 1))
+    power = (standardised_residual(problem, at) ** 2).sum(axis=(0, 1)) / np.maximum(count, 1)
+    power[POSITIONS] = power[POSITIONS].mean()
+    return np.where(count > 0, np.sqrt(np.maximum(power, 1e-12)), 1.0)
+
+
+def correlation_samples(errors: Array) -> float:
+    """Integrated autocorrelation time in samples, 1 for white noise: 1 + 2 times the sum of autocorrelations
+    up to the first negative one, mean over the channels of errors (W, T, 6).
+    """
+    errors = errors[..., (errors != 0.0).any(axis=(0, 1))]
+    if not errors.size:
+        return 1.0
+    power = (errors**2).sum(axis=(0, 1))
+    total, alive = np.ones_like(power), np.ones(power.shape, dtype=bool)
+    for lag in range(1, errors.shape[1] // 2):
+        share = (errors[:, lag:] * errors[:, :-lag]).sum(axis=(0, 1)) / power
+        alive &= share > 0.0
+        if not alive.any():
+            break
+        total += 2.0 * np.where(alive, share, 0.0)
+    return float(total.mean())

@@ -1,0 +1,1 @@
+"""The search over hypotheses: score tests, criterion, beam search, elimination, stepwise selection."""

@@ -1,0 +1,345 @@
+"""Backward elimination on whole runs, confirmation on held-out runs, and the hypotheses that are
+indistinguishable from the selected one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from swamp_rl.criticism.likelihood.adequacy import adequacy, near
+from swamp_rl.criticism.likelihood.cross_validation import (
+    Confirmation,
+    confirmation,
+    confirmation_by_stretches,
+)
+from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.selection.continuation import LAST, UNBROKEN, Continuation, fit_whole_runs
+from swamp_rl.criticism.selection.information_criterion import criterion
+from swamp_rl.criticism.selection.score_test import ScoreTest
+
+MIN_SEPARATION = 9.0  # of the information criterion, below which two hypotheses are indistinguishable
+NEAR = 40.0  # the same on shorter windows, above which longer ones are not compared
+CLEARLY = 50.0  # of the information criterion, more than longer windows change a comparison by
+OVERWHELMING = 500.0  # the same, more than the error of a fit that has not converged
+DIVERGED = 10.0  # chi2 a sample, of whole runs that diverged
+# standard deviations of a derivative's prior beyond which another effect is tried in its place
+NUISANCE_LIMIT = 1.8
+MOST_RIVALS = 4
+STAGES_TESTED = 3  # window lengths on which a cause may be confirmed
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The result of a search.
+
+    winner: the fit at the deepest stage used; adequate: whether its residual is noise; stage: the longest
+    windows on which it is adequate, the middle ones where it is on none; rivals: fits that are
+    indistinguishable from the winner; tried: every fit, on the shortest windows; first: score tests beside no
+    effect, in order, on the shortest windows; unidentifiable: labels of effects with too little information;
+    confirmed: of each cause, by its label.
+    """
+
+    winner: Fit
+    adequate: bool
+    stage: int
+    rivals: list[Fit]
+    tried: list[Fit]
+    first: list[ScoreTest]
+    unidentifiable: list[str]
+    confirmed: dict[str, Confirmation] = field(default_factory=dict)
+
+
+def fit_by_continuation(continuation: Continuation, hypothesis: Hypothesis, x: np.ndarray) -> Fit:
+    """The fit to the middle windows, started from the fit to the shortest."""
+    continuation.fit(0, hypothesis, x)
+    return continuation.fit(1, hypothesis, x)
+
+
+def adequate_stage(continuation: Continuation, at: Fit) -> int | None:
+    """The stage at which the residual of a fit to the middle windows is noise, or None: those windows, or
+    whole runs, in which commands in gaps are estimated.
+    """
+    if adequacy(continuation.problems[1], at).adequate:
+        return 1
+    if near(continuation.problems[1], at):
+        whole = fit_whole_runs(continuation, at.hypothesis, at.x)
+        if adequacy(continuation.problems[LAST], whole).adequate:
+            return LAST
+    return None
+
+
+def conclude(
+    continuation: Continuation,
+    best: Fit,
+    tried: list[Fit],
+    first: list[ScoreTest],
+    unidentifiable: list[str],
+    instances: Sequence[EffectInstance],
+) -> Selection:
+    """The selection after elimination and confirmation of `best`; instances: all candidates."""
+    comparisons = len(instances) * (1 + len(best.hypothesis.instances))
+    found = adequate_stage(continuation, best)
+    stage, adequate = found or 1, found is not None
+    if adequate:
+        whole = fit_whole_runs(continuation, best.hypothesis, best.x)
+        if adequacy(continuation.problems[LAST], whole).adequate:
+            best, stage = whole, LAST
+        best = pruned(continuation, best, stage)
+    confirmed = confirmations(continuation, best, best.hypothesis.instances, comparisons)
+    for label, one in confirmed.items():
+        if adequate and not one.holds:
+            less = without(continuation, best, label, stage)
+            if adequacy(continuation.problems[stage], less).adequate:
+                best = less
+            else:
+                adequate = False
+    kept = {instance.label for instance in best.hypothesis.instances}
+    confirmed = {label: one for label, one in confirmed.items() if label in kept}
+    rivals: list[Fit] = []
+    if adequate:
+        best, rivals, stage, confirmed = _best_and_rivals(
+            continuation, best, tried, instances, stage, confirmed
+        )
+    return Selection(best, adequate, stage, rivals, tried, first, unidentifiable, confirmed)
+
+
+def _best_and_rivals(
+    continuation: Continuation,
+    confirmed_fit: Fit,
+    tried: Sequence[Fit],
+    instances: Sequence[EffectInstance],
+    stage: int,
+    confirmed: dict[str, Confirmation],
+) -> tuple[Fit, list[Fit], int, dict[str, Confirmation]]:
+    """The best of all fits, its rivals, their stage and the confirmations; `confirmed_fit` where no held-out
+    run confirms what would replace it, which is then a rival.
+    """
+    special = alternatives_to_nuisance(continuation, confirmed_fit, instances)
+    best, rivals, deepest = compare(continuation, confirmed_fit, [*tried, *special], stage)
+    best = with_special_cases(continuation, best, instances, deepest)
+    put = [instance for instance in best.hypothesis.instances if instance.label not in confirmed]
+    new = confirmations(continuation, best, put, len(instances) * (1 + len(best.hypothesis.instances)))
+    if not all(one.holds for one in new.values()):
+        rivals = [best] if confirmed_fit.hypothesis.instances else []
+        best, deepest, new = confirmed_fit, stage, {}
+    rivals = [
+        one
+        for one in rivals
+        if not nested(best.hypothesis, one.hypothesis)
+        or any(one.hypothesis.label == other.hypothesis.label for other in special)
+    ]
+    return best, rivals[:MOST_RIVALS], deepest, confirmed | new
+
+
+def without_unconfirmed(
+    continuation: Continuation, found: Selection, instances: Sequence[EffectInstance]
+) -> Selection:
+    """An inadequate selection without the causes that no held-out run confirms, the least confirmed first."""
+    best, confirmed = found.winner, found.confirmed
+    while not all(one.holds for one in confirmed.values()):
+        worst = min(confirmed, key=lambda label: confirmed[label].low)
+        best = without(continuation, best, worst, found.stage)
+        comparisons = len(instances) * (1 + len(best.hypothesis.instances))
+        confirmed = confirmations(continuation, best, best.hypothesis.instances, comparisons)
+    return replace(found, winner=best, confirmed=confirmed)
+
+
+def without(continuation: Continuation, best: Fit, label: str, stage: int) -> Fit:
+    """The best fit less one effect, fitted at a stage from the best fit's parameters."""
+    less = best.hypothesis.without(label)
+    known = continuation.fits.get((stage, less.label))
+    if known is not None and not less.instances:
+        return known
+    x = np.concatenate([np.zeros(0), *(own for a, own in best.hypothesis.parts(best.x) if a.label != label)])
+    if known is not None and known.chi2 > best.chi2 + OVERWHELMING:
+        glance = fit(
+            continuation.problems[stage], less, x, best.states, 2
+        )  # the known fit may not have converged
+        if glance.chi2 > best.chi2 + OVERWHELMING:
+            return known
+    made = fit(continuation.problems[stage], less, x, best.states, 8, fresh=True)
+    if known is None or made.chi2 < known.chi2:
+        continuation.fits[(stage, less.label)] = made
+    return continuation.fits[(stage, less.label)]
+
+
+def without_all(continuation: Continuation, found: Selection, labels: Sequence[str]) -> Fit:
+    """The winner less the instances of those labels, fitted on its stage."""
+    best = found.winner
+    for label in labels:
+        best = without(continuation, best, label, found.stage)
+    return best
+
+
+def pruned(continuation: Continuation, best: Fit, stage: int) -> Fit:
+    """The best fit less the effects whose removal lowers the information criterion."""
+    for instance in best.hypothesis.instances:
+        if indispensable(continuation, best, instance.label, stage):
+            continue
+        less = without(continuation, best, instance.label, stage)
+        if criterion(less) <= criterion(best):
+            return pruned(continuation, less, stage)
+    return best
+
+
+def indispensable(continuation: Continuation, best: Fit, label: str, stage: int) -> bool:
+    """Whether the removal of an effect raises the criterion by CLEARLY on shorter windows already: a bound
+    that makes the fit to longer ones unnecessary.
+    """
+    for shorter in range(stage):
+        whole = continuation.fit(shorter, best.hypothesis, best.x)
+        if criterion(without(continuation, whole, label, shorter)) > criterion(best) + CLEARLY:
+            return True
+    return False
+
+
+def confirmations(
+    continuation: Continuation, best: Fit, causes: Sequence[EffectInstance], comparisons: int
+) -> dict[str, Confirmation]:
+    """Of some causes of the best fit: the gain on runs that its parameters were not fitted to."""
+    found: dict[str, Confirmation] = {}
+    for instance in causes:
+        if instance.effect.nuisance and len(best.hypothesis.instances) > 1:
+            continue
+        for stage in (0, 1, UNBROKEN):
+            whole = continuation.fit(stage, best.hypothesis, best.x)
+            less = without(continuation, whole, instance.label, stage)
+            judged = confirmation_by_stretches if stage == UNBROKEN else confirmation
+            one = judged(continuation.problems[stage], whole, less, STAGES_TESTED * comparisons)
+            if instance.label not in found or one.low > found[instance.label].low:
+                found[instance.label] = one
+            if one.holds:
+                break
+    return found
+
+
+def with_special_cases(
+    continuation: Continuation, best: Fit, instances: Sequence[EffectInstance], stage: int
+) -> Fit:
+    """The best fit with special cases in place of effects whose further parameters lower the criterion little
+    and are confirmed by no held-out run, where the residual is noise without them too.
+    """
+    for instance in best.hypothesis.instances:
+        for special in instances:
+            fields = {parameter.field for parameter in special.effect.parameters}
+            if (
+                special.label == instance.label
+                or special.groups
+                or not nested(Hypothesis((special,)), Hypothesis((instance,)))
+                or not fields
+            ):
+                continue
+            plain = _with_special(continuation, best, instance, special, stage)
+            if (
+                criterion(plain) > criterion(best) + NEAR
+                or not adequacy(continuation.problems[stage], plain).adequate
+            ):
+                continue
+            general = [continuation.fit(short, best.hypothesis, best.x) for short in (0, 1)]
+            less = [
+                _with_special(continuation, one, instance, special, short)
+                for short, one in enumerate(general)
+            ]
+            held = (
+                confirmation(continuation.problems[i], general[i], less[i], 2 * len(instances))
+                for i in (0, 1)
+            )
+            if not any(one.holds for one in held):
+                return with_special_cases(continuation, plain, instances, stage)
+    return best
+
+
+def _with_special(
+    continuation: Continuation, best: Fit, instance: EffectInstance, special: EffectInstance, stage: int
+) -> Fit:
+    """The best fit with a special case in place of one effect, started from the best fit."""
+    shared = instance.by_group(_own(best, instance)).mean(axis=0)
+    numbers = {p.field: x for p, x in zip(instance.effect.parameters, shared, strict=True)}
+    own = {a.label: x for a, x in best.hypothesis.parts(best.x)}
+    begin = zip(special.effect.parameters, (special.starts or special.grid)[0], strict=True)
+    own[special.label] = np.array([numbers.get(p.field, start) for p, start in begin])
+    less = best.hypothesis.without(instance.label).with_instance(special)
+    return continuation.fit(
+        stage, less, np.concatenate([own[one.label] for one in less.instances]), best.states
+    )
+
+
+def _own(best: Fit, instance: EffectInstance) -> np.ndarray:
+    return next(x for a, x in best.hypothesis.parts(best.x) if a.label == instance.label)
+
+
+def alternatives_to_nuisance(
+    continuation: Continuation, best: Fit, instances: Sequence[EffectInstance]
+) -> list[Fit]:
+    """The best fit with an effect that acts on the same coefficient as one of the hull's derivatives, where
+    the estimate of that derivative is far from its prior.
+    """
+    far = {
+        parameter.field
+        for nuisance, own in best.hypothesis.parts(best.x)
+        if not nuisance.groups
+        for parameter, spec, value in zip(nuisance.effect.parameters, nuisance.specs, own, strict=True)
+        if spec.prior is not None and abs(value - 1.0) > NUISANCE_LIMIT * spec.prior
+    }
+    if not far:
+        return []
+    found = []
+    for instance in instances:
+        moves = {parameter.field for parameter in instance.effect.parameters}
+        if not instance.effect.nuisance and moves & far and instance not in best.hypothesis.instances:
+            more = best.hypothesis.with_instance(instance)
+            values = {a.label: own for a, own in best.hypothesis.parts(best.x)}
+            values[instance.label] = np.array(instance.starts[0])
+            start = np.concatenate([values[one.label] for one in more.instances])
+            states = continuation.fit(0, best.hypothesis, best.x).states
+            found.append(continuation.fit(0, more, start, states))
+    return found
+
+
+def nested(small: Hypothesis, large: Hypothesis) -> bool:
+    """Whether `small` is a special case of `large`."""
+
+    def holds(instance: EffectInstance) -> bool:
+        """Whether `large` has the effect, one that acts on the same fields and more, one that is declared to
+        contain it, or the same with parameters for each group of runs.
+        """
+        fields = {parameter.field for parameter in instance.effect.parameters}
+        return any(
+            one.label == instance.label
+            or (
+                fields
+                and fields < {p.field for p in one.effect.parameters}
+                and one.selectors == instance.selectors
+            )
+            or (not instance.groups and one.groups and one.of_one.label == instance.label)
+            or (instance.effect.name in one.effect.contains and one.selectors == instance.selectors)
+            for one in large.instances
+        )
+
+    return all(holds(instance) for instance in small.instances)
+
+
+def compare(
+    continuation: Continuation, best: Fit, tried: Sequence[Fit], stage: int
+) -> tuple[Fit, list[Fit], int]:
+    """The best of all fits and its rivals at one stage, each only on shorter windows before; and that stage.
+    Where whole runs of a close one diverged, all are compared on the middle windows.
+    """
+    near = criterion(continuation.fit(1, best.hypothesis, best.x)) + NEAR
+    here = criterion(continuation.fit(0, best.hypothesis, best.x)) + NEAR
+    every = [best]
+    for one in tried:
+        if one.hypothesis.label == best.hypothesis.label or criterion(one) > here:
+            continue
+        if criterion(fit_by_continuation(continuation, one.hypothesis, one.x)) <= near:
+            every.append(continuation.fit(stage, one.hypothesis, one.x))
+    if stage > 1 and any(one.chi2 > DIVERGED * continuation.problems[stage].samples for one in every):
+        stage = 1
+        every = [continuation.fit(stage, one.hypothesis, one.x) for one in every]
+    every.sort(key=criterion)
+    close = [one for one in every[1:] if criterion(one) < criterion(every[0]) + MIN_SEPARATION]
+    apart = {one.hypothesis.cause_label: one for one in reversed(close)}
+    apart.pop(every[0].hypothesis.cause_label, None)
+    return every[0], sorted(apart.values(), key=criterion), stage

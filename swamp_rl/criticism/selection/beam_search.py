@@ -1,0 +1,223 @@
+"""Beam search over sets of effects: the least information criterion whose residual is noise."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from swamp_rl.criticism.likelihood.adequacy import adequacy, near
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.progress import LOG
+from swamp_rl.criticism.selection.backward_elimination import (
+    Selection,
+    adequate_stage,
+    conclude,
+    fit_by_continuation,
+)
+from swamp_rl.criticism.selection.continuation import Continuation
+from swamp_rl.criticism.selection.information_criterion import complexity as complexity
+from swamp_rl.criticism.selection.information_criterion import criterion, required_gain
+from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
+from swamp_rl.criticism.selection.small_effects import with_small_effects
+
+STEP_BUDGET = 1.5e7  # steps of a boat, about twenty seconds
+MOST = 3  # effects together, the hull's derivatives counted as one
+BEAM = 5  # sets that are expanded
+SHORTLIST = 8  # sets that are fitted at each depth
+FIRST = 3  # of them, those fitted in any case, unless the residual of one is noise
+MOST_FOLLOWED = 4  # of them, those that are fitted to longer windows
+MIN_INFORMATION = 10.0  # least information about an effect, squared typical size over variance
+PART, FEWEST = 4, 16  # windows of which one is fitted first for an effect without parameters; windows in all
+GAIN_SHARE = 0.2  # of the best gain by which another may be worse and still be followed
+
+
+def beam_search(
+    continuation: Continuation,
+    instances: Sequence[EffectInstance],
+    hull: EffectInstance | None,
+    step_budget: float = STEP_BUDGET,
+    sufficient_reconstruction: Callable[[Continuation, Fit], object] | None = None,
+    previous: Sequence[Fit] = (),
+) -> Selection:
+    """Search from no effect to `MOST` effects, until the residual is noise and no score test is
+    significant.
+
+    step_budget: boat steps after which no further depth is begun; sufficient_reconstruction: whether the best
+    of the first depth needs reconstructed commands and no further effect; previous: the result of a search
+    under other noise, at the shortest windows and the middle ones, which is tried too.
+    """
+    every = [*instances, *([hull] if hull else [])]
+    best = fit_by_continuation(continuation, Hypothesis(), np.zeros(0))
+    if previous:
+        best = min(best, _refit_previous(continuation, previous), key=criterion)
+    stage = adequate_stage(continuation, best) if not best.hypothesis.instances else None
+    first = score_tests(
+        continuation.problems[stage or 0], continuation.fit(stage or 0, Hypothesis(), np.zeros(0)), every
+    )
+    if stage is not None and not _is_significant(continuation, stage, best, first):
+        small = with_small_effects(continuation, best, _identifiable(every, first), MOST)
+        return conclude(continuation, small.best, small.tried, first, _unidentifiable(first), every)
+    if stage is not None:
+        first = score_tests(continuation.problems[0], continuation.fit(0, Hypothesis(), np.zeros(0)), every)
+    unidentifiable = _unidentifiable(first)
+    every = _identifiable(every, first)
+    tried: dict[str, Fit] = {}
+    if best.hypothesis.instances:
+        tried[best.hypothesis.label] = continuation.fit(0, best.hypothesis, best.x)
+    beam = [continuation.fit(0, Hypothesis(), np.zeros(0))]
+    for depth in range(MOST):
+        LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
+        if continuation.boat_steps > step_budget or (depth > 0 and _is_sufficient(continuation, best, every)):
+            break
+        if (
+            depth == 1
+            and sufficient_reconstruction is not None
+            and sufficient_reconstruction(continuation, best) is not None
+        ):
+            break
+        fitted = _expand(
+            continuation,
+            beam,
+            every,
+            first if depth == 0 else None,
+            step_budget if depth == MOST - 1 else np.inf,
+        )
+        if not fitted:
+            break
+        tried |= {one.hypothesis.label: one for one in fitted}
+        limit = criterion(fitted[0]) + 200.0 + GAIN_SHARE * (beam[0].chi2 - fitted[0].chi2)
+        beam = [one for one in fitted[:BEAM] if criterion(one) < limit]
+        followed = [one for one in _followed(continuation, fitted) if near(continuation.problems[0], one)]
+        for one in followed:
+            best = min(best, fit_by_continuation(continuation, one.hypothesis, one.x), key=criterion)
+    if tried and adequate_stage(continuation, best) is None:
+        closest = min(tried.values(), key=criterion)
+        best = min(best, fit_by_continuation(continuation, closest.hypothesis, closest.x), key=criterion)
+    if near(continuation.problems[1], best):
+        small = with_small_effects(continuation, best, every, MOST)
+        best = small.best
+        tried |= {one.hypothesis.label: one for one in small.tried}
+    return conclude(continuation, best, list(tried.values()), first, unidentifiable, every)
+
+
+def _identifiable(instances: Sequence[EffectInstance], scores: Sequence[ScoreTest]) -> list[EffectInstance]:
+    """Those with enough information in the data."""
+    unidentifiable = _unidentifiable(scores)
+    return [instance for instance in instances if instance.label not in unidentifiable]
+
+
+def _refit_previous(continuation: Continuation, previous: Sequence[Fit]) -> Fit:
+    """The fit to the middle windows, each stage begun from the result under other noise."""
+    for stage, one in enumerate(previous):
+        if len(one.states) == continuation.problems[stage].windows.count:
+            made = fit(continuation.problems[stage], one.hypothesis, one.x, one.states)
+            continuation.fits[stage, one.hypothesis.label] = made
+    return fit_by_continuation(continuation, previous[0].hypothesis, previous[0].x)
+
+
+def _followed(continuation: Continuation, fitted: list[Fit]) -> list[Fit]:
+    best = criterion(fitted[0])
+    room = 100.0 if adequacy(continuation.problems[0], fitted[0]).adequate else 0.5 * best + 100.0
+    return [one for one in fitted[:MOST_FOLLOWED] if criterion(one) < best + room]
+
+
+def _is_sufficient(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> bool:
+    """Whether the residual of longer windows is noise and no further effect is significant there."""
+    stage = adequate_stage(continuation, at)
+    if stage is None:
+        return False
+    here = continuation.fit(stage, at.hypothesis, at.x)
+    return not _is_significant(
+        continuation, stage, here, score_tests(continuation.problems[stage], here, instances)
+    )
+
+
+def _unidentifiable(scores: Sequence[ScoreTest]) -> list[str]:
+    """Labels of those with too little information in the data."""
+    return [one.instance.label for one in scores if one.information < MIN_INFORMATION]
+
+
+def _is_significant(continuation: Continuation, stage: int, at: Fit, scores: Sequence[ScoreTest]) -> bool:
+    """Whether a score test exceeds an effect's required gain and a fit confirms it."""
+    here = continuation.fit(stage, at.hypothesis, at.x)
+    return any(
+        here.chi2 - one.expected_chi2 > required_gain(one.instance)
+        and _is_kept(continuation.problems[stage], one, here)
+        for one in scores
+    )
+
+
+def _is_kept(problem: Shooting, prospect: ScoreTest, here: Fit) -> bool:
+    """Whether a fit from there attains the required gain."""
+    made = fit(problem, prospect.hypothesis, prospect.x, here.states, 4)
+    return here.chi2 - made.chi2 > required_gain(prospect.instance)
+
+
+def _base(prospect: ScoreTest) -> Hypothesis:
+    return prospect.hypothesis.without(prospect.instance.label)
+
+
+def _expand(
+    continuation: Continuation,
+    beam: list[Fit],
+    instances: Sequence[EffectInstance],
+    known: list[ScoreTest] | None,
+    step_budget: float,
+) -> list[Fit]:
+    """Fits to the shortest windows of the sets of least expected criterion with one more effect, best first.
+
+    Sets whose expected criterion is far above that of the first FIRST are not fitted, effects without
+    parameters excepted as long as nothing is adequate and a part of the windows does not refute them; once
+    the step budget is spent, only the first are.
+    """
+    if not beam:
+        return []
+    found: dict[str, ScoreTest] = {}
+    for at in beam:
+        scores = known if known is not None else score_tests(continuation.problems[0], at, instances)
+        for one in scores:
+            label = one.hypothesis.label
+            if one.information >= MIN_INFORMATION and (
+                label not in found or one.expected_chi2 < found[label].expected_chi2
+            ):
+                found[label] = one
+    ranked = sorted(found.values(), key=lambda one: one.expected_chi2 + complexity(one.hypothesis))
+    # The score of an effect without parameters, such as a swap of channels, is no guide: it is a jump.
+    base = min(beam, key=criterion).hypothesis.label
+    discrete = [one for one in ranked[SHORTLIST:] if not one.instance.size and _base(one).label == base]
+    chosen = [*ranked[:SHORTLIST], *discrete]
+    fitted: list[Fit] = []
+    limit, enough = np.inf, False
+    for number, one in enumerate(chosen):
+        if number >= FIRST and continuation.boat_steps > step_budget:
+            break
+        expected = one.expected_chi2 + complexity(one.hypothesis)  # which may overflow
+        jump = not (one.instance.size or enough) and not _is_hopeless(continuation, one, beam)
+        if not fitted or expected < limit or jump:
+            made = continuation.fit(0, one.hypothesis, one.x, one.states)
+            previous = min(at.chi2 for at in beam if at.hypothesis.label == _base(one).label)
+            fitted.append(
+                continuation.restarted(made)
+                if continuation.not_converged(made, previous, one.expected_chi2)
+                else made
+            )
+        best = min(fitted, key=criterion)
+        enough = adequacy(continuation.problems[0], best).adequate
+        if enough or number + 1 >= FIRST:
+            gained = max(at.chi2 - best.chi2 for at in beam)
+            limit = criterion(best) + 300.0 + (1 if enough else 2) * GAIN_SHARE * gained
+    return sorted(fitted, key=criterion)
+
+
+def _is_hopeless(continuation: Continuation, one: ScoreTest, beam: Sequence[Fit]) -> bool:
+    """Whether an effect, fitted in full to one window in PART, has a greater chi2 on these windows than the
+    hypothesis without it. The part stands for all windows: a fit to all of them could differ.
+    """
+    problem = continuation.problems[0]
+    if problem.windows.count < FEWEST:
+        return False
+    chosen = np.arange(problem.windows.count) % PART == 0
+    made = fit(problem.part(chosen), one.hypothesis, one.x, one.states[chosen])
+    before = next(at for at in beam if at.hypothesis.label == _base(one).label)
+    return float(made.loss.sum()) > float(before.loss[chosen].sum())

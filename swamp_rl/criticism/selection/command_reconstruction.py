@@ -1,0 +1,163 @@
+"""Reconstruction of commands between samples: held, interpolated, or switched at a fitted instant."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.adequacy import adequacy
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, fit, min_decrease
+from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.nuisance.switching_times import command_changes, fit_shares, interpolated_at
+from swamp_rl.criticism.selection.backward_elimination import MIN_SEPARATION, Selection
+from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
+from swamp_rl.criticism.selection.information_criterion import complexity, criterion
+
+Array = NDArray[np.float64]
+
+NONE = np.zeros(0)
+SHARES = (0.5, 1.0)  # of a step that are tried: linear interpolation, and the next row's command
+MIN_GAIN = 40.0  # chi2 that a reconstruction must save
+# of the chi2 above noise that it must save: a missing force is not explained by commands
+MIN_GAIN_SHARE = 0.2
+NOISE = 1.06  # chi2 a sample of noise, whose variance is estimated slightly too small
+FAR_ABOVE = 3.0  # chi2 a sample above which no reconstruction is accepted
+TOO_FAR = 30.0  # chi2 a sample above which none is tried
+STEPS = 6  # Jacobians of a fit with reconstructed commands
+ROUNDS = 4  # repetitions of the fit of all switching times
+CHI2_OF_AN_INSTANT = 1.0  # chi2 that every fitted instant must save in addition
+
+
+def interpolated(run_set: RunSet, share: float) -> RunSet:
+    """The runs with every command moved by a share of its change until the next row; azimuths the shorter
+    way.
+    """
+    change = command_changes(run_set)
+    return interpolated_at(run_set, change, np.full(change.shape[:2], share))
+
+
+def better_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
+    """The runs with reconstructed commands where these lower chi2 on the middle windows clearly, or None;
+    logged: the runs as logged.
+
+    Compared at the selected hypothesis, since a missing effect could be absorbed by shifted commands. One
+    share for all steps first, at the minimum of a parabola through those tried, so that no part of it remains
+    as a delay; where the residual then exceeds noise, one share for each step.
+    """
+    problem = continuation.problems[MIDDLE]
+    if at.chi2 > TOO_FAR * problem.samples:
+        return None
+    least = max(MIN_GAIN, MIN_GAIN_SHARE * (at.chi2 - NOISE * problem.samples))
+    best = None
+    share, shared = fit_common_share(problem, at, logged)
+    if shared.chi2 < min(at.chi2 - least, FAR_ABOVE * problem.samples):
+        best = interpolated(logged, share)
+    if adequacy(problem, shared if best else at).adequate:
+        return best
+    each, made, count = fit_switching_times(problem, shared, logged, share)
+    saves = made.chi2 < min(at.chi2 - least - CHI2_OF_AN_INSTANT * count, FAR_ABOVE * problem.samples)
+    return each if saves else best
+
+
+def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
+    """The runs with commands reconstructed so that a fit to the middle windows needs no effect that shifts
+    the actuators in time, or None. A log that lags behind the commands is equivalent to faster actuators.
+    """
+    problem = continuation.problems[MIDDLE]
+    parts = [(instance, own) for instance, own in at.hypothesis.parts(at.x) if not instance.moves_actuators]
+    if len(parts) == len(at.hypothesis.instances):
+        return None
+    less = Hypothesis(tuple(instance for instance, _ in parts))
+    plain = fit(problem, less, np.concatenate([NONE, *(own for _, own in parts)]), at.states, STEPS)
+    most = criterion(at) + MIN_SEPARATION - complexity(less)
+    share, shared = fit_common_share(problem, plain, logged)
+    if shared.chi2 < most and adequacy(problem, shared).adequate:
+        return interpolated(logged, share)
+    each, made, count = fit_switching_times(problem, shared, logged, share)
+    return (
+        each if made.chi2 + CHI2_OF_AN_INSTANT * count < most and adequacy(problem, made).adequate else None
+    )
+
+
+def fit_common_share(problem: Shooting, at: Fit, logged: RunSet) -> tuple[float, Fit]:
+    """The share of a step, common to all commands, at least chi2 under a hypothesis, and the fit with it."""
+    as_logged = at if logged.commands is problem.run_set.commands else _refit(problem, logged, at)
+    fits = [as_logged, *(_refit(problem, interpolated(logged, share), at) for share in SHARES)]
+    share = least_of_parabola(*(one.chi2 for one in fits))
+    return share, _refit(problem, interpolated(logged, share), min(fits, key=lambda one: one.chi2))
+
+
+def sufficient_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
+    """The runs with reconstructed commands where these alone make a fit to the middle windows adequate, else
+    None.
+    """
+    problem = continuation.problems[MIDDLE]
+    if adequacy(problem, at).adequate:
+        return None
+    other = better_reconstruction(continuation, at, logged)
+    return other if other and adequacy(problem, _refit(problem, other, at)).adequate else None
+
+
+def fit_switching_times(problem: Shooting, at: Fit, logged: RunSet, share: float) -> tuple[RunSet, Fit, int]:
+    """The runs with a fitted share for each larger step, the fit to them, and the number of shares; at: the
+    fit with one common share.
+    """
+    change = command_changes(logged)
+    shares = np.full(change.shape[:2], share)
+    best = interpolated_at(logged, change, shares)
+    made = least = _refit(problem, best, at, fresh=True)
+    count = 0
+    for _ in range(ROUNDS):
+        shares, share, count = fit_shares(_problem(problem, best), least, change, shares, share)
+        run_set = interpolated_at(logged, change, shares)
+        made = _refit(problem, run_set, least, fresh=True)
+        gain = least.chi2 - made.chi2
+        if gain > 0.0:
+            best, least = run_set, made
+        if gain < min_decrease(problem, least.chi2):
+            break
+    return best, least, count
+
+
+def least_of_parabola(start: float, middle: float, end: float) -> float:
+    """Minimum in [0, 1] of a parabola through values at 0, 1/2 and 1."""
+    bend = start - 2.0 * middle + end
+    if bend <= 0.0:
+        return 0.0 if start < end else 1.0
+    return float(np.clip(0.5 + 0.25 * (start - end) / bend, 0.0, 1.0))
+
+
+def _refit(problem: Shooting, run_set: RunSet, at: Fit, fresh: bool = False) -> Fit:
+    """The fit repeated on the same windows with other commands."""
+    return fit(_problem(problem, run_set), at.hypothesis, at.x, at.states, STEPS, fresh)
+
+
+def _problem(problem: Shooting, run_set: RunSet) -> Shooting:
+    made = replace(problem.run_set, commands=run_set.commands)
+    return Shooting(made, problem.weight, problem.seconds, problem.windows)
+
+
+def is_better(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:
+    """Whether a selection with reconstructed commands ends clearly better."""
+
+    def reached(continuation: Continuation, one: Selection) -> float:
+        return criterion(continuation.fit(MIDDLE, one.winner.hypothesis, one.winner.x))
+
+    return again.adequate > found.adequate or (
+        again.adequate == found.adequate and reached(after, again) < reached(before, found) - MIN_GAIN
+    )
+
+
+def is_simpler(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:
+    """Whether a selection with reconstructed commands explains as much with fewer effects."""
+    one, other = (
+        continuation.fit(MIDDLE, s.winner.hypothesis, s.winner.x)
+        for continuation, s in ((before, found), (after, again))
+    )
+    return (
+        again.adequate
+        and len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)
+        and criterion(other) < criterion(one) + MIN_SEPARATION
+    )

@@ -1,0 +1,220 @@
+"""Stepwise selection under model error: effects are added while held-out windows confirm them, weather of a
+run also where its parameters are far from zero.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.cross_validation import Confirmation, confirmation, saturated_loss
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, may_differ
+from swamp_rl.criticism.nuisance.model_error import ModelError, model_error
+from swamp_rl.criticism.selection.backward_elimination import MOST_RIVALS, Selection, nested, without
+from swamp_rl.criticism.selection.beam_search import MIN_INFORMATION
+from swamp_rl.criticism.selection.continuation import Continuation
+from swamp_rl.criticism.selection.score_test import ScoreTest, at_neutral_values, score_tests
+
+Array = NDArray[np.float64]
+
+MOST = 3  # effects together
+SHORTLIST = 8  # effects that are fitted in each step
+MOST_EXCHANGES = 3  # single effects tried in place of each effect at the end
+SCREENING_SAMPLES = 8000  # of score tests
+STEPS = 6  # Jacobians of a fit that begins near its end
+LEVEL = 1e-3  # of the Wald test of weather, whose sandwich covariance is from few blocks
+
+
+def select_under_model_error(
+    run_set: RunSet, weight: Array, instances: Sequence[EffectInstance], hull: EffectInstance | None
+) -> tuple[RunSet, Continuation, Selection] | None:
+    """The runs with the model error as noise, a continuation of one stage, and the selected effects with
+    those that are indistinguishable from them; None where none is selected.
+    """
+    every = [*instances, *([hull] if hull else [])]
+    plain = model_error(run_set, weight, Hypothesis(), np.zeros(0))
+    continuation = single_stage(plain)
+    best, first, singles = _forward_selection(continuation, plain.fit, every)
+    if not best.hypothesis.instances:
+        return None
+    singles = sorted(singles, key=lambda one: _held_out_loss(continuation, one))
+    best, others = _exchanged(continuation, best, singles)
+    unidentifiable = [one.instance.label for one in first if one.information < MIN_INFORMATION]
+    best, confirmed = _eliminated(continuation, best, len(every))
+    if not best.hypothesis.instances:
+        return None
+    rivals = equivalent(continuation, best, [*singles, *others])
+    tried = [*singles, *others, best]
+    return (
+        plain.run_set,
+        continuation,
+        Selection(best, False, 0, rivals, tried, first, unidentifiable, confirmed),
+    )
+
+
+def single_stage(weighted: ModelError) -> Continuation:
+    """A continuation whose every stage is that of the model error, its fit known."""
+    continuation = Continuation([weighted.problem] * 3, [weighted.problem.initial_states()] * 3)
+    for stage in range(3):
+        continuation.fits[stage, weighted.fit.hypothesis.label] = weighted.fit
+    return continuation
+
+
+def _held_out_loss(continuation: Continuation, one: Fit) -> float:
+    return float(saturated_loss(continuation.problems[0], one).sum())
+
+
+def _forward_selection(
+    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]
+) -> tuple[Fit, list[ScoreTest], list[Fit]]:
+    """From no effect, the effect added each time whose held-out loss is least, while the gain is confirmed;
+    the first score tests, and the fits of single effects.
+    """
+    problem = continuation.problems[0]
+    first: list[ScoreTest] = []
+    singles: list[Fit] = []
+    for _ in range(MOST):
+        scores = _screened(continuation, at, instances)
+        first = first or scores
+        likely = [one for one in scores if one.information >= MIN_INFORMATION]
+        # of an effect without a number the score is no guide: it is a jump
+        discrete = [one for one in likely[SHORTLIST:] if not one.instance.size and not singles]
+        likely = [*likely[:SHORTLIST], *discrete]
+        made = [continuation.fit(0, one.hypothesis, one.x, at.states) for one in likely]
+        singles = singles or made
+        confirmed_fits = [
+            one
+            for score, one in zip(likely, made, strict=True)
+            if confirmed(problem, one, at, score.instance, len(instances)).holds
+        ]
+        if not confirmed_fits:
+            break
+        at = _simplest(
+            continuation,
+            min(confirmed_fits, key=lambda one: _held_out_loss(continuation, one)),
+            confirmed_fits,
+        )
+    return at, first, singles
+
+
+def confirmed(
+    problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, comparisons: int
+) -> Confirmation:
+    """Of an effect that `whole` has more than `less`: on held-out windows. Weather of a run is that run's
+    alone, and one run has few windows: where those gain without being significant, its Wald test decides,
+    at LEVEL divided by the number of comparisons (Bonferroni).
+    """
+    from scipy.special import chdtri
+
+    found = confirmation(problem, whole, less, comparisons)
+    if found.holds or not may_differ(instance.effect, "run"):
+        return found
+    limit = float(chdtri(instance.size, LEVEL / comparisons))
+    return replace(found, certain=wald_statistic(problem, whole, instance) > limit)
+
+
+def wald_statistic(problem: Shooting, at: Fit, instance: EffectInstance) -> float:
+    """Squared distance of an effect's parameters from neutral, in the sandwich covariance: chi-square, with
+    as many degrees of freedom, where there is no effect.
+    """
+    own = np.array([one.label == instance.label for one in at.hypothesis.instances for _ in one.specs])
+    (neutral,) = at_neutral_values(instance, problem.boat).starts
+    away = at.x[own] - np.tile(neutral, instance.count)
+    covariance = sandwich_covariance(problem, at)[np.ix_(own, own)]
+    return float(away @ np.linalg.pinv(covariance, rcond=1e-9, hermitian=True) @ away)
+
+
+def _simplest(continuation: Continuation, best: Fit, confirmed_fits: Sequence[Fit]) -> Fit:
+    """The best fit, or a special case of it whose held-out loss is not significantly greater. Between weather
+    that all runs share and each run's own the held-out loss itself decides: neither is the rarer.
+    """
+    scopeless = _without_scope(best.hypothesis)
+    for one in confirmed_fits:
+        less = one.hypothesis.size < best.hypothesis.size and nested(one.hypothesis, best.hypothesis)
+        if (
+            less
+            and _without_scope(one.hypothesis) != scopeless
+            and not confirmation(continuation.problems[0], best, one, 1).holds
+        ):
+            return one
+    return best
+
+
+def _without_scope(hypothesis: Hypothesis) -> set[str]:
+    """Labels of its effects, whether they differ between runs or not."""
+    return {instance.of_one.label for instance in hypothesis.instances}
+
+
+def _screened(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
+    """Score tests beside a fit, from a part of the windows where there are many; none of an effect that it
+    has with another scope.
+    """
+    problem = continuation.problems[0]
+    known = _without_scope(at.hypothesis)
+    instances = [one for one in instances if one.of_one.label not in known]
+    every = max(1, problem.samples // (problem.weight.shape[2] * SCREENING_SAMPLES))
+    chosen = np.arange(problem.windows.count) % every == 0
+    part = problem.part(chosen)
+    return score_tests(part, fit(part, at.hypothesis, at.x, at.states[chosen], 1), instances)
+
+
+def _exchanged(continuation: Continuation, best: Fit, singles: Sequence[Fit]) -> tuple[Fit, list[Fit]]:
+    """The best fit after an exchange of each of its effects for the best single ones, and the fits tried."""
+    tried = []
+    for instance in best.hypothesis.instances:
+        if instance.effect.nuisance:
+            continue
+        for other in [one for one in singles if _is_other(one.hypothesis, best.hypothesis, instance)][
+            :MOST_EXCHANGES
+        ]:
+            numbers = {a.label: own for a, own in best.hypothesis.parts(best.x)}
+            numbers[other.hypothesis.label] = other.x
+            exchanged = best.hypothesis.without(instance.label).with_instance(other.hypothesis.instances[0])
+            start = np.concatenate([numbers[a.label] for a in exchanged.instances])
+            tried.append(continuation.fit(0, exchanged, start, best.states))
+    better = min([best, *tried], key=lambda one: _held_out_loss(continuation, one))
+    return better, [one for one in [best, *tried] if one is not better]
+
+
+def _is_other(single: Hypothesis, best: Hypothesis, instance: EffectInstance) -> bool:
+    """Whether a single effect is another explanation than an instance of the best fit."""
+    own = single.instances[0]
+    special = nested(Hypothesis((instance,)), single) or nested(single, Hypothesis((instance,)))
+    return not own.effect.nuisance and own not in best.instances and not special
+
+
+def _eliminated(
+    continuation: Continuation, best: Fit, comparisons: int
+) -> tuple[Fit, dict[str, Confirmation]]:
+    """The best fit less the effects that held-out windows do not confirm, the least confirmed first."""
+    while True:
+        found = {}
+        for instance in best.hypothesis.instances:
+            less = without(continuation, best, instance.label, 0)
+            found[instance.label] = confirmed(continuation.problems[0], best, less, instance, comparisons)
+        if all(one.holds for one in found.values()):
+            return best, found
+        doubtful = [label for label, one in found.items() if not one.holds]
+        best = without(continuation, best, min(doubtful, key=lambda label: found[label].low), 0)
+
+
+def equivalent(continuation: Continuation, winner: Fit, others: Sequence[Fit]) -> list[Fit]:
+    """Fits of as many effects as the winner has whose held-out loss is not significantly greater, best
+    first.
+    """
+    problem = continuation.problems[0]
+    kept: dict[str, Fit] = {}
+    for one in sorted(others, key=lambda one: _held_out_loss(continuation, one)):
+        name = one.hypothesis.cause_label
+        same = len(one.hypothesis.instances) == len(winner.hypothesis.instances)
+        if not same or name in kept or name == winner.hypothesis.cause_label:
+            continue
+        if nested(winner.hypothesis, one.hypothesis) or confirmation(problem, winner, one, SHORTLIST).holds:
+            continue
+        kept[name] = one
+    return list(kept.values())[:MOST_RIVALS]
