@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
 from swamp_rl.one_thread import one_thread, threads
 from swamp_rl.pilots.readout import Moments, ridge_readouts
@@ -62,13 +63,14 @@ def test_every_pilot_and_table_has_the_same_bits_on_one_thread_and_on_two(tmp_pa
 
 
 def test_linear_algebra_has_one_thread_within_the_block_and_as_many_as_before_after_it() -> None:
-    before = threads()["linear_algebra"]
-    with one_thread():
-        assert threads()["linear_algebra"] == 1
-        with one_thread(torch=True):
-            assert (threads()["linear_algebra"], threads()["torch"]) == (1, 1)
-        assert threads()["linear_algebra"] == 1
-    assert threads()["linear_algebra"] == before
+    with threadpool_limits(2, "blas"):
+        assert threads()["linear_algebra"] == 2
+        with one_thread():
+            assert threads()["linear_algebra"] == 1
+            with one_thread(torch=True):
+                assert (threads()["linear_algebra"], threads()["torch"]) == (1, 1)
+            assert threads()["linear_algebra"] == 1
+        assert threads()["linear_algebra"] == 2
 
 
 def test_a_decorated_function_still_returns_what_it_does() -> None:
