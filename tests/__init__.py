@@ -1,4 +1,4 @@
-"""The tests, begun with one thread of linear algebra: two workers share two cores, where idle threads spin."""
+"""The tests, with one thread of linear algebra: two workers share two cores, where idle threads spin."""
 
 import os
 

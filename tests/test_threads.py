@@ -34,7 +34,7 @@ pilots:
     options: {decisions: 512, boats: 16, random: 128, updates: 2, leg: 16}
 evaluation: {levels: [standard], episodes: 260, seed: 1, shown: 2}
 """
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("threads")]  # longest of all: begun early
 
 VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 RUN = """
@@ -47,7 +47,7 @@ def results_on(count: int, folder: Path) -> dict[str, Any]:
     """All of a result that does not depend on when it came about, made by a process of so many threads."""
     folder.mkdir()
     (folder / "threads.yaml").write_text(EXPERIMENT)
-    environment = os.environ | dict.fromkeys(VARIABLES, str(count))
+    environment = os.environ | dict.fromkeys(VARIABLES, str(count)) | {"OMP_WAIT_POLICY": "passive"}
     done = subprocess.run(
         [sys.executable, "-c", RUN], cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
