@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
 from swamp_rl.one_thread import one_thread, threads
 from swamp_rl.pilots.readout import Moments, ridge_readouts
@@ -33,7 +34,7 @@ pilots:
     options: {decisions: 512, boats: 16, random: 128, updates: 2, leg: 16}
 evaluation: {levels: [standard], episodes: 260, seed: 1, shown: 2}
 """
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("threads")]  # longest of all: begun early
 
 VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 RUN = """
@@ -46,7 +47,7 @@ def results_on(count: int, folder: Path) -> dict[str, Any]:
     """All of a result that does not depend on when it came about, made by a process of so many threads."""
     folder.mkdir()
     (folder / "threads.yaml").write_text(EXPERIMENT)
-    environment = os.environ | dict.fromkeys(VARIABLES, str(count))
+    environment = os.environ | dict.fromkeys(VARIABLES, str(count)) | {"OMP_WAIT_POLICY": "passive"}
     done = subprocess.run(
         [sys.executable, "-c", RUN], cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
@@ -62,13 +63,14 @@ def test_every_pilot_and_table_has_the_same_bits_on_one_thread_and_on_two(tmp_pa
 
 
 def test_linear_algebra_has_one_thread_within_the_block_and_as_many_as_before_after_it() -> None:
-    before = threads()["linear_algebra"]
-    with one_thread():
-        assert threads()["linear_algebra"] == 1
-        with one_thread(torch=True):
-            assert (threads()["linear_algebra"], threads()["torch"]) == (1, 1)
-        assert threads()["linear_algebra"] == 1
-    assert threads()["linear_algebra"] == before
+    with threadpool_limits(2, "blas"):
+        assert threads()["linear_algebra"] == 2
+        with one_thread():
+            assert threads()["linear_algebra"] == 1
+            with one_thread(torch=True):
+                assert (threads()["linear_algebra"], threads()["torch"]) == (1, 1)
+            assert threads()["linear_algebra"] == 1
+        assert threads()["linear_algebra"] == 2
 
 
 def test_a_decorated_function_still_returns_what_it_does() -> None:

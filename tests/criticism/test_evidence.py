@@ -19,6 +19,8 @@ from swamp_rl.runs import Run, write_run
 from swamp_rl.simulator.replay import replay
 from tests.support.criticism import DT, SIGMA, commands, simulated_runs
 
+pytestmark = pytest.mark.xdist_group("evidence")  # what they share is made once
+
 WIND = {"effect": "wind", "speed": 5.0, "from": 1.0}
 NOISE = {"north": 0.02, "east": 0.02, "heading": 0.005}
 

@@ -14,13 +14,10 @@ import numpy as np
 import pytest
 import yaml
 
-from swamp_rl.boat import load_boat
 from swamp_rl.criticism import report
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.errors import UserError
-from swamp_rl.runs import Run, inspect_dataset
-from swamp_rl.runs.free_running import import_free_running
-from swamp_rl.runs.writer import write_run
+from swamp_rl.runs import inspect_dataset
 from tests.support.from_scratch import BOATS
 
 pytestmark = pytest.mark.slow
@@ -34,10 +31,6 @@ WIDE = 2.0  # times the Cramér-Rao bound that a standard error may be
 LARGEST_SET = 6
 POINTED = 4  # missing forces, of which one must go with the right variable
 MOST_BYTES = 3_000_000
-POND = Path(__file__).resolve().parents[3] / "shared" / "data" / "esso_osaka" / "random"
-BEGINNING = 100.0  # s of each run on the pond
-Z95 = 1.959964
-HELD = 0.9  # share of the intervals that hold what the anemometer said
 Told = dict[str, Any]
 
 
@@ -134,38 +127,6 @@ def holds(values: dict[str, float], parameters: Told) -> None:
         away = number["value"] - value
         away = math.remainder(away, 2.0 * math.pi) if number["unit"] == "rad" else away
         assert abs(away) < FAR * number["standard_error"], f"{name}: {number['value']} for {value}"
-
-
-@pytest.mark.skipif(not POND.is_dir(), reason="the pond data are not beside this checkout")
-def test_the_pond_names_a_wind_of_each_run_whose_intervals_hold_the_anemometer(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(report, "write_report", lambda folder, finding: None)
-    runs = [beginning(path) for path in sorted(POND.glob("*_06-Aug-2020_*.csv"))]
-    (tmp_path / "pond").mkdir()
-    for run in runs:
-        shown = {name: values for name, values in run.columns.items() if not name.startswith("wind_")}
-        write_run(tmp_path / "pond" / f"{run.name}.parquet", Run(run.name, shown))
-    diagnose(tmp_path / "pond", "esso_osaka", tmp_path / "answer")
-    wind = named(json.loads((tmp_path / "answer" / "diagnosis.json").read_text()), "wind")
-    assert wind["scope"] == "run"
-    held = []
-    for run in runs:
-        speed, angle = run.columns["wind_speed"], run.columns["wind_from"]
-        mean = np.arctan2((speed * np.sin(angle)).mean(), (speed * np.cos(angle)).mean())
-        for name, true in (("speed", speed.mean()), ("from", mean)):
-            number = wind["groups"][run.name][name]
-            away = number["value"] - true
-            away = math.remainder(away, 2.0 * math.pi) if name == "from" else away
-            held.append(abs(away) < Z95 * number["standard_error"])
-    assert np.mean(held) >= HELD
-
-
-def beginning(path: Path) -> Run:
-    """A run's first part, beginning with its first sample."""
-    run = import_free_running(path, load_boat("esso_osaka"))
-    kept = run.time < run.time[0] + BEGINNING
-    return Run(run.name, {name: values[kept] for name, values in run.columns.items()}, run.meta)
 
 
 def test_every_golden_dataset_is_sound_scripted_and_all_of_them_are_small() -> None:

@@ -15,7 +15,7 @@ from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.criticism.schema import schema_text
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("schema")]  # what they share is made once
 
 PUBLISHED = Path(__file__).parents[2] / "docs" / "diagnosis.schema.json"
 

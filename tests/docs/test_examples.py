@@ -2,14 +2,12 @@
 
 import ast
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from tests.support import forks
 from tests.support.pages import ROOT, environment
-from tests.support.patience import PATIENCE
 
 SAYS = {  # what is printed when it worked
     "batch_of_boats": r"million boat-steps per second\nsuccess: \d+ of \d+ episodes",
@@ -41,15 +39,6 @@ def test_an_example_is_short_and_says_what_it_prints(script: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_an_example_runs(script: Path, tmp_path: Path) -> None:
-    command = [sys.executable, script]
-    done = subprocess.run(
-        command,
-        cwd=tmp_path,
-        env=environment(),
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    done = forks.run(forks.SCRIPT, [str(script)], tmp_path, environment())
     assert done.returncode == 0, done.stderr
     assert re.search(SAYS[script.stem], done.stdout), done.stdout

@@ -19,6 +19,8 @@ from swamp_rl.boat import Boat
 from swamp_rl.effects import LIBRARY
 from tests.support.pages import ROOT
 
+pytestmark = pytest.mark.xdist_group("site")  # what they share is made once
+
 LOADING = {"script": "src", "link": "href", "img": "src", "iframe": "src", "source": "src", "video": "src"}
 FOREIGN = re.compile(r"(?:https?:)?//")
 IN_STYLES = re.compile(r"(?:url\(|@import)\s*['\"]?(?:https?:)?//")

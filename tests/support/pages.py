@@ -29,6 +29,7 @@ import yaml
 from markdown_it import MarkdownIt
 from swamp_rl.experiments.cli.app import app
 
+from tests.support import forks
 from tests.support.patience import PATIENCE
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -111,9 +112,19 @@ def environment() -> dict[str, str]:
 
 def call(command: str, folder: Path, where: str) -> str:
     """What a command prints in `folder`; AssertionError where it fails."""
-    done = subprocess.run(
-        command, shell=True, cwd=folder, env=environment(), capture_output=True, text=True, timeout=PATIENCE
-    )
+    words = shlex.split(command.replace("\\\n", " "), comments=True)
+    if words[0] == "swamp-rl":
+        done = forks.run(forks.COMMAND, words, folder, environment())
+    else:
+        done = subprocess.run(
+            command,
+            shell=True,
+            cwd=folder,
+            env=environment(),
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+        )
     assert done.returncode == 0, f"{where}: {command}\n{done.stdout}\n{done.stderr}"
     return done.stdout
 

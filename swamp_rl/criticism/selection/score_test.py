@@ -63,7 +63,8 @@ def _score_test(problem: Shooting, at: Fit, instance: EffectInstance, by_x: Arra
         if at.chi2 < LARGE_CHI2 * problem.samples:  # a small residual has a small cause
             (neutral,) = at_neutral_values(instance, problem.boat).starts
             starts.append(neutral * instance.count)
-    results = [_score_step(problem, at, instance, hypothesis, place, by_x, np.array(one)) for one in starts]
+    distinct = [np.array(one) for one in dict.fromkeys(starts)]
+    results = [_score_step(problem, at, instance, hypothesis, place, by_x, one) for one in distinct]
     if instance.size > 0 and not any(
         np.isfinite(one.expected_chi2) for one in results
     ):  # diverged at every start

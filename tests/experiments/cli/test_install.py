@@ -12,7 +12,7 @@ import pytest
 
 from tests.support.patience import PATIENCE
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("install")]  # what they share is made once
 
 CHECKOUT = Path(__file__).parents[3]
 

@@ -28,7 +28,7 @@ from swamp_rl.evaluation import Rollout
 from swamp_rl.files import find_config
 from swamp_rl.runs import Run
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("claims")]  # what they share is made once
 
 SMALL = (
     "data.record.good=6",

@@ -22,7 +22,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, check_dataset, read_dataset
 from tests.support.runs import circling
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("closed_loop")]  # what they share is made once
 
 SMALL = {
     "extends": "closed_loop",

@@ -24,7 +24,7 @@ from swamp_rl.evaluation import drive
 from swamp_rl.pilots.store import load_pilot
 from swamp_rl.runs import check_dataset, read_dataset
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("run")]  # what they share is made once
 
 PILOTS = ["scripted", "line-of-sight", "reservoir", "reservoir-alone", "cloning", "ppo"]
 LEVELS = ["calm", "standard", "severe"]

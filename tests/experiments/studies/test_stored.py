@@ -16,7 +16,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.pilots.store import describe_pilot
 from tests.support.tiny_experiment import content, write_tiny
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("stored")]  # what they share is made once
 
 
 @pytest.fixture(scope="module")
