@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Literal, cast
 import typer
 from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
 
-from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 
 if TYPE_CHECKING:
@@ -165,9 +164,7 @@ def _pairs(option: str, given: list[str] | None) -> dict[str, str]:
     for word in given or ():
         ours, equals, theirs = word.partition("=")
         if not (ours and equals and theirs) or ours in found:
-            raise UserError(
-                f"{option} {clipped(word)}: give each of our names once, as in {option} heading=psi"
-            )
+            raise UserError(f"{option} {word}: give each of our names once, as in {option} heading=psi")
         found[ours] = theirs
     return found
 
@@ -178,11 +175,11 @@ def _units(degrees: list[str] | None, unit: list[str] | None) -> dict[str, str]:
     found = _pairs("--unit", unit)
     for name in degrees or ():
         if name in found:
-            raise UserError(f"--degrees {clipped(name)}: has a --unit already; give one of the two")
+            raise UserError(f"--degrees {name}: has a --unit already; give one of the two")
         found[name] = "deg"
     for name, asked in found.items():
         if asked not in UNITS:
-            raise UserError(f"--unit {clipped(name)}={clipped(asked)}: known units are {', '.join(UNITS)}")
+            raise UserError(f"--unit {name}={asked}: known units are {', '.join(UNITS)}")
     return found
 
 
@@ -194,7 +191,5 @@ def _place(origin: str | None) -> tuple[float, float] | None:
     except ValueError:
         latitude, longitude = float("nan"), float("nan")
     if not (abs(latitude) <= 90.0 and abs(longitude) <= 180.0):
-        raise UserError(
-            f"--origin {clipped(origin)}: give latitude and longitude in degrees, as in 44.3489,9.1536"
-        )
+        raise UserError(f"--origin {origin}: give latitude and longitude in degrees, as in 44.3489,9.1536")
     return latitude, longitude
