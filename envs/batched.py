@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from swamp_rl.envs.fleet import Fleet
 from swamp_rl.envs.kernel import CUT, RUNNING
 from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode, known_seed
-from swamp_rl.envs.task import Task, TaskArguments
+from swamp_rl.envs.task import MOST_STEPS, Task, TaskArguments
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 
 Step = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
@@ -70,7 +71,9 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         seed = known_seed(seed)
         super().reset(seed=seed)
         asked = known_options(options, ("episodes", "once"))
-        episodes, self._once = asked.get("episodes"), bool(asked.get("once", False))
+        episodes, once = asked.get("episodes"), asked.get("once", False)
+        if not isinstance(once, bool | np.bool_):
+            raise UserError(f"reset: once must be True or False, not {clipped(repr(once))}")
         seeds: Sequence[int | None] = [None] * self.num_envs
         if episodes is not None:
             seeds = _seeds(episodes, self.num_envs)
@@ -78,6 +81,7 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
             seeds = range(seed, seed + self.num_envs)
         if episodes is not None or seed is not None or not self._started:
             self.fleet.draw_from([np.random.default_rng(s) for s in seeds])
+        self._once = bool(once)
         everyone = np.arange(self.num_envs)
         self.fleet.begin(everyone)
         self._started, self._ended = True, everyone[:0]
@@ -100,6 +104,8 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         """
         if not self._started:
             raise UserError("step: the boats have not started; call reset first")
+        if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or not 1 <= steps <= MOST_STEPS:
+            raise UserError(f"step_held: steps must be a whole number from 1 to {MOST_STEPS}, not {steps!r}")
         asked = known_levers(actions, (self.num_envs, 2))
         self.fleet.refuse_levers(asked)
         if self._ended.size:
@@ -186,7 +192,10 @@ def _known_autoreset(mode: AutoresetMode | str) -> AutoresetMode:
 
 def _seeds(episodes: Any, n: int) -> list[int]:
     """The seeds of `episodes`, n whole numbers of at least 0; UserError otherwise."""
-    seeds = np.asarray(episodes)
+    try:
+        seeds = np.asarray(episodes)
+    except ValueError:  # rows of several lengths
+        seeds = np.array(None)
     if seeds.shape != (n,) or seeds.dtype.kind not in "iu" or (seeds < 0).any():
         raise UserError(f"reset: episodes must be {n} seeds, whole numbers of at least 0")
     return [int(seed) for seed in seeds]

@@ -1,7 +1,7 @@
 """What a pilot may sense: named numbers, of which each pilot chooses its own."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -126,7 +126,7 @@ def observed(names: Sequence[str] | None) -> Observed:
     """
     if names is None:
         names = OBSERVATION
-    if isinstance(names, str) or len(names) == 0:
+    if isinstance(names, str) or not isinstance(names, Collection) or len(names) == 0:
         raise UserError(
             f"observation: must be a list of names out of {', '.join(NAMES)}, module:function, not {names!r}"
         )

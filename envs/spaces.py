@@ -8,6 +8,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 
 
@@ -47,7 +48,12 @@ def known_render_mode(mode: str | None) -> str | None:
 
 def known_options(options: dict[str, Any] | None, known: Sequence[str]) -> dict[str, Any]:
     """The options of a reset, if all are known; UserError otherwise."""
-    for name in options or {}:
+    if options is None:
+        return {}
+    if not isinstance(options, dict):
+        raise UserError(f"reset: options must be None or a dict, not {clipped(repr(options))}")
+    for name in options:
         if name not in known:
-            raise UserError(f"reset: unknown option {name!r}; known here: {', '.join(known) or 'none'}")
-    return options or {}
+            told = f"unknown option {clipped(repr(name))}; known here: {', '.join(known) or 'none'}"
+            raise UserError(f"reset: {told}")
+    return options

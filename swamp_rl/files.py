@@ -117,6 +117,9 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
     """The YAML file meant by a bare name (`swamp` -> configs/boats/swamp.yaml) or by a path."""
     if kind not in CONFIG_KINDS:
         raise ValueError(f"kind is one of {CONFIG_KINDS}, not {kind!r}")
+    if not isinstance(name_or_path, str | os.PathLike):
+        told = f"is {clipped(repr(name_or_path))}; give a name or a path"
+        raise UserError(f"one of the {kind} {told}")
     copy = _copies.get().get((kind, str(name_or_path)))
     if copy is not None:
         return copy

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.attack.design_formats import DESIGN_FORMATS
+from benchmarks.attack.log_formats import LOG_FORMATS
 from benchmarks.attack.samples import (
     THRUSTERS,
     circle,
@@ -291,4 +293,5 @@ FORMATS: dict[str, Format] = {
     "diagnosis.json": Format(make_diagnosis, _diagnosis),
     "unfinished.json": Format(make_unfinished, _unfinished),
     "message": Format(make_message, _message),
+    **{name: Format(*given) for name, given in (LOG_FORMATS | DESIGN_FORMATS).items()},
 }

@@ -39,6 +39,9 @@ LOADERS = (
     "swamp_rl.arrays_file",
     "swamp_rl.tensors_file",
     "swamp_rl.runs",
+    "swamp_rl.logs",
+    "swamp_rl.design",
+    "swamp_rl.energy.mission",
     "swamp_rl.boat.load",
     "swamp_rl.boat.merge",
     "swamp_rl.boat.resolve",
@@ -157,7 +160,7 @@ def main(name: str, out: Path, inputs: int, seed: int) -> None:
     (corpus / "good").write_bytes(good)
     options = [
         f"-seed={seed}",
-        "-max_len=20000",
+        f"-max_len={max(20000, 2 * len(good))}",
         "-rss_limit_mb=0",
         "-verbosity=0",
         "-len_control=0",

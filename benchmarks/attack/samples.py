@@ -56,6 +56,19 @@ def copied_config(source: str) -> Callable[[Path], Path]:
     return make
 
 
+def make_boat(kind: Any) -> Callable[[Path], Path]:
+    """A boat file by estimates, `boat.yaml`."""
+
+    def make(folder: Path) -> Path:
+        from swamp_rl.boat.estimate import annotated, boat_file
+
+        content = boat_file("new", kind, 1.2, 0.48, 35.0, 70.0)
+        (folder / "boat.yaml").write_text(annotated(content, "a test"))
+        return folder / "boat.yaml"
+
+    return make
+
+
 def dataset_with(folder: Path, kind: Any, name: str) -> Path:
     create_dataset(folder / "runs", meta())
     append_run(folder / "runs", run(), kind)

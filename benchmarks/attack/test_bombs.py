@@ -16,7 +16,9 @@ from swamp_rl.experiments.sweep.store import TABLES, Trial, opened
 from benchmarks.attack.formats import FORMATS, with_checksum
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import MOST_JSON
-from swamp_rl.runs.resample import MOST_CELLS, resampled
+from swamp_rl.runs.resample import MOST_CELLS as MOST_RESAMPLED
+from swamp_rl.runs.resample import resampled
+from swamp_rl.runs.table import MOST_CELLS, MOST_COLUMNS
 from swamp_rl.seal import BLANK
 from swamp_rl.tensors_file import LONGEST, tensors_in
 
@@ -127,6 +129,22 @@ def test_a_text_that_all_rows_share_is_there_once(name: str, column: str, tmp_pa
     assert 0 < pool.max_memory() < 30 * 2**20, "a copy for each row"
 
 
+@pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
+def test_a_csv_file_of_more_cells_than_fit_is_refused_before_it_is_parsed(end: bytes, tmp_path: Path) -> None:
+    path = FORMATS["run.csv"].make(tmp_path)
+    names = b",".join(b"c%d" % i for i in range(MOST_COLUMNS - 1))
+    row = b"," * (MOST_COLUMNS - 2) + end
+    rows = MOST_CELLS // (MOST_COLUMNS - 1)
+    path.write_bytes(names + end + row * rows)
+    pool, before = pa.proxy_memory_pool(pa.default_memory_pool()), pa.default_memory_pool()
+    pa.set_memory_pool(pool)
+    try:
+        refused("run.csv", path, f"at most {MOST_CELLS} cells", "divide")
+    finally:
+        pa.set_memory_pool(before)
+    assert (pool.max_memory() or 0) < 2**20
+
+
 def test_a_column_of_lists_is_refused_before_it_is_read(tmp_path: Path) -> None:
     path = FORMATS["run.parquet"].make(tmp_path)
     rows = pq.read_metadata(path).num_rows
@@ -201,6 +219,6 @@ def test_a_graph_that_cannot_be_computed_is_told_in_one_line(tmp_path: Path) -> 
 def test_a_wide_run_is_not_resampled_into_more_cells_than_a_narrow_one() -> None:
     time = np.array([0.0, 1e6])
     wide = {"time": time} | {f"c{i}": time for i in range(99)}
-    with pytest.raises(UserError, match=f"at most {MOST_CELLS // 100}"):
+    with pytest.raises(UserError, match=f"at most {MOST_RESAMPLED // 100}"):
         resampled(wide, 1.0)
     assert len(resampled({"time": time}, 1.0)["time"]) == 10**6 + 1

@@ -204,6 +204,9 @@ def _carried_out(signals: list[int]) -> int:
 
 
 def _complain(line: str, code: int) -> int:
+    for word in sys.argv[1:]:  # a line end in a name begins no line of ours
+        for part in filter(None, (word, word.partition("=")[2])):
+            line = line.replace(part, printable(part))
     for fault in line.splitlines() or [""]:
         print("swamp-rl:", printable(" ".join(fault.split())), file=sys.stderr)
     return code

@@ -3,7 +3,7 @@
 import json
 import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -107,7 +107,20 @@ def opened(folder: Path, plan: dict[str, Any]) -> Iterator[Store]:
         raise UserError(f"{path}: {error}; name another folder with --out, or remove it") from error
     finally:
         if connection is not None:
+            _unlock(connection)
             connection.close()
+
+
+def _unlock(connection: sqlite3.Connection) -> None:
+    """Have SQLite remove its journal and let others in (https://sqlite.org/pragma.html#pragma_locking_mode).
+
+    Closed while it alone may use the file, it writes the journal to the disk first, of which nothing is
+    needed any more, and leaves it there where the disk refuses.
+    """
+    with suppress(sqlite3.Error, UnicodeDecodeError):
+        connection.execute("PRAGMA locking_mode = NORMAL")
+        # Of SQLite's own table: one of a stranger's may be a view without end.
+        connection.execute("SELECT 1 FROM sqlite_schema LIMIT 1").fetchone()
 
 
 def _refuse_foreign(path: Path) -> None:

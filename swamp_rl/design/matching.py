@@ -22,7 +22,7 @@ from swamp_rl.boat.part import FROM_LIST, NAME, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.boat.resistance import TankResistance
 from swamp_rl.design.propellers import linear_thrust_coefficient
-from swamp_rl.design.read import FILLED, read_design
+from swamp_rl.design.read import FILLED, computable, read_design
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.captive import resistance_at
 
@@ -201,14 +201,17 @@ def matches(design: MatchDesign) -> list[Match]:
             f"{drag.high:g} m/s"
         )
     found = []
-    for pitch in of.series:
-        advance = matched_advance(drag.factor(speed), drag.water_density, of, pitch)
-        revolutions = speed / (advance * of.diameter)
-        coefficient = float(
-            linear_thrust_coefficient(advance, pitch.bollard_coefficient, pitch.pitch_ratio, of.null_factor)
-        )
-        thrust = coefficient * drag.water_density * revolutions**2 * of.diameter**4
-        found.append(Match(pitch, advance, coefficient, revolutions, thrust))
+    with computable(design.name):
+        for pitch in of.series:
+            advance = matched_advance(drag.factor(speed), drag.water_density, of, pitch)
+            revolutions = speed / (advance * of.diameter)
+            coefficient = float(
+                linear_thrust_coefficient(
+                    advance, pitch.bollard_coefficient, pitch.pitch_ratio, of.null_factor
+                )
+            )
+            thrust = coefficient * drag.water_density * revolutions**2 * of.diameter**4
+            found.append(Match(pitch, advance, coefficient, revolutions, thrust))
     return found
 
 
@@ -225,11 +228,12 @@ def best_ranges(design: MatchDesign) -> list[BestRange]:
     """
     drag = drag_of(design)
     found = []
-    for onboard in design.onboard_power:
-        closed = math.isinf(drag.high)
-        speed = _closed_form(design, drag, onboard) if closed else _searched(design, drag, onboard)
-        power = drag.force(speed) * speed / design.efficiency
-        found.append(BestRange(onboard, speed, power, design.energy * speed / (power + onboard)))
+    with computable(design.name):
+        for onboard in design.onboard_power:
+            closed = math.isinf(drag.high)
+            speed = _closed_form(design, drag, onboard) if closed else _searched(design, drag, onboard)
+            power = drag.force(speed) * speed / design.efficiency
+            found.append(BestRange(onboard, speed, power, design.energy * speed / (power + onboard)))
     return found
 
 

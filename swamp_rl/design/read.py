@@ -1,5 +1,7 @@
 """Design files: found, read strictly, and refused where they are of another kind of design."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -10,6 +12,16 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml, validated
 
 Model = TypeVar("Model", bound=BaseModel)
+
+
+@contextmanager
+def computable(name: str) -> Iterator[None]:
+    """UserError for the design of that name where the block leaves the range of floating-point numbers."""
+    try:
+        yield
+    except ArithmeticError as error:
+        told = clipped(f"{type(error).__name__}: {error}", 100)
+        raise UserError(f"{name}: cannot be computed ({told}); check the sizes and their units") from error
 
 
 def _filled(given: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -1,9 +1,8 @@
 """What the readers of binary logs share: limits, damage as one line, tables from rows."""
 
-import contextlib
-import io
+import os
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,8 @@ INSTALL = "pip install 'swamp-rl[logs]'"
 def reading(path: Path, what: str) -> Iterator[None]:
     """Whatever a reader of damaged bytes raises or prints, as one line."""
     try:
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        # Not into memory: some complain of every byte.
+        with open(os.devnull, "w") as sink, redirect_stdout(sink), redirect_stderr(sink):
             yield
     except UserError:
         raise

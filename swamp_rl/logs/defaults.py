@@ -1,5 +1,6 @@
 """The mapping of a binary log where none is given: what its recorder usually calls our columns."""
 
+import math
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -92,7 +93,7 @@ ROS = (
 NUMBERS = ("std_msgs/Float32", "std_msgs/Float64")
 SOURCES = {"dataflash": DATAFLASH, "ulog": ULOG, "rosbag": ROS}
 FRAMES: dict[str, Frame] = {"dataflash": "ned", "ulog": "ned", "rosbag": "enu"}
-SERVO_SIDES = {73: "left", 74: "right"}
+SERVO_SIDES = {73.0: "left", 74.0: "right"}
 """ArduPilot's SERVOn_FUNCTION of skid steering: ThrottleLeft and ThrottleRight."""
 LEFT, RIGHT = re.compile("left|port"), re.compile("right|starboard")
 
@@ -162,12 +163,12 @@ def _servos(log: Log, sides: Mapping[str, float]) -> dict[str, str]:
     found = {}
     outputs = log.tables.get("RCOU")
     for number in range(1, 15):
-        side = SERVO_SIDES.get(int(float(log.told.get(f"parameter SERVO{number}_FUNCTION", "0"))))
+        side = SERVO_SIDES.get(_parameter(log, f"SERVO{number}_FUNCTION", 0.0))
         names = [name for name, y in sides.items() if y != 0.0 and (y < 0.0) == (side == "left")]
         if side and outputs and len(names) == 1 and f"C{number}" in outputs.table.columns:
             low, high, trim, reversed_ = (
-                float(log.told.get(f"parameter SERVO{number}_{name}", usual))
-                for name, usual in (("MIN", "1100"), ("MAX", "1900"), ("TRIM", "1500"), ("REVERSED", "0"))
+                _parameter(log, f"SERVO{number}_{name}", usual)
+                for name, usual in (("MIN", 1100.0), ("MAX", 1900.0), ("TRIM", 1500.0), ("REVERSED", 0.0))
             )
             if low < trim < high:
                 sign = "-" if reversed_ else ""
@@ -176,6 +177,15 @@ def _servos(log: Log, sides: Mapping[str, float]) -> dict[str, str]:
                 text = f"{sign}clip({share}, -1, 1)"
                 found[f"throttle_{names[0]}"] = text
     return found if len(found) == 2 else {}
+
+
+def _parameter(log: Log, name: str, usual: float) -> float:
+    """A parameter's value; the usual one where the log has none that is a finite number."""
+    try:
+        value = float(log.told.get(f"parameter {name}", usual))
+    except ValueError:
+        return usual
+    return value if math.isfinite(value) else usual
 
 
 def _topics(log: Log, boat: Boat) -> dict[str, str]:

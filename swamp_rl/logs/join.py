@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
 from swamp_rl.runs.faults import Fault
-from swamp_rl.runs.resample import ANGLES, HELD, MOST_ROWS, wrapped
+from swamp_rl.runs.resample import ANGLES, HELD, most_rows, wrapped
 
 Array = NDArray[np.float64]
 
@@ -56,8 +56,10 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
     if rows < 2.0:
         spans = "; ".join(_spans(series))
         raise UserError(f"{file}: the tables have no time in common ({spans}); map other tables, or --clock")
-    if rows > MOST_ROWS:
-        raise UserError(f"{file}: {rows:.3g} rows at {rate:g} a second, at most {MOST_ROWS}")
+    most = most_rows(len(series) + 1)
+    if not rows < most:
+        told = f"{rows:.3g} rows at {rate:g} a second, at most {most}; give --resample HZ, or divide the log"
+        raise UserError(f"{file}: {told}")
     even = start + np.arange(math.floor(rows)) / rate
     columns: dict[str, Array] = {"time": even - start}
     unread: dict[str, NDArray[np.bool_]] = {}

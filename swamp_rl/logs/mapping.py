@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, validated
 from swamp_rl.logs.expression import Node, parsed
@@ -117,7 +118,7 @@ def _file(option: str) -> MappingFile:
     path = Path(option)
     if path.suffix.lower() not in (".yaml", ".yml"):
         raise UserError(
-            f"--map {option}: give COLUMN=EXPRESSION, as in throttle_left='(pwm_left-1500)/400', "
+            f"--map {clipped(option)}: give COLUMN=EXPRESSION, as in throttle_left='(pwm_left-1500)/400', "
             "or a .yaml file"
         )
     return validated(path, MappingFile, read_yaml(path))

@@ -8,6 +8,7 @@ import numpy as np
 from swamp_rl.errors import UserError
 from swamp_rl.logs.binary import LARGEST, reading
 from swamp_rl.logs.log import Log, LogTable
+from swamp_rl.logs.tables import table_name
 from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.table import MOST_CELLS, MOST_COLUMNS, Table
 
@@ -27,7 +28,7 @@ def read_ulog(path: Path, wanted: Collection[str] | None = None) -> Log:
         log = ULog(str(path), names)
         tables = {}
         for found in log.data_list:
-            name = f"{found.name}_{found.multi_id}" if found.multi_id else found.name
+            name = table_name(f"{found.name}_{found.multi_id}" if found.multi_id else found.name)
             stamps = found.data.get("timestamp")
             if stamps is None or (wanted is not None and name not in wanted):
                 continue

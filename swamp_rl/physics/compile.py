@@ -44,8 +44,11 @@ def compiled_sources() -> list[Path]:
 
 
 @lru_cache(maxsize=1)
-def cache_folder() -> Path:
-    """Folder of the machine code of exactly these sources; older ones beyond `KEPT_CACHES` are removed."""
+def cache_folder() -> Path | None:
+    """Folder of the machine code of exactly these sources; older ones beyond `KEPT_CACHES` are removed.
+
+    The package's own where the user has none that can be written, None where that cannot either.
+    """
     digest = hashlib.sha256()
     for source in compiled_sources():
         digest.update(source.read_bytes())
@@ -57,7 +60,8 @@ def cache_folder() -> Path:
         for old in sorted(base.iterdir(), key=lambda path: path.stat().st_mtime)[:-KEPT_CACHES]:
             shutil.rmtree(old, ignore_errors=True)
     except OSError:
-        return Path(__file__).parent / "__pycache__"
+        inside = Path(__file__).parent / "__pycache__"
+        return inside if os.access(inside, os.W_OK) else None
     return folder_of_sources
 
 
@@ -73,10 +77,10 @@ def compiled(function: F | None = None, *, parallel: bool = False, threaded: boo
     if function is None:
         return cast(F, lambda decorated: compiled(decorated, parallel=parallel, threaded=threaded))
     options = NUMERICS if parallel else THREADED if threaded else INSIDE
-    before = config.CACHE_DIR
-    config.CACHE_DIR = str(cache_folder())
+    before, folder = config.CACHE_DIR, cache_folder()
+    config.CACHE_DIR = str(folder or before)
     try:
-        return cast(F, numba.njit(cache=True, parallel=parallel, **options)(function))
+        return cast(F, numba.njit(cache=folder is not None, parallel=parallel, **options)(function))
     finally:
         config.CACHE_DIR = before
 

@@ -179,9 +179,10 @@ def _in_folders(source: Path, kind: str) -> list[Path]:
 def _refuse_twins(files: Sequence[Path]) -> None:
     by_name: dict[str, Path] = {}
     for file in files:
-        if file.stem in by_name:
-            raise UserError(f"{file}: would be a run of the same name as {by_name[file.stem]}; rename one")
-        by_name[file.stem] = file
+        name = file.stem.casefold()  # some file systems take both for one
+        if name in by_name:
+            raise UserError(f"{file}: would be a run of the same name as {by_name[name]}; rename one")
+        by_name[name] = file
 
 
 def _read(files: Sequence[Path], kind: Kind, about: About, wishes: Wishes) -> tuple[list[Foreign], Wishes]:

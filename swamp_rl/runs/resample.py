@@ -16,6 +16,11 @@ ANGLES = ("heading", "wind_from")
 HELD = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_")
 
 
+def most_rows(columns: int) -> int:
+    """Rows that a resampled run of so many columns has at most."""
+    return min(MOST_ROWS, MOST_CELLS // columns)
+
+
 def resampled(columns: Mapping[str, Array], rate: float) -> dict[str, Array]:
     """Columns (T,) with increasing times as columns at `rate` [Hz] from the first time on.
 
@@ -24,7 +29,7 @@ def resampled(columns: Mapping[str, Array], rate: float) -> dict[str, Array]:
     """
     time = columns["time"]
     rows = (time[-1] - time[0]) * rate + 1.0 + 1e-9
-    most = min(MOST_ROWS, MOST_CELLS // len(columns))
+    most = most_rows(len(columns))
     if not rows < most:
         raise UserError(f"{rows:.3g} rows at {rate:g} a second, at most {most}; resample at a lower rate")
     even = time[0] + np.arange(math.floor(rows)) / rate

@@ -26,7 +26,7 @@ LONGEST_HEADER, MOST_COLUMNS = 2**17, 1_000
 MOST_ODD_ROWS = 1_000
 """Rows of another length than the header's after which a file is read no further."""
 MOST_CELLS = 4 * 10**7
-"""Of a Parquet file, whose few bytes may stand for any number."""
+"""Of a file: a number takes 8 bytes of memory, however few it has in the file."""
 
 
 @dataclass
@@ -100,6 +100,11 @@ def _read_csv(path: Path, held: bytes) -> Table:
         return _unreadable(path, "starts with an empty line or none; the first line must name the columns")
     if len(names) == 1 and (";" in names[0] or "\t" in names[0]):
         return _unreadable(path, "has one column only, its cells must be separated by commas; save it so")
+    rows = max(held.count(b"\n"), held.count(b"\r"))
+    if rows * len(names) > MOST_CELLS:
+        return _unreadable(
+            path, f"has {rows} rows of {len(names)} columns, at most {MOST_CELLS} cells; divide it into runs"
+        )
     odd_rows: list[pa.csv.InvalidRow] = []
 
     def keep_note(row: pa.csv.InvalidRow) -> str:
@@ -114,13 +119,13 @@ def _read_csv(path: Path, held: bytes) -> Table:
     )
     # Arrow counts lines from 1 with the header as the first.
     odd = {row.number - 1: row for row in odd_rows}
-    rows = np.array([n for n in range(1, data.num_rows + len(odd) + 1) if n not in odd], np.int64)
+    numbers = np.array([n for n in range(1, data.num_rows + len(odd) + 1) if n not in odd], np.int64)
     faults = [Fault(path.name, number, None, _odd_row(row)) for number, row in odd.items()]
     if not held.endswith((b"\n", b"\r")):
         last = data.num_rows + len(odd)
         message = "the file does not end with a line end, it may be cut short; compare it with its source"
         faults.append(Fault(path.name, last or None, None, message))
-    return _numbers(path.name, data, rows, faults)
+    return _numbers(path.name, data, numbers, faults)
 
 
 def _odd_row(row: pa.csv.InvalidRow) -> str:

@@ -18,7 +18,8 @@ LOOPBACK_NAMES = ("localhost", "127.0.0.1", "[::1]")
 HOST = re.compile(r"(\[[0-9a-f:.]+\]|[a-z0-9._-]+)(?::[0-9]{1,5})?", re.ASCII | re.IGNORECASE)
 "A name or an address, in brackets where it is one of IPv6, and perhaps a port (RFC 9110, 7.2)."
 WRONG, LOCKED = 10, 60.0
-"Wrong tokens from an address, and for how long [s] it is then locked out, right ones included."
+"""Wrong tokens of an address in one place, query or cookie, and for how long [s] none of its tokens there is
+then looked at, right ones included."""
 ADDRESSES = 1024
 "Addresses whose wrong tokens are remembered."
 
@@ -58,58 +59,68 @@ class Guard:
         """host: the address bound; token: what to ask for, None only on a loopback address; clock: in s."""
         self.token = checked_token(host, token)
         self._loopback, self._clock = is_loopback(host), clock
-        self._wrong: dict[str, tuple[int, float]] = {}
+        self._wrong: dict[tuple[str, str], tuple[int, float]] = {}
 
     def objection(self, scope: Scope) -> Objection | None:
-        """Why a connection is not to be served; None if it is. A wrong token counts against its address."""
+        """Why a connection is not to be served; None if it is.
+
+        A wrong token counts against its address and its place there. What another page has this browser ask
+        for counts nothing; of a browser that does not say so, it can at most be a query, and so lock out no
+        one who has the cookie.
+        """
         if scope["type"] not in ("http", "websocket"):
             return None
         if not self.known_host(scope):
             return Objection(403, "it asked for a name that is not this machine's")
-        if scope["type"] == "websocket" and not self.own_origin(scope):
+        if self.of_another_page(scope):
             return Objection(403, "its origin is another page")
-        if self.token is not None and self._locked_out(scope):
-            return Objection(429, f"{WRONG} wrong tokens came from its address")
         word = self.in_query(scope)
         if word and not (word.isascii() and word.isalnum()):
             return Objection(400, "its token is not made of letters and digits")
-        if self.has_token(scope):
+        if self.token is None:
             return None
-        if word or _cookie(scope):
-            self._count_wrong(scope)
-            return Objection(403, "it has a wrong token")
-        return Objection(403, "it has no token")
+        given = {place: said for place, said in (("query", word), ("cookie", _cookie(scope))) if said}
+        looked_at = {place: said for place, said in given.items() if not self._locked_out(scope, place)}
+        if any(hmac.compare_digest(said.encode(), self.token.encode()) for said in looked_at.values()):
+            return None
+        for place in looked_at:
+            self._count_wrong(scope, place)
+        if len(looked_at) < len(given):
+            return Objection(429, f"{WRONG} wrong tokens came from its address")
+        return Objection(403, "it has a wrong token" if given else "it has no token")
 
     def known_host(self, scope: Scope) -> bool:
         """Whether the name asked for is ours: else a stranger's name may have been pointed here."""
         host = HOST.fullmatch(_header(scope, b"host"))
         return host is not None and (not self._loopback or host[1].lower() in LOOPBACK_NAMES)
 
-    def has_token(self, scope: Scope) -> bool:
-        """Whether the cookie or the query holds the token, if one is asked for."""
-        if self.token is None:
-            return True
-        given = [self.in_query(scope), _cookie(scope)]
-        return any(hmac.compare_digest(word.encode(), self.token.encode()) for word in given)
-
     def in_query(self, scope: Scope) -> str:
         """The word given as `?token=`."""
         query = parse_qs(scope.get("query_string", b"").decode("latin-1"))
         return query.get("token", [""])[0]
 
-    def own_origin(self, scope: Scope) -> bool:
-        """Whether a page that this server sent is asking: its origin is the host it asks."""
-        origin = _header(scope, b"origin")
-        return origin in {f"{scheme}://{_header(scope, b'host')}" for scheme in ("http", "https")}
+    def of_another_page(self, scope: Scope) -> bool:
+        """Whether a page that this server did not send has a browser ask, otherwise than by a link to here.
 
-    def _locked_out(self, scope: Scope) -> bool:
-        count, last = self._wrong.get(_address(scope), (0, 0.0))
+        A browser tells the page's origin for WebSockets and for all that changes something; for all else it
+        tells how that is related to this server (https://www.w3.org/TR/fetch-metadata), if it trusts the
+        way here: by https, or on one machine.
+        """
+        origin, host = _header(scope, b"origin"), _header(scope, b"host")
+        if (origin or scope["type"] == "websocket") and origin not in (f"http://{host}", f"https://{host}"):
+            return True
+        followed = (_header(scope, b"sec-fetch-mode"), _header(scope, b"sec-fetch-dest"))
+        related = _header(scope, b"sec-fetch-site")
+        return related not in ("", "none", "same-origin") and followed != ("navigate", "document")
+
+    def _locked_out(self, scope: Scope, place: str) -> bool:
+        count, last = self._wrong.get((_address(scope), place), (0, 0.0))
         return count >= WRONG and self._clock() - last < LOCKED
 
-    def _count_wrong(self, scope: Scope) -> None:
-        address, now = _address(scope), self._clock()
-        count, last = self._wrong.pop(address, (0, now))
-        self._wrong[address] = (count + 1 if now - last < LOCKED else 1, now)
+    def _count_wrong(self, scope: Scope, place: str) -> None:
+        key, now = (_address(scope), place), self._clock()
+        count, last = self._wrong.pop(key, (0, now))
+        self._wrong[key] = (count + 1 if now - last < LOCKED else 1, now)
         if len(self._wrong) > ADDRESSES:
             del self._wrong[next(iter(self._wrong))]
 

@@ -92,7 +92,8 @@ def application(hub: Hub, guard: Guard) -> ASGIApp:
         if guard.in_query(request.scope):
             # The token goes into a cookie, out of the address that is shown and kept.
             answer = RedirectResponse("/", 303)
-            answer.set_cookie(COOKIE, guard.in_query(request.scope), httponly=True, samesite="strict")
+            if guard.token is not None:  # and not the query's, which may be wrong beside a right cookie
+                answer.set_cookie(COOKIE, guard.token, httponly=True, samesite="strict")
             return answer
         return Response((PAGE / "index.html").read_bytes(), media_type="text/html")
 

@@ -97,3 +97,42 @@ def test_a_time_limit_beyond_a_day_or_below_a_second_is_refused(limit: float) ->
 def test_a_number_of_boats_that_cannot_be_is_refused(count: Any) -> None:
     with pytest.raises(UserError, match="num_envs: must be a whole number from 1 to"):
         GatesVectorEnv(count)
+
+
+@pytest.mark.parametrize("options", [3, True, "once", [], np.zeros(2), {"nope": 1}, {1: 2}])
+def test_options_that_are_none_are_refused(options: Any) -> None:
+    for env in (GatesEnv(), GatesVectorEnv(2)):
+        with pytest.raises(UserError, match=r"reset: (options must be None or a dict|unknown option)"):
+            env.reset(options=options)
+
+
+@pytest.mark.parametrize("once", ["no", [1], np.zeros(2), 2])
+def test_once_is_true_or_false(once: Any) -> None:
+    with pytest.raises(UserError, match="once must be True or False"):
+        GatesVectorEnv(2).reset(options={"once": once})
+
+
+@pytest.mark.parametrize("episodes", [3, [1], [[1, 2], [3]], [1, -2], [1.0, 2.0], ["a", "b"], [2**70, 1]])
+def test_episodes_that_are_no_seeds_are_refused(episodes: Any) -> None:
+    with pytest.raises(UserError, match="episodes must be 2 seeds"):
+        GatesVectorEnv(2).reset(options={"episodes": episodes})
+
+
+@pytest.mark.parametrize("steps", [0, -1, 1.5, None, "a", True, 2**70])
+def test_a_number_of_held_steps_that_cannot_be_is_refused(steps: Any) -> None:
+    boats = GatesVectorEnv(2)
+    boats.reset(seed=0)
+    with pytest.raises(UserError, match="steps must be a whole number from 1 to"):
+        boats.step_held(np.zeros((2, 2)), steps)
+
+
+@pytest.mark.parametrize("name", ["boat", "course"])
+@pytest.mark.parametrize("given", [3, None, {}, [], b"x"])
+def test_a_boat_or_course_that_is_no_name_is_refused(name: str, given: Any) -> None:
+    with pytest.raises(UserError, match="give a name or a path"):
+        GatesEnv(**{name: given})
+
+
+def test_an_observation_that_is_no_list_is_refused() -> None:
+    with pytest.raises(UserError, match="must be a list of names"):
+        GatesEnv(observation=3)  # type: ignore[arg-type]

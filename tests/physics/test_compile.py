@@ -36,3 +36,14 @@ def test_a_package_without_a_compiled_function_is_not_hashed(nested: Path) -> No
     for name in ("__init__.py", "table.py"):
         (other / name).write_text("ROWS = 3\n")
     assert module.cache_folder.__wrapped__() == before
+
+
+def test_where_no_cache_can_be_written_functions_are_compiled_without_one(
+    nested: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(nested))  # a file
+    (Path(module.__file__).parent / "__pycache__").mkdir()
+    monkeypatch.setattr(module.os, "access", lambda path, mode: False)
+    monkeypatch.setattr(module, "cache_folder", module.cache_folder.__wrapped__)
+    assert module.cache_folder() is None
+    assert module.compiled(lambda x: x + 1)(1) == 2

@@ -182,9 +182,10 @@ def test_latitude_and_longitude_become_north_and_east_of_the_first_place(tmp_pat
         import_runs([path], "csv", tmp_path / "new", None, wishes)
 
 
-def test_files_of_one_name_and_an_out_that_is_there_are_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("twin", ["log.csv", "LOG.csv"])  # one file, where a file system folds cases
+def test_files_of_one_name_and_an_out_that_is_there_are_refused(twin: str, tmp_path: Path) -> None:
     (tmp_path / "b").mkdir()
-    paths = [write_csv(tmp_path / name, foreign()) for name in ("log.csv", "b/log.csv")]
+    paths = [write_csv(tmp_path / name, foreign()) for name in ("log.csv", f"b/{twin}")]
     with pytest.raises(UserError, match="same name"):
         import_runs(paths, "csv", tmp_path / "out", None, WISHES)
     with pytest.raises(UserError, match="already exists"):

@@ -6,59 +6,25 @@ import resource
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Iterator
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
-from websockets.exceptions import InvalidStatus
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import ClientConnection
 
 from swamp_rl.runs import read_dataset
 from swamp_rl.teleop import connections, server, view
-from swamp_rl.teleop.guard import LOCKED, WRONG, Guard
 from tests.support.driving import recordings
 from tests.support.patience import PATIENCE
 from tests.support.recorder import serving
+from tests.support.web import driving, hear, place, status
 
 TOKEN = "harbour7"
 MANY = 1200
 ROUNDS = 10
 COMMAND = {"type": "command", "throttle": 0.5, "angle": 0.1}
-
-
-def place(address: str) -> tuple[str, int]:
-    host, port = address.split("/")[2].split(":")
-    return host, int(port)
-
-
-@contextmanager
-def driving(address: str, **headers: str) -> Iterator[ClientConnection]:
-    host = address.split("/")[2]
-    with connect(f"ws://{host}/socket", origin=f"http://{host}", additional_headers=headers) as page:  # type: ignore[arg-type]
-        yield page
-
-
-def hear(page: ClientConnection, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    until = time.monotonic() + PATIENCE
-    while time.monotonic() < until:
-        message = json.loads(page.recv(timeout=PATIENCE))
-        if wanted(message):
-            return message
-    raise AssertionError("it was never said")
-
-
-def answer(address: str, *lines: str) -> str:
-    """What a request of these header lines gets; nothing if the connection is closed without a word."""
-    with socket.create_connection(place(address), timeout=PATIENCE) as asked:
-        asked.sendall("".join(f"{line}\r\n" for line in (*lines, "Connection: close", "")).encode("latin-1"))
-        return b"".join(iter(lambda: asked.recv(65536), b"")).decode("latin-1")
-
-
-def status(address: str, path: str = "/", host: str | None = None, *lines: str) -> int:
-    host = address.split("/")[2] if host is None else host
-    return int(answer(address, f"GET {path} HTTP/1.1", f"Host: {host}", *lines).split()[1])
 
 
 def is_closed(silent: socket.socket) -> bool:
@@ -229,104 +195,6 @@ def frames_a_second(page: ClientConnection, wanted: int = 40) -> float:
     for _ in range(wanted):
         hear(page, lambda message: message["type"] == "frame")
     return wanted / (time.monotonic() - begun)
-
-
-@pytest.mark.parametrize(
-    "host",
-    [
-        "[::1]x",
-        "[::1]:80x",
-        "127.0.0.1:80@evil.com",
-        "127.0.0.1@evil.com",
-        "127.0.0.1:x",
-        "localhost.evil.com",
-        "localhost:80:80",
-        "[127.0.0.1]",
-        "::1",
-        "127.0.0.1, evil.com",
-        "localhost/",
-        "",
-    ],
-)
-def test_a_host_that_is_not_exactly_this_machines_is_refused(tmp_path: Path, host: str) -> None:
-    guard = Guard("127.0.0.1", None)
-    refused = guard.objection(scope(host=host.encode()))
-    assert refused is not None and refused.status == 403
-
-
-def test_the_host_is_looked_at_on_a_real_connection(tmp_path: Path) -> None:
-    with serving(tmp_path / "runs") as (address, _):
-        for host, wanted in {
-            "[::1]x": 403,
-            "127.0.0.1:80@evil.com": 403,
-            "localhost:80": 200,
-            "[::1]:80": 200,
-            "LOCALHOST": 200,
-        }.items():
-            assert status(address, host=host) == wanted
-        assert " 40" in answer(address, "GET / HTTP/1.1", "Host: 127.0.0.1", "Host: evil.com")[:16]
-
-
-@pytest.mark.parametrize("token", [None, TOKEN])
-def test_a_token_that_is_no_text_is_a_malformed_request(tmp_path: Path, token: str | None) -> None:
-    with serving(tmp_path / "runs", token=token) as (address, _):
-        for path in (
-            "/?token=%ff",
-            "/?token=%00",
-            "/?token=a%0d%0aSet-Cookie:%20x=y",
-            "/?token=%F0%9F%9A%A4",
-        ):
-            assert status(address, path) == 400
-
-
-def scope(token: str = "", address: str = "10.0.0.1", host: bytes = b"10.0.0.9:80") -> dict[str, Any]:
-    query = f"token={token}".encode() if token else b""
-    return {
-        "type": "http",
-        "client": (address, 40000),
-        "headers": [(b"host", host)],
-        "query_string": query,
-    }
-
-
-def test_an_address_that_tries_tokens_is_locked_out_for_a_while_and_no_other_is() -> None:
-    now = [100.0]
-    guard = Guard("0.0.0.0", TOKEN, clock=lambda: now[0])
-
-    def answered(token: str, address: str = "10.0.0.1") -> int:
-        objection = guard.objection(scope(token, address))
-        return 200 if objection is None else objection.status
-
-    assert [answered("") for _ in range(3 * WRONG)] == [403] * (3 * WRONG)
-    assert [answered(f"wrong{i}") for i in range(WRONG)] == [403] * WRONG
-    assert answered(TOKEN) == 429
-    assert answered(TOKEN, "10.0.0.2") == 200
-    now[0] += LOCKED - 0.1
-    assert answered(TOKEN) == 429
-    now[0] += 0.2
-    assert answered(TOKEN) == 200
-    assert answered("wrong") == 403 and answered(TOKEN) == 200
-    # Whoever has one address of IPv6 has its network.
-    for i in range(WRONG):
-        answered("wrong", f"2001:db8::{i:x}")
-    assert answered(TOKEN, "2001:db8::ffff") == 429 and answered(TOKEN, "2001:db8:0:1::1") == 200
-    # One of IPv4 has itself alone, however the socket tells it.
-    for _ in range(WRONG):
-        answered("wrong", "::ffff:10.0.0.7")
-    assert answered(TOKEN, "::ffff:10.0.0.7") == 429 and answered(TOKEN, "10.0.0.7") == 429
-    assert answered(TOKEN, "::ffff:10.0.0.8") == 200
-
-
-def test_one_who_is_let_in_drives_on_while_its_address_is_locked_out(tmp_path: Path) -> None:
-    cookie = {"Cookie": f"swamp_token={TOKEN}"}
-    with serving(tmp_path / "runs", token=TOKEN) as (address, _), driving(address, **cookie) as driver:
-        for number in range(WRONG):
-            assert status(address, f"/?token=wrong{number}") == 403
-        assert status(address, f"/?token={TOKEN}") == 429
-        with pytest.raises(InvalidStatus), driving(address, **cookie):
-            pass
-        driver.send(json.dumps(COMMAND))
-        hear(driver, lambda message: message.get("levers") == [0.5, 0.1])
 
 
 def test_refused_connections_fill_no_log(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:

@@ -110,6 +110,11 @@ def test_what_does_not_exist_is_named_and_nothing_is_written(call: Call, words: 
     assert list(Path().iterdir()) == []
 
 
+@pytest.mark.parametrize("words", [["runs", "check"], ["evaluate"], ["boat", "check"]])
+def test_a_name_with_a_line_end_is_told_on_one_line(call: Call, words: list[str]) -> None:
+    assert_complains(call(*words, "no\nsuch"), "no such")
+
+
 def test_check_of_a_good_folder_says_so(call: Call, folder: Path) -> None:
     assert call("runs", "check", folder) == (0, f"{folder}: 2 runs, 62 rows, no faults\n", "")
 

@@ -4,6 +4,7 @@ import importlib.util
 import json
 import os
 import random
+import sqlite3
 import subprocess
 import sys
 import time
@@ -130,6 +131,39 @@ def test_another_sweep_or_a_second_process_is_kept_out_of_a_folder(tmp_path: Pat
     (tmp_path / "trials.sqlite").write_bytes(b"something else" * 100)
     with pytest.raises(UserError, match="not a database"), opened(tmp_path, {"seed": 0}):
         pass
+
+
+def test_the_journal_is_gone_before_the_file_is_closed_whose_last_fsync_may_be_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    journal, there = tmp_path / "trials.sqlite-journal", []
+
+    class Watched(sqlite3.Connection):
+        def close(self) -> None:
+            there.append(journal.exists())
+            super().close()
+
+    connect = sqlite3.connect
+    monkeypatch.setattr(sqlite3, "connect", lambda *given, **named: connect(*given, **named, factory=Watched))
+    with opened(tmp_path, {"seed": 0}) as store:
+        store.add(Trial(0, {"a": 1}, 0.5, None, None, 1, 0.1))
+        assert journal.exists(), "SQLite itself no longer keeps it: removing it can go"
+    assert there == [False]
+
+
+def test_a_sweep_with_a_spent_journal_in_its_folder_goes_on_with_all_trials(tmp_path: Path) -> None:
+    journal = tmp_path / "trials.sqlite-journal"
+    with opened(tmp_path, {"seed": 0}) as store:
+        for number in range(3):
+            store.add(Trial(number, {"a": 1}, 0.5, None, None, 1, 0.1))
+        spent = journal.read_bytes()
+    journal.write_bytes(spent)
+    with opened(tmp_path, {"seed": 0}) as store:
+        assert list(store.trials()) == [0, 1, 2]
+        store.add(Trial(3, {"a": 1}, 0.5, None, None, 1, 0.1))
+    with opened(tmp_path, {"seed": 0}) as store:
+        assert list(store.trials()) == [0, 1, 2, 3]
+    assert not journal.exists()
 
 
 def test_a_folder_that_holds_something_else_is_let_be(tmp_path: Path) -> None:
