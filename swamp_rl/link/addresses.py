@@ -12,7 +12,7 @@ RECIPIENT, FIRST_COMPUTER = 100, 101
 """Last bytes of the default recipient of telemetry and of the (first) computational module."""
 LOOPBACK = "127.0.0.0/24"
 """The thesis's network is 192.168.29.0/24; on one machine it becomes this."""
-EXAMPLES = f"{LOOPBACK} (.201, .202, … as on the boat) or 127.0.0.1:29680 (one address, ports from there)"
+EXAMPLES = f"{LOOPBACK} (.201, .202, … as aboard) or 127.0.0.1:29680 (one address, ports from there)"
 
 Endpoint = tuple[str, int]
 """An IPv4 address and a UDP port."""
@@ -20,7 +20,7 @@ Endpoint = tuple[str, int]
 
 @dataclass(frozen=True)
 class Addresses:
-    """A vehicle's endpoints. `modules`: of the K thrusters, in the order of the boat file; `sensors`: where the
+    """Endpoints. `modules`: of the K thrusters, in the order of the boat file; `sensors`: where the
     sensors' program of each computational module takes commands; `recipient`: whom telemetry goes to unless
     somebody asks for it."""
 

@@ -18,8 +18,8 @@ from swamp_rl.link.protocol import (
 )
 
 GEAR = 118
-"""Turns of the azimuth's motor for one of the nozzle, 59 in the gearbox times 2 (thesis 5.3.2). The 483,328 of
-6.1 are 4096 steps of the motor times this."""
+"""Turns of the azimuth's motor for one of the nozzle, 59 in the gearbox times 2 (thesis 5.3.2). The 483,328
+of 6.1 are 4096 steps of the motor times this."""
 TIMEOUT = 1.0
 """Seconds without a command after which a pump stops; the thesis has no such time."""
 

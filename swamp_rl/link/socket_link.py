@@ -1,5 +1,6 @@
 """A socket to a vehicle: ask for its telemetry, hear what comes, send commands."""
 
+import select
 import socket
 import time
 from collections.abc import Iterator
@@ -43,16 +44,16 @@ class SocketLink:
     def receive(self, timeout: float) -> bytes | None:
         """The next packet from the vehicle's network, None where none comes for `timeout` [s]."""
         end = time.monotonic() + timeout
-        while (left := end - time.monotonic()) > 0.0:
-            self._socket.settimeout(left)
-            try:
+        while True:
+            # select keeps to microseconds; a socket's own timeout is rounded up to milliseconds
+            ready, _, _ = select.select([self._socket], [], [], max(end - time.monotonic(), 0.0))
+            if not ready:
+                return None
+            with suppress(OSError):  # the system may tell of a datagram of ours that nobody took
                 packet, sender = self._socket.recvfrom(LARGEST)
-            except OSError:  # none came, or the system tells of one of ours that nobody took
-                continue
-            if self.vehicle.allows(sender[0]):
-                return packet
-            self.foreign += 1
-        return None
+                if self.vehicle.allows(sender[0]):
+                    return packet
+                self.foreign += 1
 
     def close(self) -> None:
         """Let go of the telemetry: the modules' goes to the default recipient again."""

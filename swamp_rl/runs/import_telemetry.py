@@ -86,13 +86,13 @@ def read_telemetry(
     time = np.array([stamp - stamps[0] for stamp in stamps], float) / ticks
     columns = {"time": time, "heading": values["yaw"], **velocity(values)}
     if boat is not None:
-        columns |= command_columns(_by_sender(modules, stamps[0] * 1e6 / ticks), time, boat)
+        columns |= command_columns(_by_sender(modules, stamps[0] * 10**6 // ticks), time, boat)
     kept = {name: column for name, column in values.items() if name not in ("sender", "utc", "yaw")}
     meta = RunMeta.model_validate({"utc_start": stamps[0] / ticks, "sender": int(words[chosen[0]][0])})
     return Foreign(path.name, path.stem, Table(columns | kept, lines), meta)
 
 
-def _by_sender(modules: list[list[int]], start: float) -> dict[int, Array]:
+def _by_sender(modules: list[list[int]], start: int) -> dict[int, Array]:
     """Module lines (L, 10) by sender in the order of their stamps, made times [s] from `start` [µs]."""
     stamp = MODULE_FIELDS.index("utc")
     found: dict[int, list[list[float]]] = {}
