@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 PERIOD = 0.1
 """Seconds between two commands: the rate at which the pilots were trained."""
-LEAD = 0.01
+LEAD = 0.004
 """Time [s] from the first telemetry to the first command's schedule: each then has a sample of its own."""
 HOLD = 0.5
 """Seconds for which a pilot may go on without new telemetry; then the pumps are stopped."""

@@ -36,7 +36,7 @@ HULLS = ("starboard", "port")
 """By the number of their computer."""
 COPIES = 3
 """Of each heartbeat on the wireless link: a hull must not count as lost where a few datagrams are."""
-PHASES = (0, 3)
+PHASES = (0, 6)
 """Ticks after each period at which the computers decide: nothing makes them step together."""
 
 

@@ -96,7 +96,7 @@ def test_a_voyage_without_rows_is_no_dataset(tmp_path: Path) -> None:
 def test_the_vehicles_log_is_diagnosed_as_nothing_wrong(tmp_path: Path) -> None:
     logs = tmp_path / "logs"
     for seed in range(3):
-        link, _ = sailed(seed, noise=Sensors(position=0.05, heading=0.01))
+        link, _ = sailed(seed, noise=Sensors())
         logged(logs, f"run_{seed}", link)
     import_runs([logs], "telemetry", tmp_path / "runs", About(boat="swamp"))
     found = diagnose([tmp_path / "runs"], "swamp", tmp_path / "diagnosis")
