@@ -26,7 +26,8 @@ class Aboard:
     def __init__(self, pilot: Pilot, **given: Unpack[TaskArguments]) -> None:
         """given: boat, course and step, as of an environment. UserError for a pilot that observes what is not
         measured aboard."""
-        task = Task.read(**{**given, "observation": pilot.senses})
+        given["observation"] = pilot.senses
+        task = Task.read(**given)
         self.boat, self.course, self._pilot, self._places = (
             task.boat,
             task.course,
