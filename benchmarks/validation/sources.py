@@ -18,6 +18,7 @@ from benchmarks.markers import DOCS, write_parts
 from benchmarks.validation.design import design_parts
 from benchmarks.validation.energy import energy_rows
 from benchmarks.validation.esso_osaka import FIGURES, INDEPENDENT, Circle, circles, windows
+from benchmarks.validation.link import link_rows
 from benchmarks.validation.swamp import (
     FULL,
     Row,
@@ -85,19 +86,21 @@ def count_table(rows: Sequence[Row]) -> str:
 def swamp_parts() -> dict[str, str]:
     """The tables about SWAMP by their marks."""
     speeds, turns, forces, energy = speed_rows(), turning_rows(), force_rows(), energy_rows()
+    link = link_rows()
     tank = ["depth", "points", "largest error", "depth left out: largest", "root mean square"]
     yaw = ["yaw model", "k_r", "c_ru", "c_rv", "b_r", "damping at 1 m/s, N m s", "time constant at 1 m/s, s"]
     bollard = [[number(error) for error in thrust_errors()]]
     deduction = [[str(percent), number(speed), number(factor)] for percent, speed, factor in deduction_rows()]
     return {
-        "count": count_table([*speeds, *turns, *forces, *energy]),
-        "largest mismatches": worst_table([*speeds, *turns, *forces, *energy]),
+        "count": count_table([*speeds, *turns, *forces, *energy, *link]),
+        "largest mismatches": worst_table([*speeds, *turns, *forces, *energy, *link]),
         "speeds": row_table(speeds),
         "turns": row_table(turns),
         "tank": table(tank, [[r.depth, str(r.points), *map(share, r.errors)] for r in tank_rows()]),
         "bollard thrust": table(["largest difference, N", "root mean square, N"], bollard),
         "forces": row_table(forces),
         "energy": row_table(energy),
+        "link": row_table(link),
         "thrust deduction": table(["RPM %", "speed, m/s", "1 − t by eq. 7.3"], deduction),
         "yaw models": table([*yaw, "rate at 30°, deg/s"], [row.cells for row in yaw_rows()]),
     }

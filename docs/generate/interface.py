@@ -20,6 +20,7 @@ MODULES = (
     "swamp_rl.evaluation",
     "swamp_rl.export",
     "swamp_rl.allocation",
+    "swamp_rl.link",
     "swamp_rl.errors",
 )
 TYPES = (

@@ -24,6 +24,7 @@ NOT_RUN = {  # blocks that no test can run: servers, hours, logs of others
     "docs/identify_boat.md": 2,
     "docs/import.md": 2,
     "docs/learners.md": 1,
+    "docs/link.md": 3,
     "docs/recording.md": 3,
     "docs/sea_trials.md": 1,
     "docs/sweeps.md": 1,

@@ -1,0 +1,1 @@
+"""The vehicle link: how punctual a helm is, and what is left after faults."""
