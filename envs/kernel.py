@@ -80,6 +80,16 @@ def judge(boat: Any, north0: float, east0: float, gate_count: int, buoys: Any, w
 
 
 @compiled
+def pull_levers(throttle: float, angle: float, world: Any, command: Any) -> None:
+    """Fill `command` (2K,), azimuths [rad] then throttles [1], with what the two levers ask for."""
+    thrusters = world.lever_swing.shape[0]
+    for k in range(thrusters):
+        command[k] = world.lever_middle[k] + world.lever_swing[k] * angle
+        level = world.lever_idle[k] + world.lever_gain[k] * throttle + world.lever_turn[k] * angle
+        command[thrusters + k] = min(max(level, world.lever_low[k]), world.lever_high[k])
+
+
+@compiled
 def sail(
     boat: Any, p: Any, asked: Any, world: Any, tank: Any, gates: Any, buoys: Any, jets: Any, room: Any
 ) -> float:
@@ -95,12 +105,7 @@ def sail(
     throttle_rate = (throttle - boat.lever[0]) / world.step
     angle_rate = (angle - boat.lever[1]) / world.step
     boat.lever[0], boat.lever[1] = throttle, angle
-    thrusters = world.lever_swing.shape[0]
-    for k in range(thrusters):
-        boat.command[k] = world.lever_middle[k] + world.lever_swing[k] * angle
-        level = world.lever_idle[k] + world.lever_gain[k] * throttle + world.lever_turn[k] * angle
-        boat.command[thrusters + k] = min(max(level, world.lever_low[k]), world.lever_high[k])
-
+    pull_levers(throttle, angle, world, boat.command)
     north0, east0, heading0 = boat.state[NORTH], boat.state[EAST], boat.state[HEADING]
     u0, v0, r0 = boat.state[SURGE], boat.state[SWAY], boat.state[YAW_RATE]
     to_go = distance_to_go(north0, east0, boat.passed, gates)

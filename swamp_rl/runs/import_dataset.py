@@ -192,7 +192,8 @@ def _read(files: Sequence[Path], kind: Kind, about: About, wishes: Wishes) -> tu
         # The velocities hang on the yaw, so its unit matters before there is a table.
         units = {name: unit for name, unit in wishes.units.items() if (name, unit) != ("heading", "deg")}
         degrees = len(units) < len(wishes.units)
-        found = [read_telemetry(file, about.sender, degrees) for file in files]
+        boat = load_boat(about.boat or "swamp")
+        found = [read_telemetry(file, about.sender, degrees, boat) for file in files]
         return found, replace(wishes, units=units)
     folders = {file.parent for file in files}
     metas = {folder: read_meta(folder) for folder in folders if (folder / META).is_file()}

@@ -1,19 +1,23 @@
 """The telemetry that the SWAMP sends: one line of 40 numbers for each packet (thesis 6.2).
 
-Units are the sensor's own: radians, degrees for the place and for the course over ground, m, m/s, g.
+Units are the sensor's own: radians, degrees for the place and for the course over ground, m, m/s, g. Lines of
+the thruster modules between them (`thruster_telemetry`) give the run its commands.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.files import os_error
 from swamp_rl.ordinary import contents
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.schema import RunMeta
 from swamp_rl.runs.table import Table
+from swamp_rl.runs.thruster_telemetry import MODULE_FIELDS, command_columns, is_module_line
 
 Array = NDArray[np.float64]
 
@@ -43,20 +47,27 @@ FIELDS = (
     "utc",
     "utc_flags",
 )
+WHOLE = ("sender", "position_flags", "velocity_flags", "utc", "utc_flags")
+SIGNED = ("azimuth_reference", "azimuth_actual")
+LONGEST_WORD = 40
+"""Characters of a number."""
 VALID = 1
 """Bit of the flags, by the sensor's protocol: latitude and longitude, or the velocities, can be used."""
 EPOCHS = {1: (10**9, 10**10), 10**3: (10**12, 10**13), 10**6: (10**15, 10**16), 10**9: (10**18, 10**19)}
 """Ticks in a second, by the span of stamps since 1970 that then fall into the years 2001 to 2286."""
 
 
-def read_telemetry(path: Path, sender: int | None = None, degrees: bool = False) -> Foreign:
+def read_telemetry(
+    path: Path, sender: int | None = None, degrees: bool = False, boat: Boat | None = None
+) -> Foreign:
     """A file of such lines as a table; UserError with line and field for the first that is wrong.
 
     Times are from the first line's stamp. sender: whose lines to take, where the file holds several hulls'.
-    degrees: yaw, pitch and roll are in degrees there; the table has radians.
+    degrees: yaw, pitch and roll are in degrees there; the table has radians. boat: whose thrusters the lines
+    of modules are of; None: these are left out.
     Every field but sender and stamp is kept, under the names of `FIELDS`.
     """
-    numbers, words = _lines(path)
+    numbers, words, modules = _lines(path)
     senders = sorted({int(line[0]) for line in words})
     if sender is None and len(senders) > 1:
         raise UserError(f"{path}: lines of senders {senders}; choose one of them: --sender {senders[0]}")
@@ -73,14 +84,25 @@ def read_telemetry(path: Path, sender: int | None = None, degrees: bool = False)
     stamps = [int(words[i][FIELDS.index("utc")]) for i in chosen]
     ticks = _ticks(path, lines[0], stamps[0])
     time = np.array([stamp - stamps[0] for stamp in stamps], float) / ticks
-    columns = {"time": time, "heading": values["yaw"], **_velocity(values)}
+    columns = {"time": time, "heading": values["yaw"], **velocity(values)}
+    if boat is not None:
+        columns |= command_columns(_by_sender(modules, stamps[0] * 10**6 // ticks), time, boat)
     kept = {name: column for name, column in values.items() if name not in ("sender", "utc", "yaw")}
     meta = RunMeta.model_validate({"utc_start": stamps[0] / ticks, "sender": int(words[chosen[0]][0])})
     return Foreign(path.name, path.stem, Table(columns | kept, lines), meta)
 
 
-def _lines(path: Path) -> tuple[list[int], list[list[str]]]:
-    """Numbers from 1 and words of the lines that are not empty, each of 40 finite numbers."""
+def _by_sender(modules: list[list[int]], start: int) -> dict[int, Array]:
+    """Module lines (L, 10) by sender in the order of their stamps, made times [s] from `start` [µs]."""
+    stamp = MODULE_FIELDS.index("utc")
+    found: dict[int, list[list[float]]] = {}
+    for line in sorted(modules, key=lambda line: line[stamp]):
+        found.setdefault(line[0], []).append([line[0], (line[stamp] - start) / 1e6, *line[stamp + 1 :]])
+    return {sender: np.array(own, float) for sender, own in found.items()}
+
+
+def _lines(path: Path) -> tuple[list[int], list[list[str]], list[list[int]]]:
+    """Numbers from 1 and words of the lines of 40 finite numbers; the numbers of the modules' lines."""
     try:
         # Packets are C strings; a log of them may keep the byte that ends each.
         text = contents(path).replace(b"\0", b"").decode("ascii")
@@ -88,10 +110,15 @@ def _lines(path: Path) -> tuple[list[int], list[list[str]]]:
         raise os_error(error, path) from error
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: byte {error.start} is no text; name a file of telemetry lines") from error
-    numbers, words = [], []
+    numbers, words, modules = [], [], []
     for number, line in enumerate(text.splitlines(), 1):
         found = line.split()
         if not found:
+            continue
+        if is_module_line(found):
+            for i, word in enumerate(found):
+                _refuse_word(path, number, i, word, MODULE_FIELDS, MODULE_FIELDS)
+            modules.append([int(word) for word in found])
             continue
         if len(found) != len(FIELDS):
             raise UserError(
@@ -99,24 +126,30 @@ def _lines(path: Path) -> tuple[list[int], list[list[str]]]:
                 "complete or remove it"
             )
         for i, word in enumerate(found):
-            _refuse_word(path, number, i, word)
+            _refuse_word(path, number, i, word, FIELDS, WHOLE)
         numbers.append(number)
         words.append(found)
     if not words:
         raise UserError(f"{path}: holds no line; name a file of telemetry lines")
-    return numbers, words
+    return numbers, words, modules
 
 
-def _refuse_word(path: Path, number: int, index: int, word: str) -> None:
-    whole = FIELDS[index] in ("sender", "position_flags", "velocity_flags", "utc", "utc_flags")
+def _refuse_word(
+    path: Path, number: int, index: int, word: str, names: Sequence[str], wholes: Sequence[str]
+) -> None:
+    whole, signed = names[index] in wholes, names[index] in SIGNED
     try:
-        good = "_" not in word and (int(word) >= 0 if whole else np.isfinite(float(word)))
+        good = (
+            "_" not in word
+            and len(word) <= LONGEST_WORD
+            and (int(word) >= 0 or signed if whole else np.isfinite(float(word)))
+        )
     except ValueError:
         good = False
     if not good:
         kind = "whole number" if whole else "number"
         raise UserError(
-            f"{path}: line {number}, field {index + 1} ({FIELDS[index]}): {word[:40]!r} is no {kind}; "
+            f"{path}: line {number}, field {index + 1} ({names[index]}): {word[:40]!r} is no {kind}; "
             "correct it"
         )
 
@@ -152,7 +185,7 @@ def _ticks(path: Path, line: int, stamp: int) -> int:
     )
 
 
-def _velocity(values: dict[str, Array]) -> dict[str, Array]:
+def velocity(values: dict[str, Array]) -> dict[str, Array]:
     """Over ground, in the boat's axes; the sensor's z axis points down, so its gyro counts clockwise."""
     cos, sin = np.cos(values["yaw"]), np.sin(values["yaw"])
     north, east = values["velocity_north"], values["velocity_east"]

@@ -1,0 +1,97 @@
+"""A pilot on a boat outside the simulator: what it observes of measured motion, what its levers command."""
+
+from typing import Any, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+from swamp_rl.envs.kernel import OUTCOMES, RUNNING, SENSED, boat_record, judge, pull_levers
+from swamp_rl.envs.observation import NAMES, look
+from swamp_rl.envs.task import Task, TaskArguments
+from swamp_rl.envs.world import world_of
+
+from swamp_rl.course.geometry import crosses_gate
+from swamp_rl.course.tables import buoy_table, gate_table
+from swamp_rl.errors import UserError
+from swamp_rl.pilots.pilot import Pilot
+from swamp_rl.simulator.state import EAST, NORTH, YAW_RATE
+
+Array = NDArray[np.float64]
+UNMEASURED = ("wind_ahead", "wind_starboard", "current_ahead", "current_starboard")
+"What may be observed in the simulator and is measured by no sensor of the boat."
+
+
+class Aboard:
+    """A pilot, the course that it sails, and the way from motion to commands."""
+
+    def __init__(self, pilot: Pilot, **given: Unpack[TaskArguments]) -> None:
+        """given: boat, course and step, as of an environment. UserError for a pilot that observes what is not
+        measured aboard."""
+        task = Task.read(**{**given, "observation": pilot.senses})
+        self.boat, self.course, self._pilot, self._places = (
+            task.boat,
+            task.course,
+            pilot,
+            task.observed.places,
+        )
+        unknown = [name for name in pilot.senses if name in UNMEASURED or name not in NAMES]
+        if unknown:
+            raise UserError(
+                f"the pilot observes {', '.join(unknown)}, which nothing aboard measures; choose another"
+            )
+        self._world, self._gates, self._buoys = (
+            world_of(task),
+            gate_table(self.course),
+            buoy_table(self.course),
+        )
+        self._record = np.zeros(1, boat_record(len(self.boat.thrusters)))
+        self._step = task.step
+        self._begun = False
+        self.levers = np.zeros(2)
+        "Throttle and angle asked last."
+        pilot.reset(1)
+
+    @property
+    def outcome(self) -> str | None:
+        """How the course ended, a name of `OUTCOMES`; None while it has not."""
+        code = int(self._record["outcome"][0])
+        return None if code == RUNNING else OUTCOMES[code]
+
+    @property
+    def passed(self) -> int:
+        """Gates so far."""
+        return int(self._record["passed"][0])
+
+    def decide(self, time: float, senses: Array) -> Array:
+        """Commands (2K,), azimuths [rad] then throttles [1], for the motion at `time` [s] since the start.
+
+        senses: (6,) north, east [m], heading [rad], surge, sway [m/s], yaw rate [rad/s].
+        """
+        record = self._record[0]
+        before = record["state"][[NORTH, EAST]].copy()
+        record["state"][NORTH : YAW_RATE + 1] = senses
+        record["tick"] = round(time / self._step)
+        if self._begun:
+            self._judge(record, before)
+        self._begun = True
+        everything = np.zeros(SENSED)
+        look(tuple(senses[:3].tolist()), record["state"], self.passed, self._gates, everything)
+        left = max((int(self._world["last_tick"][0]) - int(record["tick"])) * self._step, 0.0)
+        everything[[NAMES.index(name) for name in ("last_throttle", "last_angle", "time_left")]] = (
+            *self.levers,
+            left,
+        )
+        asked = self._pilot.act(everything[None, self._places])[0]
+        self.levers = np.clip(asked, (0.0, -1.0), (1.0, 1.0))
+        pull_levers(float(self.levers[0]), float(self.levers[1]), self._world[0], record["command"])
+        return record["command"].copy()
+
+    def _judge(self, record: Any, before: Array) -> None:
+        if record["outcome"] != RUNNING:
+            return
+        state = record["state"]
+        if self.passed < len(self._gates):
+            ends = (*before.tolist(), float(state[NORTH]), float(state[EAST]))
+            record["passed"] += crosses_gate(*ends, *self._gates[self.passed].tolist())
+        record["outcome"] = judge(
+            self._record[0], before[0], before[1], len(self._gates), self._buoys, self._world[0]
+        )

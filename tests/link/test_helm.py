@@ -1,0 +1,113 @@
+"""A pilot drives what answers at a link, whatever the network does, and stops it at the end."""
+
+import math
+
+import numpy as np
+import pytest
+from swamp_rl.envs.aboard import Aboard
+
+from swamp_rl.course import load_course
+from swamp_rl.link.helm import HOLD, PATIENCE, Voyage, helm
+from swamp_rl.link.module import TIMEOUT
+from swamp_rl.link.network import Faults
+from swamp_rl.link.simulated_link import SimulatedLink
+from swamp_rl.link.vehicle import Vehicle
+from swamp_rl.pilots.line_of_sight import LineOfSightPilot
+from swamp_rl.simulator.state import ACTUATORS
+from tests.support.link import swamp, vehicle_of
+
+POOR = Faults(loss=0.2, doubled=0.1, delay=(0.0, 0.15))
+"""A fifth of the datagrams lost, a tenth doubled, and many overtaken by the next."""
+
+
+def at_the_start() -> Vehicle:
+    """SWAMP at the start of the Camogli course."""
+    vehicle, pose = vehicle_of(), load_course("camogli").start.pose
+    vehicle.state[0, :3] = pose.north, pose.east, pose.heading
+    return vehicle
+
+
+def sailed(faults: Faults, seconds: float = math.inf, seed: int = 0) -> tuple[SimulatedLink, Voyage]:
+    """The line-of-sight pilot at the helm."""
+    link = SimulatedLink(at_the_start(), faults, seed)
+    bridge = Aboard(LineOfSightPilot(), boat=swamp(), course="camogli")
+    return link, helm(link, bridge, 4, link.clock, seconds)
+
+
+def pumps(vehicle: Vehicle) -> np.ndarray:
+    """(4,) throttles that the pumps have reached."""
+    return vehicle.state[0, ACTUATORS + 4 :]
+
+
+@pytest.mark.parametrize("faults", [Faults(), POOR], ids=["good network", "poor network"])
+def test_a_pilot_sails_the_course_over_a_network(faults: Faults) -> None:
+    _, voyage = sailed(faults)
+    assert voyage.outcome == "success"
+    times = np.array(voyage.rows)[:, 0]
+    assert np.all(np.diff(times) > 0.0)
+    assert (voyage.silent > 0) == (faults is POOR)
+
+
+def test_the_motors_are_stopped_and_switched_off_at_the_end() -> None:
+    link, voyage = sailed(Faults(), seconds=5.0)
+    assert voyage.outcome == "ended" and pumps(link.vehicle).max() > 0.1
+    link.pass_time(link.clock() + 0.2)
+    assert not pumps(link.vehicle).any()
+    assert not any(module.runs(0) or module.runs(1) for module in link.vehicle.modules)
+
+
+def test_the_pumps_stop_when_the_sender_dies() -> None:
+    link = SimulatedLink(at_the_start())
+
+    class Killed(BaseException):
+        pass
+
+    class Dies(Aboard):
+        def decide(self, time: float, senses: np.ndarray) -> np.ndarray:
+            if time > 5.0:
+                link.send = lambda k, command: None  # type: ignore[method-assign]  # nothing is sent any more
+                raise Killed
+            return super().decide(time, senses)
+
+    with pytest.raises(Killed):
+        helm(link, Dies(LineOfSightPilot(), boat=swamp(), course="camogli"), 4, link.clock)
+    died = link.clock()
+    link.pass_time(died + TIMEOUT - 0.2)
+    assert pumps(link.vehicle).max() > 0.1
+    link.pass_time(died + TIMEOUT + 0.2)
+    assert not pumps(link.vehicle).any()
+
+
+def test_without_telemetry_the_pumps_are_stopped_and_then_the_link_is_given_up() -> None:
+    vehicle = at_the_start()
+    link = SimulatedLink(vehicle)
+    bridge = Aboard(LineOfSightPilot(), boat=swamp(), course="camogli")
+    helm_until_5 = bridge.decide
+    stopped_after = []
+
+    def decide(time: float, senses: np.ndarray) -> np.ndarray:
+        if time > 5.0:
+            vehicle.blind.update(vehicle.addresses.sensors)
+        return helm_until_5(time, senses)
+
+    send = link.send
+
+    def watched(k: int, command: object) -> None:
+        if vehicle.blind and not stopped_after and not vehicle.commands()[4:].any():
+            stopped_after.append(link.clock())
+        send(k, command)  # type: ignore[arg-type]
+
+    bridge.decide, link.send = decide, watched  # type: ignore[method-assign]
+    voyage = helm(link, bridge, 4, link.clock)
+    last = 5.1 + HOLD
+    assert voyage.outcome is None
+    assert stopped_after[0] == pytest.approx(last + 0.2, abs=0.2)
+    assert link.clock() == pytest.approx(5.1 + PATIENCE, abs=0.3)
+
+
+def test_a_vehicle_that_never_answers_is_given_up() -> None:
+    vehicle = vehicle_of()
+    vehicle.dead.update(vehicle.addresses.sensors)
+    link = SimulatedLink(vehicle)
+    voyage = helm(link, Aboard(LineOfSightPilot(), boat=swamp(), course="camogli"), 4, link.clock)
+    assert (voyage.outcome, voyage.rows) == (None, [])
