@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.monitor.sample import Sample
+from swamp_rl.link.stream import Sample
 
 Array = NDArray[np.float64]
 
@@ -51,6 +51,6 @@ class Repetition:
         return [channel for name in self.frozen for channel in SENSORS[name]]
 
     def _take(self, sample: Sample) -> None:
-        changed = np.isfinite(sample.measured) & (sample.measured != self.last)
+        changed = np.isfinite(sample.senses) & (sample.senses != self.last)
         self.since = np.where(changed, sample.time, self.since)
-        self.last = np.where(changed, sample.measured, self.last)
+        self.last = np.where(changed, sample.senses, self.last)

@@ -55,6 +55,13 @@ def nested(one: Onset, other: Onset) -> bool:
     return same and min(free(one.instance), free(other.instance)) == 0
 
 
+def simplest(found: Sequence[Onset], within: float) -> Onset:
+    """The first onset, or one that is nested in it, has no size and is no more than `within` behind."""
+    first = found[0]
+    limits = [other for other in found if nested(first, other) and not free(other.instance)]
+    return next((other for other in limits if first.criterion - other.criterion <= within), first)
+
+
 def onset_candidates(boat: Boat) -> list[EffectInstance]:
     """Effects of the library that may begin while the boat sails, on each thruster."""
     sudden = [effect for effect in LIBRARY.values() if effect.sudden]

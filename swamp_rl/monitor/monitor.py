@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.measurement_noise import noise_floor
 from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
+from swamp_rl.link.stream import Sample
 from swamp_rl.monitor.change_test import ChangeTest
 from swamp_rl.monitor.frozen import SENSORS, Repetition
-from swamp_rl.monitor.isolation import Onset, isolate, nested, onset_candidates
-from swamp_rl.monitor.sample import Sample
+from swamp_rl.monitor.isolation import Onset, isolate, nested, onset_candidates, simplest
 from swamp_rl.monitor.tracker import CURRENT, Tracker, tracker_of
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.sensors import CHANNELS
@@ -71,6 +71,7 @@ class Monitor:
         self.alarm: float | None = None
         self.asked = -np.inf
         self.said = "", -np.inf
+        self.notices = 0
 
     @property
     def watching(self) -> bool:
@@ -98,6 +99,7 @@ class Monitor:
         if self.alarm is not None and sample.time - self.asked >= AGAIN - 1e-9:
             self.asked = sample.time
             notices += self._named(sample.time, changed)
+        self.notices += len(notices)
         return notices
 
     def _warm_up(self, sample: Sample) -> None:
@@ -119,7 +121,7 @@ class Monitor:
     def _frozen(self, sample: Sample) -> list[Notice]:
         """Sensors that repeat a reading which noise or the boat's motion would have changed."""
         assert self.tracker is not None
-        apart = np.abs(self.tracker.navigator.x[:6] - np.nan_to_num(sample.measured))
+        apart = np.abs(self.tracker.navigator.x[:6] - np.nan_to_num(sample.senses))
         moved = self.noisy | (apart > 5.0 * self.tracker.sigmas)
         since = self.repetition.since.copy()
         began, back = self.repetition.add(sample, moved)
@@ -134,11 +136,12 @@ class Monitor:
         """
         assert self.tracker is not None and self.alarm is not None
         found = isolate(self.boat, self.record, self.tracker.history, self.instances, self.tracker.dt)
-        first, usual = found[0], float(self.test.square[0].mean())
+        usual = float(self.test.square[0].mean())
+        first = simplest(found, RIVAL * usual)
         behind = {
             other.instance.label: (first.criterion - other.criterion) / usual
-            for other in found[1:]
-            if not nested(first, other)
+            for other in found
+            if other is not first and not nested(first, other)
         }
         tenable = first.left <= usual * (first.rows + TENABLE * math.sqrt(2.0 * first.rows))
         clear = min(behind.values(), default=CLEAR) >= CLEAR

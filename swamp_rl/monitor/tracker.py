@@ -12,7 +12,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.scales import state_scale
-from swamp_rl.monitor.sample import Sample
+from swamp_rl.link.stream import Sample
 from swamp_rl.navigation.filter import START, WITH_MODEL, Navigator
 from swamp_rl.navigation.predict import STATES, BoatModel
 from swamp_rl.navigation.sensors import Fix
@@ -61,7 +61,7 @@ class Tracker:
         self.sigmas, self.walk, self.dt = sigmas, walk, dt
         self.set_record(record)
         x = np.zeros(STATES)
-        x[:6] = np.nan_to_num(first.measured)
+        x[:6] = np.nan_to_num(first.senses)
         self.navigator = Navigator(self.model, x, walk, np.diag((START * scale_of(boat)) ** 2))
         self.model.actuators[ACTUATORS:] = first.commands
         self.history: deque[Step] = deque(maxlen=max(4, round(KEPT / dt)))
@@ -78,7 +78,7 @@ class Tracker:
         self.model.actuators[TIME] = self.last.time
         jacobian = self.navigator.predict(self.last.commands, sample.time - self.last.time)
         measured = corrected(sample, self.record)
-        fresh = np.isfinite(measured) & (sample.measured != self.last.measured) & np.isfinite(self.sigmas)
+        fresh = np.isfinite(measured) & (sample.senses != self.last.senses) & np.isfinite(self.sigmas)
         fresh[list(blind)] = False
         apart = differences(measured - self.navigator.x[:6])
         deviation = np.sqrt(np.diag(self.navigator.P)[:6] + self.sigmas**2)
@@ -132,9 +132,9 @@ def differences(values: Array) -> Array:
 
 def corrected(sample: Sample, record: NDArray[Any]) -> Array:
     """(6,) motion of midship from what the sensors of the record report."""
-    known = np.nan_to_num(sample.measured)
+    known = np.nan_to_num(sample.senses)
     true = true_motion(known[None], record, sample.time)[0]
-    return np.where(np.isfinite(sample.measured), true, np.nan)
+    return np.where(np.isfinite(sample.senses), true, np.nan)
 
 
 def scale_of(boat: Boat) -> Array:
@@ -146,7 +146,7 @@ def scale_of(boat: Boat) -> Array:
 
 def noise_of(boat: Boat, samples: Sequence[Sample], dt: float) -> Array:
     """(6,) standard deviation of each channel's measurement noise, NaN for one that is not measured."""
-    measured = np.array([sample.measured for sample in samples])
+    measured = np.array([sample.senses for sample in samples])
     measured[:, HEADING] = np.unwrap(measured[:, HEADING])
     commands = np.array([sample.commands for sample in samples])
     runs = RunSet(boat, dt, ("live",), commands[None], measured[None], np.array([len(samples)]))
