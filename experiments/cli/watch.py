@@ -50,4 +50,4 @@ def watch(
     if not monitor.watching:
         raise UserError(f"{link or mcap}: {last:.0f} s; the first 30 s show the noise, watching begins then")
     if not as_json:
-        typer.echo(f"{last:.1f} s, {count} samples: {monitor.notices} notices")
+        typer.echo(f"{last:.1f} s, {count} samples: notices: {monitor.notices}")
