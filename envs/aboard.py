@@ -45,10 +45,16 @@ class Aboard:
         )
         self._record = np.zeros(1, boat_record(len(self.boat.thrusters)))
         self._step = task.step
-        self._begun = False
         self.levers = np.zeros(2)
         "Throttle and angle asked last."
-        pilot.reset(1)
+        self.begin()
+
+    def begin(self) -> None:
+        """Put the pilot at the beginning of the course."""
+        self._record[:] = np.zeros_like(self._record)
+        self._begun = False
+        self.levers = np.zeros(2)
+        self._pilot.reset(1)
 
     @property
     def outcome(self) -> str | None:

@@ -20,6 +20,7 @@ from swamp_rl.experiments.cli.experiment import evaluate, run, train
 from swamp_rl.experiments.cli.export import export
 from swamp_rl.experiments.cli.help import add_help
 from swamp_rl.experiments.cli.identify import identify_app
+from swamp_rl.experiments.cli.link import helm, vehicle
 from swamp_rl.experiments.cli.mission import mission
 from swamp_rl.experiments.cli.record import record
 from swamp_rl.experiments.cli.runs import runs_app
@@ -55,6 +56,8 @@ app.command()(disturbances)
 app.command()(demo)
 app.command()(export)
 app.command()(mission)
+app.command()(vehicle)
+app.command()(helm)
 app.command()(record)
 app.command()(sweep)
 app.command()(watch)

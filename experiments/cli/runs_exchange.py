@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, cast
 
 import typer
+from swamp_rl.experiments.cli.place import place_of
 from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
 
 from swamp_rl.errors import UserError
@@ -100,7 +101,7 @@ def import_(
         tuple(drop or ()),
         rate,
         resample,
-        _place(origin),
+        place_of(origin),
         bad_rows,
         fill,
     )
@@ -181,15 +182,3 @@ def _units(degrees: list[str] | None, unit: list[str] | None) -> dict[str, str]:
         if asked not in UNITS:
             raise UserError(f"--unit {name}={asked}: known units are {', '.join(UNITS)}")
     return found
-
-
-def _place(origin: str | None) -> tuple[float, float] | None:
-    if origin is None:
-        return None
-    try:
-        latitude, longitude = (float(part) for part in origin.split(","))
-    except ValueError:
-        latitude, longitude = float("nan"), float("nan")
-    if not (abs(latitude) <= 90.0 and abs(longitude) <= 180.0):
-        raise UserError(f"--origin {origin}: give latitude and longitude in degrees, as in 44.3489,9.1536")
-    return latitude, longitude

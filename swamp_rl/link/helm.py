@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from swamp_rl.link.protocol import (
     AZIMUTH_MOTOR,
     ENABLE,
-    HOME,
     MAX_SPEED,
     POWER,
     REFERENCE,
@@ -20,19 +19,22 @@ from swamp_rl.link.protocol import (
     throttle_reference,
 )
 from swamp_rl.link.sensor_line import CAMOGLI, read_sensor_line
-from swamp_rl.runs.local_frame import Place
+from swamp_rl.runs.local_frame import Place, from_local
 from swamp_rl.runs.thruster_telemetry import azimuth_steps
 
 Array = NDArray[np.float64]
 
 PERIOD = 0.1
 """Seconds between two commands: the rate at which the pilots were trained."""
-LEAD = 0.01
+LEAD = 0.004
 """Time [s] from the first telemetry to the first command's schedule: each then has a sample of its own."""
 HOLD = 0.5
 """Seconds for which a pilot may go on without new telemetry; then the pumps are stopped."""
 PATIENCE = 3.0
 """Seconds without telemetry after which the link is given up."""
+SETTLE = 10
+"""Periods at the start in which the motors are switched on and the jets turn ahead, without thrust: the first
+datagrams may be lost, and the log begins with commands that are known to be in force."""
 AGAIN = 10
 """Periods after which power and enabling are asked for again, for any datagram may have been lost."""
 MOTOR_SPEED = 7000
@@ -87,6 +89,7 @@ class Latest:
 
     def __init__(self, origin: Place) -> None:
         self._origin = origin
+        from_local(np.zeros(1), np.zeros(1), origin)  # its library takes a second once: not under way
         self.stamp: int | None = None
         self.senses = np.zeros(6)
         self.came = -math.inf
@@ -143,11 +146,12 @@ def await_first(link: Link, latest: Latest, clock: Callable[[], float]) -> bool:
 
 
 def switch_on(link: Link, thrusters: int) -> None:
-    """Power and enable all motors."""
+    """Power and enable all motors, and allow the azimuths their speed."""
     for k in range(thrusters):
         for opcode in (POWER, ENABLE):
             for motor in (THRUST_MOTOR, AZIMUTH_MOTOR):
                 link.send(k, Command(opcode, (motor, 1)))
+        link.send(k, Command(MAX_SPEED, (MOTOR_SPEED,)))
 
 
 def stop(link: Link, thrusters: int) -> None:
@@ -177,25 +181,21 @@ def _drive(
     latest: Latest,
     voyage: Voyage,
 ) -> None:
-    switch_on(link, thrusters)
-    for k in range(thrusters):
-        link.send(k, Command(HOME))
-        link.send(k, Command(MAX_SPEED, (MOTOR_SPEED,)))
     start, first = latest.came + LEAD, latest.stamp
     assert first is not None
-    commands, period, used = np.zeros(2 * thrusters), 0, None
+    commands, period, used, begun = np.zeros(2 * thrusters), 0, None, None
     while bridge.outcome is None and period * PERIOD < seconds:
         due = start + period * PERIOD
-        while (left := due - clock()) > 0.0:
-            if (packet := link.receive(left)) is not None:
-                latest.feed(packet, clock())
+        hear(link, latest, clock, due)
         if clock() - latest.came > PATIENCE:
             return
         assert latest.stamp is not None
         if latest.stamp != used:
             used = latest.stamp
+            if period >= SETTLE:
+                begun = begun or used
+                commands = bridge.decide((used - begun) / 1e6, latest.senses)
             time = (used - first) / 1e6
-            commands = bridge.decide(time, latest.senses)
             voyage.rows.append(np.concatenate([[time], latest.senses, bridge.levers, commands]))
         else:
             voyage.silent += 1
@@ -203,10 +203,17 @@ def _drive(
         if clock() - latest.came > HOLD:
             commands[thrusters:] = 0.0
         voyage.lateness.append(clock() - due)
-        steer(link, commands)
-        if period % AGAIN == AGAIN - 1:
+        if period < SETTLE or period % AGAIN == 0:
             switch_on(link, thrusters)
+        steer(link, commands)
         late = math.floor((clock() - due) / PERIOD)
         voyage.missed += late
         period += 1 + late
     voyage.outcome = bridge.outcome or "ended"
+
+
+def hear(link: Link, latest: Latest, clock: Callable[[], float], until: float) -> None:
+    """Take what telemetry comes up to a time of the clock [s]."""
+    while (left := until - clock()) > 0.0:
+        if (packet := link.receive(left)) is not None:
+            latest.feed(packet, clock())

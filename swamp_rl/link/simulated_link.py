@@ -5,7 +5,10 @@ from collections import deque
 from swamp_rl.link.addresses import Endpoint
 from swamp_rl.link.network import PERFECT, Faults, Network
 from swamp_rl.link.protocol import Command, encoded
-from swamp_rl.link.vehicle import TICK, Packet, Vehicle
+from swamp_rl.link.vehicle import Packet, Vehicle
+
+INSTANT = 0.001
+"""Seconds to which arrivals are told."""
 
 
 class SimulatedLink:
@@ -38,7 +41,7 @@ class SimulatedLink:
         """The next packet, None where none comes for `timeout` [s] of the link's time."""
         end = self._now + timeout
         while not self._waiting and self._now < end:
-            self.pass_time(min(self._now + TICK, end))
+            self.pass_time(min(self._now + INSTANT, end))
         return self._waiting.popleft() if self._waiting else None
 
     def pass_time(self, until: float) -> None:

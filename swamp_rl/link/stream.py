@@ -31,8 +31,8 @@ REMEMBERED = 64
 class Sample:
     """One row of a run under way.
 
-    time: [s] since the first sample; commands: (2K,) azimuths [rad], then throttles [1], held from this
-    sample's time to the next one's; senses: (6,) in the order of `SENSES`: m, rad, m/s, rad/s.
+    time: [s] since the first sample; commands: (2K,) azimuths [rad], then throttles [1], in force half-way
+    from this sample's time to the next one's; senses: (6,) in the order of `SENSES`: m, rad, m/s, rad/s.
     """
 
     time: float

@@ -39,9 +39,9 @@ from swamp_rl.simulator.state import ACTUATORS, NORTH, YAW_RATE
 
 Array = NDArray[np.float64]
 
-TICK = 0.01
+TICK = 0.005
 """Seconds of a step of the simulator: a command acts from the next one on."""
-TELEMETRY_TICKS = 10
+TELEMETRY_TICKS = 20
 """Steps between two telemetry packets of each sender."""
 EPOCH = 1_568_455_200_000_000
 """Stamp [µs] at time 0 where the caller gives none: 14 September 2019, the days of Camogli (thesis 7.3.3)."""

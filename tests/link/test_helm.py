@@ -83,26 +83,26 @@ def test_without_telemetry_the_pumps_are_stopped_and_then_the_link_is_given_up()
     link = SimulatedLink(vehicle)
     bridge = Aboard(LineOfSightPilot(), boat=swamp(), course="camogli")
     helm_until_5 = bridge.decide
-    stopped_after = []
+    went_blind, stopped = [], []
 
     def decide(time: float, senses: np.ndarray) -> np.ndarray:
         if time > 5.0:
             vehicle.blind.update(vehicle.addresses.sensors)
+            went_blind.append(link.clock())
         return helm_until_5(time, senses)
 
     send = link.send
 
     def watched(k: int, command: object) -> None:
-        if vehicle.blind and not stopped_after and not vehicle.commands()[4:].any():
-            stopped_after.append(link.clock())
+        if vehicle.blind and not stopped and not vehicle.commands()[4:].any():
+            stopped.append(link.clock())
         send(k, command)  # type: ignore[arg-type]
 
     bridge.decide, link.send = decide, watched  # type: ignore[method-assign]
     voyage = helm(link, bridge, 4, link.clock)
-    last = 5.1 + HOLD
     assert voyage.outcome is None
-    assert stopped_after[0] == pytest.approx(last + 0.2, abs=0.2)
-    assert link.clock() == pytest.approx(5.1 + PATIENCE, abs=0.3)
+    assert stopped[0] - went_blind[0] == pytest.approx(HOLD, abs=0.25)
+    assert link.clock() - went_blind[0] == pytest.approx(PATIENCE, abs=0.25)
 
 
 def test_a_vehicle_that_never_answers_is_given_up() -> None:

@@ -1,0 +1,193 @@
+"""`swamp-rl vehicle` and `swamp-rl helm`: a virtual vehicle on the network, and a pilot that drives one."""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+from swamp_rl.experiments.cli.place import place_of
+
+if TYPE_CHECKING:
+    from swamp_rl.link.helm import Voyage
+
+AddressOption = Annotated[
+    str,
+    typer.Option(
+        "--address",
+        help="A network A.B.C.0/24 with the boat's last bytes (.201 …), or A.B.C.D:PORT for one address and "
+        "ports from there.",
+    ),
+]
+CourseOption = Annotated[str, typer.Option(help="A name in configs/courses, or a course file.")]
+OriginOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="LATITUDE,LONGITUDE", help="Of the course's north and east; by default off Camogli."
+    ),
+]
+
+
+def vehicle(
+    boat: Annotated[str, typer.Argument(help="A name in configs/boats, or a boat file.")] = "swamp",
+    address: AddressOption = "127.0.0.0/24",
+    course: CourseOption = "camogli",
+    log: Annotated[
+        Path | None, typer.Option(help="A new file for its telemetry, for `runs import --from telemetry`.")
+    ] = None,
+    seconds: Annotated[
+        float | None, typer.Option(min=0.1, max=1e6, help="End after so long; else by Ctrl-C.")
+    ] = None,
+    timeout: Annotated[
+        float, typer.Option(min=0.0, help="Seconds without a command until a pump stops; inf: never.")
+    ] = 1.0,
+    steps_per_turn: Annotated[
+        int | None,
+        typer.Option(min=1, max=10**8, help="Of its azimuths' encoders; 495411, as thesis table 5.5 has it."),
+    ] = None,
+    noise: Annotated[bool, typer.Option("--noise", help="Of a plain GPS receiver and AHRS.")] = False,
+    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of gusts and noise.")] = 0,
+    origin: OriginOption = None,
+) -> None:
+    """Answer on the network as the boat does: the simulator behind thruster modules and sensors."""
+    import time
+
+    import numpy as np
+
+    from swamp_rl.boat import load_boat
+    from swamp_rl.course import fitted, load_course
+    from swamp_rl.link.addresses import addresses
+    from swamp_rl.link.serve import endpoints, serve, telemetry_log
+    from swamp_rl.link.vehicle import Conduct, Vehicle
+    from swamp_rl.navigation.sensors import Sensors
+    from swamp_rl.runs.thruster_telemetry import STEPS_PER_TURN
+
+    known = load_boat(boat)
+    pose = fitted(load_course(course), known.length).start.pose
+    conduct = Conduct(
+        timeout,
+        steps_per_turn or STEPS_PER_TURN,
+        Sensors() if noise else None,
+        seed,
+        time.time_ns() // 1000,
+        _origin(origin),
+    )
+    start = np.array([pose.north, pose.east, pose.heading])
+    ends = addresses(address, len(known.thrusters))
+    Vehicle(known, ends, start, conduct).advance(0.2)  # compiles what would halt the first second
+    served = Vehicle(known, ends, start, conduct)
+    with endpoints(served) as sockets, telemetry_log(log) as lines:
+        first, last = ends.modules[0], ends.modules[-1]
+        typer.echo(
+            f"{known.name}: modules at {first[0]}:{first[1]} to {last[0]}:{last[1]}, telemetry to "
+            f"{ends.recipient[0]}:{ends.recipient[1]}; Ctrl-C ends it"
+        )
+        with suppress(KeyboardInterrupt, SystemExit):  # how a vehicle is switched off
+            serve(served, sockets, lines, lambda: seconds is not None and served.time >= seconds)
+    typer.echo(f"{served.time:.1f} s; ignored: {_counted(served.ignored)}")
+
+
+def helm(
+    pilot: Annotated[
+        str,
+        typer.Argument(
+            metavar="PILOT",
+            help="A trained pilot's folder or name, line-of-sight, sb3:MODEL.zip, onnx:PILOT.onnx or "
+            "MODULE:CLASS[=FOLDER].",
+        ),
+    ],
+    link: Annotated[
+        str, typer.Option("--link", help="The vehicle's address, as `swamp-rl vehicle --address` takes it.")
+    ] = "127.0.0.0/24",
+    boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",
+    course: CourseOption = "camogli",
+    log: Annotated[Path | None, typer.Option(help="A new dataset of what was sensed and commanded.")] = None,
+    seconds: Annotated[
+        float | None, typer.Option(min=0.1, max=1e6, help="End after so long, if the course has not ended.")
+    ] = None,
+    priority: Annotated[
+        bool,
+        typer.Option(
+            "--priority", help="Ask the system for real-time scheduling, which it may reserve for root."
+        ),
+    ] = False,
+    origin: OriginOption = None,
+) -> None:
+    """Let a pilot drive whatever answers at an address, at 10 Hz, until its course has ended."""
+    import math
+    import time
+
+    import numpy as np
+    from swamp_rl.envs.aboard import Aboard
+
+    from swamp_rl.boat import load_boat
+    from swamp_rl.errors import UserError
+    from swamp_rl.link import helm as driving
+    from swamp_rl.link.addresses import addresses
+    from swamp_rl.link.priority import schedule_in_real_time
+    from swamp_rl.link.socket_link import no_answer, socket_link
+    from swamp_rl.link.vehicle import refuse_other_thrusters
+    from swamp_rl.pilots.arguments import asked_pilot, opened
+
+    if log is not None and log.exists():
+        raise UserError(f"{log}: already exists; the log is a new dataset, name another folder")
+    known, place = load_boat(boat), _origin(origin)
+    refuse_other_thrusters(known)
+    ends = addresses(link, len(known.thrusters))
+    asked = asked_pilot(pilot)
+    bridge = Aboard(opened(asked), boat=known, course=course)
+    bridge.decide(0.0, np.zeros(6))  # compiles what would delay the first command
+    bridge.begin()
+    voyage = driving.Voyage()
+    if priority:
+        schedule_in_real_time()
+    with socket_link(ends) as line:
+        try:
+            driving.helm(
+                line, bridge, len(known.thrusters), time.monotonic, seconds or math.inf, place, voyage
+            )
+        except (KeyboardInterrupt, SystemExit):
+            voyage.outcome = "interrupted"
+    if voyage.outcome is None and not voyage.rows:
+        raise no_answer(ends, driving.PATIENCE)
+    _report(voyage)
+    if log is not None:
+        _write_log(log, voyage, boat, course, asked.kind)
+    if voyage.outcome is None:
+        raise no_answer(ends, driving.PATIENCE)
+
+
+def _report(voyage: "Voyage") -> None:
+    from swamp_rl.link.voyage_log import lateness_figures
+
+    late = {name: f"{1e3 * value:.3g} ms" for name, value in lateness_figures(voyage).items()}
+    typer.echo(
+        f"{voyage.outcome or 'the link fell silent'} after {len(voyage.lateness)} commands; late by "
+        f"{late['mean']} on average, {late['p99']} at the 99th percentile, {late['max']} at most"
+    )
+    typer.echo(
+        f"periods missed: {voyage.missed}, without fresh telemetry: {voyage.silent}; "
+        f"packets ignored: {voyage.ignored}"
+    )
+
+
+def _write_log(log: Path, voyage: "Voyage", boat: str, course: str, kind: str) -> None:
+    from swamp_rl.boat import load_boat
+    from swamp_rl.link.voyage_log import write_voyage
+    from swamp_rl.runs.import_dataset import About
+
+    source: Literal["scripted", "learned"] = "scripted" if kind == "line-of-sight" else "learned"
+    about = About(boat=boat, source=source, course=course, notes="Driven over the vehicle's link.")
+    made = write_voyage(log, voyage, load_boat(boat), about)
+    typer.echo(f"{log}: {len(made.runs)} runs, {sum(run.rows or 0 for run in made.runs)} rows")
+
+
+def _counted(ignored: Mapping[str, int]) -> str:
+    """Datagrams by the reason for which they were ignored."""
+    return ", ".join(f"{count} {reason}" for reason, count in sorted(ignored.items())) or "none"
+
+
+def _origin(text: str | None) -> tuple[float, float]:
+    from swamp_rl.link.sensor_line import CAMOGLI
+
+    return place_of(text) or CAMOGLI

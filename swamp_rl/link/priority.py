@@ -1,0 +1,18 @@
+"""Real-time scheduling of this process, so that others on the machine do not delay its commands."""
+
+import os
+
+from swamp_rl.errors import UserError
+
+PRIORITY = 20
+"""Of 1 to 99 in SCHED_FIFO: below the kernel's own threads at 50."""
+
+
+def schedule_in_real_time() -> None:
+    """Run before all ordinary processes from now on (Linux, SCHED_FIFO); UserError where it is refused."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+    except (AttributeError, OSError) as error:
+        raise UserError(
+            f"--priority: the system refuses real-time scheduling ({error}); run as root, or leave it out"
+        ) from error

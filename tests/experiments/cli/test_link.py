@@ -1,0 +1,59 @@
+"""`swamp-rl vehicle` and `swamp-rl helm`, and what they say of wrong input."""
+
+from pathlib import Path
+
+import pytest
+
+from swamp_rl.link import helm as driving
+from swamp_rl.link.vehicle import Conduct
+from swamp_rl.runs import read_dataset
+from tests.support.command_line import Call, assert_complains
+from tests.support.link import own_network, served, vehicle_of
+
+
+def test_a_pilot_drives_a_served_vehicle_and_its_log_is_a_dataset(call: Call, tmp_path: Path) -> None:
+    vehicle = vehicle_of(Conduct(), own_network().text)
+    with served(vehicle, speed=1.0):
+        code, said, _ = call(
+            *("helm", "line-of-sight", "--link", vehicle.addresses.text, "--seconds", "2", "--log", "log")
+        )
+    assert code == 0 and "99th percentile" in said
+    assert len(read_dataset(tmp_path / "log").runs[0].time) >= 10
+    assert not any(module.runs(0) for module in vehicle.modules)
+
+
+def test_a_vehicle_writes_a_log_that_is_imported(call: Call, tmp_path: Path) -> None:
+    address = own_network().text
+    code, said, _ = call("vehicle", "swamp", "--address", address, "--seconds", "1", "--log", "v.log")
+    assert code == 0 and "ignored: none" in said
+    assert call("runs", "import", "v.log", "--from", "telemetry", "--out", "runs")[0] == 0
+    run = read_dataset(tmp_path / "runs").runs[0]
+    assert {"azimuth_bs", "throttle_sp", "applied_throttle_bp"} <= set(run.columns)
+    assert_complains(call("vehicle", "--address", address, "--log", "v.log"), "v.log: already exists")
+
+
+def test_a_vehicle_that_does_not_answer_is_one_line(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(driving, "PATIENCE", 0.2)
+    assert_complains(call("helm", "line-of-sight", "--link", own_network().text), "no telemetry for 0.2 s")
+
+
+@pytest.mark.parametrize(
+    "words, parts",
+    [
+        (("helm", "line-of-sight", "--link", "127.0.0.1"), ("127.0.0.1: is no address of a vehicle",)),
+        (("helm", "line-of-sight", "--link", "nowhere/24"), ("is no address of a vehicle",)),
+        (("helm", "line-of-sight", "--boat", "esso_osaka"), ("thrusters.main", "do not reverse")),
+        (("helm", "missing"), ("missing",)),
+        (("helm", "line-of-sight", "--origin", "95,9"), ("--origin 95,9",)),
+        (("vehicle", "--address", "127.0.0.1:70000"), ("is no address of a vehicle",)),
+        (("vehicle", "--address", "192.0.2.1:29680"), ("cannot be served",)),
+        (("vehicle", "esso_osaka"), ("thrusters.main",)),
+    ],
+)
+def test_wrong_input_is_one_line(call: Call, words: tuple[str, ...], parts: tuple[str, ...]) -> None:
+    assert_complains(call(*words), *parts)
+
+
+def test_an_existing_log_is_refused_before_anything_is_driven(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "log").mkdir()
+    assert_complains(call("helm", "line-of-sight", "--log", "log"), "log: already exists")
