@@ -33,7 +33,7 @@ FLOORS = (
     {"allocation", "energy", "guidance", "link", "navigation", "manoeuvres", "identification", "pilots"},
     {"link"},
     {"criticism", "design", "evaluation", "export"},
-    {"boat_fit"},
+    {"boat_fit", "monitor"},
     {"teleop", "demo", "api"},
     {"envs"},
     {"experiments.config"},

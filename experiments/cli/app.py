@@ -27,6 +27,7 @@ from swamp_rl.experiments.cli.runs import runs_app
 from swamp_rl.experiments.cli.signals import stoppable
 from swamp_rl.experiments.cli.sweep import sweep
 from swamp_rl.experiments.cli.trial import trial_app
+from swamp_rl.experiments.cli.watch import watch
 
 from swamp_rl import __version__
 from swamp_rl.clipped import printable
@@ -59,6 +60,7 @@ app.command()(vehicle)
 app.command()(helm)
 app.command()(record)
 app.command()(sweep)
+app.command()(watch)
 for catalogue in (effects, boats, courses, pilots):
     app.command()(catalogue)
 

@@ -68,7 +68,8 @@ class Effect:
     direction and phase, of which both turned by half a turn say the same. moves_actuators: changes how the
     actuators follow their commands. steady: whether steady motion shows it. all_together: may act on all
     thrusters at once. alone_equals: what it is called on a boat with one thruster. contains:
-    effects that are this one with some of its parameters equal or neutral, and so no rivals of it.
+    effects that are this one with some of its parameters equal or neutral, and so no rivals of it. sudden:
+    may begin while the boat sails, so that a live monitor looks for its onset.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Effect:
     all_together: bool = False
     alone_equals: str = ""
     contains: tuple[str, ...] = ()
+    sudden: bool = False
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name; KeyError if there is none."""

@@ -23,6 +23,23 @@ COASTING = np.array([0.0, 0.0, 0.0, 0.15, 0.15, 0.15, 0.0, 0.0])
 START = np.array([1.0, 1.0, 0.05, 0.1, 0.1, 0.05, 0.15, 0.15])  # of a boat about at rest
 
 
+@dataclass(frozen=True)
+class Innovation:
+    """A reading less its prediction: places (m,) of the states, value (m,), its covariance (m, m) and
+    the filter's gain (8, m).
+    """
+
+    places: tuple[int, ...]
+    value: Array
+    covariance: Array
+    gain: Array
+
+    @property
+    def squared(self) -> float:
+        """Normalised innovation squared, chi-square with m degrees of freedom if all is consistent."""
+        return float(self.value @ np.linalg.solve(self.covariance, self.value))
+
+
 @dataclass
 class Navigator:
     """The filter: x (8,) as in `predict`, covariance P (8, 8), process noise walk (8,) [unit/sqrt(s)]."""
@@ -32,13 +49,14 @@ class Navigator:
     walk: Array
     P: Array = field(default_factory=lambda: np.diag(START**2))
 
-    def predict(self, commands: Array, dt: float) -> None:
-        """Move on by dt [s] under commands (2K,)."""
+    def predict(self, commands: Array, dt: float) -> Array:
+        """Move on by dt [s] under commands (2K,); returns the Jacobian (8, 8) of the step."""
         self.x, F = self.predictor.predict(self.x, commands, dt)
         self.P = F @ self.P @ F.T + np.diag(self.walk**2) * dt
+        return F
 
-    def update(self, fix: Fix) -> float:
-        """Take a reading in; returns its normalised innovation squared, chi-square if all is consistent."""
+    def update(self, fix: Fix) -> Innovation:
+        """Take a reading in; returns its innovation."""
         places = list(fix.places)
         innovation = fix.values - self.x[places]
         if HEADING in places:
@@ -51,7 +69,7 @@ class Navigator:
         self.x = self.x + K @ innovation
         kept = np.eye(STATES) - K @ H
         self.P = kept @ self.P @ kept.T + K @ R @ K.T
-        return float(innovation @ np.linalg.solve(S, innovation))
+        return Innovation(fix.places, innovation, S, K)
 
     def error_squared(self, truth: Array) -> float:
         """Normalised estimation error squared of pose and velocity against the true ones (6,)."""

@@ -70,9 +70,9 @@ def navigate(
             _wander(state[0], params, np.sqrt(dt) * walk * rng.standard_normal(8))
         navigator.predict(command, dt)
         if due(sensors.ahrs_interval, time, dt):
-            kept["ahrs"].append(navigator.update(sensors.ahrs(state[0], rng)))
+            kept["ahrs"].append(navigator.update(sensors.ahrs(state[0], rng)).squared)
         if due(sensors.gps_interval, time, dt) and not lost[0] <= time < lost[1]:
-            kept["gps"].append(navigator.update(sensors.gps(state[0], rng)))
+            kept["gps"].append(navigator.update(sensors.gps(state[0], rng)).squared)
         kept["time"].append(time)
         kept["truth"].append(state[0].copy())
         kept["estimate"].append(navigator.x.copy())

@@ -21,6 +21,7 @@ declare(
     source="ours: weed in an intake, a worn pump",
     thruster=True,
     alone_equals="thrust_scale",
+    sudden=True,
 )
 
 declare(
@@ -41,6 +42,7 @@ declare(
     thruster=True,
     begin="changepoint",
     steady=False,
+    sudden=True,
 )
 
 declare(

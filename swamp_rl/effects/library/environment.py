@@ -20,6 +20,7 @@ declare(
     description="the water moves, uniformly and steadily, towards north and east",
     source="thesis 7.3.3 and 8.1.3",
     scope="run",
+    sudden=True,
 )
 
 declare(
@@ -161,4 +162,5 @@ declare(
     description="a steady push at midship in a direction fixed to the earth",
     source="ours: a towed line, a snag",
     scope="run",
+    sudden=True,
 )

@@ -22,6 +22,7 @@ declare(
     combine="add",
     description="the compass reads that much too far clockwise",
     source="ours: mounting, magnetic deviation",
+    sudden=True,
 )
 
 declare(
@@ -40,6 +41,7 @@ declare(
     combine="add",
     description="the rate gyro reads that much too far clockwise",
     source="Farrell, Aided Navigation (2008): the bias of a rate gyro",
+    sudden=True,
 )
 
 declare(

@@ -1,0 +1,1 @@
+"""False alarms, delays and names of the live monitor."""

@@ -1,0 +1,53 @@
+"""`swamp-rl watch`: faults and changes of weather named while a boat sails."""
+
+import json
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def watch(
+    link: Annotated[
+        str | None,
+        typer.Option("--link", help="A vehicle's address, as `swamp-rl vehicle --address` takes it."),
+    ] = None,
+    mcap: Annotated[Path | None, typer.Option("--mcap", help="A recorded run, as an MCAP file.")] = None,
+    boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",
+    topic: Annotated[str | None, typer.Option(help="Of an MCAP file with several.")] = None,
+    seconds: Annotated[
+        float | None, typer.Option(min=1.0, max=1e7, help="End after so much of the stream.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="A JSON object a line, for a program.")] = False,
+) -> None:
+    """Watch a boat under way: say within seconds which thruster failed, sensor froze or current rose."""
+    from dataclasses import asdict
+
+    from swamp_rl.boat import load_boat
+    from swamp_rl.errors import UserError
+    from swamp_rl.link import samples
+    from swamp_rl.monitor import Monitor
+
+    if (link is None) == (mcap is None):
+        raise UserError("name what to watch: either --link ADDRESS or --mcap FILE")
+    if mcap is not None and mcap.suffix.lower() != ".mcap":
+        raise UserError(f"{mcap}: is no .mcap file; `swamp-rl runs export --to mcap` writes one of a run")
+    known = load_boat(boat)
+    monitor = Monitor(known)
+    last, count, said = 0.0, 0, False
+    with suppress(KeyboardInterrupt):  # how one stops watching
+        for sample in samples(str(link or mcap), known, topic):
+            notices = monitor.feed(sample)
+            last, count = sample.time, count + 1
+            if monitor.watching and not said and not as_json:
+                typer.echo(f"{last:.1f} s: noise and usual innovations are known; watching")
+                said = True
+            for notice in notices:
+                typer.echo(json.dumps(asdict(notice), allow_nan=False) if as_json else notice.text)
+            if seconds is not None and last >= seconds:
+                break
+    if not monitor.watching:
+        raise UserError(f"{link or mcap}: {last:.0f} s; the first 30 s show the noise, watching begins then")
+    if not as_json:
+        typer.echo(f"{last:.1f} s, {count} samples: notices: {monitor.notices}")

@@ -1,0 +1,56 @@
+"""Sensors that repeat their last reading."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.link.stream import Sample
+
+Array = NDArray[np.float64]
+
+SENSORS = {"position": [0, 1], "heading": [2], "velocity": [3, 4], "yaw_rate": [5]}
+"What one instrument measures: it freezes, and comes back, as one."
+LEAST = 0.8  # s for which a reading must repeat
+MULTIPLE = 3.0  # of the longest repetition that is usual
+
+
+@dataclass
+class Repetition:
+    """For how long each channel has had the same value; usual: (6,) the longest of a working sensor [s]."""
+
+    since: Array = field(default_factory=lambda: np.full(6, np.nan))
+    last: Array = field(default_factory=lambda: np.full(6, np.nan))
+    usual: Array = field(default_factory=lambda: np.zeros(6))
+    frozen: set[str] = field(default_factory=set)
+
+    def learn(self, sample: Sample) -> None:
+        """Take a sample of working sensors."""
+        self._take(sample)
+        self.usual = np.fmax(self.usual, np.nan_to_num(sample.time - self.since))
+
+    def add(self, sample: Sample, moved: Array) -> tuple[list[str], list[str]]:
+        """Sensors that this sample shows to have frozen, and those that are back. moved: (6,) whether a
+        working one would have changed since.
+        """
+        self._take(sample)
+        stuck = (sample.time - self.since >= np.maximum(LEAST, MULTIPLE * self.usual)) & moved
+        began, back = [], []
+        for name, channels in SENSORS.items():
+            if name in self.frozen and (sample.time - self.since[channels] == 0.0).all():
+                self.frozen.discard(name)
+                back.append(name)
+            elif name not in self.frozen and stuck[channels].all():
+                self.frozen.add(name)
+                began.append(name)
+        return began, back
+
+    @property
+    def channels(self) -> list[int]:
+        """Those of frozen sensors."""
+        return [channel for name in self.frozen for channel in SENSORS[name]]
+
+    def _take(self, sample: Sample) -> None:
+        changed = np.isfinite(sample.senses) & (sample.senses != self.last)
+        self.since = np.where(changed, sample.time, self.since)
+        self.last = np.where(changed, sample.senses, self.last)

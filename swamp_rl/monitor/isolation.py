@@ -1,0 +1,180 @@
+"""Fault isolation: the effect and its onset whose signature in the innovations is the most likely.
+
+Generalised likelihood ratio (Willsky and Jones 1976): a fault that begins at a known time changes the
+innovations of a linear filter by a known sequence, its signature, times its size. Here the signature is the
+difference of two simulations from the filter's state, with the effect and without, put through the filter's
+own gains. Its fall of chi2 is what the size of greatest likelihood gains.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, instances_of
+from swamp_rl.effects import LIBRARY
+from swamp_rl.monitor.tracker import CURRENT, Step, differences
+from swamp_rl.simulator import simulate, tank
+from swamp_rl.simulator.sensors import observe
+from swamp_rl.simulator.state import TIME
+from swamp_rl.simulator.step import substeps_of
+
+Array = NDArray[np.float64]
+
+ONSETS = 0.5  # s between the onsets that are tried first
+LEADERS = 4  # candidates whose onset and size are then refined
+ITERATIONS = 3  # Gauss-Newton steps of their size
+
+
+@dataclass(frozen=True)
+class Onset:
+    """An effect that began at the time of a step of the filter. x: (p,) its size; gain: fall of chi2; left:
+    chi2 that remains, over `rows` innovations.
+    """
+
+    instance: EffectInstance
+    time: float
+    place: int
+    x: Array
+    gain: float
+    left: float
+    rows: int
+
+    @property
+    def criterion(self) -> float:
+        """Fall of chi2 less one for each size that was fitted, as Akaike's criterion charges."""
+        return self.gain - 2.0 * free(self.instance)
+
+
+def nested(one: Onset, other: Onset) -> bool:
+    """Whether of two effects on one thruster one has no size, as the limit of the other."""
+    same = one.instance.selectors == other.instance.selectors != ()
+    return same and min(free(one.instance), free(other.instance)) == 0
+
+
+def simplest(found: Sequence[Onset], within: float) -> Onset:
+    """The first onset, or one that is nested in it, has no size and is no more than `within` behind."""
+    first = found[0]
+    limits = [other for other in found if nested(first, other) and not free(other.instance)]
+    return next((other for other in limits if first.criterion - other.criterion <= within), first)
+
+
+def onset_candidates(boat: Boat) -> list[EffectInstance]:
+    """Effects of the library that may begin while the boat sails, on each thruster."""
+    sudden = [effect for effect in LIBRARY.values() if effect.sudden]
+    return [instance for effect in sudden for instance in instances_of(effect, boat)]
+
+
+def free(instance: EffectInstance) -> int:
+    """Sizes that are fitted: none of an effect that only has an instant."""
+    return 0 if instance.effect.begin == "changepoint" else instance.size
+
+
+def isolate(
+    boat: Boat, record: NDArray[Any], history: Sequence[Step], instances: Sequence[EffectInstance], dt: float
+) -> list[Onset]:
+    """The best onset of every candidate, the greatest criterion first: onsets ONSETS apart for all, then
+    every step about the best for the first LEADERS.
+    """
+    stride = max(1, round(ONSETS / dt))
+    best: dict[str, Onset] = {}
+
+    def consider(places: Sequence[int], of: Sequence[EffectInstance], iterations: int) -> None:
+        for place in places:
+            for found in _from(boat, record, history, of, place, dt, iterations):
+                label = found.instance.label
+                if label not in best or found.gain > best[label].gain:
+                    best[label] = found
+
+    last = len(history) - 2
+    consider(range(0, last, stride), instances, 1)
+    for leader in sorted(best.values(), key=lambda one: -one.criterion)[:LEADERS]:
+        near = range(max(0, leader.place - stride + 1), min(last, leader.place + stride))
+        consider(near, [leader.instance], ITERATIONS)
+    return sorted(best.values(), key=lambda one: -one.criterion)
+
+
+def _from(
+    boat: Boat,
+    record: NDArray[Any],
+    history: Sequence[Step],
+    instances: Sequence[EffectInstance],
+    place: int,
+    dt: float,
+    iterations: int = 1,
+) -> list[Onset]:
+    """Every candidate with its onset at one step, its size by that many Gauss-Newton steps from neutral."""
+    window = list(history)[place:]
+    white = np.concatenate([step.whitener @ step.innovation for step in window[1:]])
+    now = np.repeat(record, 1)
+    now[CURRENT[0]], now[CURRENT[1]] = window[0].x[6], window[0].x[7]
+    sizes = [neutral_x(instance, window[0].time) for instance in instances]
+    signatures = [np.zeros_like(white) for _ in instances]
+    for _ in range(iterations):
+        moved = [_moved(instance, x) for instance, x in zip(instances, sizes, strict=True)]
+        rows = iter(_signatures(boat, now, window, _tried(instances, moved), dt))
+        for i, (instance, x) in enumerate(zip(instances, sizes, strict=True)):
+            if free(instance):
+                added = np.array([next(rows) for _ in range(instance.size)]) - signatures[i]
+                steps = np.diag(moved[i] - x)
+                change = np.linalg.lstsq((added / steps[:, None]).T, white - signatures[i], rcond=1e-9)[0]
+                low, high = np.array([(spec.low, spec.high) for spec in instance.specs]).T
+                sizes[i] = np.clip(x + change, low, high)
+        found = _tried(instances, [x[None] for x in sizes])
+        signatures = list(_signatures(boat, now, window, found, dt))
+    remain = [float(np.sum((white - own) ** 2)) for own in signatures]
+    all_of_it = float(white @ white)
+    return [
+        Onset(instance, window[0].time, place, x, all_of_it - left, left, len(white))
+        for instance, x, left in zip(instances, sizes, remain, strict=True)
+    ]
+
+
+def _tried(instances: Sequence[EffectInstance], rows: Sequence[Array]) -> list[tuple[EffectInstance, Array]]:
+    return [(instance, x) for instance, own in zip(instances, rows, strict=True) for x in own]
+
+
+def _moved(instance: EffectInstance, x: Array) -> Array:
+    """(p, p) sizes x (p,), each moved by a typical one within its bounds; none where nothing is free."""
+    if not free(instance):
+        return np.zeros((0, len(x)))
+    below = np.array([x[i] - spec.scale >= spec.low for i, spec in enumerate(instance.specs)])
+    return x + np.diag(np.where(below, -1.0, 1.0) * [spec.scale for spec in instance.specs])
+
+
+def neutral_x(instance: EffectInstance, onset: float) -> Array:
+    """(p,) sizes that change nothing; of an effect that only has an instant, the onset [s]."""
+    if not free(instance):
+        return np.array([onset])
+    names = instance.effect.parameter_names
+    return np.array([instance.effect.parameter(name).neutral or 0.0 for name in names], dtype=float)
+
+
+def _signatures(
+    boat: Boat, record: NDArray[Any], window: list[Step], tried: list[tuple[EffectInstance, Array]], dt: float
+) -> Array:
+    """(n, N) change of the whitened innovations by each effect that begins with the window."""
+    records = [record] + [Hypothesis((instance,)).records(boat, x[None], record) for instance, x in tried]
+    params = np.concatenate(records)
+    start = np.repeat(window[0].state[None], len(params), axis=0)
+    commands = np.repeat(np.array([step.commands for step in window[:-1]])[None], len(params), axis=0)
+    seeds = np.zeros(len(params), np.uint64)
+    tracks = simulate(params, tank(boat), start, commands, seeds, dt, substeps_of(dt))
+    seen = observe(tracks, params, dt, start[:, TIME])
+    deviation = differences(seen[1:] - seen[0])
+    return whitened(deviation, window)
+
+
+def whitened(deviation: Array, window: list[Step]) -> Array:
+    """(n, N) innovations of the filter that a deviation (n, T, 6) of the measurements adds, whitened."""
+    estimate = np.zeros((len(deviation), 8))
+    parts = []
+    for number, step in enumerate(window[1:], 1):
+        estimate = estimate @ step.jacobian.T
+        added = deviation[:, number, step.places] - estimate[:, step.places]
+        estimate = estimate + added @ step.gain.T
+        parts.append(added @ step.whitener.T)
+    return np.hstack(parts)

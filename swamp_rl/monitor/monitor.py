@@ -1,0 +1,186 @@
+"""A monitor of a live stream: what began, when, and how large, in the terms of the effect library."""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.data.measurement_noise import noise_floor
+from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
+from swamp_rl.link.stream import Sample
+from swamp_rl.monitor.change_test import ChangeTest
+from swamp_rl.monitor.frozen import SENSORS, Repetition
+from swamp_rl.monitor.isolation import Onset, isolate, nested, onset_candidates, simplest
+from swamp_rl.monitor.tracker import CURRENT, Tracker, tracker_of
+from swamp_rl.simulator import parameters
+from swamp_rl.simulator.sensors import CHANNELS
+
+Array = NDArray[np.float64]
+
+WARM_UP = 30.0  # s that noise and usual innovations are estimated from
+THRESHOLD = 6.5  # standard deviations; `python -m benchmarks.monitor` counts its false alarms
+CLEAR = 9.0  # of the criterion, by which a cause leads its rivals when it is named at once
+RIVAL = 6.0  # of the criterion, within which a rival is named too
+TENABLE = 3.0  # standard deviations by which the chi2 that a cause leaves may exceed its mean
+SOONEST = 0.5  # s from an alarm to the earliest naming
+PATIENCE = 2.0  # s from an alarm to the latest naming
+REFINED = 15.0  # s for which the size of a cause is corrected without another notice
+AGAIN = 0.3  # s between two isolations
+
+
+@dataclass(frozen=True)
+class Notice:
+    """What a monitor says. time: when [s]; since: when it began [s]; cause: label of an effect, `SENSOR
+    frozen`, `SENSOR back` or `unexplained`; values: the effect's parameters; rivals: labels of causes that
+    are not told apart from it; channels: where the innovations changed.
+    """
+
+    time: float
+    since: float
+    cause: str
+    values: dict[str, float]
+    rivals: tuple[str, ...] = ()
+    channels: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """In one line."""
+        numbers = ", ".join(f"{name} {value:.3g}" for name, value in self.values.items())
+        others = f"; or {', or '.join(self.rivals)}" if self.rivals else ""
+        where = f" in {', '.join(self.channels)}" if self.cause == "unexplained" else ""
+        cause = f"{self.cause} ({numbers})" if numbers else self.cause
+        return f"{self.time:.1f} s: {cause}{where}, since {self.since:.1f} s{others}"
+
+
+class Monitor:
+    """Feed it samples; it says what began.
+
+    boat: as the pilot believes it to be; threshold: of the test for a change [standard deviations].
+    """
+
+    def __init__(self, boat: Boat, threshold: float = THRESHOLD) -> None:
+        self.boat, self.threshold = boat, threshold
+        self.record = parameters(boat)
+        self.instances = onset_candidates(boat)
+        self.first: list[Sample] = []
+        self.repetition = Repetition()
+        self.tracker: Tracker | None = None
+        self.alarm: float | None = None
+        self.asked = -np.inf
+        self.said = "", -np.inf
+        self.notices = 0
+
+    @property
+    def watching(self) -> bool:
+        """Whether the first seconds are over, from which noise and usual innovations are estimated."""
+        return self.tracker is not None
+
+    def feed(self, sample: Sample) -> list[Notice]:
+        """Take the next sample; notices that it gives rise to. One that is not later than the last is
+        ignored.
+        """
+        if self.first and sample.time <= self.first[-1].time:
+            return []
+        if self.tracker is None:
+            self._warm_up(sample)
+            return []
+        if sample.time <= self.tracker.last.time:
+            return []
+        notices = self._frozen(sample)
+        step = self.tracker.advance(sample, self.repetition.channels)
+        self.samples.append(sample)
+        self.test.add(step.white)
+        changed = self.test.exceeded
+        if self.alarm is None and changed.max() > 1.0:
+            self.alarm = sample.time
+        if self.alarm is not None and sample.time - self.asked >= AGAIN - 1e-9:
+            self.asked = sample.time
+            notices += self._named(sample.time, changed)
+        self.notices += len(notices)
+        return notices
+
+    def _warm_up(self, sample: Sample) -> None:
+        self.first.append(sample)
+        self.repetition.learn(sample)
+        if sample.time - self.first[0].time < WARM_UP:
+            return
+        dt = float(np.median(np.diff([one.time for one in self.first])))
+        self.tracker, white = tracker_of(self.boat, self.record, self.first, dt)
+        self.test = ChangeTest(dt, self.threshold)
+        for one in white:
+            self.test.add(one)
+        self.samples: deque[Sample] = deque(
+            self.first[-len(self.tracker.history) :], self.tracker.history.maxlen
+        )
+        self.noisy = self.tracker.sigmas > 1.01 * noise_floor(self.boat)
+        self.first = self.first[-1:]
+
+    def _frozen(self, sample: Sample) -> list[Notice]:
+        """Sensors that repeat a reading which noise or the boat's motion would have changed."""
+        assert self.tracker is not None
+        apart = np.abs(self.tracker.navigator.x[:6] - np.nan_to_num(sample.senses))
+        moved = self.noisy | (apart > 5.0 * self.tracker.sigmas)
+        since = self.repetition.since.copy()
+        began, back = self.repetition.add(sample, moved)
+        notices = [
+            Notice(sample.time, float(since[SENSORS[name]].max()), f"{name} frozen", {}) for name in began
+        ]
+        return notices + [Notice(sample.time, sample.time, f"{name} back", {}) for name in back]
+
+    def _named(self, now: float, changed: Array) -> list[Notice]:
+        """The cause of a change, once it leads its rivals and leaves white innovations, or the time for that
+        is over.
+        """
+        assert self.tracker is not None and self.alarm is not None
+        found = isolate(self.boat, self.record, self.tracker.history, self.instances, self.tracker.dt)
+        usual = float(self.test.square[0].mean())
+        first = simplest(found, RIVAL * usual)
+        behind = {
+            other.instance.label: (first.criterion - other.criterion) / usual
+            for other in found
+            if other is not first and not nested(first, other)
+        }
+        tenable = first.left <= usual * (first.rows + TENABLE * math.sqrt(2.0 * first.rows))
+        clear = min(behind.values(), default=CLEAR) >= CLEAR
+        waited = now - self.alarm + 1e-9
+        if waited < PATIENCE and not (waited > SOONEST and clear and tenable):
+            return []
+        self.alarm = None
+        channels = tuple(CHANNELS[place] for place in np.flatnonzero(changed > 1.0))
+        if not self._adopt(first):
+            return [Notice(now, first.time, "unexplained", {}, channels=channels)]
+        label = first.instance.label
+        refined = label == self.said[0] and now - self.said[1] < REFINED
+        self.said = label, now
+        if refined:
+            return []
+        rivals = tuple(name for name, gap in behind.items() if gap < RIVAL)
+        values = {name: float(value) for name, value in entries_of(first.instance, first.x)[0].values.items()}
+        return [Notice(now, first.time, label, values, rivals, channels)]
+
+    def _adopt(self, onset: Onset) -> bool:
+        """Go on with the cause in the model, from its onset; False, and the model as it was, where the
+        innovations are as unusual with it.
+        """
+        assert self.tracker is not None
+        before, history = self.record, list(self.tracker.history)
+        samples = list(self.samples)[onset.place :]
+        record = Hypothesis((onset.instance,)).records(self.boat, onset.x[None], self.record)
+        shift = np.array([float(record[name][0] - self.record[name][0]) for name in CURRENT])
+        for name in CURRENT:
+            record[name] = self.record[name]
+        self.tracker.restart(history[onset.place], samples[0], record, shift)
+        self.test.clear()
+        for sample in samples[1:]:
+            self.test.add(self.tracker.advance(sample, self.repetition.channels).white)
+        adequate = bool(self.test.exceeded.max() <= 1.0)
+        self.record = record if adequate else before
+        if not adequate:
+            self.test.square = np.maximum(self.test.square, self.test.statistic**2)
+            self.tracker.set_record(before)
+        self.samples = deque(samples, self.samples.maxlen)
+        self.test.clear()
+        return adequate

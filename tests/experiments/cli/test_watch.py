@@ -1,0 +1,66 @@
+"""`swamp-rl watch`: a recorded fault named line by line, and what it refuses."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.runs import DatasetMeta, Run
+from swamp_rl.runs.mcap_files import write_mcap
+from swamp_rl.simulator.sensors import CHANNELS
+from tests.support.command_line import Call, assert_complains
+from tests.support.command_line import call as call  # the fixture
+from tests.support.live_stream import BOAT, DT, stream
+
+BEGINS = 40.0
+FAILURE = {"effect": "thruster_failure", "thruster": "bp", "time": 0.0}
+
+
+def recorded(path: Path, seconds: float) -> Path:
+    """A run in which a thruster fails, as an MCAP file."""
+    samples = list(stream(seconds, BEGINS, [FAILURE]))
+    senses, commands = np.array([s.senses for s in samples]), np.array([s.commands for s in samples])
+    columns = {"time": np.array([s.time for s in samples])} | dict(zip(CHANNELS, senses.T, strict=True))
+    names = [f"azimuth_{name}" for name in BOAT.thruster_names]
+    names += [f"throttle_{name}" for name in BOAT.thruster_names]
+    columns |= dict(zip(names, commands.T, strict=True))
+    meta = DatasetMeta(
+        vehicle="swamp",
+        mass=BOAT.mass,
+        draught=BOAT.draught,
+        water_density=BOAT.water_density,
+        sample_rate=1 / DT,
+        source="scripted",
+    )
+    write_mcap(path, Run("run", columns), meta)
+    return path
+
+
+def test_a_recorded_failure_is_named(call: Call, tmp_path: Path) -> None:
+    recorded(tmp_path / "run.mcap", BEGINS + 5.0)
+    code, said, complaint = call("watch", "--mcap", "run.mcap")
+    assert (code, complaint) == (0, "")
+    assert "watching" in said.splitlines()[0]
+    assert "thruster_failure bp" in said.splitlines()[1]
+    assert said.splitlines()[-1].endswith("notices: 1")
+
+
+def test_a_program_reads_it_as_json_lines(call: Call, tmp_path: Path) -> None:
+    recorded(tmp_path / "run.mcap", BEGINS + 5.0)
+    code, said, _ = call("watch", "--mcap", "run.mcap", "--json")
+    notices = [json.loads(line) for line in said.splitlines()]
+    assert code == 0
+    assert [notice["cause"] for notice in notices] == ["thruster_failure bp"]
+    assert notices[0]["since"] == pytest.approx(BEGINS, abs=0.6)
+
+
+def test_what_cannot_be_watched_is_refused_in_one_line(call: Call, tmp_path: Path) -> None:
+    recorded(tmp_path / "short.mcap", 12.0)
+    (tmp_path / "run.csv").write_text("time\n0\n")
+    assert_complains(call("watch"), "--link", "--mcap")
+    assert_complains(call("watch", "--mcap", "short.mcap", "--link", "127.0.0.0/24"), "either")
+    assert_complains(call("watch", "--mcap", "run.csv"), "run.csv", "export")
+    assert_complains(call("watch", "--mcap", "short.mcap"), "30 s")
+    assert_complains(call("watch", "--mcap", "absent.mcap"), "absent.mcap")
+    assert_complains(call("watch", "--mcap", "short.mcap", "--boat", "swmap"), "swamp")
