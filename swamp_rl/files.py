@@ -27,6 +27,7 @@ CONFIG_KINDS = (
     "disturbances",
     "trials",
     "missions",
+    "paths",
     "experiments",
     "sweeps",
 )

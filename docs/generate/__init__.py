@@ -12,6 +12,7 @@ from docs.generate.files import (
     design_file,
     experiment_file,
     mission_file,
+    path_file,
     plan_file,
     sweep_file,
 )
@@ -27,6 +28,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "examples": examples,
     "experiment file": experiment_file,
     "mission file": mission_file,
+    "path file": path_file,
     "modules": modules,
     "public names": public_names,
     "sweep file": sweep_file,

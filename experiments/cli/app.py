@@ -18,6 +18,7 @@ from swamp_rl.experiments.cli.design import design_app
 from swamp_rl.experiments.cli.diagnose import diagnose, disturbances
 from swamp_rl.experiments.cli.experiment import evaluate, run, train
 from swamp_rl.experiments.cli.export import export
+from swamp_rl.experiments.cli.guidance import capability, follow, follow_vehicle, hold
 from swamp_rl.experiments.cli.help import add_help
 from swamp_rl.experiments.cli.identify import identify_app
 from swamp_rl.experiments.cli.mission import mission
@@ -54,6 +55,10 @@ app.command()(disturbances)
 app.command()(demo)
 app.command()(export)
 app.command()(mission)
+app.command()(follow)
+app.command()(follow_vehicle)
+app.command()(hold)
+app.command()(capability)
 app.command()(record)
 app.command()(sweep)
 for catalogue in (effects, boats, courses, pilots):
