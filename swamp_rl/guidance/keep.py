@@ -24,8 +24,9 @@ def keeper_for(
     point; the one with the greatest margin if not given, and always for the last jet. A drive without sway
     force lies with the bow in the weather: there is no other heading for it.
     """
-    alone = isinstance(drive, Jets) and int(drive.works.sum()) == 1
-    if not alone and not pushes_sideways(drive):
+    working = int(drive.works.sum()) if isinstance(drive, Jets) else len(drive.names)
+    alone = isinstance(drive, Jets) and working == 1
+    if working and not alone and not pushes_sideways(drive):
         return weathervane(boat, drive, place)
     assert isinstance(drive, Jets)
     held = best_holding(boat, drive) if heading is None or alone else holding_at(boat, drive, heading)
