@@ -28,6 +28,7 @@ CONFIG_KINDS = (
     "trials",
     "missions",
     "paths",
+    "vehicles",
     "experiments",
     "sweeps",
 )

@@ -15,6 +15,7 @@ from docs.generate.files import (
     path_file,
     plan_file,
     sweep_file,
+    vehicle_file,
 )
 from docs.generate.interface import modules, public_names
 
@@ -33,5 +34,6 @@ PARTS: dict[str, Callable[[], str]] = {
     "public names": public_names,
     "sweep file": sweep_file,
     "trial plan": plan_file,
+    "vehicle file": vehicle_file,
 }
 """What stands in place of the line `<!-- generated: NAME -->` of a page."""

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import swamp_rl.experiments.cli.identify_boat
+import swamp_rl.experiments.cli.identify_square
 import swamp_rl.experiments.cli.runs_doctor
 import swamp_rl.experiments.cli.runs_exchange
 import swamp_rl.experiments.cli.trial_captive  # noqa: F401  it adds its verbs to `trial`

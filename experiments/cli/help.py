@@ -69,6 +69,7 @@ EXAMPLES = {
     "design hull": "design hull swamp_hull --out hull",
     "design match": "design match typhoon_match --out match",
     "identify boat": "identify boat runs --boat swamp --out identified.yaml",
+    "identify waypoint-square": "identify waypoint-square typhoon --out square",
     "identify yaw-model": "identify yaw-model runs",
     "identify elementary": "identify elementary runs",
     "identify thrust-deduction": "identify thrust-deduction runs",
