@@ -27,6 +27,8 @@ CONFIG_KINDS = (
     "disturbances",
     "trials",
     "missions",
+    "paths",
+    "vehicles",
     "experiments",
     "sweeps",
 )

@@ -12,8 +12,10 @@ from docs.generate.files import (
     design_file,
     experiment_file,
     mission_file,
+    path_file,
     plan_file,
     sweep_file,
+    vehicle_file,
 )
 from docs.generate.interface import modules, public_names
 
@@ -27,9 +29,11 @@ PARTS: dict[str, Callable[[], str]] = {
     "examples": examples,
     "experiment file": experiment_file,
     "mission file": mission_file,
+    "path file": path_file,
     "modules": modules,
     "public names": public_names,
     "sweep file": sweep_file,
     "trial plan": plan_file,
+    "vehicle file": vehicle_file,
 }
 """What stands in place of the line `<!-- generated: NAME -->` of a page."""

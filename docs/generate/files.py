@@ -18,6 +18,8 @@ from swamp_rl.boat.quantity import Unit
 from swamp_rl.course import Course
 from swamp_rl.design import HullDesign, MatchDesign, PumpJetDesign
 from swamp_rl.energy.mission import Mission
+from swamp_rl.guidance.path_file import PathFile
+from swamp_rl.identification.square_twin import Vehicle
 from swamp_rl.manoeuvres.plan import Plan
 
 HEAD = ["key", "unit", "kind", "default", "allowed", "meaning"]
@@ -70,6 +72,16 @@ def experiment_file() -> str:
 def mission_file() -> str:
     """Every key of a mission file."""
     return reference(Mission)
+
+
+def vehicle_file() -> str:
+    """Every key of a vehicle file."""
+    return reference(Vehicle)
+
+
+def path_file() -> str:
+    """Every key of a path file."""
+    return reference(PathFile)
 
 
 def plan_file() -> str:

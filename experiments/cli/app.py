@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import swamp_rl.experiments.cli.identify_boat
+import swamp_rl.experiments.cli.identify_square
 import swamp_rl.experiments.cli.runs_doctor
 import swamp_rl.experiments.cli.runs_exchange
 import swamp_rl.experiments.cli.trial_captive  # noqa: F401  it adds its verbs to `trial`
@@ -18,6 +19,7 @@ from swamp_rl.experiments.cli.design import design_app
 from swamp_rl.experiments.cli.diagnose import diagnose, disturbances
 from swamp_rl.experiments.cli.experiment import evaluate, run, train
 from swamp_rl.experiments.cli.export import export
+from swamp_rl.experiments.cli.guidance import capability, follow, follow_vehicle, hold
 from swamp_rl.experiments.cli.help import add_help
 from swamp_rl.experiments.cli.identify import identify_app
 from swamp_rl.experiments.cli.link import helm, vehicle
@@ -58,6 +60,10 @@ app.command()(export)
 app.command()(mission)
 app.command()(vehicle)
 app.command()(helm)
+app.command()(follow)
+app.command()(follow_vehicle)
+app.command()(hold)
+app.command()(capability)
 app.command()(record)
 app.command()(sweep)
 app.command()(watch)

@@ -95,6 +95,25 @@ class Propellers:
         met = bool(np.hypot(*missing) <= MET * max(1.0, float(np.hypot(wanted[0], wanted[2] / self.lever))))
         return Allocation(angle, level, forces, wanted, achieved, met)
 
+    def largest_multiple(self, wanted: Array, velocity: Array, most: float = 50.0) -> float:
+        """The largest multiple [1], `most` at most, of `wanted` (3,) of which surge and yaw can be had.
+
+        velocity: (3,) through the water [m/s, rad/s]. 0 where not even a hundredth of it can be had; the
+        sway force is nobody's business here: see `swamp_rl.guidance.capability`.
+        """
+        rest = np.zeros(len(self.names))
+
+        def had(multiple: float) -> bool:
+            return self.allocate(multiple * wanted, velocity, rest).attainable
+
+        if not had(0.01):
+            return 0.0
+        low, high = 0.01, most
+        for _ in range(HALVINGS // 2):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if had(middle) else (low, middle)
+        return low
+
 
 def propellers_of(boat: Boat) -> Propellers:
     """The boat's propellers with rudders and its own effects; UserError where it has a jet besides."""

@@ -12,13 +12,7 @@ from swamp_rl.boat.part import FROM_LIST, NAME, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.files import find_config, read_yaml, validated
 from swamp_rl.guidance.line_of_sight import Waypoint
-
-LONGEST = 86_400.0  # s, a day
-FARTHEST = 1e6  # m
-CLOSEST = 0.1  # m between two waypoints
-Coordinate = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
-Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
-Place = Annotated[tuple[Coordinate, Coordinate], FROM_LIST]
+from swamp_rl.guidance.places import CLOSEST, LONGEST, Coordinate, Degrees, Place
 
 
 class Leg(Part):

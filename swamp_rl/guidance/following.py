@@ -60,13 +60,26 @@ class PathFollower:
 
     def steer(self, heading: float, seen: Seen, dt: float) -> Array:
         """Commands that bring the bow to `heading` [rad] and the speed to the set one."""
-        error = wrapped(heading - seen.heading)
-        turning = float(np.clip(HEADING_GAIN * error, -YAW_RATE_LIMIT, YAW_RATE_LIMIT)) / self.scale**0.5
-        actual = seen.velocity
-        wanted = np.array([self.speed, actual[1], turning])
-        asked = self.servo.force(wanted, actual)
-        asked[1] = 0.0
-        found = allocated(self.drive, asked, seen, dt)
-        self.servo.learn(wanted, actual, asked, found.achieved, dt)
-        self.servo.memory[1] = 0.0
-        return found.commands
+        turning = turning_to(heading, seen.heading, self.scale)
+        return steered(self.drive, self.servo, self.speed, turning, seen, dt)
+
+
+def turning_to(heading: float, now: float, scale: float, bend: float = 0.0) -> float:
+    """Yaw rate [rad/s] that brings the bow from `now` to `heading` [rad], on a path that turns by `bend`.
+
+    scale: the boat's length in those of SWAMP; within `YAW_RATE_LIMIT` by Froude's law.
+    """
+    rate = HEADING_GAIN * wrapped(heading - now) + bend * scale**0.5
+    return float(np.clip(rate, -YAW_RATE_LIMIT, YAW_RATE_LIMIT)) / scale**0.5
+
+
+def steered(drive: Drive, servo: VelocityServo, speed: float, turning: float, seen: Seen, dt: float) -> Array:
+    """(2K,) commands for a surge speed [m/s] and a yaw rate [rad/s]; no sway force is asked for."""
+    actual = seen.velocity
+    wanted = np.array([speed, actual[1], turning])
+    asked = servo.force(wanted, actual)
+    asked[1] = 0.0
+    found = allocated(drive, asked, seen, dt)
+    servo.learn(wanted, actual, asked, found.achieved, dt)
+    servo.memory[1] = 0.0
+    return found.commands

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +61,12 @@ def steady_force(boat: Boat, heading: float, gust: float = 0.0) -> Array:
     The opposite of what current, wind and steady pushes of the boat's effects do to it; gust: how many
     standard deviations the wind blows harder than its mean.
     """
-    p, curves, time = parameters(boat)[0], tank(boat), 0.0
+    return steady_force_of(parameters(boat)[0], tank(boat), heading, gust)
+
+
+def steady_force_of(p: Any, curves: Array, heading: float, gust: float = 0.0) -> Array:
+    """As `steady_force`, of a parameter record p and its towing-tank curves."""
+    time = 0.0
     cos, sin = math.cos(heading), math.sin(heading)
     north, east = water_velocity(time, p)
     u, v = -(north * cos + east * sin), -(east * cos - north * sin)

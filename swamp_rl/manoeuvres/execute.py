@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.effects import LIBRARY
 from swamp_rl.errors import UserError
+from swamp_rl.guidance.flight import STEP, sensing
 from swamp_rl.guidance.loop import Seen, closed_loop, seen_of
 from swamp_rl.manoeuvres.approach import Area, approached, waypoints
 from swamp_rl.manoeuvres.controller import (
@@ -31,12 +31,8 @@ from swamp_rl.manoeuvres.turning_circle import turning_circle
 from swamp_rl.manoeuvres.zig_zag import zig_zag
 from swamp_rl.simulator import initial_state, parameters
 from swamp_rl.simulator.sensors import observe
-from swamp_rl.simulator.state import NORTH, YAW_RATE
 
 Array = NDArray[np.float64]
-
-STEP = 0.1  # s
-SENSOR_FIELDS = tuple(p.field for e in LIBRARY.values() if e.acts_on == "sensor" for p in e.parameters)
 
 
 @dataclass(frozen=True)
@@ -140,17 +136,10 @@ def _sail(
     seed: int,
 ) -> list[Executed]:
     commands, ends = np.zeros((len(trials), 2 * len(boat.thrusters))), np.full(len(trials), -1)
-    exact = not any(params[name].any() for name in SENSOR_FIELDS)
-    tail = 2 + math.ceil(float(params["position_delay"].max()) / STEP)
-    on_board = params.copy()
-    on_board["clock_offset"] = on_board["clock_drift"] = 0.0  # they shift the times in a record alone
+    sensed = sensing(params, STEP)
 
     def decide(states: list[Array]) -> tuple[Array, bool]:
-        now, tick = states[-1], len(states) - 1
-        if exact:
-            channels = now[:, NORTH : YAW_RATE + 1]
-        else:
-            channels = observe(np.stack(states[-tail:], axis=1), on_board, STEP)[:, -1]
+        now, tick, channels = states[-1], len(states) - 1, sensed(states)
         for i in np.flatnonzero(ends < 0):
             commands[i] = helms[i].act(seen_of(tick * STEP, now[i], channels[i]))
             if helms[i].over:

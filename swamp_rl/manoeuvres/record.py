@@ -6,9 +6,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.guidance.flight import command_columns
 from swamp_rl.manoeuvres.approach import Area
 from swamp_rl.manoeuvres.controller import APPROACH, Trial
 from swamp_rl.manoeuvres.execute import STEP, Executed, execute
@@ -36,13 +36,7 @@ def trial_name(number: int, trial: Trial) -> str:
 def run_of_trial(executed: Executed, boat: Boat, name: str, seed: int) -> Run:
     """The run of an executed trial; its meta holds the trial asked for, the marks and what went amiss."""
     time = np.arange(len(executed.track), dtype=np.float64) * STEP
-    angles, levels = np.split(executed.commands, 2, axis=1)
-    columns: dict[str, NDArray[np.float64]] = {"time": time}
-    for k, thruster in enumerate(boat.thrusters):
-        angle, level = thruster.command_columns
-        if angle is not None:
-            columns[angle] = angles[:, k]
-        columns[level] = levels[:, k]
+    columns = {"time": time} | command_columns(boat, executed.commands)
     first = dict(zip(CHANNELS, executed.measured[0].tolist(), strict=True))
     meta = RunMeta.model_validate(
         {

@@ -1,0 +1,264 @@
+"""A followed path or a held station: its run as a dataset, with a report, JSON, CSV and a figure."""
+
+import csv
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from swamp_rl.experiments.reports.experiment import table
+from swamp_rl.experiments.reports.guidance_figures import draw_station, draw_track
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.energy.power import missing, pack_power
+from swamp_rl.errors import UserError
+from swamp_rl.guidance.curve import Curve, joined
+from swamp_rl.guidance.curve_following import BehindVehicle, CurveFollower, Pace, SteadyPace
+from swamp_rl.guidance.drive import drive_of
+from swamp_rl.guidance.flight import STEP, Flight, flown, in_sea
+from swamp_rl.guidance.keep import drive_without, keeper_for
+from swamp_rl.guidance.path_file import load_path, speeds_of, spline
+from swamp_rl.guidance.places import LONGEST
+from swamp_rl.guidance.servo import SWAMP_LENGTH, servo_of
+from swamp_rl.guidance.track_errors import along_and_across, spread, station_errors
+from swamp_rl.runs import DatasetMeta, append_run, dataset_beside, read_run
+from swamp_rl.simulator.reference import reference_of
+from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE, SWAY
+
+Array = NDArray[np.float64]
+
+NOTES = "Guidance of swamp_rl in closed loop on its own simulator; nothing of this was measured."
+PATIENCE, STARTING = 3.0, 60.0  # multiple of a path's time at its speed, and s more
+SETTLING = 0.25  # share of a station's time that is left out of its figures
+UNITS = {"cross_track_error": "m", "distance": "m", "heading_error": "rad", "gap_error": "m"}
+
+
+def follow_path(
+    out: Path, name: str, boat_name: str, level: str | None, sea: list[dict[str, Any]], seed: int
+) -> list[str]:
+    """Follow a path file and write the folder; lines to print. UserError for what the boat cannot do."""
+    path, file = load_path(name)
+    boat, curve = load_boat(boat_name), path.curve()
+    pace = SteadyPace(speeds_of(path, reference_of(boat).speed, file), curve.length)
+    longest = PATIENCE * curve.length / path.speed + STARTING * (boat.length / SWAMP_LENGTH) ** 0.5
+    told = {
+        "what": "path",
+        "name": path.name,
+        "path": path.model_dump(mode="json"),
+        "path_length": curve.length,
+    }
+    return _followed(out, boat, boat_name, curve, pace, longest, level, sea, seed, told)
+
+
+def follow_leader(
+    out: Path,
+    file: Path,
+    behind: float,
+    boat_name: str,
+    level: str | None,
+    sea: list[dict[str, Any]],
+    seed: int,
+) -> list[str]:
+    """Follow the vehicle of a run and write the folder; lines to print."""
+    boat, leader = load_boat(boat_name), read_run(file)
+    if not 0.0 < behind < math.inf:
+        raise UserError(f"--behind {behind:g}: must be a distance above 0 m")
+    curve, time, way = way_of(leader.time, leader.stacked(("north", "east")), boat.length, file)
+    if curve.length <= behind:
+        raise UserError(f"--behind {behind:g}: {file} is {curve.length:.3g} m long; follow more closely")
+    pace = BehindVehicle(time, way, behind, reference_of(boat).speed)
+    longest = min(PATIENCE * float(time[-1]) + STARTING, LONGEST)
+    told = {"what": "vehicle", "name": leader.name, "behind": behind, "path_length": curve.length}
+    return _followed(out, boat, boat_name, curve, pace, longest, level, sea, seed, told)
+
+
+def way_of(time: Array, places: Array, length: float, file: object) -> tuple[Curve, Array, Array]:
+    """A spline through a vehicle's places (T, 2), half a length of the follower apart, and how far along it
+    the vehicle had come [m] at its times [s] since the first; UserError for a vehicle that hardly moved."""
+    kept = [0]
+    for i in range(1, len(places)):
+        if math.dist(places[i], places[kept[-1]]) >= 0.5 * length:
+            kept.append(i)
+    if len(kept) < 4:
+        raise UserError(
+            f"{file}: its vehicle moves less than two lengths of the boat; there is no way to follow"
+        )
+    curve = joined([spline(places[kept], str(file))])
+    way = along_and_across(curve, _as_states(places), length)[:, 0]
+    return curve, time - time[0], way
+
+
+def _as_states(places: Array) -> Array:
+    states = np.zeros((len(places), HEADING + 1))
+    states[:, [NORTH, EAST]] = places
+    return states
+
+
+def _followed(
+    out: Path,
+    boat: Boat,
+    boat_name: str,
+    curve: Curve,
+    pace: Pace,
+    longest: float,
+    level: str | None,
+    sea: list[dict[str, Any]],
+    seed: int,
+    told: dict[str, Any],
+) -> list[str]:
+    at_sea, offset, drawn = in_sea(boat, level, sea, seed)
+    follower = CurveFollower(drive_of(boat), servo_of(boat), curve, pace, boat.length)
+    north, east = curve.places[0] + offset[:2]
+    with dataset_beside(out, _meta(boat, boat_name)) as part:
+        pose = (float(north), float(east), float(curve.course[0] + offset[2]))
+        flight = flown(at_sea, follower, pose, longest, seed)
+        track = along_and_across(curve, flight.track, boat.length)
+        result = told | _common(flight, seed, drawn) | {"cross_track_error": spread(track[:, 1])}
+        if isinstance(pace, BehindVehicle):
+            gap = np.array([pace.known(t) for t in flight.time]) - track[:, 0] - pace.behind
+            moving = np.array([pace.known(t) > pace.behind for t in flight.time])
+            result["gap_error"] = spread(gap[moving]) if moving.any() else None
+        append_run(part, flight.run(told["what"], seed, drawn, {"guidance": told["what"]}))
+        (part / "analysis").mkdir()
+        draw_track(part / "analysis" / "track.png", flight, curve, track[:, 1], _title(boat, told))
+        _write(part / "analysis", result, flight, {"along": track[:, 0], "across": track[:, 1]})
+    return lines(result)
+
+
+def hold_station(
+    out: Path,
+    boat_name: str,
+    duration: float,
+    heading: float | None,
+    failed: list[str],
+    level: str | None,
+    sea: list[dict[str, Any]],
+    seed: int,
+) -> list[str]:
+    """Hold a station and write the folder; lines to print. UserError with the reason where it cannot be."""
+    boat = load_boat(boat_name)
+    drive = drive_without(boat, failed)
+    dead = [{"effect": "thruster_failure", "thruster": name, "time": 0.0} for name in failed]
+    at_sea, offset, drawn = in_sea(boat, level, [*sea, *dead], seed)
+    keeper, balance = keeper_for(at_sea, drive, (0.0, 0.0), heading)
+    pose = (float(offset[0]), float(offset[1]), float(balance.heading + offset[2]))
+    with dataset_beside(out, _meta(boat, boat_name)) as part:
+        flight = flown(at_sea, Timed(keeper, duration), pose, duration, seed)
+        away, turned = station_errors(flight.track, (0.0, 0.0), balance.heading)
+        late = flight.time >= SETTLING * duration
+        told = {
+            "what": "station",
+            "name": "station",
+            "keeper": type(keeper).__name__,
+            "heading": balance.heading,
+            "margin": min(balance.margin, 1000.0),
+            "failed": failed,
+            "balance": balance.reason,
+        }
+        result = told | _common(flight, seed, drawn)
+        result |= {"distance": spread(away[late]), "heading_error": spread(turned[late])}
+        append_run(part, flight.run("station", seed, drawn, {"guidance": "station"}))
+        (part / "analysis").mkdir()
+        draw_station(part / "analysis" / "track.png", flight, away, turned, _title(boat, told))
+        _write(part / "analysis", result, flight, {"distance": away, "heading_error": turned})
+    return [balance.reason, *lines(result)]
+
+
+class Timed:
+    """A controller that is over after `duration` [s]."""
+
+    def __init__(self, controller: Any, duration: float) -> None:
+        self.controller, self.duration, self.over = controller, duration, False
+
+    def act(self, seen: Any, dt: float) -> Array:
+        """As the controller does."""
+        self.over = seen.time >= self.duration - 0.5 * dt
+        return np.asarray(self.controller.act(seen, dt), dtype=np.float64)
+
+
+def _meta(boat: Boat, boat_name: str) -> DatasetMeta:
+    return DatasetMeta(
+        vehicle=boat_name,
+        mass=boat.mass,
+        draught=boat.draught,
+        water_density=boat.water_density,
+        sample_rate=1.0 / STEP,
+        source="simulated",
+        notes=NOTES,
+    )
+
+
+def _title(boat: Boat, told: dict[str, Any]) -> str:
+    return f"{told['what'].capitalize()} {told['name'] if told['what'] != 'station' else ''} of {boat.name}"
+
+
+def _common(flight: Flight, seed: int, drawn: list[dict[str, Any]]) -> dict[str, Any]:
+    """What every flight is told by: its end, time, way, speed and energy."""
+    steps = np.hypot(*np.diff(flight.track[:, [NORTH, EAST]], axis=0).T)
+    speed = np.hypot(flight.track[:, SURGE], flight.track[:, SWAY])
+    return {
+        "boat": flight.boat.name,
+        "source": "simulated",
+        "completed": flight.completed,
+        "seed": seed,
+        "disturbances": drawn,
+        "time": float(flight.time[-1]),
+        "way": float(steps.sum()),
+        "mean_speed": float(speed.mean()),
+        "electric_energy": electric_energy(flight),
+    }
+
+
+def electric_energy(flight: Flight) -> float | None:
+    """Energy [J] of all packs with the hotel load; None where the boat file has no battery or power curve."""
+    if missing(flight.boat) is not None:
+        return None
+    throttle = flight.track[1:, ACTUATORS + len(flight.boat.thrusters) :]
+    return float(pack_power(flight.boat, throttle).sum() * STEP)
+
+
+def _write(folder: Path, result: dict[str, Any], flight: Flight, extra: dict[str, Array]) -> None:
+    content = {
+        "units": UNITS | {"time": "s", "way": "m", "mean_speed": "m/s", "electric_energy": "J"}
+    } | result
+    (folder / "result.json").write_text(json.dumps(content, indent=1, allow_nan=False), encoding="utf-8")
+    with (folder / "track.csv").open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["time", "north", "east", "heading", *extra])
+        rows = [flight.time, *flight.track[:, [NORTH, EAST, HEADING]].T, *extra.values()]
+        writer.writerows([f"{value:.9g}" for value in row] for row in np.stack(rows, axis=1))
+    body = "\n".join(f"* {line}" for line in lines(result))
+    text = f"# {result['what'].capitalize()} {result['name']}, {result['boat']}\n\nSimulated.\n\n{body}\n\n"
+    (folder / "report.md").write_text(
+        f"{text}{error_table(result)}\n\n![track](track.png)\n", encoding="utf-8"
+    )
+
+
+def error_table(result: dict[str, Any]) -> str:
+    """Mean, rms, 95 % and greatest error."""
+    rows = [
+        [f"{name.replace('_', ' ')}, {unit}", *(f"{value:.3f}" for value in result[name].values())]
+        for name, unit in UNITS.items()
+        if result.get(name)
+    ]
+    return table(["error", "mean", "rms", "95 %", "max"], rows)
+
+
+def lines(result: dict[str, Any]) -> list[str]:
+    """What the command line prints."""
+    found = [f"{result['time']:.1f} s, {result['way']:.1f} m over ground"]
+    if not result["completed"]:
+        found.append("the end of the path was not reached in time")
+    for name, unit in UNITS.items():
+        if result.get(name):
+            e, scale = result[name], 180.0 / math.pi if unit == "rad" else 1.0
+            values = ", ".join(
+                f"{word} {scale * e[key]:.2f}"
+                for word, key in (("mean", "mean"), ("rms", "rms"), ("95 %", "quantile_95"), ("max", "max"))
+            )
+            found.append(f"{name.replace('_', ' ')} [{'deg' if unit == 'rad' else unit}]: {values}")
+    energy = result["electric_energy"]
+    found.append("energy: the boat file has no battery" if energy is None else f"energy: {energy:.0f} J")
+    return found

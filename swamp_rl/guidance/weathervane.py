@@ -1,0 +1,110 @@
+"""Station keeping without a sway force: the bow in the weather, as at anchor.
+
+Fixed jets, and propellers with rudders, push ahead and turn. Where current and wind push the boat straight
+astern, that is enough: a displacement to the side is taken back by turning the bow, so that the thrust and
+the weather both push across.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.allocation import Jets, largest_multiple
+from swamp_rl.boat import Boat
+from swamp_rl.guidance.drive import Drive
+from swamp_rl.guidance.following import LOOKAHEAD, steered, turning_to
+from swamp_rl.guidance.holding import GUST, HALVINGS, HEADINGS, Holding, steady_force
+from swamp_rl.guidance.loop import Seen
+from swamp_rl.guidance.servo import SWAMP_LENGTH, VelocityServo
+from swamp_rl.guidance.station import POSITION_GAIN, SPEED_LIMIT
+from swamp_rl.simulator import parameters
+
+Array = NDArray[np.float64]
+
+INTEGRAL = 0.05  # 1/s, of the displacement to the side, of a boat as long as SWAMP
+FARTHEST = 1.0  # rad that the bow leaves the weather by at most
+
+
+def pushes_sideways(drive: Drive) -> bool:
+    """Whether a sway force can be had without a moment."""
+    return (
+        isinstance(drive, Jets)
+        and min(largest_multiple(drive, np.array([0.0, side, 0.0])) for side in (1.0, -1.0)) > 0.0
+    )
+
+
+def margin_of(drive: Drive, needed: Array, velocity: Array) -> float:
+    """How many times [1] surge force and yaw moment of `needed` (3,) can be had at a velocity (3,) through
+    the water; the sway force is left to the weather."""
+    along = needed * np.array([1.0, 0.0, 1.0])
+    return (
+        largest_multiple(drive, along) if isinstance(drive, Jets) else drive.largest_multiple(along, velocity)
+    )
+
+
+def weather_heading(boat: Boat, drive: Drive) -> Holding:
+    """The heading at which current and wind push the boat straight astern, with the greatest margin.
+
+    boat: with the current and wind that are believed in its effects. Margin 0 where there is none.
+    """
+    found = [_balance(boat, drive, heading) for heading in _ahead_roots(boat)]
+    return max(found, key=lambda one: one.margin, default=Holding(0.0, steady_force(boat, 0.0), 0.0))
+
+
+def _ahead_roots(boat: Boat) -> list[float]:
+    """Headings [rad] at which no sway force is needed and the surge force is ahead, by bisection."""
+    tried = np.arange(HEADINGS) * 2.0 * math.pi / HEADINGS + 1e-3
+    sway = [float(steady_force(boat, float(heading))[1]) for heading in tried]
+    roots = []
+    for i, heading in enumerate(tried):
+        if sway[i] * sway[(i + 1) % HEADINGS] >= 0.0:
+            continue
+        low, high = float(heading), float(heading) + 2.0 * math.pi / HEADINGS
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if steady_force(boat, middle)[1] * sway[i] > 0.0 else (low, middle)
+        if steady_force(boat, low)[0] > 0.0:
+            roots.append(low)
+    return roots
+
+
+def _balance(boat: Boat, drive: Drive, heading: float) -> Holding:
+    record = parameters(boat)[0]
+    north, east = float(record["current_north"]), float(record["current_east"])
+    cos, sin = math.cos(heading), math.sin(heading)
+    flow = -np.array([north * cos + east * sin, east * cos - north * sin, 0.0])
+    needed = steady_force(boat, heading)
+    margins = [margin_of(drive, steady_force(boat, heading, gust), flow) for gust in (0.0, GUST)]
+    return Holding(heading, needed, min(margins))
+
+
+@dataclass
+class WeathervaneKeeper:
+    """Holds a place [m] with the bow at `heading` [rad], where the weather pushes the boat astern.
+
+    Surge speed over ground by the distance along that line; the bow leaves the weather by atan(e / Δ) for the
+    distance e to its side, and by its integral. length [m]: of the boat.
+    """
+
+    drive: Drive
+    servo: VelocityServo
+    place: tuple[float, float]
+    heading: float
+    length: float = SWAMP_LENGTH
+    memory: float = 0.0
+
+    def act(self, seen: Seen, dt: float) -> Array:
+        """(2K,) azimuths or rudder angles [rad], then throttles [1] or revolutions [rps]."""
+        scale = self.length / SWAMP_LENGTH
+        north, east = self.place[0] - seen.north, self.place[1] - seen.east
+        cos, sin = math.cos(self.heading), math.sin(self.heading)
+        ahead, starboard = north * cos + east * sin, east * cos - north * sin
+        limit = SPEED_LIMIT * scale**0.5
+        speed = min(max(POSITION_GAIN / scale**0.5 * ahead, -limit), limit)
+        aside = starboard / (LOOKAHEAD * scale)
+        self.memory = min(max(self.memory + INTEGRAL / scale**0.5 * dt * aside, -FARTHEST), FARTHEST)
+        off = min(max(math.atan(aside) + self.memory, -FARTHEST), FARTHEST)
+        turning = turning_to(self.heading + off, seen.heading, scale)
+        return steered(self.drive, self.servo, speed, turning, seen, dt)

@@ -1,0 +1,86 @@
+"""`swamp-rl follow`, `follow-vehicle`, `hold` and `capability`: from a file to a folder that others read."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from swamp_rl.runs import check_dataset
+from tests.support.command_line import Call, assert_complains
+from tests.support.command_line import call as call  # the fixture
+
+MINE = (
+    "name: mine\nspeed: 0.8\n"
+    "pieces: [{kind: line, to: [12.0, 0.0]}, {kind: arc, radius: 4.0, turn_deg: 90.0}]\n"
+)
+
+
+@pytest.fixture(autouse=True)
+def _path(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text(MINE)
+
+
+def test_a_followed_path_is_a_dataset_with_errors_energy_and_figure(call: Call, tmp_path: Path) -> None:
+    code, said, complaint = call("follow", "mine.yaml", "--disturbances", "standard", "--out", "out")
+    assert (code, complaint) == (0, "")
+    assert "cross track error" in said
+    assert check_dataset(tmp_path / "out") == []
+    told = json.loads((tmp_path / "out/analysis/result.json").read_text())
+    with (tmp_path / "out/analysis/track.csv").open() as file:
+        across = [abs(float(row["across"])) for row in csv.DictReader(file)]
+    assert told["completed"]
+    assert told["cross_track_error"]["max"] == pytest.approx(max(across))
+    assert told["electric_energy"] > 0.0
+    assert (tmp_path / "out/analysis/track.png").stat().st_size > 1000
+    assert call("follow", "mine.yaml", "--out", "out")[0] == 0  # its own result may be replaced
+
+
+def test_a_boat_follows_the_run_of_another(call: Call, tmp_path: Path) -> None:
+    assert call("follow", "mine.yaml", "--out", "ahead")[0] == 0
+    code, said, complaint = call("follow-vehicle", "ahead/path.parquet", "--behind", "4", "--out", "out")
+    assert (code, complaint) == (0, "")
+    assert "gap error" in said
+    assert check_dataset(tmp_path / "out") == []
+
+
+def test_a_run_of_it_replays_to_itself(call: Call, tmp_path: Path) -> None:
+    assert call("follow", "mine.yaml", "--out", "out")[0] == 0
+    assert call("simulate", "--commands", "out/path.parquet", "--out", "again.csv")[0] == 0
+    with (tmp_path / "out/analysis/track.csv").open() as first, (tmp_path / "again.csv").open() as second:
+        ends = [list(csv.DictReader(file))[-1] for file in (first, second)]
+    assert float(ends[0]["north"]) == pytest.approx(float(ends[1]["north"]), abs=1e-3)
+
+
+def test_a_station_is_held_and_one_that_cannot_be_is_refused(call: Call, tmp_path: Path) -> None:
+    code, said, _ = call("hold", "--duration", 20, "--current", 0.2, "--wind", 4, "--out", "out")
+    assert code == 0
+    assert "can hold at heading" in said
+    assert check_dataset(tmp_path / "out") == []
+    assert_complains(call("hold", "--current", 5, "--out", "far"), "cannot hold")
+    assert_complains(call("hold", "--boat", "esso_osaka", "--out", "far"), "bow in a current or wind")
+    assert_complains(call("hold", "--failed", "xx", "--out", "far"), "xx")
+    assert_complains(call("hold", "--heading", 400, "--out", "far"), "--heading")
+    assert_complains(call("hold", "--current", "nan", "--out", "far"), "current")
+    assert not (tmp_path / "far").exists()
+
+
+def test_what_cannot_be_followed_leaves_nothing(call: Call, tmp_path: Path) -> None:
+    assert_complains(call("follow", "eihgt", "--out", "out"), "eight")
+    (tmp_path / "fast.yaml").write_text(MINE.replace("0.8", "5.0"))
+    assert_complains(call("follow", "fast.yaml", "--out", "out"), "fast.yaml", "speed")
+    assert_complains(call("follow", "mine.yaml", "--wind-from", 500, "--out", "out"), "--wind-from")
+    assert_complains(call("follow-vehicle", "none.csv", "--behind", 2, "--out", "out"), "none.csv")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_capability_plot_holds_a_row_for_each_direction(call: Call, tmp_path: Path) -> None:
+    code, said, complaint = call("capability", "swamp", "--failed", "bs", "--out", "out")
+    assert (code, complaint) == (0, "")
+    assert "wind [m/s]" in said
+    told = json.loads((tmp_path / "out/capability.json").read_text())
+    with (tmp_path / "out/capability.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["wind"]) for row in rows] == pytest.approx(told["wind"], rel=1e-6)
+    assert len(rows) == 36
+    assert (tmp_path / "out/capability.png").is_file()
