@@ -38,6 +38,7 @@ from swamp_rl.criticism.residual_force import residual_forces
 from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, GaussMarkovNoise, SmoothedNoise, Verdict
 from swamp_rl.criticism.smoothed_channels import raised, smoothed_channels
 from swamp_rl.criticism.trivial_predictors import trivial_predictors
+from swamp_rl.one_thread import one_thread
 from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]
@@ -47,6 +48,7 @@ NONE = np.zeros(0)
 LISTED = 20  # candidates in the report
 
 
+@one_thread()
 def diagnose(
     dataset: Path | str | Sequence[Path],
     boat: str | Path,
