@@ -36,6 +36,7 @@ PUBLIC = {  # name -> module and what it is there; no colon: the package itself
     "effects": "swamp_rl.effects",
     "evaluate": "swamp_rl.experiments.studies.stored:evaluate_folders",
     "identify": "swamp_rl.api:identify",
+    "identify_boat": "swamp_rl.boat_fit.identify:identify_boat",
     "load_boat": "swamp_rl.boat:load_boat",
     "load_pilot": "swamp_rl.pilots:load_pilot",
     "read_runs": "swamp_rl.runs:read_dataset",

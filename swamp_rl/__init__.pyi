@@ -4,6 +4,7 @@ from swamp_rl.api import identify as identify
 from swamp_rl.api import simulate as simulate
 from swamp_rl.api import trial as trial
 from swamp_rl.boat import load_boat as load_boat
+from swamp_rl.boat_fit.identify import identify_boat as identify_boat
 from swamp_rl.criticism.diagnose import diagnose as diagnose
 from swamp_rl.experiments.studies.run import run_experiment as run_experiment
 from swamp_rl.experiments.studies.run import train_experiment as train
@@ -21,6 +22,7 @@ __all__ = [
     "effects",
     "evaluate",
     "identify",
+    "identify_boat",
     "load_boat",
     "load_pilot",
     "read_runs",

@@ -29,6 +29,7 @@ from swamp_rl.criticism.model.rollout import roll
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_yaml
+from swamp_rl.one_thread import one_thread
 from swamp_rl.simulator import initial_state, tank
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.sensors import observe
@@ -197,6 +198,7 @@ def covered(number: int, seed: int) -> tuple[str, Array]:
     return f"{told}; {np.mean(np.abs(off) < Z95):.2f} of {count}; {', '.join(far)}", off
 
 
+@one_thread()
 def main(count: int, seed: int) -> None:
     """Print a line a boat, and write the shares of the intervals that hold the truth."""
     every: dict[str, list[Array]] = {"calm": [], "gusts": []}

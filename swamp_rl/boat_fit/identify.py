@@ -28,12 +28,14 @@ from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside, yaml_text
+from swamp_rl.one_thread import one_thread
 
 Array = NDArray[np.float64]
 
 SUFFIX, REPORT = ".yaml", ".html"
 
 
+@one_thread()
 def identify_boat(
     dataset: Path | str,
     boat: str | Path,

@@ -1,4 +1,4 @@
-"""Search for exchanged and sign-flipped command channels and for commands that are stamped late."""
+"""Search for commands that are stamped early or late, and for exchanged and sign-flipped command channels."""
 
 import itertools
 from collections.abc import Sequence
@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from swamp_rl.boat import Boat
+from swamp_rl.boat_fit.command_offset import command_offset
 from swamp_rl.boat_fit.fit import SHORT, fit_windows, soft_weights
 from swamp_rl.boat_fit.hypothesis import Array, FreeBoat, free_boat
 from swamp_rl.boat_fit.numbers import free_numbers
@@ -21,6 +22,7 @@ MOST_TOGETHER = 4  # changes of which every combination is tried; of more, one a
 CLEARLY = 0.8  # of the chi2 without it, below which a change is taken
 ADVANCE = 0.6  # s, by which commands that may be stamped late are tried earlier
 DELAYS = (0.0, 0.5, 1.0)  # s, from which the delay of the commands is fitted
+LAGS = 0.3  # s of an offset that the lags of actuators may be
 LATE = 0.05  # s that commands must be stamped late to be corrected
 
 
@@ -69,39 +71,55 @@ def _words(effect: Effect, chosen: Sequence[str], boat: Boat) -> str:
 def search_wiring(run_set: RunSet, weight: Array, positions: bool = False) -> Wiring:
     """The wiring that explains the runs best, and the numbers x that it was judged with.
 
-    Of up to MOST_TOGETHER possible changes every combination is fitted, of more the best one change after
-    another; then delays of the commands, and commands taken earlier. weight: (R, T, 6).
+    First the offset of the clocks by equation error, which no wiring moves. With none and with that one, of
+    up to MOST_TOGETHER possible changes every combination is fitted, of more the best one change after
+    another; then other delays of the commands, and commands taken earlier. weight: (R, T, 6).
     """
     some = _some_runs(run_set)
     part, soft = run_set.subset(some), soft_weights(weight, run_set.boat)[some]
+    offset = command_offset(run_set)
+    LOG.info("motion %.1f s after the commands by equation error", offset)
     trial = _Trial(replace(part, origin=()), soft, positions)
     changes = possible_changes(run_set.boat)
-    if len(changes) <= MOST_TOGETHER:
-        taken = _best_combination(trial, changes)
-    else:
-        taken = _one_by_one(trial, changes)
+    best = _best_combination if len(changes) <= MOST_TOGETHER else _one_by_one
+    least, taken = best(trial, changes)
+    if _begin(offset) != (0.0, 0.0):
+        late = replace(trial, delay=_begin(offset)[0], advance=_begin(offset)[1])
+        found, other = best(late, changes)
+        if found < CLEARLY * least:  # the motion of a boat under control has a period, and its half is a sign
+            trial, taken = late, other
     boat = rewired(run_set.boat, taken)
-    chi2, x = trial.fitted(boat, DELAYS[0])
-    for delay in DELAYS[1:]:
-        found, other = trial.fitted(boat, delay)
+    chi2, x = trial.fitted(boat, DELAYS[0], 0.0)
+    for delay in sorted({*DELAYS[1:], trial.delay} - {DELAYS[0]}):
+        found, other = trial.fitted(boat, delay, 0.0)
         chi2, x = (found, other) if found < CLEARLY * chi2 else (chi2, x)
-    advance = 0.0
-    found, other = trial.fitted(boat, ADVANCE, ADVANCE)
-    delay = float(other[trial.delay_column(boat)]) if np.isfinite(found) else ADVANCE
-    if found < CLEARLY * chi2 and ADVANCE - delay > LATE:
-        advance = round(ADVANCE - delay, 2)
+    advance, earlier = 0.0, trial.advance or ADVANCE
+    found, other = trial.fitted(boat, ADVANCE, earlier)
+    delay = float(other[trial.delay_column(boat)]) if np.isfinite(found) else earlier
+    if found < CLEARLY * chi2 and earlier - delay > LATE:
+        advance = round(earlier - delay, 2)
         x = other.copy()
         x[trial.delay_column(boat)] = 0.0
     return Wiring(boat, tuple(said for said, _ in taken), advance, x)
 
 
+def _begin(offset: float) -> tuple[float, float]:
+    """Delay and advance [s] that the search of the wiring begins with, of an offset of the clocks."""
+    if offset < 0.0:
+        return ADVANCE, round(ADVANCE - offset, 2)
+    return max(0.0, round(offset - LAGS, 2)), 0.0
+
+
 @dataclass
 class _Trial:
-    """Quick fits of differently wired boats to the same runs."""
+    """Quick fits of differently wired boats to the same runs, by default from `delay` [s], the commands taken
+    `advance` [s] earlier."""
 
     run_set: RunSet
     weight: Array
     positions: bool
+    delay: float = 0.0
+    advance: float = 0.0
 
     def hypothesis(self, boat: Boat) -> FreeBoat:
         return free_boat(boat, free_numbers(boat, self.positions), 0)
@@ -110,8 +128,12 @@ class _Trial:
         names = [number.name for number in self.hypothesis(boat).numbers]
         return names.index("effects.command_delay.delay")
 
-    def fitted(self, boat: Boat, delay: float = 0.0, advance: float = 0.0) -> tuple[float, Array]:
+    def fitted(
+        self, boat: Boat, delay: float | None = None, advance: float | None = None
+    ) -> tuple[float, Array]:
         """chi2 and numbers of a fit from that delay [s], the commands taken `advance` [s] earlier."""
+        delay = self.delay if delay is None else delay
+        advance = self.advance if advance is None else advance
         hypothesis = self.hypothesis(boat)
         x = hypothesis.start()
         x[self.delay_column(boat)] += delay
@@ -145,16 +167,18 @@ def _some_runs(run_set: RunSet) -> list[int]:
     return sorted({int(i) for i in np.linspace(0, len(run_set.lengths) - 1, count).round()})
 
 
-def _best_combination(trial: _Trial, changes: list[Change]) -> list[Change]:
+def _best_combination(trial: _Trial, changes: list[Change]) -> tuple[float, list[Change]]:
+    """chi2 and the changes of the best combination, none of them where it is not clearly better."""
     every = [
         list(some) for count in range(len(changes) + 1) for some in itertools.combinations(changes, count)
     ]
     chi2 = [trial.fitted(rewired(trial.run_set.boat, some))[0] for some in every]
     best = int(np.argmin(chi2))
-    return every[best] if chi2[best] < CLEARLY * chi2[0] else []
+    return (chi2[best], every[best]) if chi2[best] < CLEARLY * chi2[0] else (chi2[0], [])
 
 
-def _one_by_one(trial: _Trial, changes: list[Change]) -> list[Change]:
+def _one_by_one(trial: _Trial, changes: list[Change]) -> tuple[float, list[Change]]:
+    """chi2 and changes, of which each made it clearly better."""
     taken: list[Change] = []
     least = trial.fitted(trial.run_set.boat)[0]
     while len(taken) < len(trial.run_set.boat.thrusters):
@@ -164,4 +188,4 @@ def _one_by_one(trial: _Trial, changes: list[Change]) -> list[Change]:
         if chi2[best] >= CLEARLY * least:
             break
         taken, least = [*taken, rest[best]], chi2[best]
-    return taken
+    return least, taken

@@ -38,6 +38,7 @@ from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.hidden_effects import hidden_effects
 from swamp_rl.criticism.selection.information_criterion import criterion
 from swamp_rl.criticism.selection.model_selection import select_model
+from swamp_rl.one_thread import one_thread
 from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]
@@ -47,6 +48,7 @@ NONE = np.zeros(0)
 LISTED = 20  # candidates in the report
 
 
+@one_thread()
 def diagnose(
     dataset: Path | str | Sequence[Path],
     boat: str | Path,

@@ -37,9 +37,9 @@ class Column:
 def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: float = 0.0) -> Foreign:
     """The table of a run that the mapping makes of the log.
 
-    rate [Hz]: of the joined rows, by default that of the table with the position; a single table keeps its
-    rows. fill [s]: pauses of a table that are interpolated. UserError for a column that is not there, a
-    mapping that does not fit together, tables without a common time.
+    rate [Hz]: of the joined rows, by default that of the table with the position; the rows of a table
+    without times of its own stay as they are. fill [s]: pauses of a table that are interpolated. UserError
+    for a column that is not there, a mapping that does not fit together, tables without a common time.
     """
     refuse_halves(mapping.columns)
     found = {name: _resolved(log, name, node) for name, node in mapping.columns.items() if name != "time"}
@@ -50,7 +50,7 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
     stamps = {name: _stamps(log, log.tables[name], mapping) for name in used}
     told = dict(log.told) | _left_out(log, mapping, found, used)
     told |= {"times": times[0]} if (times := [s.told for s in stamps.values() if s.told]) else {}
-    if len(used) == 1:
+    if len(used) == 1 and log.tables[used[0]].time is None:
         return _single(log, mapping, found, stamps[used[0]], told)
     shifts = _clocks(log, mapping, stamps)
     told |= {"clocks": "; ".join(text for _, text in shifts.values())} if shifts else {}

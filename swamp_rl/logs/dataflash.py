@@ -18,7 +18,7 @@ MOST_MESSAGES = 50_000_000
 
 
 def read_dataflash(path: Path, wanted: Collection[str] | None = None) -> Log:
-    """The messages of a log by type, `GPS_1` for those of a second instance; times from TimeUS [s].
+    """The messages of a log by type, `GPS_1` for those of a second instance; times [s] since the boot.
 
     wanted: names of tables to be read, all by default. Values are scaled as the format says.
     Parameters are in `told`, as `parameter NAME`. UserError for a damaged file, or one without a message.
@@ -71,8 +71,8 @@ def _gathered(path: Path, reader: Any, wanted: Collection[str] | None) -> Log:
         kind, fields = message.get_type(), message.to_dict()
         if kind == PARAMETER and "Name" in fields:
             told[f"parameter {fields['Name']}"] = str(fields.get("Value"))
-        stamp = fields.get("TimeUS")
-        if not isinstance(stamp, int | float):
+        stamp = _since_boot(kind, fields)
+        if stamp is None:
             continue
         instance = fields.get(message.fmt.instance_field) if message.fmt.instance_field else 0
         name = table_name(f"{kind}_{instance}" if instance else kind)
@@ -81,7 +81,17 @@ def _gathered(path: Path, reader: Any, wanted: Collection[str] | None) -> Log:
         if name not in tables:
             names = [field for field, value in fields.items() if isinstance(value, int | float)]
             tables[name] = Gathered(path, name, "DataFlash", kind, names)
-        tables[name].add(1e-6 * stamp, [fields.get(field) for field in tables[name].names])
+        tables[name].add(stamp, [fields.get(field) for field in tables[name].names])
     if not tables:
-        raise UserError(f"{path}: holds no message with a time (TimeUS); name a whole DataFlash log")
+        raise UserError(f"{path}: holds no message with a time (TimeUS, TimeMS); name a whole DataFlash log")
     return Log(path.name, path.stem, {name: table.table() for name, table in tables.items()}, told)
+
+
+def _since_boot(kind: str, fields: dict[str, Any]) -> float | None:
+    """Seconds since the boot: TimeUS; before 2015 TimeMS, which of a receiver is GPS time beside its T."""
+    receiver = kind.startswith("GPS")
+    for name, ticks in (("TimeUS", 1e6), ("T" if receiver else "TimeMS", 1e3)):
+        stamp = fields.get(name)
+        if isinstance(stamp, int | float):
+            return stamp / ticks
+    return None

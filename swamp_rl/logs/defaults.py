@@ -1,13 +1,14 @@
 """The mapping of a binary log where none is given: what its recorder usually calls our columns."""
 
-import math
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from swamp_rl.boat import Boat
-from swamp_rl.logs.expression import names_in, parsed
-from swamp_rl.logs.log import Log
+from swamp_rl.logs.default_commands import MESSAGES, NUMBERS, commands
+from swamp_rl.logs.expression import evaluated, names_in, parsed
+from swamp_rl.logs.log import Log, LogTable
 from swamp_rl.logs.mapping import Frame
 from swamp_rl.logs.mapping import Mapping as LogMapping
 
@@ -16,46 +17,64 @@ Expressions = Mapping[str, str]
 
 @dataclass(frozen=True)
 class Source:
-    """Columns of a run from one message: taken where the log has all that the expressions read. `gives`: the
-    columns of a run, of which each is taken from the first source that has it."""
+    """Columns of a run from one message: taken where the log has numbers for all of the expressions. `gives`:
+    the columns of a run, of which each is taken from the first source that has it; `valid`: the rows whose
+    numbers count, where the log has the fields that it reads."""
 
     message: str
     gives: str
     columns: Expressions
+    valid: str = ""
 
 
+RECEIVERS = (("GPS", "GPS.Status >= 3"), ("GPS2", "GPS2.Status >= 3"), ("GPS_1", "GPS_1.Status >= 3"))
+FILTERS = ("XKF1", "NKF1", "EKF1")
+"""Messages of ArduPilot's Kalman filters: the third, the second since 2016, the first."""
 DATAFLASH = (
-    Source("GPS", "position", {"latitude": "GPS.Lat", "longitude": "GPS.Lng"}),
-    Source("POS", "position", {"latitude": "POS.Lat", "longitude": "POS.Lng"}),
-    Source("XKF1", "position", {"north": "XKF1.PN", "east": "XKF1.PE"}),
-    Source("ATT", "heading", {"yaw": "radians(ATT.Yaw)"}),
-    Source("XKF1", "heading", {"yaw": "radians(XKF1.Yaw)"}),
-    Source(
-        "GPS",
-        "velocity",
-        {
-            "velocity_north": "GPS.Spd * cos(radians(GPS.GCrs))",
-            "velocity_east": "GPS.Spd * sin(radians(GPS.GCrs))",
-        },
+    *(
+        Source(receiver, "position", {"latitude": f"{receiver}.Lat", "longitude": f"{receiver}.Lng"}, fix)
+        for receiver, fix in RECEIVERS
     ),
-    Source("XKF1", "velocity", {"velocity_north": "XKF1.VN", "velocity_east": "XKF1.VE"}),
-    Source("IMU", "yaw rate", {"yaw_rate": "IMU.GyrZ"}),
+    Source("POS", "position", {"latitude": "POS.Lat", "longitude": "POS.Lng"}, "abs(POS.Lat) > 0"),
+    *(Source(name, "position", {"north": f"{name}.PN", "east": f"{name}.PE"}) for name in FILTERS),
+    Source("AHR2", "position", {"latitude": "AHR2.Lat", "longitude": "AHR2.Lng"}, "abs(AHR2.Lat) > 0"),
+    *(Source(name, "heading", {"yaw": f"radians({name}.Yaw)"}) for name in ("ATT", *FILTERS, "AHR2")),
+    *(
+        Source(
+            receiver,
+            "velocity",
+            {
+                "velocity_north": f"{receiver}.Spd * cos(radians({receiver}.GCrs))",
+                "velocity_east": f"{receiver}.Spd * sin(radians({receiver}.GCrs))",
+            },
+            fix,
+        )
+        for receiver, fix in RECEIVERS
+    ),
+    *(
+        Source(name, "velocity", {"velocity_north": f"{name}.VN", "velocity_east": f"{name}.VE"})
+        for name in FILTERS
+    ),
+    *(Source(name, "yaw rate", {"yaw_rate": f"{name}.GyrZ"}) for name in ("IMU", "IMU_1")),
 )
 ULOG = (
     Source(
         "vehicle_local_position",
         "position",
         {"x": "vehicle_local_position.x", "y": "vehicle_local_position.y"},
+        "vehicle_local_position.xy_valid > 0",
     ),
     Source(
         "vehicle_gps_position",
         "position",
         {"latitude": "vehicle_gps_position.latitude_deg", "longitude": "vehicle_gps_position.longitude_deg"},
+        "vehicle_gps_position.fix_type >= 3",
     ),
     Source(
         "vehicle_gps_position",
         "position",
         {"latitude": "vehicle_gps_position.lat * 1e-7", "longitude": "vehicle_gps_position.lon * 1e-7"},
+        "vehicle_gps_position.fix_type >= 3",
     ),
     Source(
         "vehicle_attitude",
@@ -67,9 +86,19 @@ ULOG = (
         "vehicle_local_position",
         "velocity",
         {"vx": "vehicle_local_position.vx", "vy": "vehicle_local_position.vy"},
+        "vehicle_local_position.v_xy_valid > 0",
+    ),
+    Source(
+        "vehicle_gps_position",
+        "velocity",
+        {"vx": "vehicle_gps_position.vel_n_m_s", "vy": "vehicle_gps_position.vel_e_m_s"},
+        "vehicle_gps_position.fix_type >= 3",
     ),
     Source("vehicle_angular_velocity", "yaw rate", {"r": "vehicle_angular_velocity.xyz[2]"}),
+    Source("vehicle_attitude", "yaw rate", {"r": "vehicle_attitude.yawspeed"}),
+    Source("sensor_combined", "yaw rate", {"r": "sensor_combined.gyro_rad[2]"}),
 )
+POSES = {"geometry_msgs/PoseStamped": "pose", "geometry_msgs/PoseWithCovarianceStamped": "pose.pose"}
 TWIST = {
     "u": "TABLE.twist.twist.linear.x",
     "v": "TABLE.twist.twist.linear.y",
@@ -81,8 +110,21 @@ ROS = (
     Source("nav_msgs/Odometry", "velocity", {name: TWIST[name] for name in "uv"}),
     Source("nav_msgs/Odometry", "yaw rate", {"r": TWIST["r"]}),
     Source(
-        "sensor_msgs/NavSatFix", "position", {"latitude": "TABLE.latitude", "longitude": "TABLE.longitude"}
+        "sensor_msgs/NavSatFix",
+        "position",
+        {"latitude": "TABLE.latitude", "longitude": "TABLE.longitude"},
+        "TABLE.status.status >= 0",
     ),
+    *(
+        Source(kind, "position", {a: f"TABLE.{pose}.position.{a}" for a in "xy"})
+        for kind, pose in POSES.items()
+    ),
+    Source("geometry_msgs/Pose2D", "position", {a: f"TABLE.{a}" for a in "xy"}),
+    *(
+        Source(kind, "heading", {f"q{a}": f"TABLE.{pose}.orientation.{a}" for a in "wxyz"})
+        for kind, pose in POSES.items()
+    ),
+    Source("geometry_msgs/Pose2D", "heading", {"yaw": "TABLE.theta"}),
     Source("sensor_msgs/Imu", "heading", {f"q{a}": f"TABLE.orientation.{a}" for a in "wxyz"}),
     Source("sensor_msgs/Imu", "yaw rate", {"r": "TABLE.angular_velocity.z"}),
     Source(
@@ -90,12 +132,8 @@ ROS = (
     ),
     Source("geometry_msgs/TwistStamped", "yaw rate", {"r": "TABLE.twist.angular.z"}),
 )
-NUMBERS = ("std_msgs/Float32", "std_msgs/Float64")
 SOURCES = {"dataflash": DATAFLASH, "ulog": ULOG, "rosbag": ROS}
 FRAMES: dict[str, Frame] = {"dataflash": "ned", "ulog": "ned", "rosbag": "enu"}
-SERVO_SIDES = {73.0: "left", 74.0: "right"}
-"""ArduPilot's SERVOn_FUNCTION of skid steering: ThrottleLeft and ThrottleRight."""
-LEFT, RIGHT = re.compile("left|port"), re.compile("right|starboard")
 
 
 def wanted_messages(kind: str, mapping: LogMapping) -> set[str]:
@@ -106,7 +144,7 @@ def wanted_messages(kind: str, mapping: LogMapping) -> set[str]:
             word.partition(".")[0] for part in pair.split("~") for word in names_in(parsed(part.strip()))
         }
     own = {source.message for source in SOURCES[kind]} if kind != "rosbag" else set()
-    return named | own | ({"RCOU", "PARM"} if kind == "dataflash" else set())
+    return named | own | set(MESSAGES[kind])
 
 
 def ros_kinds() -> Collection[str]:
@@ -122,17 +160,30 @@ def default_mapping(kind: str, log: Log, given: LogMapping, boat: Boat) -> LogMa
         for table in log.tables.values():
             if (table.kind if kind == "rosbag" else table.name) != source.message or source.gives in taken:
                 continue
-            told = {name: text.replace("TABLE", table.name) for name, text in source.columns.items()}
-            fields = {name for text in told.values() for name in names_in(parsed(text))}
-            if (
-                all(name.partition(".")[2] in table.table.columns for name in fields)
-                and len(table.table.rows) > 1
-            ):
+            told = {name: _where_valid(table, source, text) for name, text in source.columns.items()}
+            if all(_has_numbers(table, text) for text in told.values()):
                 columns |= told
                 taken.add(source.gives)
     columns = {name: text for name, text in columns.items() if not _replaced(name, given.columns)}
-    columns |= {name: text for name, text in _commands(kind, log, boat).items() if name not in given.columns}
+    columns |= {name: text for name, text in commands(kind, log, boat).items() if name not in given.columns}
     return LogMapping({name: parsed(text) for name, text in columns.items()}, frame=FRAMES[kind])
+
+
+def _where_valid(table: LogTable, source: Source, text: str) -> str:
+    """The expression of a table, missing where the message says that it is not valid."""
+    text = text.replace("TABLE", table.name)
+    valid = source.valid.replace("TABLE", table.name)
+    fields = names_in(parsed(valid)) if valid else iter(())
+    known = [name.partition(".")[2] in table.table.columns for name in fields]
+    return f"where({valid}, {text}, 0/0)" if known and all(known) else text
+
+
+def _has_numbers(table: LogTable, text: str) -> bool:
+    """Whether the table has the expression's fields, with more than one number."""
+    node = parsed(text)
+    columns = {name: table.table.columns.get(name.partition(".")[2]) for name in names_in(node)}
+    there = {name: values for name, values in columns.items() if values is not None}
+    return len(there) == len(columns) and int(np.isfinite(evaluated(node, there)).sum()) > 1
 
 
 GROUPS = (
@@ -146,60 +197,3 @@ GROUPS = (
 def _replaced(name: str, given: Collection[str]) -> bool:
     """Whether the given mapping has another source of the same columns."""
     return any(name in group and group & set(given) for group in GROUPS)
-
-
-def _commands(kind: str, log: Log, boat: Boat) -> dict[str, str]:
-    """Levels of thrusters whose place in the log is certain: by ArduPilot's functions of its outputs, or by
-    topics of single numbers that bear the thruster's name."""
-    sides = {thruster.name: thruster.y for thruster in boat.thrusters if thruster.kind == "fixed"}
-    if kind == "dataflash" and len(sides) == 2:
-        return _servos(log, sides)
-    if kind == "rosbag":
-        return _topics(log, boat)
-    return {}
-
-
-def _servos(log: Log, sides: Mapping[str, float]) -> dict[str, str]:
-    found = {}
-    outputs = log.tables.get("RCOU")
-    for number in range(1, 15):
-        side = SERVO_SIDES.get(_parameter(log, f"SERVO{number}_FUNCTION", 0.0))
-        names = [name for name, y in sides.items() if y != 0.0 and (y < 0.0) == (side == "left")]
-        if side and outputs and len(names) == 1 and f"C{number}" in outputs.table.columns:
-            low, high, trim, reversed_ = (
-                _parameter(log, f"SERVO{number}_{name}", usual)
-                for name, usual in (("MIN", 1100.0), ("MAX", 1900.0), ("TRIM", 1500.0), ("REVERSED", 0.0))
-            )
-            if low < trim < high:
-                sign = "-" if reversed_ else ""
-                pulse = f"(RCOU.C{number} - {trim:g})"
-                share = f"where({pulse} > 0, {pulse} / {high - trim:g}, {pulse} / {trim - low:g})"
-                text = f"{sign}clip({share}, -1, 1)"
-                found[f"throttle_{names[0]}"] = text
-    return found if len(found) == 2 else {}
-
-
-def _parameter(log: Log, name: str, usual: float) -> float:
-    """A parameter's value; the usual one where the log has none that is a finite number."""
-    try:
-        value = float(log.told.get(f"parameter {name}", usual))
-    except ValueError:
-        return usual
-    return value if math.isfinite(value) else usual
-
-
-def _topics(log: Log, boat: Boat) -> dict[str, str]:
-    found = {}
-    for thruster in boat.thrusters:
-        for column in filter(None, thruster.command_columns):
-            kind, _, name = column.partition("_")
-            words = [
-                table.name
-                for table in log.tables.values()
-                if table.kind in NUMBERS and name in re.split(r"[_/]", table.name.lower())
-            ]
-            exact = [word for word in words if kind in word.lower()] or (words if kind != "azimuth" else [])
-            if len(exact) == 1:
-                found[column] = f"{exact[0]}.data"
-    names = {column for t in boat.thrusters for column in t.command_columns if column is not None}
-    return found if set(found) == names else {}

@@ -75,8 +75,8 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., Array]]] = {
     "where": (3, _where),
     "yaw": (4, _heading_of),
 }
-"""Number of arguments and the function; two more need the times: `rate(x)` and `turn_rate(angle)`."""
-TIMED = ("rate", "turn_rate")
+"""Number of arguments and the function; three more need the times."""
+TIMED = ("rate", "turn_rate", "integral")
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def names_in(node: Node) -> Iterator[str]:
 def evaluated(node: Node, columns: Mapping[str, Array], time: Array | None = None) -> Array:
     """The expression's values (T,), not finite where it has none. KeyError: no such column.
 
-    time: (T,) s, for `rate` and `turn_rate`; UserError where it is needed and not there.
+    time: (T,) s, for the functions of TIMED; UserError where it is needed and not there.
     """
     with np.errstate(all="ignore"):
         return np.asarray(_value(node, columns, time), float)
@@ -136,7 +136,7 @@ def _value(node: Node, columns: Mapping[str, Array], time: Array | None) -> Arra
         return columns[node.name]
     values = [_value(argument, columns, time) for argument in node.arguments]
     if node.function in TIMED:
-        return _slope(node.function, values[0], time)
+        return _timed(node.function, values[0], time)
     if node.function in COMPARED:
         return np.asarray(COMPARED[node.function](values[0], values[1]), float)
     if node.function in WORKED:
@@ -146,14 +146,20 @@ def _value(node: Node, columns: Mapping[str, Array], time: Array | None) -> Arra
     return FUNCTIONS[node.function][1](*values)
 
 
-def _slope(function: str, values: Array, time: Array | None) -> Array:
+def _timed(function: str, values: Array, time: Array | None) -> Array:
+    """Derivative or integral over the times; an integral is 0 at the first one, and linear across gaps."""
     if time is None:
         raise UserError(
             f"{function}(): needs the times of the table; it cannot stand in their own expression"
         )
+    if function == "integral":
+        values = np.array(np.broadcast_to(values, time.shape))
     if values.ndim == 0 or len(values) < 2:
         return np.zeros(len(time))
-    known = np.isfinite(values)
+    known = np.isfinite(values) & np.isfinite(time)
+    if function == "integral":
+        even = np.interp(time, time[known], values[known]) if known.any() else values
+        return np.concatenate([[0.0], np.cumsum(np.diff(time) * 0.5 * (even[1:] + even[:-1]))])
     if function == "turn_rate":
         values = values.copy()
         values[known] = np.unwrap(values[known])

@@ -69,7 +69,7 @@ def _foreign(log: Log, mapping: Mapping, kind: str, wishes: Wishes) -> Foreign:
     found = foreign_of(replace(log, told=own), mapping, wishes.resample, wishes.fill)
     lacking = [] if kind not in BINARY else [n for n in ("north", "heading") if n not in found.table.columns]
     if lacking and not {"latitude", "north"} & set(found.table.columns):
-        raise UserError(f"{log.file}: no message gives the position; see --list, and give --map")
+        raise UserError(f"{log.file}: no message gives a valid position; see --list, and give --map")
     return found
 
 

@@ -18,7 +18,8 @@ WHAT = "ULog file"
 def read_ulog(path: Path, wanted: Collection[str] | None = None) -> Log:
     """The topics of a log, `NAME_1` for a second instance; times from `timestamp` [s], since the boot.
 
-    wanted: names of tables to be read, all by default. UserError for a damaged file, or one without data.
+    wanted: names of tables to be read, all by default. Parameters are in `told`, as `parameter NAME`.
+    UserError for a damaged file, or one without data.
     """
     with reading(path, WHAT):
         from pyulog import ULog
@@ -43,5 +44,7 @@ def read_ulog(path: Path, wanted: Collection[str] | None = None) -> Log:
             tables[name] = LogTable(name, table, np.asarray(stamps, float) * 1e-6, "ULog", found.name)
     if not tables:
         raise UserError(f"{path}: holds no data of the topics that are read; see --list")
-    told = {"log_damage": "the reader skipped damaged data"} if log.file_corruption else {}
+    told = {f"parameter {name}": str(value) for name, value in log.initial_parameters.items()}
+    if log.file_corruption:
+        told["log_damage"] = "the reader skipped damaged data"
     return Log(path.name, path.stem, tables, told)

@@ -19,6 +19,9 @@ from swamp_rl.files import write_beside
 from swamp_rl.ordinary import contents
 from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
 
+SEPARATORS = ";", "\t"
+"""Of cells, where a first line without a comma has them; numbers may then have a decimal comma."""
+DECIMAL_COMMA = r"^(\s*[-+]?\d*),(\d+(?:[eE][-+]?\d+)?\s*)$"
 FORMATS = ("csv", "parquet")
 LARGEST = 2**30
 """Bytes of a file."""
@@ -88,8 +91,12 @@ def _read_parquet(path: Path, held: bytes) -> Table:
 def _read_csv(path: Path, held: bytes) -> Table:
     with io.TextIOWrapper(io.BytesIO(held), encoding="utf-8-sig", newline="") as lines:
         head = lines.read(LONGEST_HEADER)
+    separator = ","
     try:
         names = next(csv.reader(io.StringIO(head, newline="")), [])
+        if len(names) == 1 and (other := next((one for one in SEPARATORS if one in names[0]), None)):
+            separator = other
+            names = next(csv.reader(io.StringIO(head, newline=""), delimiter=separator))
     except csv.Error as error:
         return _unreadable(path, f"its first line cannot be read ({error}); it must name the columns")
     if len(head) == LONGEST_HEADER and not set("\r\n") & set(head):
@@ -98,8 +105,6 @@ def _read_csv(path: Path, held: bytes) -> Table:
         return _unreadable(path, f"has {len(names)} columns, at most {MOST_COLUMNS}; leave some out")
     if not any(names):
         return _unreadable(path, "starts with an empty line or none; the first line must name the columns")
-    if len(names) == 1 and (";" in names[0] or "\t" in names[0]):
-        return _unreadable(path, "has one column only, its cells must be separated by commas; save it so")
     rows = max(held.count(b"\n"), held.count(b"\r"))
     if rows * len(names) > MOST_CELLS:
         return _unreadable(
@@ -114,9 +119,11 @@ def _read_csv(path: Path, held: bytes) -> Table:
     data = pa.csv.read_csv(
         pa.BufferReader(held),
         pa.csv.ReadOptions(use_threads=False),
-        pa.csv.ParseOptions(ignore_empty_lines=False, invalid_row_handler=keep_note),
+        pa.csv.ParseOptions(delimiter=separator, ignore_empty_lines=False, invalid_row_handler=keep_note),
         pa.csv.ConvertOptions(column_types=dict.fromkeys(names, pa.string()), strings_can_be_null=False),
     )
+    if separator != ",":
+        data = _with_points(data)
     # Arrow counts lines from 1 with the header as the first.
     odd = {row.number - 1: row for row in odd_rows}
     numbers = np.array([n for n in range(1, data.num_rows + len(odd) + 1) if n not in odd], np.int64)
@@ -126,6 +133,12 @@ def _read_csv(path: Path, held: bytes) -> Table:
         message = "the file does not end with a line end, it may be cut short; compare it with its source"
         faults.append(Fault(path.name, last or None, None, message))
     return _numbers(path.name, data, numbers, faults)
+
+
+def _with_points(data: pa.Table) -> pa.Table:
+    """The table with a decimal point where numbers have a decimal comma."""
+    points = [pc.replace_substring_regex(cells, DECIMAL_COMMA, r"\1.\2") for cells in data.columns]
+    return pa.Table.from_arrays(points, names=data.column_names)
 
 
 def _odd_row(row: pa.csv.InvalidRow) -> str:

@@ -21,10 +21,10 @@ from tests.support.logs import weaving
 for package in ("pymavlink", "pyulog", "rosbags"):
     pytest.importorskip(package, reason=f"{package} is not installed; logs of autopilots are not tested")
 
-MOTORS = ["throttle_port=actuator_motors.control[0]", "throttle_starboard=actuator_motors.control[1]"]
 LOGS = {
     "dataflash": (lambda folder: dataflash(folder / "log.bin"), "dataflash", []),
-    "ulog": (lambda folder: ulog(folder / "log.ulg"), "ulog", MOTORS),
+    "old dataflash": (lambda folder: dataflash(folder / "log.bin", old=True), "dataflash", []),
+    "ulog": (lambda folder: ulog(folder / "log.ulg"), "ulog", []),
     "ros1": (lambda folder: bag(folder / "log.bag", "ros1"), "rosbag", []),
     "sqlite3": (lambda folder: bag(folder / "log", "sqlite3"), "rosbag", []),
     "mcap": (lambda folder: bag(folder / "log", "mcap"), "rosbag", []),
@@ -64,6 +64,7 @@ def test_a_listing_names_tables_rates_and_fields(tmp_path: Path, name: str) -> N
     lines = list(listing(read_log(make(tmp_path), kind)))
     expected = {
         "dataflash": "GPS, DataFlash: 151 rows, 5 Hz",
+        "old dataflash": "GPS, DataFlash: 151 rows, 5 Hz",
         "ulog": "vehicle_attitude, ULog: 601 rows, 20 Hz",
     }.get(name, "boat_odometry (/boat/odometry), nav_msgs/Odometry: 301 rows, 10 Hz")
     assert expected in lines

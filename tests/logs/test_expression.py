@@ -68,6 +68,10 @@ def test_the_heading_of_a_quaternion_and_rates_of_change() -> None:
     turning = {"psi": np.mod(3.0 + 0.7 * time, 2 * math.pi), "x": 2.0 * time}
     assert evaluated(parsed("turn_rate(psi)"), turning, time) == pytest.approx(np.full(40, 0.7))
     assert evaluated(parsed("rate(x)"), turning, time) == pytest.approx(np.full(40, 2.0))
+    assert evaluated(parsed("integral(x)"), turning, time) == pytest.approx(time**2)
+    assert evaluated(parsed("integral(3)"), turning, time) == pytest.approx(3.0 * time)
+    lost = {"x": np.where((time > 1.0) & (time < 2.0), np.nan, 2.0 * time)}
+    assert evaluated(parsed("integral(x)"), lost, time) == pytest.approx(time**2)
 
 
 @pytest.mark.parametrize(

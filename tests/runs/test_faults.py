@@ -22,7 +22,7 @@ from swamp_rl.runs import (
     read_dataset,
     write_run,
 )
-from swamp_rl.runs.table import write_table
+from swamp_rl.runs.table import read_table, write_table
 from tests.support.runs import circling, described
 
 Columns = dict[str, NDArray[np.float64]]
@@ -287,11 +287,19 @@ def test_rows_after_a_broken_one_keep_their_numbers(tmp_path: Path) -> None:
     assert [(fault.row, fault.column) for fault in check_dataset(tmp_path)] == [(2, None), (5, "north")]
 
 
-def test_a_table_separated_by_semicolons_says_so(tmp_path: Path) -> None:
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_a_table_of_semicolons_or_tabs_with_decimal_commas_is_the_same_table(
+    tmp_path: Path, separator: str
+) -> None:
     create_dataset(tmp_path, described())
     path = append_run(tmp_path, Run("run", circling(0.5)), "csv")
-    path.write_text(edited(lambda lines: None).replace(",", ";"))
-    assert "separated by commas" in check_dataset(tmp_path)[0].message
+    path.write_text(edited(lambda lines: None))
+    whole = read_table(path)
+    path.write_text(edited(lambda lines: None).replace(",", separator).replace(".", ","))
+    there = read_table(path)
+    assert not there.faults and list(there.columns) == list(whole.columns)
+    for name, values in whole.columns.items():
+        assert there.columns[name] == pytest.approx(values, nan_ok=True), name
 
 
 def test_a_file_that_is_not_utf_8_is_one_fault(tmp_path: Path) -> None:

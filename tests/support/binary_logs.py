@@ -10,6 +10,7 @@ from tests.support.logs import geodetic, weaving
 
 SIZES = {
     "Q": ("Q", 1),
+    "I": ("I", 1),
     "L": ("i", 1e-7),
     "f": ("f", 1.0),
     "H": ("H", 1.0),
@@ -18,8 +19,11 @@ SIZES = {
 }
 
 
-def dataflash(path: Path, seconds: float = 30.0) -> Path:
-    """GPS at 5 Hz, ATT, IMU and RCOU at 10 Hz, outputs 1 and 3 as ThrottleLeft and ThrottleRight."""
+def dataflash(path: Path, seconds: float = 30.0, old: bool = False) -> Path:
+    """GPS at 5 Hz, ATT, IMU and RCOU at 10 Hz, outputs 1 and 3 as ThrottleLeft and ThrottleRight.
+
+    old: as before 2015, with TimeMS [ms], which of GPS is the time of its week, beside T [ms].
+    """
     run, slow = weaving(seconds), weaving(seconds, 5.0)
     records: list[tuple[float, bytes]] = []
     out = bytearray()
@@ -30,6 +34,12 @@ def dataflash(path: Path, seconds: float = 30.0) -> Path:
         "RCOU": (133, "QHHH", "TimeUS,C1,C2,C3"),
         "PARM": (134, "QNf", "TimeUS,Name,Value"),
     }
+    if old:
+        formats = {
+            name: (kind, letters.replace("Q", "I"), columns.replace("US", "MS"))
+            for name, (kind, letters, columns) in formats.items()
+        }
+        formats["GPS"] = (130, "ILLffI", "TimeMS,Lat,Lng,Spd,GCrs,T")
     for name, (kind, letters, columns) in {
         "FMT": (128, "BBnNZ", "Type,Length,Name,Format,Columns")
     }.items() | formats.items():
@@ -48,7 +58,8 @@ def dataflash(path: Path, seconds: float = 30.0) -> Path:
             else round(value / SIZES[letter][1])
             for letter, value in zip(letters[1:], values, strict=True)
         ]
-        body = struct.pack("<" + "".join(SIZES[c][0] for c in letters), round(1e6 * (time + 100.0)), *packed)
+        ticks = 1e3 * (time + (2e5 if name == "GPS" else 100.0)) if old else 1e6 * (time + 100.0)
+        body = struct.pack("<" + "".join(SIZES[c][0] for c in letters), round(ticks), *packed)
         records.append((time, b"\xa3\x95" + bytes([kind]) + body))
 
     for name, value in (("SERVO1_FUNCTION", 73), ("SERVO3_FUNCTION", 74), ("SERVO3_REVERSED", 0)):
@@ -66,6 +77,7 @@ def dataflash(path: Path, seconds: float = 30.0) -> Path:
             longitude[i],
             speed,
             float(np.degrees(slow["heading"][i] + course) % 360.0),
+            *([1e3 * (time + 100.0)] if old else []),
         )
     for i, time in enumerate(run["time"].tolist()):
         add("ATT", time, float(np.degrees(run["heading"][i]) % 360.0))
@@ -77,7 +89,7 @@ def dataflash(path: Path, seconds: float = 30.0) -> Path:
 
 
 def ulog(path: Path, seconds: float = 30.0) -> Path:
-    """vehicle_local_position at 10 Hz, vehicle_attitude at 20 Hz, actuator_motors at 10 Hz."""
+    """vehicle_local_position and actuator_motors, starboard first, at 10 Hz, vehicle_attitude at 20 Hz."""
     from pyulog import ULog
 
     run, fast = weaving(seconds), weaving(seconds, 20.0)
@@ -94,7 +106,7 @@ def ulog(path: Path, seconds: float = 30.0) -> Path:
         ),
         "actuator_motors": (
             run,
-            {f"control[{i}]": run[f"throttle_{side}"] for i, side in enumerate(("port", "starboard"))},
+            {f"control[{i}]": run[f"throttle_{side}"] for i, side in enumerate(("starboard", "port"))},
         ),
     }
     out = bytearray(ULog.HEADER_BYTES + b"\x01" + struct.pack("<Q", 0))

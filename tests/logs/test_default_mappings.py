@@ -1,0 +1,127 @@
+"""Default mappings where messages of a binary log are invalid, and of commands by the log's parameters."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.boat import load_boat
+from swamp_rl.logs.default_commands import commands
+from swamp_rl.logs.defaults import default_mapping
+from swamp_rl.logs.expression import evaluated, names_in, parsed
+from swamp_rl.logs.log import Log, LogTable
+from swamp_rl.logs.mapping import Mapping
+from swamp_rl.runs.table import Table
+from tests.support.from_scratch import written
+
+POSITION = {"x": [1.0, 2.0, 3.0, 4.0], "y": [0.0] * 4}
+FIX = {"lat": [5e8, 5e8, 5e8 + 10, 5e8 + 20], "lon": [1e8] * 4, "fix_type": [0.0, 3.0, 3.0, 3.0]}
+
+
+def log_of(tables: dict[str, dict[str, list[float]]], parameters: dict[str, float] | None = None) -> Log:
+    made = {}
+    for name, columns in tables.items():
+        arrays = {field: np.array(values, float) for field, values in columns.items()}
+        rows = np.arange(1, 1 + len(next(iter(arrays.values()))))
+        made[name] = LogTable(name, Table(arrays, rows), 0.1 * rows)
+    return Log("log", "log", made, {f"parameter {n}": str(value) for n, value in (parameters or {}).items()})
+
+
+def values_of(log: Log, text: str) -> list[float]:
+    node = parsed(text)
+    there = {name: log.tables[(at := name.partition("."))[0]].table.columns[at[2]] for name in names_in(node)}
+    return np.broadcast_to(evaluated(node, there), (4,)).tolist()
+
+
+def mapped_by_default(log: Log, kind: str = "ulog") -> Mapping:
+    return default_mapping(kind, log, Mapping(), load_boat("swamp"))
+
+
+def test_a_position_that_px4_never_calls_valid_gives_way_to_the_receiver() -> None:
+    tables = {"vehicle_local_position": POSITION | {"xy_valid": [0.0] * 4}, "vehicle_gps_position": FIX}
+    found = mapped_by_default(log_of(tables)).columns
+    assert "latitude" in found and "x" not in found
+    tables["vehicle_local_position"]["xy_valid"] = [0.0, 1.0, 1.0, 1.0]
+    assert "x" in mapped_by_default(log_of(tables)).columns
+
+
+def test_rows_without_a_fix_have_no_position() -> None:
+    receiver = {"Lat": [0.0, 45.0, 45.0, 45.0], "Lng": [9.0] * 4, "Status": [1.0, 3.0, 4.0, 6.0]}
+    log = log_of({"GPS": receiver})
+    node = mapped_by_default(log, "dataflash").columns["latitude"]
+    columns = {f"GPS.{name}": np.array(values) for name, values in receiver.items()}
+    assert np.isfinite(evaluated(node, columns)).tolist() == [False, True, True, True]
+
+
+@pytest.mark.parametrize("name", ["XKF1", "NKF1", "EKF1"])
+def test_any_generation_of_ardupilots_filter_gives_the_position(name: str) -> None:
+    filter_ = {
+        "PN": [0.0, 1.0, 2.0, 3.0],
+        "PE": [0.0] * 4,
+        "Yaw": [90.0] * 4,
+        "VN": [1.0] * 4,
+        "VE": [0.0] * 4,
+    }
+    found = mapped_by_default(
+        log_of({name: filter_, "AHR2": {"Lat": [0.0] * 4, "Lng": [0.0] * 4}}), "dataflash"
+    )
+    assert set(found.columns) == {"north", "east", "yaw", "velocity_north", "velocity_east"}
+
+
+def test_px4s_first_motor_is_the_one_to_starboard_unless_its_place_says_otherwise(tmp_path: Path) -> None:
+    boat = load_boat(written(tmp_path, "twin"))
+    motors = {"control[0]": [0.1, 0.2, np.nan, 0.4], "control[1]": [-0.1, 0.0, np.nan, 0.2]}
+    log = log_of({"actuator_motors": motors})
+    found = commands("ulog", log, boat)
+    assert values_of(log, found["throttle_starboard"]) == [0.1, 0.2, 0.0, 0.4]
+    assert values_of(log, found["throttle_port"]) == [-0.1, 0.0, 0.0, 0.2]
+    other = log_of({"actuator_motors": motors}, {"CA_ROTOR0_PY": -0.5, "CA_ROTOR1_PY": 0.5})
+    assert values_of(other, commands("ulog", other, boat)["throttle_port"]) == [0.1, 0.2, 0.0, 0.4]
+
+
+def test_px4s_pulses_are_shares_between_their_limits(tmp_path: Path) -> None:
+    boat = load_boat(written(tmp_path, "twin"))
+    pulses = {
+        "output[0]": [1000.0] * 4,
+        "output[3]": [1100.0, 1500.0, 1700.0, 1900.0],
+        "output[4]": [1500.0] * 4,
+    }
+    limits = {f"PWM_MAIN_{end}{n}": value for n in (4, 5) for end, value in (("MIN", 1100), ("MAX", 1900))}
+    log = log_of(
+        {"actuator_outputs": pulses}, {"PWM_MAIN_FUNC4": 102, "PWM_MAIN_FUNC5": 101, "CA_R_REV": 3} | limits
+    )
+    found = commands("ulog", log, boat)
+    assert values_of(log, found["throttle_port"]) == pytest.approx([-1.0, 0.0, 0.5, 1.0])
+    assert values_of(log, found["throttle_starboard"]) == [0.0] * 4
+
+
+def test_a_propeller_and_its_rudder_take_motor_and_servo() -> None:
+    boat = load_boat("esso_osaka")
+    (only,) = boat.thrusters
+    turn, level = only.command_columns
+    log = log_of(
+        {
+            "actuator_motors": {"control[0]": [0.0, 0.5, 1.0, 1.0]},
+            "actuator_servos": {"control[0]": [-1.0, 0.0, 0.5, 1.0]},
+        }
+    )
+    found = commands("ulog", log, boat)
+    assert turn is not None
+    assert values_of(log, found[level]) == pytest.approx(
+        [0.0, 0.5 * only.throttle_max, *[only.throttle_max] * 2]
+    )
+    assert values_of(log, found[turn])[0] == pytest.approx(-values_of(log, found[turn])[3])
+    outputs = {"C1": [1100.0, 1500.0, 1700.0, 1900.0], "C3": [1100.0, 1100.0, 1500.0, 1900.0]}
+    old = log_of({"RCOU": outputs}, {"SERVO1_FUNCTION": 26, "SERVO3_FUNCTION": 70, "SERVO3_TRIM": 1100})
+    found = commands("dataflash", old, boat)
+    assert values_of(old, found[level]) == pytest.approx(
+        [0.0, 0.0, 0.5 * only.throttle_max, only.throttle_max]
+    )
+    assert values_of(old, found[turn])[2] == pytest.approx(0.5 * values_of(old, found[turn])[3])
+
+
+def test_the_pilots_levers_are_kept_where_no_actuator_is_certain() -> None:
+    log = log_of({"manual_control_setpoint": {"z": [0.0, 0.2, 0.4, 0.6], "r": [0.0, -0.5, 0.5, 1.0]}})
+    found = commands("ulog", log, load_boat("swamp"))
+    assert values_of(log, found["joy_thrust"]) == [0.0, 0.2, 0.4, 0.6]
+    assert values_of(log, found["joy_angle"]) == [0.0, -0.5, 0.5, 1.0]
