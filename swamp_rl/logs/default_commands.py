@@ -20,7 +20,7 @@ MESSAGES = {
     "rosbag": (),
 }
 """Tables that hold commands, by the format."""
-ARDUPILOT = {73: "left", 74: "right", 70: "throttle", 26: "steering"}
+ARDUPILOT = {73.0: "left", 74.0: "right", 70.0: "throttle", 26.0: "steering"}
 """SERVOn_FUNCTION: ThrottleLeft, ThrottleRight, Throttle, GroundSteering."""
 PX4 = {101: "right", 102: "left", 201: "steering"}
 """PWM_MAIN_FUNCn: motors 1 and 2, which a differential drive has on the right and the left, and servo 1."""
