@@ -186,7 +186,7 @@ def fit_whole_runs(
     """
     run_set = with_best_commands(logged.run_set, logged.weight, gaps, hypothesis, x)
     problem = logged if run_set is logged.run_set else Shooting(run_set, logged.weight, logged.seconds)
-    if problem is not logged:  # fewer windows, since no gap ends them
+    if len(states) != problem.windows.count:  # of the logged runs, whose windows end at gaps
         states = states_carried(logged, states, problem, problem.initial_states())
     problem, made = _with_unlogged_commands(problem, fit(problem, hypothesis, x, states, steps, fresh=True))
     again = with_commands_refined(problem, made, gaps)
