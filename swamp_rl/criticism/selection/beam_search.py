@@ -50,9 +50,8 @@ def beam_search(
     if previous:
         best = min(best, _refit_previous(continuation, previous), key=criterion)
     stage = adequate_stage(continuation, best) if not best.hypothesis.instances else None
-    first = score_tests(
-        continuation.problems[stage or 0], continuation.fit(stage or 0, Hypothesis(), np.zeros(0)), every
-    )
+    at_start = continuation.fit(stage or 0, Hypothesis(), np.zeros(0))
+    first = score_tests(continuation.problem(stage or 0, Hypothesis()), at_start, every)
     if stage is not None:
         small = with_small_effects(continuation, best, _identifiable(every, first), MOST)
         if not _is_significant(continuation, stage, small.best, every):
