@@ -16,7 +16,7 @@ from swamp_rl.criticism.likelihood.cross_validation import (
 )
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
-from swamp_rl.criticism.selection.continuation import LAST, Continuation
+from swamp_rl.criticism.selection.continuation import CORRECTED, LAST, Continuation
 from swamp_rl.criticism.selection.score_test import ScoreTest
 
 MIN_SEPARATION = 9.0  # of the information criterion, below which two hypotheses are indistinguishable
@@ -65,9 +65,10 @@ def adequate_stage(continuation: Continuation, at: Fit) -> int | None:
     if adequacy(continuation.problems[1], at).adequate:
         return 1
     if near(continuation.problems[1], at):
-        whole = continuation.fit(LAST, at.hypothesis, at.x)
-        if adequacy(continuation.problem(LAST, at.hypothesis), whole).adequate:
-            return LAST
+        for stage in (LAST, CORRECTED):
+            whole = continuation.fit(stage, at.hypothesis, at.x)
+            if adequacy(continuation.problem(stage, at.hypothesis), whole).adequate:
+                return stage
     return None
 
 
@@ -84,9 +85,11 @@ def conclude(
     found = adequate_stage(continuation, best)
     stage, adequate = found or 1, found is not None
     if adequate:
-        whole = continuation.fit(LAST, best.hypothesis, best.x)
-        if adequacy(continuation.problem(LAST, best.hypothesis), whole).adequate:
-            best, stage = whole, LAST
+        for longest in (LAST, CORRECTED):
+            whole = continuation.fit(longest, best.hypothesis, best.x)
+            if adequacy(continuation.problem(longest, best.hypothesis), whole).adequate:
+                best, stage = whole, longest
+                break
         best = pruned(continuation, best, stage)
     confirmed = confirmations(continuation, best, best.hypothesis.instances, comparisons)
     for label, one in confirmed.items():
@@ -212,7 +215,8 @@ def confirmations(
             whole = continuation.fit(stage, best.hypothesis, best.x)
             less = without(continuation, whole, instance.label, stage)
             one = confirmed_on(continuation, stage, whole, less, STAGES_TESTED * comparisons)
-            if instance.label not in found or one.low > found[instance.label].low:
+            known = found.get(instance.label)
+            if known is None or (one.gains, one.low) > (known.gains, known.low):
                 found[instance.label] = one
             if one.holds:
                 break

@@ -3,7 +3,7 @@ to longer ones, which discriminate between hypotheses.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from swamp_rl.criticism.nuisance.lost_rows import (
     with_commands_refined,
     with_relevant_gaps,
 )
-from swamp_rl.criticism.nuisance.unlogged_commands import with_unlogged_commands
+from swamp_rl.criticism.nuisance.unlogged_commands import MIN_GAIN, with_unlogged_commands
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.selection.information_criterion import InformationCriterion, information_criterion
 
@@ -27,7 +27,8 @@ Array = NDArray[np.float64]
 WINDOW_LENGTHS = (5.0, 20.0, np.inf)  # s
 MIDDLE = 1
 LAST = len(WINDOW_LENGTHS) - 1  # whole runs, every hypothesis with its own best-fitting commands in gaps
-STEPS = (8, 10, 10)  # Jacobians of a fit, by stage
+CORRECTED = LAST + 1  # the same, also with commands that only stood in lost rows, each of them charged
+STEPS = (8, 10, 10, 10)  # Jacobians of a fit, by stage
 ROUNDS = 12  # iterations of the first initial states
 STEPS_WHEN_CLOSE = 16  # Jacobians of a fit whose shorter windows fit well
 MOST_CORRECTIONS = 4  # repetitions of the search for unlogged commands
@@ -41,7 +42,7 @@ class Continuation:
     """The same runs cut in windows of every length; the fits by stage and hypothesis.
 
     problems: multiple shooting by stage, that of whole runs with the commands as logged; initial_states:
-    (W, 6) by stage; whole: whole runs by hypothesis, with the commands in gaps that fit it best.
+    (W, 6) by stage; whole: whole runs by stage and hypothesis, with the commands that fit it best.
     """
 
     problems: list[Shooting]
@@ -49,14 +50,12 @@ class Continuation:
     criterion: InformationCriterion
     gaps: tuple[Gap, ...] = ()
     fits: dict[tuple[int, str], Fit] = field(default_factory=dict)
-    whole: dict[str, Shooting] = field(default_factory=dict)
+    whole: dict[tuple[int, str], Shooting] = field(default_factory=dict)
     half: Shooting | None = None
 
     def problem(self, stage: int, hypothesis: Hypothesis) -> Shooting:
         """The windows that a hypothesis is fitted to at a stage."""
-        return (
-            self.whole.get(hypothesis.label, self.problems[stage]) if stage == LAST else self.problems[stage]
-        )
+        return self.whole.get((stage, hypothesis.label), self.problems[stage])
 
     def fit(self, stage: int, hypothesis: Hypothesis, x: Array, states: Array | None = None) -> Fit:
         """The hypothesis fitted at that stage, from x and states (W, 6) or, where there is one, from the fit
@@ -65,13 +64,15 @@ class Continuation:
         key = (stage, hypothesis.label)
         if key in self.fits and self.fits[key].chi2 < np.inf:
             return self.fits[key]
+        if stage == CORRECTED:
+            return self._corrected(self.fit(LAST, hypothesis, x, states))
         below = self.fits.get((stage - 1, hypothesis.label))
         if below is not None:
             x = below.x
             states = self.carried(below, stage)
         good = below is not None and below.chi2 < CLOSE * self.problems[stage - 1].samples
         return self.fit_from(
-            stage, hypothesis, x, states, STEPS_WHEN_CLOSE if good else STEPS[stage], stage == LAST
+            stage, hypothesis, x, states, STEPS_WHEN_CLOSE if good else STEPS[stage], stage >= LAST
         )
 
     def fit_from(
@@ -86,6 +87,8 @@ class Continuation:
         """The hypothesis fitted at that stage from x (p,) and states (W, 6), and kept; on whole runs with the
         best-fitting commands in gaps.
         """
+        if stage == CORRECTED:
+            return self._corrected(self.fit_from(LAST, hypothesis, x, states, steps))
         problem = self.problems[stage]
         if states is None:
             states, _, _ = fit_states(problem, hypothesis, x, self.initial_states[stage], ROUNDS)
@@ -97,11 +100,16 @@ class Continuation:
         LOG.debug("segments of %g s: %s, chi2 %.0f", WINDOW_LENGTHS[stage], hypothesis.label, made.chi2)
         return made
 
+    def _corrected(self, below: Fit) -> Fit:
+        problem, made = with_corrected_commands(self.problem(LAST, below.hypothesis), below)
+        self.keep(CORRECTED, problem, made)
+        return made
+
     def keep(self, stage: int, problem: Shooting, made: Fit) -> None:
         """Keep a fit to those windows at a stage."""
         self.fits[stage, made.hypothesis.label] = made
-        if stage == LAST:
-            self.whole[made.hypothesis.label] = problem
+        if stage >= LAST:
+            self.whole[stage, made.hypothesis.label] = problem
 
     def not_converged(self, made: Fit, before: float, expected_chi2: float) -> bool:
         """Whether a fit to the shortest windows, far from the data, kept little of the expected fall of chi2
@@ -168,6 +176,7 @@ def continuation_of(run_set: RunSet, weight: Array) -> Continuation:
     """The stages for these runs; shorter windows end at gaps in which the unknown command matters."""
     cautious = with_relevant_gaps(run_set, weight)
     problems = [Shooting(cautious, weight, seconds) for seconds in WINDOW_LENGTHS]
+    problems.append(problems[LAST])
     return Continuation(
         problems,
         [problem.initial_states() for problem in problems],
@@ -188,7 +197,7 @@ def fit_whole_runs(
     problem = logged if run_set is logged.run_set else Shooting(run_set, logged.weight, logged.seconds)
     if len(states) != problem.windows.count:  # of the logged runs, whose windows end at gaps
         states = states_carried(logged, states, problem, problem.initial_states())
-    problem, made = _with_unlogged_commands(problem, fit(problem, hypothesis, x, states, steps, fresh=True))
+    made = fit(problem, hypothesis, x, states, steps, fresh=True)
     again = with_commands_refined(problem, made, gaps)
     if not np.array_equal(again.commands, problem.run_set.commands):
         problem = Shooting(again, problem.weight, problem.seconds)
@@ -196,15 +205,20 @@ def fit_whole_runs(
     return problem, made
 
 
-def _with_unlogged_commands(problem: Shooting, made: Fit) -> tuple[Shooting, Fit]:
-    """Whole runs with commands that only stood in lost rows, where the residual is then noise."""
-    before = problem, made
+def with_corrected_commands(problem: Shooting, made: Fit) -> tuple[Shooting, Fit]:
+    """Whole runs with commands that only stood in lost rows, where the residual is then noise, and the fit;
+    its penalty holds `MIN_GAIN` for each such command, so that an effect is preferred to many of them.
+    """
+    before, corrected = (problem, made), 0
     for _ in range(MOST_CORRECTIONS):
         if adequacy(problem, made).adequate or made.chi2 > NEARLY * problem.samples:
             break
         run_set = with_unlogged_commands(problem, made)
         if run_set is None:
             break
+        corrected += int((run_set.commands != problem.run_set.commands).any(axis=2).sum())
         problem = Shooting(run_set, problem.weight, problem.seconds)
         made = fit(problem, made.hypothesis, made.x, made.states, STEPS[LAST], fresh=True)
-    return (problem, made) if adequacy(problem, made).adequate else before
+    if not adequacy(problem, made).adequate:
+        return before
+    return problem, replace(made, penalty=made.penalty + MIN_GAIN * corrected)

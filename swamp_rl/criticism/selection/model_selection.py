@@ -60,7 +60,7 @@ def select_model(
     """
     tried: list[Continuation] = []
     run_set, continuation, found = _with_reconstruction(run_set, weight, instances, hull, tried, STEP_BUDGET)
-    if found.adequate and found.stage == LAST:
+    if found.adequate and found.stage >= LAST:
         return run_set, continuation, found
     winner, stage = found.winner, LAST if found.adequate else MIDDLE
     if found.adequate and diverged(continuation, winner):

@@ -62,8 +62,8 @@ def single_stage(weighted: ModelError) -> Continuation:
     """A continuation whose every stage is that of the model error, its fit known."""
     problem = weighted.problem
     criterion = information_criterion(problem.run_set, problem.samples / problem.correlation_samples)
-    continuation = Continuation([problem] * 3, [problem.initial_states()] * 3, criterion)
-    for stage in range(3):
+    continuation = Continuation([problem] * 4, [problem.initial_states()] * 4, criterion)
+    for stage in range(len(continuation.problems)):
         continuation.fits[stage, weighted.fit.hypothesis.label] = weighted.fit
     return continuation
 
