@@ -10,8 +10,10 @@ commands, its noise, its effect. No diagnosis that has the same candidates does 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from swamp_rl.experiments.synthetic.cases import DT, Array, Case, Rng, deviations, measure, voyages
 
 from benchmarks.blind.bound import START_STEP, STATES, STEPS, away_from_neutral, numbers_of
@@ -42,7 +44,7 @@ class Rates:
 class Column:
     """A pair of boats (2,) whose predictions differ by twice `step` in a parameter."""
 
-    records: np.ndarray
+    records: NDArray[Any]
     step: float
 
 
@@ -110,7 +112,7 @@ def columns_of(boat: Boat, instance: EffectInstance) -> list[Column]:
     return found
 
 
-def _records(boat: Boat, entries: Sequence[EffectEntry]) -> np.ndarray:
+def _records(boat: Boat, entries: Sequence[EffectEntry]) -> NDArray[Any]:
     made = []
     for entry in entries:
         record = parameters(boat)

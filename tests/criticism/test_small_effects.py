@@ -31,7 +31,7 @@ INSTANCES = [*candidates(BOAT, SECONDS), *filter(None, [hull_nuisance(BOAT)])]
 SMALL = [
     {"effect": "current", "north": 0.0015, "east": -0.001},
     {"effect": "mass", "mass": 58.12},
-    {"effect": "thrust_scale", "scale": 0.9972},
+    {"effect": "thrust_scale", "scale": 0.9978},
 ]
 
 
