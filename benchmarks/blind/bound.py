@@ -58,17 +58,17 @@ def bound_of(case: Case, rng: Rng, velocities: bool, runs: int = 5, seconds: flo
         noise[3:5] = np.inf
     boat = load_boat("swamp")
     entries = parse_effects(case.effects, "truth", boat.thruster_names)
-    names = _numbers(entries)
+    names = numbers_of(entries)
     sailed = [(voyage, measure(voyage, noise, rng)[1]) for voyage in voyages(case, rng, runs, seconds)]
     information = np.zeros((len(names) + len(case.hull),) * 2)
     for run, (voyage, kept) in enumerate(sailed):
         own = parse_effects(case.of_run(run).effects, "truth", boat.thruster_names)
-        whole = _information(case.of_run(run), own, _numbers(own), voyage, kept, noise)
-        information += _shared(whole, len(names), len(_numbers(own)))
+        whole = _information(case.of_run(run), own, numbers_of(own), voyage, kept, noise)
+        information += _shared(whole, len(names), len(numbers_of(own)))
     prior = np.concatenate([np.zeros(len(names)), np.full(len(case.hull), HULL_SPREAD**-2.0)])
     covariance = inverse(information + np.diag(prior))
     own = inverse(covariance[: len(names), : len(names)])
-    away = np.array([_away(entries[index], name) for index, name in names])
+    away = np.array([away_from_neutral(entries[index], name) for index, name in names])
     return Bound(
         [(entries[index].effect.name, name) for index, name in names],
         [float(value) for value in np.sqrt(np.diag(covariance)[: len(names)])],
@@ -76,7 +76,7 @@ def bound_of(case: Case, rng: Rng, velocities: bool, runs: int = 5, seconds: flo
     )
 
 
-def _numbers(entries: Sequence[EffectEntry]) -> list[tuple[int, str]]:
+def numbers_of(entries: Sequence[EffectEntry]) -> list[tuple[int, str]]:
     """Place of its entry and name of every number."""
     return [(index, name) for index, entry in enumerate(entries) for name in entry.effect.parameter_names]
 
@@ -98,7 +98,7 @@ def inverse(information: Array) -> Array:
     return np.asarray(np.linalg.inv(scaled) / np.outer(scale, scale))
 
 
-def _away(entry: EffectEntry, name: str) -> float:
+def away_from_neutral(entry: EffectEntry, name: str) -> float:
     """Difference of a parameter from its neutral value."""
     if name in DIRECTIONS:
         return 0.0

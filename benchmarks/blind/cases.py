@@ -22,6 +22,7 @@ from swamp_rl.experiments.synthetic.cases import (
 from swamp_rl.experiments.synthetic.rough import rough_voyages
 
 from benchmarks.blind.bound import Bound, bound_of
+from benchmarks.blind.classifier import Rates, classifier_rates
 from benchmarks.blind.score import Judged, judged
 from benchmarks.blind.variants import VARIANT, write_variant
 
@@ -37,6 +38,8 @@ NEVER_SMALL = (
     "thruster_failure",
     "shallow_water",
 )
+# effects that the classifier's linear problem does not hold for
+NOT_LINEAR = ("waves",)
 
 
 def kind_of(number: int, level: str) -> str:
@@ -99,7 +102,33 @@ def scored(folder: Path, name: str) -> dict[str, Any]:
     least = dict(zip(map(tuple, bound.names), bound.deviation, strict=True)) if bound else {}
     for number in result["estimates"]:
         number["bound"] = least.get((number["effect"], number["parameter"]))
-    return result | {"evidence": bound.evidence if bound and truth["level"] == POWER else None}
+    if truth["level"] != POWER or bound is None:
+        return result | {"evidence": None, "best_rate": None}
+    best = kept_rates(folder, name)
+    return result | {"evidence": bound.evidence, "best_rate": best.among_three if best else None}
+
+
+def kept_rates(folder: Path, name: str) -> Rates | None:
+    """The Bayes classifier's rates of a case of level P, from their file if it exists; None of an effect
+    that it has no derivative of.
+    """
+    case, rng, velocities = drawn(int(name[1:]), name[0])
+    if case.names[0] in NOT_LINEAR:
+        return None
+    path = folder / "classifier" / f"{name}.json"
+    if not path.exists():
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(json.dumps(vars(classifier_rates(case, rng, velocities))))
+    return Rates(**json.loads(path.read_text()))
+
+
+def evidence_of(folder: Path, number: int) -> float:
+    """Evidence of a case of level P, before it is diagnosed, in least standard errors."""
+    path = folder / "bounds" / f"{POWER}{number:04d}.json"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(vars(bound_of(*drawn(number, POWER)))))
+    return Bound(**json.loads(path.read_text())).evidence
 
 
 def kept_bound(folder: Path, name: str, truth: Judged) -> Bound | None:

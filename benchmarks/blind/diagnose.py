@@ -27,9 +27,9 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from swamp_rl.experiments.synthetic.cases import LEVELS
+from swamp_rl.experiments.synthetic.cases import LEVELS, POWER
 
-from benchmarks.blind.cases import SEEDS, every_score, scored, write_numbered
+from benchmarks.blind.cases import SEEDS, every_score, evidence_of, scored, write_numbered
 from benchmarks.blind.tables import parts, pictures
 from benchmarks.markers import write_parts
 
@@ -136,6 +136,14 @@ def asked_for() -> argparse.ArgumentParser:
     parser.add_argument("--first", type=int, default=0, help="number of the first one")
     parser.add_argument("--minutes", type=float, default=np.inf, help="after which no case is begun")
     parser.add_argument("--level", choices=(*SEEDS, "all"), default="all", help="all: A to D")
+    parser.add_argument(
+        "--evidence",
+        type=float,
+        nargs=2,
+        default=(0.0, np.inf),
+        metavar=("FROM", "TO"),
+        help="only those cases of level P whose effect has so many standard errors of evidence",
+    )
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path("blind_causes"))
     parser.add_argument(
@@ -177,8 +185,14 @@ def diagnose_all(work: Sequence[tuple[int, str]], asked: argparse.Namespace) -> 
     until = time.monotonic() + 60.0 * asked.minutes
 
     def one(numbered: tuple[int, str]) -> dict[str, Any] | None:
-        """A case, if there is time."""
-        return run_case(*numbered, asked.out) if time.monotonic() < until else None
+        """A case, if there is time and it is asked for."""
+        number, level = numbered
+        if time.monotonic() > until:
+            return None
+        low, high = asked.evidence
+        if level == POWER and not low <= evidence_of(asked.out, number) < high:
+            return None
+        return run_case(number, level, asked.out)
 
     with ThreadPoolExecutor(asked.workers) as pool:
         for result in filter(None, pool.map(one, work)):

@@ -39,7 +39,10 @@ def shares(results: Sequence[Judged], key: str, edges: Sequence[float]) -> list[
         if rate := share([r["small_set"] for r in inside]):
             middle = float(np.exp(np.mean(np.log([max(r[key], 1e-6) for r in inside]))))
             silent = sum(r["verdict"] == "nothing_wrong" for r in inside)
-            found.append({"from": low, "to": high, "middle": middle, "silent": silent} | rate)
+            best = [r["best_rate"] for r in inside if r.get("best_rate") is not None]
+            of_best = float(np.mean(best)) if best else None
+            own = {"from": low, "to": high, "middle": middle, "silent": silent, "best": of_best}
+            found.append(own | rate)
     return found
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from swamp_rl.experiments.synthetic.cases import ROUGH
+from swamp_rl.experiments.synthetic.cases import POWER, ROUGH
 
 Judged = Mapping[str, Any]
 Z95 = 1.959964
@@ -13,11 +13,17 @@ WITHIN = 1.5  # of the Cramér-Rao bound
 
 
 def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
-    """One answer against the truth; None is a process that failed."""
+    """One answer against the truth; None is a process that failed.
+
+    At level P, where effects are as small as they may be, a minor cause counts as named.
+    """
     by_run = {effect["effect"] for run in truth.get("by_run", ()) for effect in run}
     true = sorted([*(effect["effect"] for effect in truth["effects"]), *by_run])
     verdict = found["verdict"] if found else "failed"
     causes = found["causes"] if found else []
+    if found and truth["level"] == POWER:
+        causes = [*causes, *found["minor"]]
+        verdict = verdict_with_minor(found)
     named = sorted(cause["effect"] for cause in causes)
     sets = [
         sorted(names_in(label)) for group in (found or {}).get("indistinguishable", []) for label in group
@@ -48,6 +54,13 @@ def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
         "run_estimates": run_estimates(truth, causes),
         "elapsed_s": found["elapsed_s"] if found else None,
     }
+
+
+def verdict_with_minor(found: Judged) -> str:
+    """The verdict if minor causes had a part in it."""
+    if found["verdict"] == "nothing_wrong" and found["minor"]:
+        return "indistinguishable" if found["indistinguishable"] else "cause"
+    return str(found["verdict"])
 
 
 def rightly(truth: Judged, verdict: str, named: Sequence[str], effects: bool) -> bool:

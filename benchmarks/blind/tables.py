@@ -128,5 +128,11 @@ def power(results: Sequence[Judged]) -> str:
     rows = []
     for one in shares([r for r in results if r["level"] == SMALL_ONES], "evidence", EVIDENCES):
         high = f"to {one['to']:g}" if np.isfinite(one["to"]) else "and more"
-        rows.append([f"{one['from']:g} {high}", cell(one), str(one["silent"])])
-    return table(["evidence, standard errors", "named, alone or in a small set", "nothing wrong"], rows)
+        rows.append([f"{one['from']:g} {high}", cell(one), cell(one["best"]), str(one["silent"])])
+    heads = [
+        "evidence, standard errors",
+        "named, alone or in a small set",
+        "Bayes classifier",
+        "nothing wrong",
+    ]
+    return table(heads, rows)

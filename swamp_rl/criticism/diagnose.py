@@ -36,7 +36,6 @@ from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, GaussMarkovNoi
 from swamp_rl.criticism.selection.backward_elimination import Selection, without_all
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.hidden_effects import hidden_effects
-from swamp_rl.criticism.selection.information_criterion import criterion
 from swamp_rl.criticism.selection.model_selection import select_model
 from swamp_rl.one_thread import one_thread
 from swamp_rl.unfinished import folder_beside
@@ -109,7 +108,7 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
     with_noise, continuation, found = select_model(run_set, weight, every, hull)
     run_set = replace(run_set, commands=with_noise.commands)  # reconstructed
     LOG.info("the best hypothesis is %s; adequacy and missing forces", found.winner.hypothesis.label)
-    judged = continuation.problems[found.stage]
+    judged = continuation.problem(found.stage, found.winner.hypothesis)
     measure = adequacy(judged, in_noise_units(found.winner, judged, weight))
     forces = residual_forces(run_set, weight, found.winner.hypothesis, found.winner.x)
 
@@ -123,7 +122,7 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
     hidden = hidden_effects(run_set, weight, judged, found, [*every, *([hull] if hull else [])])
 
     def apart(rival: Fit) -> float:
-        return criterion(rival) - criterion(found.winner)
+        return continuation.criterion(rival) - continuation.criterion(found.winner)
 
     diagnosis = Diagnosis(
         verdict=verdict_of(found, listed),
@@ -135,7 +134,7 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
         indistinguishable=_sets(found),
         contrasts=[
             contrast(judged, found.winner, one, apart(one)).model_copy(
-                update={"rival": causes_of(judged, one)}
+                update={"rival": causes_of(continuation.problem(found.stage, one.hypothesis), one)}
             )
             for one in found.rivals
         ],
@@ -240,5 +239,7 @@ def _gains(
     rng: np.random.Generator,
 ) -> list[Gain]:
     run_set, weight, others = on
-    hypothesis, numbers = judged_numbers(continuation.problems[stage], written, len(run_set.lengths), others)
+    hypothesis, numbers = judged_numbers(
+        continuation.problem(stage, written.hypothesis), written, len(run_set.lengths), others
+    )
     return gains(run_set, weight, hypothesis, numbers, rng)

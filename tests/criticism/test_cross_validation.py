@@ -5,7 +5,7 @@ import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.windows import Windows
-from swamp_rl.criticism.likelihood.cross_validation import folds_of
+from swamp_rl.criticism.likelihood.cross_validation import bootstrap_quantile, folds_of
 from swamp_rl.criticism.model.candidates import Hypothesis, candidates
 from swamp_rl.criticism.selection.continuation import continuation_of
 from swamp_rl.criticism.selection.score_test import score_tests
@@ -29,6 +29,31 @@ def test_enough_runs_are_held_out_whole() -> None:
 def test_of_few_runs_halves_are_held_out_and_of_one_run_each_window() -> None:
     assert folds_of(windows(4, 2)).tolist() == [0, 0, 1, 1, 2, 3]
     assert folds_of(windows(3)).tolist() == [0, 1, 2]
+
+
+GAINS = {
+    "normal": np.random.default_rng(0).normal(2.0, 3.0, 20),
+    "skewed": np.random.default_rng(1).exponential(1.0, 15) ** 2 - 0.5,
+    "heavy-tailed": np.random.default_rng(2).standard_t(3, 80),
+}
+
+
+@pytest.mark.parametrize("name", GAINS)
+@pytest.mark.parametrize("tail", [0.025, 1e-3])
+def test_the_bootstrap_quantile_is_that_of_a_million_draws(name: str, tail: float) -> None:
+    gains, rng = GAINS[name], np.random.default_rng(3)
+    shares = np.full(len(gains), 1.0 / len(gains))
+    sums = np.concatenate([rng.multinomial(len(gains), shares, 100_000) @ gains for _ in range(10)])
+    assert bootstrap_quantile(gains, tail) == pytest.approx(np.quantile(sums, tail), abs=0.02 * np.ptp(sums))
+
+
+def test_gains_in_few_blocks_may_all_be_missed_by_a_draw() -> None:
+    assert bootstrap_quantile(np.array([0.0] * 15 + [10.0, 20.0]), 1e-3) == 0.0
+    assert bootstrap_quantile(np.array([1.0, -2.0, 4.0]), 1e-4) == -6.0
+
+
+def test_equal_gains_have_no_interval() -> None:
+    assert bootstrap_quantile(np.full(8, 2.5), 1e-4) == 20.0
 
 
 @pytest.mark.parametrize("moment", [2.5, 6.0])

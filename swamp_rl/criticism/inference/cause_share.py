@@ -35,7 +35,7 @@ def cause_shares(
     run_set, weight, others = judged
 
     def errors(of: Fit, horizon: float) -> tuple[Array, NDArray[np.int64]]:
-        problem = continuation.problems[found.stage]
+        problem = continuation.problem(found.stage, of.hypothesis)
         hypothesis, numbers = judged_numbers(problem, of, len(run_set.lengths), others)
         made = errors_at(run_set, weight, horizon, hypothesis, numbers)
         return made.error, blocks_of(made, horizon)[0]

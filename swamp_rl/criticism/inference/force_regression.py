@@ -26,7 +26,7 @@ from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import force_scale
 from swamp_rl.criticism.nuisance.process_noise import random_forces
 from swamp_rl.criticism.result import CurvePoint, ResidualForce
-from swamp_rl.criticism.selection.information_criterion import complexity
+from swamp_rl.criticism.selection.information_criterion import information_criterion
 from swamp_rl.criticism.selection.model_selection import OTHERS
 
 Array = NDArray[np.float64]
@@ -341,10 +341,11 @@ def residual_force_functions(
     """
     if run_set.gauss_markov is not None and (run_set.gauss_markov[OTHERS, 0] > 0).any():
         run_set = replace(run_set, gauss_markov=None)
+    criterion = information_criterion(run_set, float((weight > 0).sum()))
     results = []
     for hypothesis, x in every:
         left, listed = select_functions(force_likelihood(run_set, weight, hypothesis, x))
-        results.append((left + complexity(hypothesis), hypothesis, listed))
+        results.append((left + criterion.charge(hypothesis), hypothesis, listed))
     _, hypothesis, listed = min(results, key=lambda one: one[0])
     beside = [instance.label for instance in hypothesis.instances]
     return [one.model_copy(update={"beside": beside}) for one in listed]

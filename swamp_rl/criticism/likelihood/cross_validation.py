@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 RESAMPLES = 2000
 ENOUGH_RUNS = 4  # from which whole runs are held out
-RESAMPLES_OF_TAIL = 50000  # for a level far out in the tail
+LARGEST_TILT = -1e3  # of the bootstrap's saddlepoint, beyond which the sum is its least
 STRETCH = 20.0  # s of a block of a long window
 ROUNDS = 8  # iterations of the initial states of a held-out window
 
@@ -102,6 +102,11 @@ class Confirmation:
         """Whether the interval of the gain excludes zero, or a gain is certain."""
         return self.low > 0.0 or (self.certain and self.gain > 0.0)
 
+    @property
+    def gains(self) -> bool:
+        """Whether held-out runs are predicted better, significantly or not."""
+        return self.gain > 0.0
+
 
 def confirmation(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> Confirmation:
     """Of what `whole` has more than `less`, both fitted on the same windows: block bootstrap of the gain over
@@ -110,15 +115,52 @@ def confirmation(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> 
     Percentiles, since a cause that acts in few windows gives a skewed sum. The loss of a window saturates, n
     ln(1 + chi2 / n), so that a few outlying windows do not determine the sum.
     """
-    return _bootstrapped(saturated_loss(problem, less) - saturated_loss(problem, whole), comparisons)
+    return confirmed_at(saturated_loss(problem, less) - saturated_loss(problem, whole), comparisons)
 
 
-def confirmation_by_stretches(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> Confirmation:
-    """As `confirmation`, with STRETCH-long parts of the windows as blocks, for windows that are long and few;
-    predicted with the parameters fitted to the other runs, initial states refitted.
+def confirmed_at(gains: Array, comparisons: int) -> Confirmation:
+    """Of the gains of blocks (B,): their sum and the lower end of its bootstrap interval."""
+    tail = 0.025 / comparisons
+    return Confirmation(float(gains.sum()), bootstrap_quantile(gains, tail), 1.0 - 2.0 * tail)
+
+
+def bootstrap_quantile(gains: Array, tail: float) -> float:
+    """The lower quantile of the bootstrap distribution of a sum of values (B,), without drawing it.
+
+    Saddlepoint approximation of the tail of a sum of B draws with replacement, whose cumulant generating
+    function is B ln mean exp(t gains) (Davison and Hinkley, Saddlepoint approximations in resampling methods,
+    Biometrika 75, 1988): Lugannani and Rice's formula. tail: below 0.5, however far out.
     """
-    gains = stretch_losses(problem, less) - stretch_losses(problem, whole)
-    return _bootstrapped(gains[np.isfinite(gains)], comparisons)
+    from scipy.optimize import brentq
+    from scipy.special import logsumexp, ndtr
+
+    count, scale = len(gains), float(np.std(gains))
+    if not scale > 1e-12 * float(np.abs(gains).max(initial=0.0)):
+        return float(gains.sum())
+    mean = float(gains.mean())
+    unit = (gains - mean) / scale
+
+    def at(t: float) -> tuple[float, float]:
+        """Sum and log of the tail probability below it at a saddlepoint t < 0."""
+        weights = np.exp(t * unit - logsumexp(t * unit))
+        slope = float(weights @ unit)
+        bend = float(weights @ (unit - slope) ** 2)
+        cumulant = count * float(logsumexp(t * unit) - np.log(count))
+        root = -np.sqrt(max(2.0 * (t * count * slope - cumulant), 1e-300))
+        lever = t * np.sqrt(max(count * bend, 1e-300))
+        density = np.exp(-0.5 * root**2) / np.sqrt(2.0 * np.pi)
+        return count * slope, float(ndtr(root) + density * (1.0 / root - 1.0 / lever))
+
+    least = float(np.mean(unit < unit.min() + 1e-9)) ** count  # chance that every draw is the least value
+    if tail <= least:
+        return count * float(gains.min())
+    last = -1.0
+    while at(last)[1] > tail:
+        last *= 2.0
+        if last < LARGEST_TILT:
+            return count * float(gains.min())
+    found = brentq(lambda t: at(t)[1] - tail, last, -1e-3, xtol=1e-9)
+    return count * mean + scale * at(float(found))[0]
 
 
 def stretch_losses(problem: Shooting, at: Fit) -> Array:
@@ -137,15 +179,6 @@ def stretch_losses(problem: Shooting, at: Fit) -> Array:
     seen = np.add.reduceat((problem.windows.weight > 0).sum(axis=2), starts, axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(seen > 0, seen * np.log1p(chi2 / seen), np.nan).ravel())
-
-
-def _bootstrapped(gains: Array, comparisons: int) -> Confirmation:
-    """Of the gains of blocks (B,)."""
-    tail = 0.025 / comparisons
-    rng = np.random.default_rng(len(gains))
-    shares = np.full(len(gains), 1.0 / len(gains))
-    sums = rng.multinomial(len(gains), shares, RESAMPLES_OF_TAIL) @ gains
-    return Confirmation(float(gains.sum()), float(np.quantile(sums, tail)), 1.0 - 2.0 * tail)
 
 
 def saturated_loss(problem: Shooting, at: Fit) -> Array:

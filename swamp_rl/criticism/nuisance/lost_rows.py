@@ -46,6 +46,10 @@ def with_best_commands(
     short = [gap for gap in every if gap.rows <= LONGEST and stepwise(run_set, gap.run)]
     if not short:
         return run_set
+    kept = tuple(gap for gap in run_set.gaps if gap not in short)
+    short = [gap for gap in short if changes_in(run_set, gap)]
+    if not short:
+        return run_set if kept == run_set.gaps else replace(run_set, gaps=kept)
     commands = run_set.commands.copy()
     problem, group = _windows_of_each(run_set, weight, short)
     _, _, residual = fit_states(problem, hypothesis, x, problem.initial_states(), ROUNDS)
@@ -56,7 +60,6 @@ def with_best_commands(
         best = problem.run_set.commands[mine[loss[mine].argmin()]]
         rows = slice(gap.row, gap.row + gap.rows)
         commands[gap.run, rows] = best[rows]
-    kept = tuple(gap for gap in run_set.gaps if gap not in short)
     return replace(run_set, commands=commands, gaps=kept)
 
 
@@ -64,6 +67,12 @@ def stepwise(run_set: RunSet, run: int) -> bool:
     """Whether a run's commands are constant most of the time; others are interpolated over a gap."""
     commands = run_set.commands[run, : run_set.lengths[run]]
     return bool((commands[1:] == commands[:-1]).all(axis=1).mean() > 0.5)
+
+
+def changes_in(run_set: RunSet, gap: Gap) -> bool:
+    """Whether the command after a gap is another than before it; else no instant is unknown."""
+    commands = run_set.commands[gap.run]
+    return bool((commands[gap.row - 1] != commands[gap.row + gap.rows]).any())
 
 
 def possible_commands(run_set: RunSet, gap: Gap) -> list[tuple[Array, float]]:
@@ -87,7 +96,8 @@ def with_commands_refined(problem: Shooting, at: Fit, every: Sequence[Gap]) -> R
     commands = run_set.commands.copy()
     for gap in every:
         window = np.flatnonzero(problem.windows.run == gap.run)
-        if gap.rows > LONGEST or len(window) != 1 or not stepwise(run_set, gap.run):
+        unknown = gap.rows <= LONGEST and changes_in(run_set, gap)
+        if not unknown or len(window) != 1 or not stepwise(run_set, gap.run):
             continue
         one = problem.part(problem.windows.run == gap.run)
         rows = slice(gap.row, gap.row + gap.rows)

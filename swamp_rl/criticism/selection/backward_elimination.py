@@ -11,15 +11,16 @@ from swamp_rl.criticism.likelihood.adequacy import adequacy, near
 from swamp_rl.criticism.likelihood.cross_validation import (
     Confirmation,
     confirmation,
-    confirmation_by_stretches,
+    confirmed_at,
+    stretch_losses,
 )
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
-from swamp_rl.criticism.selection.continuation import LAST, UNBROKEN, Continuation, fit_whole_runs
-from swamp_rl.criticism.selection.information_criterion import criterion
+from swamp_rl.criticism.selection.continuation import CORRECTED, LAST, Continuation
 from swamp_rl.criticism.selection.score_test import ScoreTest
 
 MIN_SEPARATION = 9.0  # of the information criterion, below which two hypotheses are indistinguishable
+CLOSE_GENERAL = 3.0  # the same, of a generalisation of the best: chance brings one nearer in 1 % of cases
 NEAR = 40.0  # the same on shorter windows, above which longer ones are not compared
 CLEARLY = 50.0  # of the information criterion, more than longer windows change a comparison by
 OVERWHELMING = 500.0  # the same, more than the error of a fit that has not converged
@@ -64,9 +65,10 @@ def adequate_stage(continuation: Continuation, at: Fit) -> int | None:
     if adequacy(continuation.problems[1], at).adequate:
         return 1
     if near(continuation.problems[1], at):
-        whole = fit_whole_runs(continuation, at.hypothesis, at.x)
-        if adequacy(continuation.problems[LAST], whole).adequate:
-            return LAST
+        for stage in (LAST, CORRECTED):
+            whole = continuation.fit(stage, at.hypothesis, at.x)
+            if adequacy(continuation.problem(stage, at.hypothesis), whole).adequate:
+                return stage
     return None
 
 
@@ -83,15 +85,17 @@ def conclude(
     found = adequate_stage(continuation, best)
     stage, adequate = found or 1, found is not None
     if adequate:
-        whole = fit_whole_runs(continuation, best.hypothesis, best.x)
-        if adequacy(continuation.problems[LAST], whole).adequate:
-            best, stage = whole, LAST
+        for longest in (LAST, CORRECTED):
+            whole = continuation.fit(longest, best.hypothesis, best.x)
+            if adequacy(continuation.problem(longest, best.hypothesis), whole).adequate:
+                best, stage = whole, longest
+                break
         best = pruned(continuation, best, stage)
     confirmed = confirmations(continuation, best, best.hypothesis.instances, comparisons)
     for label, one in confirmed.items():
-        if adequate and not one.holds:
+        if adequate and not one.gains:
             less = without(continuation, best, label, stage)
-            if adequacy(continuation.problems[stage], less).adequate:
+            if adequacy(continuation.problem(stage, less.hypothesis), less).adequate:
                 best = less
             else:
                 adequate = False
@@ -121,13 +125,14 @@ def _best_and_rivals(
     best = with_special_cases(continuation, best, instances, deepest)
     put = [instance for instance in best.hypothesis.instances if instance.label not in confirmed]
     new = confirmations(continuation, best, put, len(instances) * (1 + len(best.hypothesis.instances)))
-    if not all(one.holds for one in new.values()):
+    if not all(one.gains for one in new.values()):
         rivals = [best] if confirmed_fit.hypothesis.instances else []
         best, deepest, new = confirmed_fit, stage, {}
     rivals = [
         one
         for one in rivals
         if not nested(best.hypothesis, one.hypothesis)
+        or continuation.criterion(one) < continuation.criterion(best) + CLOSE_GENERAL
         or any(one.hypothesis.label == other.hypothesis.label for other in special)
     ]
     return best, rivals[:MOST_RIVALS], deepest, confirmed | new
@@ -155,14 +160,16 @@ def without(continuation: Continuation, best: Fit, label: str, stage: int) -> Fi
     x = np.concatenate([np.zeros(0), *(own for a, own in best.hypothesis.parts(best.x) if a.label != label)])
     if known is not None and known.chi2 > best.chi2 + OVERWHELMING:
         glance = fit(
-            continuation.problems[stage], less, x, best.states, 2
+            continuation.problem(stage, less), less, x, best.states, 2
         )  # the known fit may not have converged
         if glance.chi2 > best.chi2 + OVERWHELMING:
             return known
-    made = fit(continuation.problems[stage], less, x, best.states, 8, fresh=True)
+    before = continuation.problem(stage, less)
+    made = continuation.fit_from(stage, less, x, best.states, 8, fresh=True)
     if known is None or made.chi2 < known.chi2:
-        continuation.fits[(stage, less.label)] = made
-    return continuation.fits[(stage, less.label)]
+        return made
+    continuation.keep(stage, before, known)
+    return known
 
 
 def without_all(continuation: Continuation, found: Selection, labels: Sequence[str]) -> Fit:
@@ -179,7 +186,7 @@ def pruned(continuation: Continuation, best: Fit, stage: int) -> Fit:
         if indispensable(continuation, best, instance.label, stage):
             continue
         less = without(continuation, best, instance.label, stage)
-        if criterion(less) <= criterion(best):
+        if continuation.criterion(less) <= continuation.criterion(best):
             return pruned(continuation, less, stage)
     return best
 
@@ -190,7 +197,8 @@ def indispensable(continuation: Continuation, best: Fit, label: str, stage: int)
     """
     for shorter in range(stage):
         whole = continuation.fit(shorter, best.hypothesis, best.x)
-        if criterion(without(continuation, whole, label, shorter)) > criterion(best) + CLEARLY:
+        less = without(continuation, whole, label, shorter)
+        if continuation.criterion(less) > continuation.criterion(best) + CLEARLY:
             return True
     return False
 
@@ -203,23 +211,34 @@ def confirmations(
     for instance in causes:
         if instance.effect.nuisance and len(best.hypothesis.instances) > 1:
             continue
-        for stage in (0, 1, UNBROKEN):
+        for stage in (0, 1, LAST):
             whole = continuation.fit(stage, best.hypothesis, best.x)
             less = without(continuation, whole, instance.label, stage)
-            judged = confirmation_by_stretches if stage == UNBROKEN else confirmation
-            one = judged(continuation.problems[stage], whole, less, STAGES_TESTED * comparisons)
-            if instance.label not in found or one.low > found[instance.label].low:
+            one = confirmed_on(continuation, stage, whole, less, STAGES_TESTED * comparisons)
+            known = found.get(instance.label)
+            if known is None or (one.gains, one.low) > (known.gains, known.low):
                 found[instance.label] = one
             if one.holds:
                 break
     return found
 
 
+def confirmed_on(
+    continuation: Continuation, stage: int, whole: Fit, less: Fit, comparisons: int
+) -> Confirmation:
+    """Of what `whole` has more than `less`, on held-out windows of a stage, on stretches of whole runs."""
+    if stage < LAST:
+        return confirmation(continuation.problems[stage], whole, less, comparisons)
+    lost = [stretch_losses(continuation.problem(stage, one.hypothesis), one) for one in (less, whole)]
+    gains = lost[0] - lost[1]
+    return confirmed_at(gains[np.isfinite(gains)], comparisons)
+
+
 def with_special_cases(
     continuation: Continuation, best: Fit, instances: Sequence[EffectInstance], stage: int
 ) -> Fit:
-    """The best fit with special cases in place of effects whose further parameters lower the criterion little
-    and are confirmed by no held-out run, where the residual is noise without them too.
+    """The best fit with special cases in place of effects whose further parameters do not lower the
+    criterion, where the residual is noise without them too.
     """
     for instance in best.hypothesis.instances:
         for special in instances:
@@ -232,21 +251,8 @@ def with_special_cases(
             ):
                 continue
             plain = _with_special(continuation, best, instance, special, stage)
-            if (
-                criterion(plain) > criterion(best) + NEAR
-                or not adequacy(continuation.problems[stage], plain).adequate
-            ):
-                continue
-            general = [continuation.fit(short, best.hypothesis, best.x) for short in (0, 1)]
-            less = [
-                _with_special(continuation, one, instance, special, short)
-                for short, one in enumerate(general)
-            ]
-            held = (
-                confirmation(continuation.problems[i], general[i], less[i], 2 * len(instances))
-                for i in (0, 1)
-            )
-            if not any(one.holds for one in held):
+            noise = adequacy(continuation.problem(stage, plain.hypothesis), plain).adequate
+            if noise and continuation.criterion(plain) <= continuation.criterion(best):
                 return with_special_cases(continuation, plain, instances, stage)
     return best
 
@@ -327,6 +333,7 @@ def compare(
     """The best of all fits and its rivals at one stage, each only on shorter windows before; and that stage.
     Where whole runs of a close one diverged, all are compared on the middle windows.
     """
+    criterion = continuation.criterion
     near = criterion(continuation.fit(1, best.hypothesis, best.x)) + NEAR
     here = criterion(continuation.fit(0, best.hypothesis, best.x)) + NEAR
     every = [best]

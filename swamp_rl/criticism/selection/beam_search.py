@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from swamp_rl.criticism.likelihood.adequacy import adequacy, near
-from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.progress import LOG
@@ -16,8 +15,6 @@ from swamp_rl.criticism.selection.backward_elimination import (
     fit_by_continuation,
 )
 from swamp_rl.criticism.selection.continuation import Continuation
-from swamp_rl.criticism.selection.information_criterion import complexity as complexity
-from swamp_rl.criticism.selection.information_criterion import criterion, required_gain
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
 from swamp_rl.criticism.selection.small_effects import with_small_effects
 
@@ -47,18 +44,18 @@ def beam_search(
     of the first depth needs reconstructed commands and no further effect; previous: the result of a search
     under other noise, at the shortest windows and the middle ones, which is tried too.
     """
+    criterion = continuation.criterion
     every = [*instances, *([hull] if hull else [])]
     best = fit_by_continuation(continuation, Hypothesis(), np.zeros(0))
     if previous:
         best = min(best, _refit_previous(continuation, previous), key=criterion)
     stage = adequate_stage(continuation, best) if not best.hypothesis.instances else None
-    first = score_tests(
-        continuation.problems[stage or 0], continuation.fit(stage or 0, Hypothesis(), np.zeros(0)), every
-    )
-    if stage is not None and not _is_significant(continuation, stage, best, first):
-        small = with_small_effects(continuation, best, _identifiable(every, first), MOST)
-        return conclude(continuation, small.best, small.tried, first, _unidentifiable(first), every)
+    at_start = continuation.fit(stage or 0, Hypothesis(), np.zeros(0))
+    first = score_tests(continuation.problem(stage or 0, Hypothesis()), at_start, every)
     if stage is not None:
+        small = with_small_effects(continuation, best, _identifiable(every, first), MOST)
+        if not _is_significant(continuation, stage, small.best, every):
+            return conclude(continuation, small.best, small.tried, first, _unidentifiable(first), every)
         first = score_tests(continuation.problems[0], continuation.fit(0, Hypothesis(), np.zeros(0)), every)
     unidentifiable = _unidentifiable(first)
     every = _identifiable(every, first)
@@ -117,6 +114,7 @@ def _refit_previous(continuation: Continuation, previous: Sequence[Fit]) -> Fit:
 
 
 def _followed(continuation: Continuation, fitted: list[Fit]) -> list[Fit]:
+    criterion = continuation.criterion
     best = criterion(fitted[0])
     room = 100.0 if adequacy(continuation.problems[0], fitted[0]).adequate else 0.5 * best + 100.0
     return [one for one in fitted[:MOST_FOLLOWED] if criterion(one) < best + room]
@@ -127,10 +125,7 @@ def _is_sufficient(continuation: Continuation, at: Fit, instances: Sequence[Effe
     stage = adequate_stage(continuation, at)
     if stage is None:
         return False
-    here = continuation.fit(stage, at.hypothesis, at.x)
-    return not _is_significant(
-        continuation, stage, here, score_tests(continuation.problems[stage], here, instances)
-    )
+    return not _is_significant(continuation, stage, at, instances)
 
 
 def _unidentifiable(scores: Sequence[ScoreTest]) -> list[str]:
@@ -138,20 +133,20 @@ def _unidentifiable(scores: Sequence[ScoreTest]) -> list[str]:
     return [one.instance.label for one in scores if one.information < MIN_INFORMATION]
 
 
-def _is_significant(continuation: Continuation, stage: int, at: Fit, scores: Sequence[ScoreTest]) -> bool:
-    """Whether a score test exceeds an effect's required gain and a fit confirms it."""
+def _is_significant(
+    continuation: Continuation, stage: int, at: Fit, instances: Sequence[EffectInstance]
+) -> bool:
+    """Whether a score test exceeds an effect's required gain and a fit attains it."""
     here = continuation.fit(stage, at.hypothesis, at.x)
-    return any(
-        here.chi2 - one.expected_chi2 > required_gain(one.instance)
-        and _is_kept(continuation.problems[stage], one, here)
-        for one in scores
-    )
-
-
-def _is_kept(problem: Shooting, prospect: ScoreTest, here: Fit) -> bool:
-    """Whether a fit from there attains the required gain."""
-    made = fit(problem, prospect.hypothesis, prospect.x, here.states, 4)
-    return here.chi2 - made.chi2 > required_gain(prospect.instance)
+    problem = continuation.problem(stage, here.hypothesis)
+    for one in score_tests(problem, here, instances):
+        least = continuation.criterion.required_gain(here.hypothesis, one.instance)
+        if (
+            here.chi2 - one.expected_chi2 > least
+            and here.chi2 - fit(problem, one.hypothesis, one.x, here.states, 4).chi2 > least
+        ):
+            return True
+    return False
 
 
 def _base(prospect: ScoreTest) -> Hypothesis:
@@ -173,6 +168,7 @@ def _expand(
     """
     if not beam:
         return []
+    criterion = continuation.criterion
     found: dict[str, ScoreTest] = {}
     for at in beam:
         scores = known if known is not None else score_tests(continuation.problems[0], at, instances)
@@ -182,7 +178,7 @@ def _expand(
                 label not in found or one.expected_chi2 < found[label].expected_chi2
             ):
                 found[label] = one
-    ranked = sorted(found.values(), key=lambda one: one.expected_chi2 + complexity(one.hypothesis))
+    ranked = sorted(found.values(), key=lambda one: one.expected_chi2 + criterion.charge(one.hypothesis))
     # The score of an effect without parameters, such as a swap of channels, is no guide: it is a jump.
     base = min(beam, key=criterion).hypothesis.label
     discrete = [one for one in ranked[SHORTLIST:] if not one.instance.size and _base(one).label == base]
@@ -192,7 +188,7 @@ def _expand(
     for number, one in enumerate(chosen):
         if number >= FIRST and continuation.boat_steps > step_budget:
             break
-        expected = one.expected_chi2 + complexity(one.hypothesis)  # which may overflow
+        expected = one.expected_chi2 + criterion.charge(one.hypothesis)  # which may overflow
         jump = not (one.instance.size or enough) and not _is_hopeless(continuation, one, beam)
         if not fitted or expected < limit or jump:
             made = continuation.fit(0, one.hypothesis, one.x, one.states)

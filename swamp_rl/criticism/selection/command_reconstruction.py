@@ -13,7 +13,6 @@ from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.nuisance.switching_times import command_changes, fit_shares, interpolated_at
 from swamp_rl.criticism.selection.backward_elimination import MIN_SEPARATION, Selection
 from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
-from swamp_rl.criticism.selection.information_criterion import complexity, criterion
 
 Array = NDArray[np.float64]
 
@@ -71,7 +70,7 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
         return None
     less = Hypothesis(tuple(instance for instance, _ in parts))
     plain = fit(problem, less, np.concatenate([NONE, *(own for _, own in parts)]), at.states, STEPS)
-    most = criterion(at) + MIN_SEPARATION - complexity(less)
+    most = continuation.criterion(at) + MIN_SEPARATION - continuation.criterion.charge(less)
     share, shared = fit_common_share(problem, plain, logged)
     if shared.chi2 < most and adequacy(problem, shared).adequate:
         return interpolated(logged, share)
@@ -143,7 +142,7 @@ def is_better(before: Continuation, found: Selection, after: Continuation, again
     """Whether a selection with reconstructed commands ends clearly better."""
 
     def reached(continuation: Continuation, one: Selection) -> float:
-        return criterion(continuation.fit(MIDDLE, one.winner.hypothesis, one.winner.x))
+        return continuation.criterion(continuation.fit(MIDDLE, one.winner.hypothesis, one.winner.x))
 
     return again.adequate > found.adequate or (
         again.adequate == found.adequate and reached(after, again) < reached(before, found) - MIN_GAIN
@@ -159,5 +158,5 @@ def is_simpler(before: Continuation, found: Selection, after: Continuation, agai
     return (
         again.adequate
         and len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)
-        and criterion(other) < criterion(one) + MIN_SEPARATION
+        and after.criterion(other) < before.criterion(one) + MIN_SEPARATION
     )

@@ -2,7 +2,8 @@
 to longer ones, which discriminate between hypotheses.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,16 +18,17 @@ from swamp_rl.criticism.nuisance.lost_rows import (
     with_commands_refined,
     with_relevant_gaps,
 )
-from swamp_rl.criticism.nuisance.unlogged_commands import with_unlogged_commands
+from swamp_rl.criticism.nuisance.unlogged_commands import MIN_GAIN, with_unlogged_commands
 from swamp_rl.criticism.progress import LOG
+from swamp_rl.criticism.selection.information_criterion import InformationCriterion, information_criterion
 
 Array = NDArray[np.float64]
 
 WINDOW_LENGTHS = (5.0, 20.0, np.inf)  # s
 MIDDLE = 1
-LAST = len(WINDOW_LENGTHS) - 1  # whole runs, with the best-fitting commands in gaps
-UNBROKEN = LAST + 1  # beside the window lengths: runs cut only at gaps
-STEPS = (8, 10, 10, 8)  # Jacobians of a fit, by stage
+LAST = len(WINDOW_LENGTHS) - 1  # whole runs, every hypothesis with its own best-fitting commands in gaps
+CORRECTED = LAST + 1  # the same, also with commands that only stood in lost rows, each of them charged
+STEPS = (8, 10, 10, 10)  # Jacobians of a fit, by stage
 ROUNDS = 12  # iterations of the first initial states
 STEPS_WHEN_CLOSE = 16  # Jacobians of a fit whose shorter windows fit well
 MOST_CORRECTIONS = 4  # repetitions of the search for unlogged commands
@@ -37,17 +39,23 @@ CLOSE = 1.1  # chi2 a sample of a fit that is close to the data
 
 @dataclass
 class Continuation:
-    """The same runs cut in windows of every length and unbroken; the fits by stage and hypothesis.
+    """The same runs cut in windows of every length; the fits by stage and hypothesis.
 
-    problems: multiple shooting by stage, the stages being WINDOW_LENGTHS and UNBROKEN; initial_states: (W, 6)
-    by stage.
+    problems: multiple shooting by stage, that of whole runs with the commands as logged; initial_states:
+    (W, 6) by stage; whole: whole runs by stage and hypothesis, with the commands that fit it best.
     """
 
     problems: list[Shooting]
     initial_states: list[Array]
+    criterion: InformationCriterion
     gaps: tuple[Gap, ...] = ()
     fits: dict[tuple[int, str], Fit] = field(default_factory=dict)
+    whole: dict[tuple[int, str], Shooting] = field(default_factory=dict)
     half: Shooting | None = None
+
+    def problem(self, stage: int, hypothesis: Hypothesis) -> Shooting:
+        """The windows that a hypothesis is fitted to at a stage."""
+        return self.whole.get((stage, hypothesis.label), self.problems[stage])
 
     def fit(self, stage: int, hypothesis: Hypothesis, x: Array, states: Array | None = None) -> Fit:
         """The hypothesis fitted at that stage, from x and states (W, 6) or, where there is one, from the fit
@@ -56,20 +64,52 @@ class Continuation:
         key = (stage, hypothesis.label)
         if key in self.fits and self.fits[key].chi2 < np.inf:
             return self.fits[key]
+        if stage == CORRECTED:
+            return self._corrected(self.fit(LAST, hypothesis, x, states))
         below = self.fits.get((stage - 1, hypothesis.label))
         if below is not None:
             x = below.x
             states = self.carried(below, stage)
-        elif states is None:
-            states, _, _ = fit_states(self.problems[stage], hypothesis, x, self.initial_states[stage], ROUNDS)
         good = below is not None and below.chi2 < CLOSE * self.problems[stage - 1].samples
-        steps = STEPS_WHEN_CLOSE if good else STEPS[stage]
-        made = fit(self.problems[stage], hypothesis, x, states, steps, fresh=stage >= LAST)
-        self.fits[key] = made
-        LOG.debug(
-            "segments of %g s: %s, chi2 %.0f", WINDOW_LENGTHS[min(stage, LAST)], hypothesis.label, made.chi2
+        return self.fit_from(
+            stage, hypothesis, x, states, STEPS_WHEN_CLOSE if good else STEPS[stage], stage >= LAST
         )
+
+    def fit_from(
+        self,
+        stage: int,
+        hypothesis: Hypothesis,
+        x: Array,
+        states: Array | None,
+        steps: int,
+        fresh: bool = False,
+    ) -> Fit:
+        """The hypothesis fitted at that stage from x (p,) and states (W, 6), and kept; on whole runs with the
+        best-fitting commands in gaps.
+        """
+        if stage == CORRECTED:
+            return self._corrected(self.fit_from(LAST, hypothesis, x, states, steps))
+        problem = self.problems[stage]
+        if states is None:
+            states, _, _ = fit_states(problem, hypothesis, x, self.initial_states[stage], ROUNDS)
+        if stage == LAST:
+            problem, made = fit_whole_runs(problem, self.gaps, hypothesis, x, states, steps)
+        else:
+            made = fit(problem, hypothesis, x, states, steps, fresh)
+        self.keep(stage, problem, made)
+        LOG.debug("segments of %g s: %s, chi2 %.0f", WINDOW_LENGTHS[stage], hypothesis.label, made.chi2)
         return made
+
+    def _corrected(self, below: Fit) -> Fit:
+        problem, made = with_corrected_commands(self.problem(LAST, below.hypothesis), below)
+        self.keep(CORRECTED, problem, made)
+        return made
+
+    def keep(self, stage: int, problem: Shooting, made: Fit) -> None:
+        """Keep a fit to those windows at a stage."""
+        self.fits[stage, made.hypothesis.label] = made
+        if stage >= LAST:
+            self.whole[stage, made.hypothesis.label] = problem
 
     def not_converged(self, made: Fit, before: float, expected_chi2: float) -> bool:
         """Whether a fit to the shortest windows, far from the data, kept little of the expected fall of chi2
@@ -101,26 +141,35 @@ class Continuation:
     @property
     def boat_steps(self) -> int:
         """Number of simulated steps of a boat so far."""
-        every = [*self.problems, *([self.half] if self.half else [])]
+        every = [*self.problems, *self.whole.values(), *([self.half] if self.half else [])]
         counts = {id(problem): problem.boat_steps[0] for problem in every}  # stages may share a problem
         return sum(counts.values())
-
-    def replace_problem(self, stage: int, problem: Shooting) -> None:
-        """Replace the problem of a stage and drop its fits."""
-        self.problems[stage], self.initial_states[stage] = problem, problem.initial_states()
-        self.fits = {key: made for key, made in self.fits.items() if key[0] != stage}
 
     def carried(self, below: Fit, stage: int) -> Array:
         """(W, 6) initial states of this stage, from the fit of the stage before where a window began at the
         same sample.
         """
-        states = self.initial_states[stage].copy()
-        shorter, longer = self.problems[stage - 1].windows, self.problems[stage].windows
-        starts = {(r, f): i for i, (r, f) in enumerate(zip(shorter.run, shorter.first, strict=True))}
-        for w, key in enumerate(zip(longer.run, longer.first, strict=True)):
-            if key in starts:
-                states[w] = below.states[starts[key]]
-        return states
+        return states_carried(
+            self.problem(stage - 1, below.hypothesis),
+            below.states,
+            self.problems[stage],
+            self.initial_states[stage],
+        )
+
+
+def states_carried(shorter: Shooting, states: Array, longer: Shooting, others: Array) -> Array:
+    """(W, 6) initial states of longer windows, from those of shorter ones that begin at the same sample, and
+    from `others` (W, 6) where none does.
+    """
+    found = others.copy()
+    starts = {
+        (run, first): i
+        for i, (run, first) in enumerate(zip(shorter.windows.run, shorter.windows.first, strict=True))
+    }
+    for w, key in enumerate(zip(longer.windows.run, longer.windows.first, strict=True)):
+        if key in starts:
+            found[w] = states[starts[key]]
+    return found
 
 
 def continuation_of(run_set: RunSet, weight: Array) -> Continuation:
@@ -128,37 +177,48 @@ def continuation_of(run_set: RunSet, weight: Array) -> Continuation:
     cautious = with_relevant_gaps(run_set, weight)
     problems = [Shooting(cautious, weight, seconds) for seconds in WINDOW_LENGTHS]
     problems.append(problems[LAST])
-    return Continuation(problems, [problem.initial_states() for problem in problems], run_set.gaps)
+    return Continuation(
+        problems,
+        [problem.initial_states() for problem in problems],
+        information_criterion(run_set, problems[LAST].samples),
+        run_set.gaps,
+    )
 
 
-def fit_whole_runs(continuation: Continuation, hypothesis: Hypothesis, x: Array) -> Fit:
-    """The fit to whole runs, with the best-fitting commands in gaps; later fits keep these commands."""
-    first = continuation.problems[LAST]
-    if (LAST, hypothesis.label) in continuation.fits:
-        return continuation.fit(LAST, hypothesis, x)
-    run_set = with_best_commands(first.run_set, first.weight, continuation.gaps, hypothesis, x)
-    continuation.replace_problem(LAST, Shooting(run_set, first.weight, first.seconds))
-    made = _with_unlogged_commands(continuation, continuation.fit(LAST, hypothesis, x))
-    again = with_commands_refined(continuation.problems[LAST], made, continuation.gaps)
-    if not np.array_equal(again.commands, continuation.problems[LAST].run_set.commands):
-        continuation.replace_problem(LAST, Shooting(again, first.weight, first.seconds))
-        made = continuation.fit(LAST, hypothesis, made.x)
-    return made
+def fit_whole_runs(
+    logged: Shooting, gaps: Sequence[Gap], hypothesis: Hypothesis, x: Array, states: Array, steps: int
+) -> tuple[Shooting, Fit]:
+    """Whole runs with the best-fitting commands in gaps under a hypothesis, and its fit to them.
+
+    logged: whole runs with the commands as logged; they and the commands of other hypotheses are left as they
+    are.
+    """
+    run_set = with_best_commands(logged.run_set, logged.weight, gaps, hypothesis, x)
+    problem = logged if run_set is logged.run_set else Shooting(run_set, logged.weight, logged.seconds)
+    if len(states) != problem.windows.count:  # of the logged runs, whose windows end at gaps
+        states = states_carried(logged, states, problem, problem.initial_states())
+    made = fit(problem, hypothesis, x, states, steps, fresh=True)
+    again = with_commands_refined(problem, made, gaps)
+    if not np.array_equal(again.commands, problem.run_set.commands):
+        problem = Shooting(again, problem.weight, problem.seconds)
+        made = fit(problem, hypothesis, made.x, made.states, steps, fresh=True)
+    return problem, made
 
 
-def _with_unlogged_commands(continuation: Continuation, made: Fit) -> Fit:
-    """A fit to whole runs with commands that only stood in lost rows, where the residual is then noise."""
-    before, first = continuation.problems[LAST], made
+def with_corrected_commands(problem: Shooting, made: Fit) -> tuple[Shooting, Fit]:
+    """Whole runs with commands that only stood in lost rows, where the residual is then noise, and the fit;
+    its penalty holds `MIN_GAIN` for each such command, so that an effect is preferred to many of them.
+    """
+    before, corrected = (problem, made), 0
     for _ in range(MOST_CORRECTIONS):
-        problem = continuation.problems[LAST]
         if adequacy(problem, made).adequate or made.chi2 > NEARLY * problem.samples:
             break
         run_set = with_unlogged_commands(problem, made)
         if run_set is None:
             break
-        continuation.replace_problem(LAST, Shooting(run_set, problem.weight, problem.seconds))
-        made = continuation.fit(LAST, made.hypothesis, made.x)
-    if made is not first and not adequacy(continuation.problems[LAST], made).adequate:
-        continuation.replace_problem(LAST, before)
-        continuation.fits[(LAST, first.hypothesis.label)] = made = first
-    return made
+        corrected += int((run_set.commands != problem.run_set.commands).any(axis=2).sum())
+        problem = Shooting(run_set, problem.weight, problem.seconds)
+        made = fit(problem, made.hypothesis, made.x, made.states, STEPS[LAST], fresh=True)
+    if not adequacy(problem, made).adequate:
+        return before
+    return problem, replace(made, penalty=made.penalty + MIN_GAIN * corrected)

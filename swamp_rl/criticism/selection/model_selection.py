@@ -32,7 +32,6 @@ from swamp_rl.criticism.selection.continuation import (
     MIDDLE,
     Continuation,
     continuation_of,
-    fit_whole_runs,
 )
 from swamp_rl.criticism.selection.stepwise_selection import select_under_model_error
 
@@ -61,7 +60,7 @@ def select_model(
     """
     tried: list[Continuation] = []
     run_set, continuation, found = _with_reconstruction(run_set, weight, instances, hull, tried, STEP_BUDGET)
-    if found.adequate and found.stage == LAST:
+    if found.adequate and found.stage >= LAST:
         return run_set, continuation, found
     winner, stage = found.winner, LAST if found.adequate else MIDDLE
     if found.adequate and diverged(continuation, winner):
@@ -181,13 +180,13 @@ def slowest_noise(continuation: Continuation, winner: Fit) -> Array:
     """
     stage = MIDDLE if diverged(continuation, winner) else LAST
     at = continuation.fit(stage, winner.hypothesis, winner.x)
-    return _only_positions(_position_noise(continuation.problems[stage], at).noise)
+    return _only_positions(_position_noise(continuation.problem(stage, at.hypothesis), at).noise)
 
 
 def diverged(continuation: Continuation, winner: Fit) -> bool:
     """Whether whole runs leave far more than their windows do, as of a boat that is unstable on course."""
     middle = fit_by_continuation(continuation, winner.hypothesis, winner.x)
-    whole = fit_whole_runs(continuation, winner.hypothesis, winner.x)
+    whole = continuation.fit(LAST, winner.hypothesis, winner.x)
     left = [
         one.chi2 / continuation.problems[stage].samples for stage, one in ((MIDDLE, middle), (LAST, whole))
     ]
@@ -211,8 +210,8 @@ def correlated_noise(
     The noise is estimated again beside a fit that includes it. Process noise also correlates positions: the
     larger likelihood decides.
     """
-    problem = continuation.problems[stage]
     at = continuation.fit(stage, winner.hypothesis, winner.x)
+    problem = continuation.problem(stage, at.hypothesis)
     first = _gauss_markov_noise(problem, at)
     if not (first[:, 0] > 0).any():
         return None

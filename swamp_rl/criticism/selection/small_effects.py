@@ -1,4 +1,4 @@
-"""Selection on unbroken runs of effects too small for short windows, whose action accumulates over a run."""
+"""Selection on whole runs of effects too small for short windows, whose action accumulates over a run."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,28 +7,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.likelihood.adequacy import adequacy
-from swamp_rl.criticism.likelihood.cross_validation import confirmation_by_stretches
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import EffectInstance, by_label
 from swamp_rl.criticism.selection.backward_elimination import (
     DIVERGED,
     STAGES_TESTED,
+    confirmed_on,
     fit_by_continuation,
     without,
 )
-from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, UNBROKEN, Continuation, fit_whole_runs
-from swamp_rl.criticism.selection.information_criterion import MIN_GAIN, complexity, criterion, required_gain
+from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation
 from swamp_rl.criticism.selection.score_test import ScoreTest, at_neutral_values, score_tests
 
 Array = NDArray[np.float64]
 
 SHORTLIST = 5  # candidates that are fitted for each effect
 CLOSE = 40.0  # of the criterion, within which two are compared on longer windows
+NOT_CONVERGED = 8.0  # chi2 by which another start must be better than a fit
 
 
 @dataclass(frozen=True)
 class SmallEffects:
-    """best: on the middle windows, with the effects found on unbroken runs; tried: alternatives, on the
+    """best: on the middle windows, with the effects found on whole runs; tried: alternatives, on the
     shortest.
     """
 
@@ -39,11 +39,11 @@ class SmallEffects:
 def with_small_effects(
     continuation: Continuation, best: Fit, instances: Sequence[EffectInstance], most: int
 ) -> SmallEffects:
-    """The best fit with effects that only unbroken runs show, up to `most`, and alternatives to those that
-    short windows hardly show.
+    """The best fit with effects that only whole runs show, up to `most`, and alternatives to those that short
+    windows hardly show.
     """
-    problem = continuation.problems[UNBROKEN]
-    at = continuation.fit(UNBROKEN, best.hypothesis, best.x)
+    at = continuation.fit(LAST, best.hypothesis, best.x)
+    problem = continuation.problem(LAST, at.hypothesis)
     several = len(np.unique(problem.windows.run)) > 1
     if not several or at.chi2 > DIVERGED * problem.samples:
         return SmallEffects(best, [])
@@ -54,8 +54,7 @@ def with_small_effects(
     more = _forward_selection(continuation, at, instances, most)
     if more.hypothesis != at.hypothesis:
         added = fit_by_continuation(continuation, more.hypothesis, more.x)
-        whole = fit_whole_runs(continuation, more.hypothesis, more.x)
-        if adequacy(continuation.problems[LAST], whole).adequate:
+        if adequacy(continuation.problem(LAST, more.hypothesis), more).adequate:
             best, at = added, more
     every = [at, *_alternatives(continuation, at, instances)]
     return SmallEffects(
@@ -66,39 +65,37 @@ def with_small_effects(
 def _forward_selection(
     continuation: Continuation, at: Fit, instances: Sequence[EffectInstance], most: int
 ) -> Fit:
-    """A fit to unbroken runs with further effects, each confirmed on held-out runs."""
-    problem, comparisons = continuation.problems[UNBROKEN], STAGES_TESTED * len(instances)
+    """A fit to whole runs with further effects, each of which lowers the criterion and predicts held-out runs
+    better.
+    """
     while len(at.hypothesis.instances) < most:
         scores = _ranked(continuation, at, instances)
         if not scores:
             break
-        less = without(
-            continuation,
-            _fitted(continuation, at, instances, scores[:1])[0],
-            scores[0].instance.label,
-            UNBROKEN,
-        )
-        if less.chi2 < at.chi2 - MIN_GAIN:  # the earlier fit had not converged
+        best = _fitted(continuation, at, instances, scores)[0]
+        (added,) = set(best.hypothesis.instances) - set(at.hypothesis.instances)
+        less = without(continuation, best, added.label, LAST)
+        if less.chi2 < at.chi2 - NOT_CONVERGED:
             at = less
             continue
-        best = _fitted(continuation, at, instances, scores)[0]
-        kept = confirmation_by_stretches(problem, best, at, comparisons)
-        if criterion(best) > criterion(at) - MIN_GAIN or not kept.holds:
+        kept = confirmed_on(continuation, LAST, best, less, STAGES_TESTED * len(instances))
+        if continuation.criterion(best) >= continuation.criterion(less) or not kept.gains:
             break
         at = best
     return at
 
 
 def _alternatives(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[Fit]:
-    """Fits to unbroken runs with another effect in place of one that the shortest windows hardly show, where
+    """Fits to whole runs with another effect in place of one that the shortest windows hardly show, where
     their criterion is close.
     """
+    criterion = continuation.criterion
     found: list[Fit] = []
     short = continuation.fit(0, at.hypothesis, at.x)
     for instance in at.hypothesis.instances:
         if criterion(without(continuation, short, instance.label, 0)) > criterion(short) + CLOSE:
             continue
-        less = without(continuation, at, instance.label, UNBROKEN)
+        less = without(continuation, at, instance.label, LAST)
         others = [one for one in instances if one.label != instance.label]
         fitted = _fitted(continuation, less, others, _ranked(continuation, less, others))
         found += [one for one in fitted if criterion(one) < criterion(at) + CLOSE]
@@ -111,28 +108,29 @@ def is_small(instance: EffectInstance) -> bool:
 
 
 def _ranked(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
-    """The most promising score tests of one more effect on unbroken runs, in order."""
-    problem = continuation.problems[UNBROKEN]
+    """The most promising score tests of one more effect on whole runs, in order."""
+    problem = continuation.problem(LAST, at.hypothesis)
     begun = [
         one if one.effect.begin == "spectral" else at_neutral_values(one, problem.boat)
         for one in instances
         if is_small(one)
     ]
+    criterion = continuation.criterion
     scores = [
         one
         for one in score_tests(problem, at, begun)
-        if at.chi2 - one.expected_chi2 > required_gain(one.instance)
+        if at.chi2 - one.expected_chi2 > criterion.required_gain(at.hypothesis, one.instance)
     ]
-    return sorted(scores, key=lambda one: one.expected_chi2 + complexity(one.hypothesis))[:SHORTLIST]
+    return sorted(scores, key=lambda one: one.expected_chi2 + criterion.charge(one.hypothesis))[:SHORTLIST]
 
 
 def _fitted(
     continuation: Continuation, at: Fit, instances: Sequence[EffectInstance], scores: Sequence[ScoreTest]
 ) -> list[Fit]:
-    """Fits to unbroken runs of the given score tests, best first."""
+    """Fits to whole runs of the given score tests, best first."""
     known = by_label(instances)
     made = [
-        continuation.fit(UNBROKEN, at.hypothesis.with_instance(known[one.instance.label]), one.x, at.states)
+        continuation.fit(LAST, at.hypothesis.with_instance(known[one.instance.label]), one.x, at.states)
         for one in scores
     ]
-    return sorted(made, key=criterion)
+    return sorted(made, key=continuation.criterion)

@@ -18,6 +18,7 @@ from swamp_rl.criticism.nuisance.model_error import ModelError, model_error
 from swamp_rl.criticism.selection.backward_elimination import MOST_RIVALS, Selection, nested, without
 from swamp_rl.criticism.selection.beam_search import MIN_INFORMATION
 from swamp_rl.criticism.selection.continuation import Continuation
+from swamp_rl.criticism.selection.information_criterion import information_criterion
 from swamp_rl.criticism.selection.score_test import ScoreTest, at_neutral_values, score_tests
 
 Array = NDArray[np.float64]
@@ -59,8 +60,10 @@ def select_under_model_error(
 
 def single_stage(weighted: ModelError) -> Continuation:
     """A continuation whose every stage is that of the model error, its fit known."""
-    continuation = Continuation([weighted.problem] * 3, [weighted.problem.initial_states()] * 3)
-    for stage in range(3):
+    problem = weighted.problem
+    criterion = information_criterion(problem.run_set, problem.samples / problem.correlation_samples)
+    continuation = Continuation([problem] * 4, [problem.initial_states()] * 4, criterion)
+    for stage in range(len(continuation.problems)):
         continuation.fits[stage, weighted.fit.hypothesis.label] = weighted.fit
     return continuation
 
