@@ -11,7 +11,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.carry_over import written_fit
 from swamp_rl.criticism.inference.cause_share import Witness, witnesses
 from swamp_rl.criticism.likelihood.output_error import Fit
-from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates, differing
 from swamp_rl.criticism.selection.continuation import Continuation, continuation_of
 from tests.support.criticism import DT, SECONDS, driven
 
@@ -65,6 +65,14 @@ def test_a_resistance_that_stands_for_the_wind_is_written_only_where_no_wind_was
 def test_a_thrust_that_is_lost_is_written_beside_the_wind_that_was_left_out() -> None:
     runs = ignored(upwind({"effect": "thrust_scale", "scale": 0.8}), FROM)
     assert judged(runs, "thrust_scale", "wind") == (["thrust_scale", "wind"], [])
+
+
+def test_what_each_run_has_of_its_own_is_not_judged_on_other_runs() -> None:
+    wind = by_label(candidates(BLOWN.boat, SECONDS))["wind"]
+    own = differing(wind, "run", (0, 1))
+    for others in (False, True):
+        on = Witness(BLOWN, weights(BLOWN, noise_levels(BLOWN)), others)
+        assert on.judges(wind) and on.judges(own) is not others
 
 
 @pytest.mark.parametrize("angle", [FROM, FROM + np.pi])

@@ -36,7 +36,11 @@ class Witness:
     measured_wind: bool = False
 
     def judges(self, instance: EffectInstance) -> bool:
-        """Whether an effect instance is one that predictions here depend on."""
+        """Whether an effect instance is one that predictions here depend on: not what other runs had of their
+        own.
+        """
+        if self.others and instance.groups:
+            return False
         return not self.measured_wind or instance.effect.scope == "boat"
 
     def errors(self, continuation: Continuation, stage: int, of: Fit, horizon: float) -> Predicted:
