@@ -214,6 +214,7 @@ def _propeller(sizes: Sizes, diameter: float) -> dict[str, Any]:
         "astern_thrust": assumed([-0.251, -0.175, 0.33, -0.233], "1", OSAKA, 0.05),
         "side_force": assumed([0.0] * 8, "1", "none: which way it turns is not known", 0.005),
         "yaw_moment": assumed([0.0] * 8, "1", "none: which way it turns is not known", 0.002),
+        "side_share": assumed(0.0, "1", "none: which way it turns is not known"),
     }
 
 
@@ -230,6 +231,7 @@ def _rudder(sizes: Sizes) -> dict[str, Any]:
         "a_h": assumed(3.6 * f, "1", f"{YOSHIMURA}, 3.6 C_B B/L", 0.2),
         "x_h": assumed(-0.4, "1", YOSHIMURA, 0.1),
         "flow_lever": assumed(-0.9, "1", YOSHIMURA, 0.2),
+        "drift_slope": assumed(0.0, "1/rad", "ours, the same in drift"),
         "gamma_p": assumed(gamma, "1", f"{YOSHIMURA}, 2.06 C_B B/L + 0.14", 0.15),
         "gamma_n": assumed(gamma, "1", f"{YOSHIMURA}, 2.06 C_B B/L + 0.14", 0.15),
         "epsilon": assumed(epsilon, "1", f"{YOSHIMURA}, 2.26 - 1.82 (1 - w)", 0.3),

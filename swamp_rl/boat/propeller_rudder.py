@@ -41,6 +41,8 @@ class Propeller(Part):
     "A0 to A4 of Hachii, turning astern; A5 to A7 of Ueno, turning ahead in sternway."
     yaw_moment: Coefficients
     "B0 to B7: the same for the yaw moment."
+    side_share: Annotated[float, Unit("1")] = 0.0
+    "Further force to starboard, as a share of the thrust along the boat, to port astern."
 
     @model_validator(mode="after")
     def _coefficients_are_whole(self) -> Self:
@@ -73,6 +75,8 @@ class Rudder(Part):
     "x'_H: where that force acts, lengths forward of midship."
     flow_lever: Annotated[float, Unit("1")]
     "l'_R of v_R = −γ_R (v + l'_R L r)."
+    drift_slope: Annotated[float, Unit("1/rad")] = 0.0
+    "s of γ_R (1 + s |β_R|): what the drift at the rudder adds to γ_R, of that flow against u."
     gamma_p: Annotated[float, NOT_NEGATIVE, Unit("1")]
     "γ_R where the stern moves to starboard."
     gamma_n: Annotated[float, NOT_NEGATIVE, Unit("1")]

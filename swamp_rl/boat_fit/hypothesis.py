@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 WIND_SD = 3.0  # m/s, prior of each component of a run's mean wind
 OF_ACTUATORS = ("pump_time_constant", "azimuth_time_constant", "command_delay")  # fields of the record
-CALM = 0.3  # m/s, where the fit of a wind begins: at none the boat's own air drag is left out
+CALM = 0.3  # m/s, where the fit of a wind begins: at none a boat at rest does not feel it change
 NUMBERS = Effect("boat", (), "actuator", "replace", "numbers of the boat file", "", moves_actuators=True)
 
 

@@ -14,8 +14,9 @@ from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet, read_run_set
+from swamp_rl.criticism.inference.carry_over import written_fit
 from swamp_rl.criticism.inference.cause_list import CauseList, list_causes
-from swamp_rl.criticism.inference.cause_share import cause_shares
+from swamp_rl.criticism.inference.cause_share import Witness, witnesses
 from swamp_rl.criticism.inference.correlation import correlation
 from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.inference.finding import Finding
@@ -33,7 +34,7 @@ from swamp_rl.criticism.nuisance.model_error import in_noise_units
 from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, GaussMarkovNoise, SmoothedNoise, Verdict
-from swamp_rl.criticism.selection.backward_elimination import Selection, without_all
+from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.hidden_effects import hidden_effects
 from swamp_rl.criticism.selection.model_selection import select_model
@@ -113,11 +114,15 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
     forces = residual_forces(run_set, weight, found.winner.hypothesis, found.winner.x)
 
     LOG.info("confirmation on held-out runs, prediction errors")
-    on = (run_set, weight, False) if other is None else (other, weights(other, noise_levels(other)), True)
+    on = (
+        Witness(run_set, weight, False)
+        if other is None
+        else Witness(other, weights(other, noise_levels(other)), True)
+    )
     noise = {n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)}
-    listed = list_causes(judged, found, cause_shares(continuation, found, on, rng), noise)
+    written, shares, left_out = written_fit(continuation, found.winner, found.stage, witnesses(on, rng), rng)
+    listed = list_causes(judged, found, shares, left_out, noise)
     found = found if listed.sound else replace(found, adequate=False)
-    written = without_all(continuation, found, listed.left_out)
 
     hidden = hidden_effects(run_set, weight, judged, found, [*every, *([hull] if hull else [])])
 
@@ -126,7 +131,7 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
 
     diagnosis = Diagnosis(
         verdict=verdict_of(found, listed),
-        predictors=trivial_predictors(*on[:2]),
+        predictors=trivial_predictors(on.run_set, on.weight),
         causes=listed.causes,
         minor=listed.minor,
         nuisance=listed.nuisance,
@@ -232,14 +237,13 @@ def _candidates(continuation: Continuation, found: Selection, rng: np.random.Gen
 
 
 def _gains(
-    on: tuple[RunSet, Array, bool],
+    on: Witness,
     continuation: Continuation,
     stage: int,
     written: Fit,
     rng: np.random.Generator,
 ) -> list[Gain]:
-    run_set, weight, others = on
-    hypothesis, numbers = judged_numbers(
-        continuation.problem(stage, written.hypothesis), written, len(run_set.lengths), others
-    )
-    return gains(run_set, weight, hypothesis, numbers, rng)
+    runs = len(on.run_set.lengths)
+    problem = continuation.problem(stage, written.hypothesis)
+    hypothesis, numbers = judged_numbers(problem, written, runs, on.others)
+    return gains(on.run_set, on.weight, hypothesis, numbers, rng)

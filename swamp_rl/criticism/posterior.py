@@ -10,6 +10,7 @@ from swamp_rl.criticism.figures.result import FiguresDiagnosis
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.effects.correlated import factor_of
 from swamp_rl.effects.declare import LIBRARY, Parameter
+from swamp_rl.effects.random_entry import COMPONENTS
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.files import find_config, read_yaml, write_yaml
@@ -24,8 +25,10 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
 
     Each parameter is normal with its estimate and standard error, truncated at the effect's bounds, and
     correlated as in the diagnosis. One at a bound of the fit is constant, since its standard error is
-    meaningless. among: a level whose start and other effects are included. UserError where the diagnosis
-    cannot be read or names no cause, or that level has correlations of its own.
+    meaningless. What differs between runs is drawn for another run: from the normal distribution of the
+    runs, a vector by component, its variance that of the runs and of their mean. among: a level whose start
+    and other effects are included. UserError where the diagnosis cannot be read or names no cause, or that
+    level has correlations of its own.
     """
     found = _read(diagnosis)
     if not found.causes:
@@ -76,17 +79,44 @@ def _entry(cause: Cause, where: Path) -> dict[str, Any]:
         if not math.isfinite(found.value) or not 0.0 <= found.standard_error < math.inf:
             raise UserError(f"{where}: {cause.effect}: {name} is no number with an error; diagnose anew")
     thruster = {} if cause.thruster is None else {"thruster": cause.thruster}
-    numbers = {name: _drawn(effect.parameter(name), value) for name, value in cause.parameters.items()}
+    if cause.spread and effect.vector:
+        return {"effect": cause.effect, **thruster, COMPONENTS: _between_runs(cause, *effect.vector)}
+    numbers = {
+        name: _drawn(effect.parameter(name), _of_another_run(cause, name)) for name in cause.parameters
+    }
     return {"effect": cause.effect, **thruster, **numbers}
+
+
+def _of_another_run(cause: Cause, name: str) -> Estimate:
+    """A parameter as it is for another run: its mean, the variance that of the runs and of the mean."""
+    found = cause.parameters[name]
+    if name not in cause.spread:
+        return found
+    size = math.hypot(found.standard_error, cause.spread[name].value)
+    return found.model_copy(update={"standard_error": size, "at_bound": False})
+
+
+def _between_runs(cause: Cause, size: str, direction: str) -> dict[str, Any]:
+    """The components of a vector that differs between runs, by name, each drawn."""
+    length, angle = (cause.parameters[name] for name in (size, direction))
+    along, across = length.standard_error, length.value * angle.standard_error
+    drawn = {}
+    for name, part, other in (("north", math.cos, math.sin), ("east", math.sin, math.cos)):
+        mean = length.value * part(angle.value)
+        of_mean = math.hypot(along * part(angle.value), across * other(angle.value))
+        deviation = math.hypot(of_mean, cause.spread[name].value)
+        ends = [mean - REACH * deviation, mean + REACH * deviation]
+        drawn[name] = {"normal": [mean, deviation, *ends]} if deviation > 0.0 else mean
+    return drawn
 
 
 def _correlated(entries: list[dict[str, Any]], matrix: list[list[float]]) -> dict[str, Any]:
     """The key `correlated` of the random parameters; nothing where none are correlated."""
     every = [
-        (f"{place}.{name}", isinstance(value, dict))
+        (f"{place}.{name}", isinstance(value, dict) and not isinstance(entry.get(COMPONENTS), dict))
         for place, entry in enumerate(entries)
-        for name, value in entry.items()
-        if name not in ("effect", "thruster")
+        for name, value in (entry | entry.get(COMPONENTS, {})).items()
+        if name not in ("effect", "thruster", COMPONENTS)
     ]
     drawn = [i for i, (_, is_drawn) in enumerate(every) if is_drawn]
     square = len(matrix) == len(every) and all(len(row) == len(every) for row in matrix)

@@ -50,7 +50,8 @@ class HeldOut(Part):
 
 class Share(Part):
     """Root mean square error [m, rad] of predictions at a horizon on held-out runs, without a cause, the
-    others fitted anew, and with it; ci95: of the difference, without less with.
+    others fitted anew, and with it; ci95: of the difference, without less with. wind: whether the effects of
+    weather that were fitted act, or the measured wind that was left out of the fit.
     """
 
     horizon_s: float
@@ -58,6 +59,7 @@ class Share(Part):
     without: float
     with_cause: float
     ci95: tuple[float, float]
+    wind: Literal["fitted", "measured"] = "fitted"
 
 
 class Predictors(Part):
@@ -80,7 +82,7 @@ class Cause(Part):
     distribution with the mean `parameters` and the standard deviation `spread`, of a vector by component.
     held_out: its confirmation, none for the hull's derivatives beside a cause. share: what it accounts for of
     the prediction error. carries_over: False where a position error on held-out runs is larger with it beyond
-    chance; it is not written then.
+    chance, in the fitted wind or in the measured one; it is not written then.
     """
 
     effect: str

@@ -76,6 +76,7 @@ def _in_proportion(entry: Any, ratios: Sequence[float]) -> Any:
         return entry
     units = {parameter.name: parameter.unit for parameter in effect.parameters}
     units["disc"] = units.get("north", "1")
+    units["components"] = units[effect.vector[0]] if effect.vector else "1"
     return {key: _times(value, _factor(units.get(key), ratios)) for key, value in entry.items()}
 
 

@@ -29,6 +29,7 @@ from swamp_rl.effects.entries import (
 from swamp_rl.errors import UserError
 
 DISC = ("north", "east")
+COMPONENTS = "components"
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,8 @@ class RandomEntry:
 
     selectors: the equally likely thrusters (or `all`), (None,) where the effect has no selector. disc: radius
     within which north and east [their unit] are drawn, direction and length uniform; None where they have
-    distributions of their own. probability: of the effect being there at all.
+    distributions of their own. probability: of the effect being there at all. by_components: whether `values`
+    holds the north and east component of the effect's vector in place of its size and direction.
     """
 
     effect: Effect
@@ -73,6 +75,7 @@ class RandomEntry:
     values: Mapping[str, Distribution]
     disc: float | None
     probability: float
+    by_components: bool = False
 
     @property
     def _widths(self) -> list[int]:
@@ -103,27 +106,56 @@ class RandomEntry:
             direction, length = 2.0 * math.pi * disc[:, 0], self.disc * disc[:, 1]
             values["north"] = length * each(math.cos, direction)
             values["east"] = length * each(math.sin, direction)
+        if self.by_components and self.effect.vector:
+            north, east = (values.pop(name) for name in DISC)
+            size, direction_name = self.effect.vector
+            pairs = list(zip(north.tolist(), east.tolist(), strict=True))
+            values[size] = np.array([math.hypot(*pair) for pair in pairs])
+            values[direction_name] = np.array([math.atan2(y, x) for x, y in pairs])
         return Drawn(self.effect, on, which, self.selectors, values)
 
 
 def parse_random_entry(entry: Any, where: str, thruster_names: Sequence[str]) -> RandomEntry:
     """An entry of a disturbance level; `where` begins every message. UserError."""
     has_disc = isinstance(entry, Mapping) and _takes_disc(entry.get("effect"))
-    effect, given = effect_and_keys(entry, where, ("probability", "disc") if has_disc else ("probability",))
+    own = [*(["disc"] if has_disc else []), *([COMPONENTS] if _has_vector(entry) else [])]
+    effect, given = effect_and_keys(entry, where, ("probability", *own))
     where = f"{where} {effect.name}"
     probability = _probability(given.pop("probability", 1.0), where)
     selectors: tuple[Selector, ...] = (None,)
     if effect.selects:
         selectors = _selectors(effect, given.pop("thruster", None), where, thruster_names)
     disc = _disc(effect, given, where) if "disc" in given else None
+    parts = _components(effect, given, where) if COMPONENTS in given else {}
     values = {name: _bounded(effect.parameter(name), value, where) for name, value in given.items()}
     if disc is None:
+        values |= dict.fromkeys(effect.vector or (), Distribution("number", (0.0,))) if parts else {}
         values = complete(effect, values, where, lambda number: Distribution("number", (number,)))
-    return RandomEntry(effect, selectors, values, disc, probability)
+    if parts:
+        values = parts | {name: one for name, one in values.items() if name not in (effect.vector or ())}
+    return RandomEntry(effect, selectors, values, disc, probability, bool(parts))
 
 
 def _takes_disc(name: Any) -> bool:
     return isinstance(name, str) and name in LIBRARY and set(DISC) <= set(LIBRARY[name].parameter_names)
+
+
+def _has_vector(entry: Any) -> bool:
+    named = entry.get("effect") if isinstance(entry, Mapping) else None
+    return isinstance(named, str) and named in LIBRARY and LIBRARY[named].vector is not None
+
+
+def _components(effect: Effect, given: dict[str, Any], where: str) -> dict[str, Distribution]:
+    """The distributions of the north and east component of an effect's vector."""
+    size, direction = effect.vector or ("", "")
+    parts = given.pop(COMPONENTS)
+    for name in (size, direction):
+        if name in given:
+            raise UserError(f"{where}: {COMPONENTS} draws {size} and {direction}; remove {name}")
+    if not isinstance(parts, Mapping) or set(parts) != set(DISC):
+        raise UserError(f"{where}: {COMPONENTS} must be {{north: ..., east: ...}}, each drawn, not {parts!r}")
+    unit = effect.parameter(size).unit
+    return {name: parse_distribution(parts[name], f"{where}: {COMPONENTS}.{name} [{unit}]") for name in DISC}
 
 
 def _probability(given: Any, where: str) -> float:

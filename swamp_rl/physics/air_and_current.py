@@ -24,6 +24,21 @@ def wind_forces(ahead: float, starboard: float, p: Any) -> tuple[float, float, f
 
 
 @compiled
+def wind_push(
+    u: float, v: float, wind_ahead: float, wind_starboard: float, p: Any
+) -> tuple[float, float, float]:
+    """Force and moment that a wind adds to those of calm air: F(u + w_u, v + w_v) − F(u, v), F `wind_forces`.
+
+    u, v: the boat's velocity over ground, wind_ahead, wind_starboard: components of where the wind comes from
+    [m/s]. Decision: what F gives for the boat's own speed is taken off, since the towing tank's resistance
+    holds it already; so the push is zero, and continuous, where the wind is zero.
+    """
+    windy = wind_forces(u + wind_ahead, v + wind_starboard, p)
+    calm = wind_forces(u, v, p)
+    return windy[0] - calm[0], windy[1] - calm[1], windy[2] - calm[2]
+
+
+@compiled
 def current_forces(ahead: float, starboard: float, p: Any) -> tuple[float, float, float]:
     """Force and moment of a flow on the underwater hull in DNV's form (8.20 to 8.22).
 

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from swamp_rl.physics.air_and_current import current_push, wind_forces
+from swamp_rl.physics.air_and_current import current_push, wind_push
 from swamp_rl.physics.compile import compiled
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.propulsion import propulsion_forces
@@ -50,9 +50,9 @@ def external_forces(
     """
     surge, sway, yaw = 0.0, 0.0, 0.0
     if wind[0] != 0.0 or wind[1] != 0.0:
-        ahead = wind[0] * cos + wind[1] * sin + u_ground
-        starboard = wind[1] * cos - wind[0] * sin + v_ground
-        surge, sway, yaw = wind_forces(ahead, starboard, p)
+        ahead = wind[0] * cos + wind[1] * sin
+        starboard = wind[1] * cos - wind[0] * sin
+        surge, sway, yaw = wind_push(u_ground, v_ground, ahead, starboard, p)
     if p.current_as_force != 0.0:
         current = current_at(time, p)
         if current[0] != 0.0 or current[1] != 0.0:

@@ -26,11 +26,12 @@ def propeller_with_rudder(
     wake = wake_factor(u, v, r, k, p)
     x_propeller, y_propeller, n_propeller, thrust = propeller_forces(n, u, wake, k, p)
     u_rudder = inflow_ahead(n, u, wake, gain * thrust, k, p)
-    x_rudder, y_rudder, n_rudder = rudder_forces(angle, u_rudder, inflow_across(v, r, k, p), k, p)
+    x_rudder, y_rudder, n_rudder = rudder_forces(angle, u_rudder, inflow_across(u, v, r, k, p), k, p)
+    side = p.propeller_side_share[k] * x_propeller
     return (
         gain * x_propeller + x_rudder,
-        gain * y_propeller + y_rudder,
-        gain * n_propeller + n_rudder,
+        gain * (y_propeller + side) + y_rudder,
+        gain * (n_propeller + p.thruster_x[k] * side) + n_rudder,
     )
 
 

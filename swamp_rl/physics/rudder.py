@@ -31,10 +31,13 @@ def inflow_ahead(n: float, u: float, wake: float, thrust: float, k: int, p: Any)
 
 
 @compiled
-def inflow_across(v: float, r: float, k: int, p: Any) -> float:
-    """v_R = −γ_R (v + l_R L r) [m/s]: the flow across at the rudder, straightened by the hull."""
+def inflow_across(u: float, v: float, r: float, k: int, p: Any) -> float:
+    """v_R = −γ_R (1 + s |β_R|) w [m/s], w = v + l_R L r: the flow across at the rudder, straightened by the
+    hull, by less with its drift β_R = atan2(|w|, |u|) where s > 0.
+    """
     gamma = p.rudder_gamma_p[k] if v + p.thruster_x[k] * r >= 0.0 else p.rudder_gamma_n[k]
-    return -gamma * (v + p.rudder_flow_lever[k] * p.length * r)
+    across = v + p.rudder_flow_lever[k] * p.length * r
+    return -gamma * (1.0 + p.rudder_drift_slope[k] * math.atan2(abs(across), abs(u))) * across
 
 
 @compiled

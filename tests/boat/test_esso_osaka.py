@@ -15,6 +15,7 @@ from swamp_rl.envs.world import world_of
 from swamp_rl.boat import PropellerRudder, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.physics.propulsion import propeller_with_rudder
+from swamp_rl.physics.rudder import inflow_across
 from swamp_rl.runs import Run
 from swamp_rl.runs.free_running import import_free_running
 from swamp_rl.simulator import initial_state, parameters, step, tank
@@ -48,6 +49,27 @@ def sailed(
         step(state, params, tank(BOAT), command, np.zeros(boats, np.uint64), 0.1, 2)
         track.append(state[0].copy())
     return np.array(track)
+
+
+def test_the_drift_at_the_rudder_adds_its_share_to_the_flow_straightening() -> None:
+    plain, steep = P.copy(), P.copy()
+    steep["rudder_drift_slope"] = 0.8
+    u, v, r = 0.3, -0.05, 0.02
+    across = v + main().rudder.flow_lever * BOAT.length * r
+    drift = math.atan2(abs(across), u)
+    both = [inflow_across(u, v, r, 0, p) for p in (plain, steep)]
+    assert both[1] / both[0] == pytest.approx(1.0 + 0.8 * drift)
+
+
+@pytest.mark.parametrize("n", [8.0, -8.0])
+def test_a_side_force_of_the_propeller_is_a_share_of_its_thrust_and_acts_where_it_is(n: float) -> None:
+    sided = P.copy()
+    sided["propeller_side_share"] = 0.1
+    plain, other = (propeller_with_rudder(0.0, n, 0.2, 0.0, 0.0, 0, p) for p in (P, sided))
+    thrust = plain[0]  # the rudder amidships in a straight flow has no drag
+    assert other[0] == plain[0]
+    assert other[1] - plain[1] == pytest.approx(0.1 * thrust)
+    assert other[2] - plain[2] == pytest.approx(0.1 * thrust * main().rudder.x)
 
 
 def formula(delta: float, n: float, u: float, v: float, r: float) -> tuple[float, float, float]:

@@ -50,9 +50,9 @@ def test_a_cause_without_a_finite_standard_error_is_not_claimed(fitted: tuple[Sh
     problem, at = fitted
     endless = replace(at.normal, information=np.full_like(at.normal.information, np.inf))
     search = Selection(replace(at, normal=endless), True, 2, [], [], [], [])
-    refused = list_causes(problem, search, {}, {})
+    refused = list_causes(problem, search, {}, [], {})
     assert (refused.causes, refused.sound) == ([], False)
-    claimed = list_causes(problem, replace(search, winner=at), {}, {})
+    claimed = list_causes(problem, replace(search, winner=at), {}, [], {})
     assert claimed.sound
     assert [cause.effect for cause in claimed.causes] == ["thruster_gain"]
 

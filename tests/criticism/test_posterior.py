@@ -53,6 +53,51 @@ def test_what_is_drawn_has_the_mean_and_the_standard_error_of_the_diagnosis(tmp_
         assert record[field].std() == pytest.approx(doubt, rel=0.03)
 
 
+def test_a_wind_that_differs_between_runs_is_drawn_for_another_run(tmp_path: Path) -> None:
+    north, east, sure, spread = -1.0, 2.0, 0.1, 1.5
+    cause = {
+        "effect": "wind",
+        "parameters": {
+            "speed": estimate(float(np.hypot(north, east)), sure, "m/s"),
+            "from": estimate(float(np.arctan2(east, north)), sure / np.hypot(north, east), "rad"),
+        },
+        "scope": "run",
+        "spread": {
+            name: {"value": spread, "low": 0.5, "high": 4.0, "unit": "m/s"} for name in ("north", "east")
+        },
+    }
+    matrix = (0.5 * np.eye(4) + 0.5).tolist()
+    write_posterior(diagnosis(tmp_path, cause, CURRENT, correlation=matrix), tmp_path / "found.yaml")
+    level = load_disturbances(tmp_path / "found.yaml", BOAT.thruster_names)
+    record = parameters(BOAT, 20_000)
+    level.apply(record, np.random.default_rng(0).random((20_000, level.draw_count)))
+    for part, mean in ((np.cos, north), (np.sin, east)):
+        drawn = record["wind_speed"] * part(record["wind_from"])
+        assert drawn.mean() == pytest.approx(mean, abs=0.05)
+        assert drawn.std() == pytest.approx(np.hypot(spread, sure), rel=0.03)
+    assert np.corrcoef(record["current_north"], record["current_east"])[0, 1] == pytest.approx(0.5, abs=0.03)
+
+
+def test_a_current_that_differs_between_runs_is_as_wide_as_these_differ(tmp_path: Path) -> None:
+    spread = {name: {"value": 0.4, "low": 0.1, "high": 1.0, "unit": "m/s"} for name in ("north", "east")}
+    level = write_posterior(
+        diagnosis(tmp_path, CURRENT | {"scope": "run", "spread": spread}), tmp_path / "found.yaml"
+    )
+    assert level["effects"][0]["north"]["normal"][:2] == pytest.approx([0.2, np.hypot(0.02, 0.4)])
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ({"components": {"north": 1.0}}, "must be {north: ..., east: ...}"),
+        ({"components": {"north": 1.0, "east": 0.0}, "speed": 2.0}, "remove speed"),
+    ],
+)
+def test_components_that_are_no_vector_are_refused(entry: dict[str, Any], said: str) -> None:
+    with pytest.raises(UserError, match=said):
+        load_disturbances([{"effect": "wind", **entry}], BOAT.thruster_names)
+
+
 def test_nothing_is_drawn_beyond_the_bounds_of_an_effect(tmp_path: Path) -> None:
     write_posterior(diagnosis(tmp_path, WEAK), tmp_path / "found.yaml")
     level = load_disturbances(tmp_path / "found.yaml", BOAT.thruster_names)

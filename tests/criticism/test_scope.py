@@ -12,7 +12,13 @@ from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.likelihood.cross_validation import heldout_numbers
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, by_label, candidates
+from swamp_rl.criticism.model.candidates import (
+    EffectInstance,
+    Hypothesis,
+    by_label,
+    candidates,
+    differing,
+)
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.report.words import spread_sets
 from swamp_rl.criticism.selection.backward_elimination import nested
@@ -109,6 +115,29 @@ def test_a_wald_test_tells_wind_from_none() -> None:
     assert wald_statistic(problem, at, EVERY["wind by_run"]) > 100.0
     calm = replace(at, x=np.array([at.x[0], *([0.0] * 6)]))
     assert wald_statistic(problem, calm, EVERY["wind by_run"]) < 1.0
+
+
+def test_waves_that_differ_between_runs_are_fitted_run_by_run() -> None:
+    true = [(15.0, 0.30, 0.4, 0.3), (12.0, 0.22, -1.0, -0.5), (20.0, 0.40, 2.0, 0.0)]  # N, Hz, rad, rad
+    names = ("force", "frequency", "from", "phase")
+    sailed = [
+        simulated_runs([{"effect": "waves"} | dict(zip(names, one, strict=True))], seed)
+        for seed, one in enumerate(true)
+    ]
+    measured = np.stack([one.measured[run] for run, one in enumerate(sailed)])
+    runs = replace(RUNS, measured=measured)
+    each = differing(by_label(candidates(runs.boat, SECONDS))["waves"], "run", (0, 1, 2))
+    components = [(f * np.cos(a), hz, f * np.sin(a), phase) for f, hz, a, phase in true]
+    problem = Shooting(runs, weights(runs, noise_levels(runs)), 20.0)
+    # a frequency as a spectrum tells it: to less than half a period in a run
+    begin = np.array(components) * [0.85, 1.0, 0.85, 1.0] + [0.0, 0.005, 0.0, 0.1]
+    at = fit(problem, Hypothesis((each,)), begin.ravel(), problem.initial_states())
+    (found,) = causes_of(problem, at)
+    off = {"force": 1.5, "frequency": 0.005, "from": 0.1, "phase": 0.2}  # N, Hz, rad, rad
+    for run, one in zip(RUNS.names, true, strict=True):
+        for name, value in zip(names, one, strict=True):
+            number = found.groups[run][name]
+            assert abs(number.value - value) < min(4.0 * number.standard_error, off[name]), (run, name)
 
 
 def test_days_are_groups_where_a_dataset_names_them() -> None:

@@ -8,6 +8,7 @@ from scipy.integrate import quad
 
 from swamp_rl.boat import load_boat
 from swamp_rl.physics.hull import crossflow_integrals
+from swamp_rl.physics.motion import external_forces
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE
 from tests.support.boats import Array, commands, forces_on_hull, track
@@ -108,6 +109,29 @@ def test_wind_from_starboard_pushes_to_port() -> None:
 def test_a_head_wind_slows_the_boat() -> None:
     ahead = commands(0, 0, (1, 1, 0, 0), 300)
     assert track(BOAT, ahead, wind_speed=5.0, wind_from=0.0)[-1, SURGE] < track(BOAT, ahead)[-1, SURGE]
+
+
+@pytest.mark.parametrize("current", [0.0, 0.3])
+def test_a_wind_that_dies_away_leaves_the_track_of_calm_air(current: float) -> None:
+    command = lively_commands(2)
+    calm = track(BOAT, command, current_north=current)
+    apart = [
+        np.abs(track(BOAT, command, current_north=current, wind_speed=speed, wind_from=1.1) - calm).max()
+        for speed in (1e-4, 1e-6)
+    ]
+    assert 0.0 < apart[1] < 0.02 * apart[0] < 1e-4
+
+
+def test_the_tank_measured_the_boats_own_air_drag_so_a_wind_adds_what_calm_air_lacks() -> None:
+    p = parameters(load_boat("swamp"))[0]
+    own, wind = 1.2, 5.0  # m/s: a head wind on a boat that goes ahead
+
+    def drag(speed: float) -> float:
+        return float(0.5 * p["air_density"] * p["air_frontal_area"] * p["air_c_x"] * speed**2)
+
+    surge, sway, yaw = external_forces(1.0, 0.0, own, 0.0, 0.0, (wind, 0.0), p)
+    assert surge == pytest.approx(drag(own) - drag(own + wind))
+    assert sway == yaw == 0.0
 
 
 def test_a_thruster_to_starboard_pushing_ahead_turns_the_bow_to_port() -> None:

@@ -52,8 +52,9 @@ class RunSet:
     the order of CHANNELS (SI, rad, heading unwrapped), NaN where there is none; lengths: (R,) samples of each
     run; gaps: where the commands are unknown; gauss_markov: (6, 2) standard deviation [the channel's unit]
     and time constant [s] of the Gauss-Markov part of the noise, None where it is white; too_short: names of
-    runs that are left out; weather: (R or 0, T, 3), rows of `measured_weather`; origin: the run that
-    each is a part of, itself where empty; days: the group that a dataset gives each run, or none.
+    runs that are left out; weather: (R or 0, T, 3), rows of `measured_weather`; ignored: the same with
+    the measured wind, where that was left out; origin: the run that each is a part of, itself where empty;
+    days: the group that a dataset gives each run, or none.
     """
 
     boat: Boat
@@ -66,6 +67,7 @@ class RunSet:
     gauss_markov: Array | None = None
     too_short: tuple[str, ...] = ()
     weather: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    ignored: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
     origin: tuple[int, ...] = ()
     days: tuple[str, ...] = ()
 
@@ -92,6 +94,7 @@ class RunSet:
             tuple(Gap(runs.index(gap.run), gap.row, gap.rows) for gap in self.gaps if gap.run in runs),
             self.gauss_markov,
             weather=self.weather[runs] if len(self.weather) else self.weather,
+            ignored=self.ignored[runs] if len(self.ignored) else self.ignored,
             origin=tuple(int(self.origins[run]) for run in runs),
         )
 
@@ -116,6 +119,12 @@ class RunSet:
     def group_names(self, by: str) -> list[str]:
         """Names of the groups, in their order; `by`: `day` or `run`."""
         return sorted(set(self.days)) if by == "day" else list(self.names)
+
+    @property
+    def in_ignored_wind(self) -> "RunSet | None":
+        """The runs with their measured wind, where it was left out and every run has it."""
+        winds = self.ignored[..., [SPEED, FROM]]
+        return replace(self, weather=self.ignored) if winds.size and np.isfinite(winds).all() else None
 
     @property
     def measured_fields(self) -> frozenset[str]:
@@ -174,6 +183,8 @@ def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] 
     refuse_too_coarse(dt, folder)
     placed = [_on_grid(run, boat, dt, folder) for run in runs]
     weather = _weather_on_grid(runs, boat, dt, ignore)
+    others = [name for name in ignore if name != "wind"]
+    ignored = _weather_on_grid(runs, boat, dt, others) if "wind" in ignore else np.zeros((0, 0, 3))
     longest = max(len(commands) for commands, _, _ in placed)
     commands = np.zeros((len(runs), longest, placed[0][0].shape[1]))
     measured = np.full((len(runs), longest, len(CHANNELS)), np.nan)
@@ -187,7 +198,17 @@ def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] 
     short = tuple(run.name for run in every if run.duration < SHORTEST)
     days = tuple(run.meta.group or run.name for run in runs)
     run_set = RunSet(
-        boat, dt, names, commands, measured, lengths, gaps, too_short=short, weather=weather, days=days
+        boat,
+        dt,
+        names,
+        commands,
+        measured,
+        lengths,
+        gaps,
+        too_short=short,
+        weather=weather,
+        ignored=ignored,
+        days=days,
     )
     refuse_unexciting(
         [command for command, _, _ in placed], [track[:, :3] for _, track, _ in placed], dt, boat, folder

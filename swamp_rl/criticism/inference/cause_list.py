@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from swamp_rl.criticism.inference.cause_share import carries_over, is_minor
+from swamp_rl.criticism.inference.cause_share import is_minor
 from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.result import Cause, HeldOut, Share
@@ -15,23 +15,26 @@ from swamp_rl.effects import LIBRARY
 @dataclass(frozen=True)
 class CauseList:
     """causes: by their share of the prediction error, the largest first; minor: those that do not matter;
-    nuisance: the hull's derivatives beside a cause; left_out: labels of those that are not to be written;
-    sound: whether every number and standard error is finite.
+    nuisance: the hull's derivatives beside a cause; sound: whether every number and standard error is finite.
     """
 
     causes: list[Cause]
     minor: list[Cause]
     nuisance: list[Cause]
-    left_out: list[str]
     sound: bool
 
 
 def list_causes(
-    problem: Shooting, found: Selection, shares: Mapping[str, Sequence[Share]], noise: Mapping[str, float]
+    problem: Shooting,
+    found: Selection,
+    shares: Mapping[str, Sequence[Share]],
+    left_out: Sequence[str],
+    noise: Mapping[str, float],
 ) -> CauseList:
     """Every effect instance of the winner as a cause, a nuisance or a minor cause.
 
-    shares: by label, see `cause_shares`; noise: standard deviation by channel (SI, rad).
+    shares: by label, and the labels of those that do not carry over, see `written_fit`; noise: standard
+    deviation by channel (SI, rad).
     """
     labelled = dict(
         zip(
@@ -42,7 +45,7 @@ def list_causes(
     )
     for label, cause in labelled.items():
         cause.share = list(shares.get(label, []))
-        cause.carries_over = carries_over(cause.share)
+        cause.carries_over = label not in left_out
         if label in found.confirmed:
             one = found.confirmed[label]
             cause.held_out = HeldOut(gain=one.gain, low=one.low, level=one.level)
@@ -54,14 +57,14 @@ def list_causes(
         causes=sorted((one for one in named if not is_minor(one.share, noise)), key=_size, reverse=True),
         minor=[one for one in named if is_minor(one.share, noise)],
         nuisance=nuisance,
-        left_out=[label for label, cause in claimed.items() if not cause.carries_over],
         sound=len(claimed) == len(labelled),
     )
 
 
 def _size(cause: Cause) -> float:
     """The largest part of an error that a cause accounts for [1]."""
-    return max(((one.without - one.with_cause) / one.without for one in cause.share), default=0.0)
+    fitted = [one for one in cause.share if one.wind == "fitted"]
+    return max(((one.without - one.with_cause) / one.without for one in fitted), default=0.0)
 
 
 def _is_finite(cause: Cause) -> bool:

@@ -1,6 +1,7 @@
 """How much of the prediction error each cause accounts for: leave it out."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,55 +10,108 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.cross_validation import judged_numbers
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES, blocks_of, change, errors_at
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.result import Judged, Share
-from swamp_rl.criticism.selection.backward_elimination import Selection, without
+from swamp_rl.criticism.selection.backward_elimination import without
 from swamp_rl.criticism.selection.continuation import Continuation
 
 Array = NDArray[np.float64]
+Predicted = tuple[Array, NDArray[np.int64]]  # errors (n, 6) and the block of each (n,)
 
 HORIZONS = (10.0, 30.0)  # s
 JUDGED: tuple[Judged, ...] = ("position_rmse_m", "heading_rmse_rad")
 MINOR = 0.02  # of the error without the cause, below which it is minor if it is below the sensor's noise too
 
 
-def cause_shares(
-    continuation: Continuation,
-    found: Selection,
-    judged: tuple[RunSet, Array, bool],
-    rng: np.random.Generator,
-) -> dict[str, list[Share]]:
-    """Of each effect instance of the winner, by its label: errors without it and with it.
-
-    Without it the others are fitted anew. judged: the runs that the errors are of, their weight (R, T, 6),
-    and whether they are other runs than those fitted to; where not, each run's numbers come from the others.
+@dataclass(frozen=True)
+class Witness:
+    """Runs that predictions are compared with. weight: (R, T, 6); others: whether they are other runs than
+    those fitted to; where not, each run's numbers come from the others; measured_wind: whether the run set
+    has the measured wind, left out of the fit: the boat's own effects alone are judged in it then.
     """
-    winner = found.winner
-    run_set, weight, others = judged
 
-    def errors(of: Fit, horizon: float) -> tuple[Array, NDArray[np.int64]]:
-        problem = continuation.problem(found.stage, of.hypothesis)
-        hypothesis, numbers = judged_numbers(problem, of, len(run_set.lengths), others)
-        made = errors_at(run_set, weight, horizon, hypothesis, numbers)
+    run_set: RunSet
+    weight: Array
+    others: bool
+    measured_wind: bool = False
+
+    def judges(self, instance: EffectInstance) -> bool:
+        """Whether an effect instance is one that predictions here depend on: not what other runs had of their
+        own.
+        """
+        if self.others and instance.groups:
+            return False
+        return not self.measured_wind or instance.effect.scope == "boat"
+
+    def errors(self, continuation: Continuation, stage: int, of: Fit, horizon: float) -> Predicted:
+        """Errors of predictions under a fit at a stage."""
+        runs = len(self.run_set.lengths)
+        hypothesis, numbers = judged_numbers(continuation.problem(stage, of.hypothesis), of, runs, self.others)
+        kept = np.array(
+            [self.judges(instance) for instance in hypothesis.instances for _ in instance.specs], dtype=bool
+        )
+        hypothesis = Hypothesis(tuple(one for one in hypothesis.instances if self.judges(one)))
+        made = errors_at(self.run_set, self.weight, horizon, hypothesis, numbers[:, kept])
         return made.error, blocks_of(made, horizon)[0]
 
-    whole = {horizon: errors(winner, horizon) for horizon in HORIZONS}
+
+def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
+    """Those runs, and again in the measured wind where `ignore` left it out of the fit. A wind without which
+    the boat file predicts no worse is not taken: its sensor says nothing.
+    """
+    blown = on.run_set.in_ignored_wind
+    if blown is None:
+        return [on]
+    horizon, none = HORIZONS[-1], np.zeros((len(blown.lengths), 0))
+    calm, windy = (errors_at(one, on.weight, horizon, Hypothesis(), none) for one in (on.run_set, blown))
+    positions = QUANTITIES[JUDGED[0]]
+    paired = change(calm.error[:, positions], windy.error[:, positions], blocks_of(calm, horizon)[0], rng)
+    helps = paired is not None and paired.ci95[0] > 0.0
+    return [on, Witness(blown, on.weight, on.others, measured_wind=True)] if helps else [on]
+
+
+def cause_shares(
+    continuation: Continuation, of: Fit, stage: int, on: list[Witness], rng: np.random.Generator
+) -> dict[str, list[Share]]:
+    """Of each effect instance of a fit at a stage, by its label: errors without it and with it.
+
+    Without it the others are fitted anew.
+    """
     shares: dict[str, list[Share]] = {}
-    for instance in winner.hypothesis.instances:
-        less = without(continuation, winner, instance.label, found.stage)
-        before = {horizon: errors(less, horizon)[0] for horizon in HORIZONS}
+    whole = {
+        (i, horizon): one.errors(continuation, stage, of, horizon)
+        for i, one in enumerate(on)
+        for horizon in HORIZONS
+    }
+    for instance in of.hypothesis.instances:
+        less = without(continuation, of, instance.label, stage)
         shares[instance.label] = [
-            Share(
-                horizon_s=horizon,
-                quantity=name,
-                without=paired.before,
-                with_cause=paired.after,
-                ci95=paired.ci95,
+            share
+            for (i, horizon), after in whole.items()
+            if on[i].judges(instance)
+            for share in _compared(
+                on[i].errors(continuation, stage, less, horizon), after, horizon, on[i], rng
             )
-            for horizon, (after, block) in whole.items()
-            for name in JUDGED
-            if (paired := change(*_columns(name, before[horizon], after), block, rng))
         ]
     return shares
+
+
+def _compared(
+    before: Predicted, after: Predicted, horizon: float, on: Witness, rng: np.random.Generator
+) -> list[Share]:
+    """The shares of one cause at one horizon, from the errors without it and with it."""
+    return [
+        Share(
+            horizon_s=horizon,
+            quantity=name,
+            without=paired.before,
+            with_cause=paired.after,
+            ci95=paired.ci95,
+            wind="measured" if on.measured_wind else "fitted",
+        )
+        for name in JUDGED
+        if (paired := change(*_columns(name, before[0], after[0]), after[1], rng))
+    ]
 
 
 def _columns(name: str, before: Array, after: Array) -> tuple[Array, Array]:
@@ -77,8 +131,3 @@ def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
     return bool(shares) and all(
         abs(one.without - one.with_cause) < min(MINOR * one.without, sizes[one.quantity]) for one in shares
     )
-
-
-def carries_over(shares: list[Share]) -> bool:
-    """Whether no position error at any horizon is larger with the cause beyond chance."""
-    return all(one.ci95[1] >= 0.0 for one in shares if one.quantity == "position_rmse_m")

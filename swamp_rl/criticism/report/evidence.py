@@ -45,18 +45,25 @@ def predictor_rows(found: Diagnosis) -> list[tuple[str, ...]]:
 
 
 def carry_over_sentence(found: Diagnosis) -> str:
-    """Causes that make a position error on held-out runs larger."""
+    """Effects that make a position error on held-out runs larger."""
     parts = []
-    for cause in found.causes:
+    for cause in (*found.causes, *found.minor, *found.nuisance):
         if cause.carries_over:
             continue
         worst = min(
             (one for one in cause.share if one.quantity == "position_rmse_m"), key=lambda one: one.ci95[1]
         )
+        if worst.ci95[1] >= 0.0:
+            parts.append(
+                f"{readable(label_of(cause))} does not carry over: with all effects the position error on "
+                "held-out runs is larger than the boat file's. It is written to no file."
+            )
+            continue
+        measured = " in the measured wind" if worst.wind == "measured" else ""
         parts.append(
             f"{readable(label_of(cause))} does not carry over: {worst.horizon_s:g} s ahead on held-out runs "
-            f"the position error is {worst.with_cause:.3g} m with it and {worst.without:.3g} m without. "
-            "It is not written to extended_boat.yaml."
+            f"the position error{measured} is {worst.with_cause:.3g} m with it and {worst.without:.3g} m "
+            "without. It is written to no file."
         )
     return " ".join(parts)
 
@@ -101,7 +108,7 @@ def share_rows(causes: list[Cause]) -> list[tuple[str, ...]]:
 
 def share_text(cause: Cause) -> str:
     """The share of the position error at the longest horizon; empty where none was measured."""
-    positions = [one for one in cause.share if one.quantity == "position_rmse_m"]
+    positions = [one for one in cause.share if one.quantity == "position_rmse_m" and one.wind == "fitted"]
     if not positions:
         return ""
     one = positions[-1]
@@ -120,7 +127,7 @@ def _share_cells(one: Share) -> tuple[str, ...]:
     scale, unit, quantity = SCALES[one.quantity]
     less, low, high = (scale * end for end in (one.without - one.with_cause, *one.ci95))
     return (
-        f"{quantity}, {one.horizon_s:g} s",
+        f"{quantity}, {one.horizon_s:g} s" + (", measured wind" if one.wind == "measured" else ""),
         f"{scale * one.without:.3g}",
         f"{scale * one.with_cause:.3g}",
         percent(one),

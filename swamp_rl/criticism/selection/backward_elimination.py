@@ -172,14 +172,6 @@ def without(continuation: Continuation, best: Fit, label: str, stage: int) -> Fi
     return known
 
 
-def without_all(continuation: Continuation, found: Selection, labels: Sequence[str]) -> Fit:
-    """The winner less the instances of those labels, fitted on its stage."""
-    best = found.winner
-    for label in labels:
-        best = without(continuation, best, label, found.stage)
-    return best
-
-
 def pruned(continuation: Continuation, best: Fit, stage: int) -> Fit:
     """The best fit less the effects whose removal lowers the information criterion."""
     for instance in best.hypothesis.instances:

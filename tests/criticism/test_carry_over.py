@@ -1,0 +1,83 @@
+"""Which causes are written: none that makes predictions worse once the measured wind acts."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference.carry_over import written_fit
+from swamp_rl.criticism.inference.cause_share import Witness, witnesses
+from swamp_rl.criticism.likelihood.output_error import Fit
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates, differing
+from swamp_rl.criticism.selection.continuation import Continuation, continuation_of
+from tests.support.criticism import DT, SECONDS, driven
+
+SPEED, FROM = 6.0, 0.5  # from ahead of the first run
+WIND = {"effect": "wind", "speed": SPEED, "from": FROM}
+MIDDLE = 1  # stage of a continuation
+
+
+def upwind(*effects: dict[str, Any]) -> RunSet:
+    """Two minutes of a slight zig-zag against the wind, with the throttle up and down."""
+    time = np.arange(1200) * DT
+    given = np.zeros((1, len(time), 8))
+    given[0, :, :4] = np.outer(0.1 * np.sign(np.sin(2 * np.pi * time / 9.0)), [1, 1, -1, -1])
+    given[0, :, 4:] = (0.7 + 0.2 * np.sign(np.sin(2 * np.pi * time / 40.0)))[:, None]
+    return driven([WIND, *effects], given, 0.8, 0)
+
+
+BLOWN = upwind()
+
+
+def ignored(runs: RunSet, angle: float) -> RunSet:
+    """The runs with an anemometer's columns, which a fit leaves out."""
+    rows = np.full((*runs.measured.shape[:2], 3), np.nan)
+    rows[..., 0], rows[..., 1] = SPEED, angle
+    return replace(runs, ignored=rows)
+
+
+def fitted(runs: RunSet, *labels: str) -> tuple[Continuation, Fit]:
+    """Effects of those labels fitted to windows of runs, from their first starts."""
+    continuation = continuation_of(runs, weights(runs, noise_levels(runs)))
+    every = by_label(candidates(runs.boat, SECONDS, runs.groups))
+    instances = sorted((every[label] for label in labels), key=lambda one: one.label)
+    begin = [x for one in instances for x in (one.starts or one.grid)[0] * one.count]
+    return continuation, continuation.fit(MIDDLE, Hypothesis(tuple(instances)), np.array(begin))
+
+
+def judged(runs: RunSet, *labels: str) -> tuple[list[str], list[str]]:
+    """Labels of what is written of a fit, and of what is left out."""
+    continuation, winner = fitted(runs, *labels)
+    on = Witness(runs, weights(runs, noise_levels(runs)), others=False)
+    rng = np.random.default_rng(0)
+    written, _, left_out = written_fit(continuation, winner, MIDDLE, witnesses(on, rng), rng)
+    return [one.label for one in written.hypothesis.instances], left_out
+
+
+def test_a_resistance_that_stands_for_the_wind_is_written_only_where_no_wind_was_measured() -> None:
+    assert judged(BLOWN, "resistance") == (["resistance"], [])
+    assert judged(ignored(BLOWN, FROM), "resistance") == ([], ["resistance"])
+
+
+def test_a_thrust_that_is_lost_is_written_beside_the_wind_that_was_left_out() -> None:
+    runs = ignored(upwind({"effect": "thrust_scale", "scale": 0.8}), FROM)
+    assert judged(runs, "thrust_scale", "wind") == (["thrust_scale", "wind"], [])
+
+
+def test_what_each_run_has_of_its_own_is_not_judged_on_other_runs() -> None:
+    wind = by_label(candidates(BLOWN.boat, SECONDS))["wind"]
+    own = differing(wind, "run", (0, 1))
+    for others in (False, True):
+        on = Witness(BLOWN, weights(BLOWN, noise_levels(BLOWN)), others)
+        assert on.judges(wind) and on.judges(own) is not others
+
+
+@pytest.mark.parametrize("angle", [FROM, FROM + np.pi])
+def test_an_anemometer_is_heard_only_where_its_wind_predicts_better_than_none(angle: float) -> None:
+    runs = ignored(BLOWN, angle)
+    on = Witness(runs, weights(runs, noise_levels(runs)), others=False)
+    found = witnesses(on, np.random.default_rng(0))
+    assert [one.measured_wind for one in found] == ([False, True] if angle == FROM else [False])
