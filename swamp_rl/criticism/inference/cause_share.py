@@ -46,7 +46,8 @@ class Witness:
     def errors(self, continuation: Continuation, stage: int, of: Fit, horizon: float) -> Predicted:
         """Errors of predictions under a fit at a stage."""
         runs = len(self.run_set.lengths)
-        hypothesis, numbers = judged_numbers(continuation.problem(stage, of.hypothesis), of, runs, self.others)
+        problem = continuation.problem(stage, of.hypothesis)
+        hypothesis, numbers = judged_numbers(problem, of, runs, self.others)
         kept = np.array(
             [self.judges(instance) for instance in hypothesis.instances for _ in instance.specs], dtype=bool
         )
