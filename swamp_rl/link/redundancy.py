@@ -42,7 +42,11 @@ def _lose_gps(hull: int) -> Callable[[Pair], None]:
 
 
 def _break(*names: str) -> Callable[[Pair], None]:
-    return lambda pair: [pair.break_module(name) for name in names] and None
+    def strike(pair: Pair) -> None:
+        for name in names:
+            pair.break_module(name)
+
+    return strike
 
 
 NONE, SMALL = "no consequence", "small: loss of thrust symmetry"
@@ -102,14 +106,14 @@ def outcome_of(fault: Fault, boat: Boat, network: Faults = PERFECT, seed: int = 
         if not meets(pair.force()):
             reached = pair.time - struck
     last = AFTER - 0.5
-    times = [time if time <= last else math.inf for time in (commanded, reached)]
+    commanded, reached = (time if time <= last else math.inf for time in (commanded, reached))
     who = tuple(
         HULLS[sender] if works and sender is not None else None
         for sender, works in zip(pair.commanders, working.works.tolist(), strict=True)
     )
     chief = next(one for one in pair.computers if one.number not in pair.dead_computers)
     source = chief.navigates_by(pair.time)
-    return Outcome(*times, who, None if source is None else HULLS[source], most_of(working))
+    return Outcome(commanded, reached, who, None if source is None else HULLS[source], most_of(working))
 
 
 def meets(force: Array) -> bool:
