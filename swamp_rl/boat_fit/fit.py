@@ -147,10 +147,11 @@ def jackknife_covariance(made: Fit) -> tuple[Array, float]:
 
 def lost_freedom(problem: Shooting, made: Fit, samples: float) -> float:
     """Ratio n / (n - q) [1] of the independent samples n to those that the fit has left: q initial states and
-    numbers, the latter by the share of their precision that is not the prior's.
+    numbers, the latter by the share of their precision that is not the prior's, none where a window diverges
+    and the covariance is infinite.
     """
     _, precision = made.hypothesis.prior()
-    free = len(precision) - float(np.diag(made.covariance) @ precision)
+    free = max(0.0, len(precision) - float(np.diag(made.covariance) @ precision))
     count = problem.samples / samples
     return count / max(count - len(made.states) * made.states.shape[1] - free, LEAST_LEFT * count)
 

@@ -1,5 +1,6 @@
 """`identify boat` on runs of a hidden boat: its numbers, its wiring, its file, and what it refuses."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted
-from swamp_rl.boat_fit.fit import fit_boat
+from swamp_rl.boat_fit.fit import fit_boat, fit_windows, lost_freedom
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.identify import identify_boat, numbers_of
 from swamp_rl.boat_fit.numbers import free_numbers
@@ -106,6 +107,19 @@ def test_exchanged_and_flipped_channels_are_found_and_the_file_predicts_and_diag
     assert Path("new.html").read_text().count("<table>") == 3
     assert call("diagnose", "runs", "--boat", "new.yaml", "--out", "diagnosis")[0] == 0
     assert "nothing_wrong" in Path("diagnosis/diagnosis.json").read_text()
+
+
+def test_a_fit_whose_covariance_is_infinite_keeps_its_noise(tmp_path: Path) -> None:
+    runs = start_runs(tmp_path, HIDDEN, count=1, seconds=30.0)
+    hypothesis = free_boat(runs.boat, free_numbers(runs.boat), 0)
+    problem, made = fit_windows(
+        runs, weights(runs, noise_levels(runs)), 5.0, hypothesis, hypothesis.start(), 1
+    )
+    known = lost_freedom(problem, made, 1.0)
+    lost = replace(
+        made, normal=replace(made.normal, information=np.full_like(made.normal.information, np.nan))
+    )
+    assert 1.0 <= lost_freedom(problem, lost, 1.0) < known
 
 
 def test_runs_are_held_out_whole_and_a_single_one_by_pieces(tmp_path: Path) -> None:
