@@ -89,6 +89,18 @@ def floating(hull: HullDesign, condition: Stability) -> dict[str, Any]:
         "mass": designed(upright.mass, "kg", source),
         "water_density": designed(hull.water_density, "kg/m3", source),
         "hull": {"spacing": designed(hull.spacing, "m", source)},
+        "loading": loading(hull),
+    }
+
+
+def loading(hull: HullDesign) -> dict[str, Any]:
+    """The section `loading` of a boat file."""
+    source = f"design {hull.name}, hydrostatics"
+    masses, draughts = (list(column) for column in zip(*draught_over_load(hull), strict=True))
+    values = {"density": (hull.water_density, "kg/m3"), "mass": (masses, "kg"), "draught": (draughts, "m")}
+    return {
+        key: {"value": value, "unit": unit, "provenance": "assumed", "source": source}
+        for key, (value, unit) in values.items()
     }
 
 

@@ -6,7 +6,13 @@ from typing import Any
 
 from swamp_rl.boat.schema import Boat
 
-NO_MOTION: Any = {"name": True, "effects": True, "battery": True, "thrusters": {"__all__": {"power"}}}
+NO_MOTION: Any = {
+    "name": True,
+    "effects": True,
+    "loading": True,
+    "battery": True,
+    "thrusters": {"__all__": {"power"}},
+}
 "Keys without an effect on the motion, and the effects, which are listed by their values."
 NEUTRAL = (("dead_band", 0.0),)
 "Keys of a thruster that are left out at these values, so that boat files without them keep their digest."

@@ -1,12 +1,14 @@
-"""What a boat file may leave to be worked out: the thrusters' common block, and Yoshimura's C_D."""
+"""What a boat file leaves to be worked out: thrusters' common block, draught by load, Yoshimura's C_D."""
 
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from swamp_rl.boat.loading import Loading, is_loading
 from swamp_rl.boat.merge import is_quantity, is_section, listed, merge, without_nulls
 from swamp_rl.errors import UserError
+from swamp_rl.explain import validated
 
 TEMPLATE = "thruster_model"  # what all thrusters of a file share, so that it is written once
 REGRESSION = "yoshimura"
@@ -27,12 +29,34 @@ def resolved(raw: Mapping[str, Any], path: Path) -> dict[str, Any]:
         thrusters = [item for item in listed(thrusters) if item is not None]
     if isinstance(thrusters, list):
         whole["thrusters"] = [merge(template, item) if is_section(item) else item for item in thrusters]
+    if is_loading(_value(raw.get("draught"))):
+        number = _by_load(raw, path)
+        given = raw["draught"]
+        whole["draught"] = {**given, "value": number} if is_quantity(given) else number
     hull: Any = raw["hull"] if isinstance(raw.get("hull"), Mapping) else {}
     given: Any = hull.get("c_d")
     if _value(given) == REGRESSION:
-        number = _regression(_value(raw.get("length")), _value(raw.get("draught")), path)
+        number = _regression(_value(raw.get("length")), _value(whole.get("draught")), path)
         whole["hull"] = {**hull, "c_d": {**given, "value": number} if is_quantity(given) else number}
     return without_nulls(whole)
+
+
+def _by_load(raw: Mapping[str, Any], path: Path) -> float:
+    """Draught [m] of the file's mass; UserError where the table, the mass or the density are none."""
+    mass, density = _value(raw.get("mass")), _value(raw.get("water_density"))
+    if raw.get("loading") is None:
+        raise UserError(
+            f"{path}: draught: loading: the file has no section loading; add it, or give a number"
+        )
+    if not (_is_positive(mass) and _is_positive(density)):
+        raise UserError(
+            f"{path}: draught: loading: needs mass and water_density, numbers above 0; check them"
+        )
+    table = validated(f"{path}: loading", Loading, raw["loading"])
+    try:
+        return table.draught_at(mass, density)
+    except ValueError as error:
+        raise UserError(f"{path}: draught: loading: {error}; change mass, or give a number") from error
 
 
 def _regression(length: Any, draught: Any, path: Path) -> float:

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Discriminator, Field, InstanceOf, PrivateAttr, Tag, model_validator
 
 from swamp_rl.boat.battery import Battery, PowerCurve
+from swamp_rl.boat.loading import Loading
 from swamp_rl.boat.part import ANGLE, FRACTION, FROM_LIST, NAME, NOT_NEGATIVE, NOT_POSITIVE, POSITIVE, Part
 from swamp_rl.boat.propeller_rudder import PropellerRudder
 from swamp_rl.boat.quantity import Provenance, Unit
@@ -241,7 +242,7 @@ class Boat(Part):
     breadth: Annotated[float, POSITIVE, Unit("m")]
     "Of the hull."
     draught: Annotated[float, POSITIVE, Unit("m")]
-    "Of the hull, d."
+    "Of the hull, d; `loading` in the file: that of `mass` by the table `loading`."
     mass: Annotated[float, POSITIVE, Unit("kg")]
     "Without added mass."
     inertia_z: Annotated[float, POSITIVE, Unit("kg m2")]
@@ -270,6 +271,8 @@ class Boat(Part):
     "Model of the current."
     joypad: Joypad
     "What a pilot's two levers command."
+    loading: Loading | None = None
+    "Draught over load; none where it is left out."
     battery: Battery | None = None
     "Packs, their limits and the hotel load; none where it is left out."
     effects: tuple[InstanceOf[EffectEntry], ...] = ()
