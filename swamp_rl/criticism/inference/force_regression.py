@@ -330,18 +330,22 @@ def _labels(pair: Pair) -> list[tuple[str, str]]:
     return [(pair.force, pair.variable)]
 
 
+def without_process_noise(run_set: RunSet) -> RunSet:
+    """The runs with white noise where it has a Gauss-Markov part in all channels, which is the residual
+    force.
+    """
+    if run_set.gauss_markov is not None and (run_set.gauss_markov[OTHERS, 0] > 0).any():
+        return replace(run_set, gauss_markov=None)
+    return run_set
+
+
 def residual_force_functions(
     run_set: RunSet, weight: Array, every: Sequence[tuple[Hypothesis, Array]]
 ) -> list[ResidualForce]:
     """The residual force as functions of variables, under the hypothesis, of some with parameters (p,), whose
     information criterion is then least.
-
-    Where the noise has a Gauss-Markov part in all channels, that is the residual force, so the noise is white
-    here.
     """
-    if run_set.gauss_markov is not None and (run_set.gauss_markov[OTHERS, 0] > 0).any():
-        run_set = replace(run_set, gauss_markov=None)
-    results = []
+    run_set, results = without_process_noise(run_set), []
     for hypothesis, x in every:
         left, listed = select_functions(force_likelihood(run_set, weight, hypothesis, x))
         results.append((left + complexity(hypothesis), hypothesis, listed))

@@ -110,7 +110,7 @@ def confirmation(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> 
     Percentiles, since a cause that acts in few windows gives a skewed sum. The loss of a window saturates, n
     ln(1 + chi2 / n), so that a few outlying windows do not determine the sum.
     """
-    return _bootstrapped(saturated_loss(problem, less) - saturated_loss(problem, whole), comparisons)
+    return bootstrapped(saturated_loss(problem, less) - saturated_loss(problem, whole), comparisons)
 
 
 def confirmation_by_stretches(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> Confirmation:
@@ -118,7 +118,7 @@ def confirmation_by_stretches(problem: Shooting, whole: Fit, less: Fit, comparis
     predicted with the parameters fitted to the other runs, initial states refitted.
     """
     gains = stretch_losses(problem, less) - stretch_losses(problem, whole)
-    return _bootstrapped(gains[np.isfinite(gains)], comparisons)
+    return bootstrapped(gains[np.isfinite(gains)], comparisons)
 
 
 def stretch_losses(problem: Shooting, at: Fit) -> Array:
@@ -139,7 +139,7 @@ def stretch_losses(problem: Shooting, at: Fit) -> Array:
         return np.asarray(np.where(seen > 0, seen * np.log1p(chi2 / seen), np.nan).ravel())
 
 
-def _bootstrapped(gains: Array, comparisons: int) -> Confirmation:
+def bootstrapped(gains: Array, comparisons: int) -> Confirmation:
     """Of the gains of blocks (B,)."""
     tail = 0.025 / comparisons
     rng = np.random.default_rng(len(gains))
