@@ -41,6 +41,7 @@ FLOORS = (
     {"experiments.reports"},
     {"experiments.studies"},
     {"experiments.sweep"},
+    {"experiments.fleet"},
     {"experiments.cli"},
 )
 CRITICISM = (

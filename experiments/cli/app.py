@@ -18,6 +18,7 @@ from swamp_rl.experiments.cli.design import design_app
 from swamp_rl.experiments.cli.diagnose import diagnose, disturbances
 from swamp_rl.experiments.cli.experiment import evaluate, run, train
 from swamp_rl.experiments.cli.export import export
+from swamp_rl.experiments.cli.fleet import fleet
 from swamp_rl.experiments.cli.help import add_help
 from swamp_rl.experiments.cli.identify import identify_app
 from swamp_rl.experiments.cli.mission import mission
@@ -53,6 +54,7 @@ app.command()(diagnose)
 app.command()(disturbances)
 app.command()(demo)
 app.command()(export)
+app.command()(fleet)
 app.command()(mission)
 app.command()(record)
 app.command()(sweep)
