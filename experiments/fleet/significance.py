@@ -30,6 +30,8 @@ def adjusted(p: Sequence[float]) -> NDArray[np.float64]:
     Hochberg 1995).
     """
     values = np.asarray(p, dtype=float)
+    if not len(values):
+        return values
     order = np.argsort(values, kind="stable")
     ranked = values[order] * len(values) / np.arange(1, len(values) + 1)
     least = np.minimum.accumulate(ranked[::-1])[::-1]
@@ -56,7 +58,7 @@ def findings_of(members: Sequence[Member], found: Mapping[str, Diagnosis]) -> tu
             curves = " and ".join(f"{one.component} of {one.covariate}" for one in diagnosis.extension.curves)
             own.append((f"force_curve {curves}", p_value(diagnosis.extension.held_out)))
         tests += [(member, *one) for one in own or [("", 1.0)]]
-    kept = adjusted([p for _, _, p in tests]) <= RATE if tests else []
+    kept = (adjusted([p for _, _, p in tests]) <= RATE).tolist()
     findings = [
         Finding(name=member.name, boat=member.boat, cause=cause, p=p, kept=bool(stands))
         for (member, cause, p), stands in zip(tests, kept, strict=True)

@@ -93,8 +93,8 @@ def rates(
     x_jets, y_jets, n_jets = propulsion_forces(jets, moment, u, v, r, p)
     x_out, y_out, n_out = external_forces(cos, sin, u_ground, v_ground, time, wind, p)
     if p.force_curves[0, COMPONENT] != 0.0:
-        x_own, y_own, n_own = curve_forces(motion, u_ground, v_ground, time, jets, moment, p)
-        x_out, y_out, n_out = x_out + x_own, y_out + y_own, n_out + n_own
+        own: Any = curve_forces(motion, u_ground, v_ground, time, jets, moment, p)
+        x_out, y_out, n_out = x_out + own[0], y_out + own[1], n_out + own[2]
     u_dot, v_dot, r_dot = accelerations(
         u, v, r, x_hull + x_jets + x_out, y_hull + y_jets + y_out, n_hull + n_jets + n_out, inverse, p
     )

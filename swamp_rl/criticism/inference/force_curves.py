@@ -40,22 +40,17 @@ class Function:
 
 
 def curve_instances(run_set: RunSet, leftover: Sequence[ResidualForce]) -> list[Function]:
-    """The functions of the residual force by knots over the data's range. A horizontal force that depends on
-    the position is one function with two components, of which one may have been too small to be listed.
+    """The functions of the residual force by knots over the data's range, a horizontal force that depends on
+    the position before them: one function with two components, tried even where it is not listed, since a
+    line that pulls the boat about makes its force a function of the speed as well.
     """
     listed = {(one.force, one.variable): one for one in leftover if len(one.curve) > 1}
-    place = [listed.pop(key) for key in PLACE if key in listed]
-    found = [
-        Function((instance,), (start,))
-        for instance, start in (_by_knots(run_set, one) for one in listed.values())
+    place = [listed.pop(key, None) or _zero(run_set, *key) for key in PLACE]
+    parts = [
+        [_by_knots(run_set, one) for one in place],
+        *([_by_knots(run_set, one)] for one in listed.values()),
     ]
-    if place:
-        whole = [next((one for one in place if (one.force, one.variable) == key), None) for key in PLACE]
-        parts = [
-            _by_knots(run_set, one or _zero(run_set, *key)) for key, one in zip(PLACE, whole, strict=True)
-        ]
-        found.insert(0, Function(tuple(one for one, _ in parts), tuple(start for _, start in parts)))
-    return found
+    return [Function(tuple(one for one, _ in each), tuple(start for _, start in each)) for each in parts]
 
 
 def _zero(run_set: RunSet, force: str, variable: str) -> ResidualForce:
