@@ -41,7 +41,7 @@ def extension_sentence(found: Diagnosis) -> str:
     names = " and ".join(curve_name(curve) for curve in extension.curves)
     if not extension.written:
         return (
-            f"The missing force is a {names}, but its reduction of the prediction error on held-out runs is "
+            f"The missing force is {names}, but its reduction of the prediction error on held-out runs is "
             "not significant: it is not written to extended_boat.yaml."
         )
     by = ", ".join(dict.fromkeys(curve.formula or "knots" for curve in extension.curves))
@@ -49,7 +49,7 @@ def extension_sentence(found: Diagnosis) -> str:
         (one for one in extension.share if one.quantity == "position_rmse_m"), key=lambda one: one.ci95[0]
     )
     return (
-        f"extended_boat.yaml has the missing force ({by}): a {names}. On held-out runs it accounts for "
+        f"extended_boat.yaml has the missing force ({by}): {names}. On held-out runs it accounts for "
         f"{percent(saved)} of the position error {saved.horizon_s:g} s ahead ({saved.without:.3g} m without "
         f"it, {saved.with_cause:.3g} m with it). The cause has no name. Outside the range of the data the "
         "force is zero."
