@@ -37,7 +37,7 @@ def test_every_effect_is_listed_once_with_all_its_parameters_units_and_source(ca
         assert len(told) == len(effect.parameters)
         for line, parameter in zip(told, effect.parameters, strict=True):
             assert line.startswith(f"  {parameter.name}: ") and f"[{parameter.unit}]" in line
-        assert any(line.startswith("  thruster:") for line in one) == effect.selects
+        assert any(line.startswith("  thruster:") for line in one) == (effect.selects or effect.curve)
 
 
 def test_an_effects_bounds_neutral_value_and_whether_it_must_be_given_are_told(call: Call) -> None:
