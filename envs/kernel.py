@@ -17,6 +17,7 @@ from swamp_rl.course.geometry import crosses_gate, outside, touches_buoy
 from swamp_rl.course.progress import distance_to_go
 from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_HALF_WIDTH, GATE_NORTH, GATE_SIN
 from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.motion import current_at
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE, state_size
 from swamp_rl.simulator.step import step_boat, wind_now
@@ -96,7 +97,7 @@ def sail(
     """Sail one boat for a step with the levers `asked` (2,), note its outcome and return the reward.
 
     The course judges where the boat is, whatever its sensors say. A boat whose motion diverges stays where it
-    was before the step, and ends. jets (3, K, 2), room (2K,): scratch.
+    was before the step, and ends. jets (3, K, JET), room (2K,): scratch.
     """
     if not (math.isfinite(asked[0]) and math.isfinite(asked[1])):
         boat.outcome = LEVERS
@@ -162,7 +163,7 @@ def sail_range(
     """`sail_all` for the boats from first to the one before last."""
     world, tank, gates, buoys, places = shared
     thrusters = boats[first].command.shape[0] // 2
-    jets, room = np.empty((3, thrusters, 2)), np.empty(2 * thrusters)
+    jets, room = np.empty((3, thrusters, JET)), np.empty(2 * thrusters)
     everything = np.empty(SENSED)
     ended = 0
     for i in range(first, last):

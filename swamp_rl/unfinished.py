@@ -24,7 +24,7 @@ def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Pat
     part, old = _part(path).with_name(f".part-{path.name}.new"), _old(path)
     try:
         refuse_to_replace(path, () if replaces is None else (replaces,))
-        with _locked(path):
+        with locked(path):
             _recover(old, path)
             _remove_dead(path.parent)
             _remove(part)
@@ -61,7 +61,7 @@ def taken_up(
     part, old = _part(path), _old(path)
     try:
         refuse_to_replace(path, replaces)
-        with _locked(path):
+        with locked(path):
             _recover(old, path)
             _begin(part, description, say)
             try:
@@ -84,7 +84,7 @@ def _old(path: Path) -> Path:
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[None]:
+def locked(path: Path) -> Iterator[None]:
     """Hold the lock of folder `path`, a file beside it; UserError where another process holds it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     lock = path.with_name(f".part-{path.name}.lock")

@@ -42,6 +42,7 @@ FLOORS = (
     {"experiments.reports"},
     {"experiments.studies"},
     {"experiments.sweep"},
+    {"experiments.fleet"},
     {"experiments.cli"},
 )
 CRITICISM = (

@@ -4,6 +4,8 @@ import math
 
 from docs.generate.markdown import table
 from swamp_rl.effects import LIBRARY, Effect, Parameter
+from swamp_rl.effects.curve import COEFFICIENTS, COMPONENTS, COVARIATES
+from swamp_rl.physics.force_curve import KNOTS
 
 ACTS_ON = {
     "force": "Forces on the boat",
@@ -16,6 +18,14 @@ COMBINED = {
     "multiply": "their values multiply",
     "replace": "the last one holds",
 }
+
+
+CURVE = f"""`component`: {", ".join(COMPONENTS)}. `covariate`: {", ".join(COVARIATES)} (SI, rad).
+`thruster` names one, of a thrust, an azimuth or a throttle. `knots`: 2 to {KNOTS} values of the variable;
+`values`: the force [N] or moment [N m] at each, linear between them and zero outside. With `formula`
+({", ".join(COEFFICIENTS)}) `knots` are the two ends of its
+range and `values` its coefficients. `standard_errors`, of the values, may be left out and does not act.
+"""
 
 
 def effects() -> str:
@@ -34,6 +44,8 @@ def _effect(effect: Effect) -> str:
     elif effect.thruster:
         others = " There are no other parameters." if effect.reverses else ""
         lines.append(f"`thruster` names one thruster, or `all`.{others}\n")
+    if effect.curve:
+        lines.append(CURVE)
     if effect.parameters:
         head = ["parameter", "unit", "neutral value", "allowed", "required"]
         lines.append(table(head, [_row(parameter) for parameter in effect.parameters]))

@@ -19,6 +19,7 @@ from swamp_rl.experiments.cli.design import design_app
 from swamp_rl.experiments.cli.diagnose import diagnose, disturbances
 from swamp_rl.experiments.cli.experiment import evaluate, run, train
 from swamp_rl.experiments.cli.export import export
+from swamp_rl.experiments.cli.fleet import fleet
 from swamp_rl.experiments.cli.guidance import capability, follow, follow_vehicle, hold
 from swamp_rl.experiments.cli.help import add_help
 from swamp_rl.experiments.cli.identify import identify_app
@@ -57,6 +58,7 @@ app.command()(diagnose)
 app.command()(disturbances)
 app.command()(demo)
 app.command()(export)
+app.command()(fleet)
 app.command()(mission)
 app.command()(vehicle)
 app.command()(helm)

@@ -56,7 +56,12 @@ def boats(
         typer.echo(f"{key} = {value} [{origin.unit}], {origin.provenance}: {origin.source}")
     for entry in boat.effects:
         on = f" {entry.thruster}" if entry.thruster else ""
-        given = (f"{p.name} {entry.values[p.name]:g} {p.unit}" for p in entry.effect.parameters)
+        given = [f"{p.name} {entry.values[p.name]:g} {p.unit}" for p in entry.effect.parameters]
+        given += (
+            [f"{key} {value}" for key, value in entry.curve.mapping(entry.values).items()]
+            if entry.curve
+            else []
+        )
         typer.echo(f"effect {entry.effect.name}{on}: {', '.join(given)}")
 
 
@@ -127,7 +132,12 @@ def _refuse_unknown(what: str, name: str | None, known: Iterable[str]) -> None:
 
 
 def _effect_lines(effect: "Effect") -> list[str]:
-    key = ["  thruster: two names"] if effect.swaps else ["  thruster: a name, or all"] * effect.thruster
+    if effect.curve:
+        key = ["  component, covariate, knots, values, and if they are known standard_errors"]
+        key += ["  formula: of the range between two knots, in place of values at the knots"]
+        key += ["  thruster: a name, of a thrust, an azimuth or a throttle"]
+    else:
+        key = ["  thruster: two names"] if effect.swaps else ["  thruster: a name, or all"] * effect.thruster
     return [
         f"{effect.name}: {effect.description}",
         f"  acts on: {effect.acts_on}; several of it {COMBINED[effect.combine]}; source: {effect.source}",

@@ -56,6 +56,7 @@ def diagnose(
         share_text,
         smoothed_sentence,
     )
+    from swamp_rl.criticism.report.extension import extension_sentence, is_extended
     from swamp_rl.criticism.report.words import label_of, parameter_sets, spread_sets
 
     with progress(LOG):
@@ -86,10 +87,12 @@ def diagnose(
             f"  unexplained: {left.force}, a function of {left.variable} "
             f"({left.explained:.0%} of its variance on held-out runs)"
         )
+    if said := extension_sentence(found):
+        typer.echo(f"  {said}")
     for gain in found.gain:
         if gain.horizon_s == 10.0 and gain.position_rmse_m:
             missed = gain.position_rmse_m
-            extended = f", {missed.after:.3g} m with the extended boat" if found.causes else ""
+            extended = f", {missed.after:.3g} m with the extended boat" if is_extended(found) else ""
             typer.echo(
                 f"  position error 10 s ahead (root mean square): {missed.before:.3g} m with the boat file"
                 f"{extended}"

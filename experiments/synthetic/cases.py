@@ -34,7 +34,7 @@ from swamp_rl.runs.table import write_table
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.sensors import add_noise, observe, rows_ahead
-from swamp_rl.simulator.state import EAST, HEADING, NORTH
+from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE
 
 DT = 0.1
 SUBSTEP = 0.05  # s
@@ -147,6 +147,11 @@ def dead_zone(rng: Rng, size: float, level: str) -> dict[str, Any]:
     }
 
 
+def drogue(rng: Rng, size: float, level: str) -> dict[str, Any]:
+    """Something in tow at midship: a drag against the motion over ground, with the square of its speed."""
+    return {"what": "drogue", "coefficient": 10.0 * size, "variables": ["speed", "surge", "sway"]}
+
+
 OUTSIDE: dict[str, Callable[[Rng, float, str], dict[str, Any]]] = {
     "mooring": mooring,
     "sector": sector,
@@ -175,6 +180,17 @@ def hook_of(outside: Mapping[str, Any] | None, boat: Boat) -> Hook:
             params["external_force_east"] = force * math.sin(state[HEADING])
 
         return push
+
+    if outside["what"] == "drogue":
+
+        def drag(params: NDArray[Any], state: Array, command: Array) -> None:
+            ahead, aside = state[SURGE], state[SURGE + 1]
+            cos, sin = math.cos(state[HEADING]), math.sin(state[HEADING])
+            over_ground = np.array([ahead * cos - aside * sin, ahead * sin + aside * cos])
+            force = -outside["coefficient"] * math.hypot(ahead, aside) * over_ground
+            params["external_force_north"], params["external_force_east"] = force
+
+        return drag
 
     column = len(boat.thrusters) + boat.thruster_names.index(outside["thruster"])
 

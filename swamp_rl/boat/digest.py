@@ -2,9 +2,11 @@
 
 import hashlib
 import json
+from dataclasses import replace
 from typing import Any
 
 from swamp_rl.boat.schema import Boat
+from swamp_rl.effects import EffectEntry
 
 NO_MOTION: Any = {
     "name": True,
@@ -22,8 +24,15 @@ def boat_digest(boat: Boat) -> str:
     """Return the SHA-256 of what acts on a boat's motion: particulars, coefficients, joypad, effects."""
     numbers = boat.model_dump(mode="json", exclude=NO_MOTION)
     numbers["thrusters"] = [_without_neutral(thruster) for thruster in numbers["thrusters"]]
-    numbers["effects"] = [[entry.effect.name, entry.thruster, dict(entry.values)] for entry in boat.effects]
+    numbers["effects"] = [_effect(entry) for entry in boat.effects]
     return hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()
+
+
+def _effect(entry: EffectEntry) -> list[Any]:
+    numbers = [entry.effect.name, entry.thruster, dict(entry.values)]
+    if entry.curve is None:
+        return numbers
+    return [*numbers, replace(entry.curve, standard_errors=()).mapping(entry.values)]
 
 
 def _without_neutral(thruster: dict[str, Any]) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from pydantic import BaseModel
 from swamp_rl.boat.quantity import SPREAD, Provenance, Unit
 from swamp_rl.boat.schema import Boat
 from swamp_rl.effects import EffectEntry
+from swamp_rl.effects.entries import entry_mapping
 
 
 def boat_mapping(boat: Boat) -> dict[str, Any]:
@@ -23,9 +24,7 @@ def boat_mapping(boat: Boat) -> dict[str, Any]:
 
 def effect_mapping(entry: EffectEntry) -> dict[str, Any]:
     """An effect as it stands in a boat file."""
-    selector = list(entry.thruster) if isinstance(entry.thruster, tuple) else entry.thruster
-    thruster = {} if selector is None else {"thruster": selector}
-    return {"effect": entry.effect.name, **thruster, **{k: float(v) for k, v in entry.values.items()}}
+    return entry_mapping(entry)
 
 
 def _section(model: BaseModel, at: tuple[str, ...], known: dict[str, Provenance]) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, PropellerRudder
-from swamp_rl.criticism.data import RunSet
+from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.simulator.reference import reference_of
 
 Array = NDArray[np.float64]

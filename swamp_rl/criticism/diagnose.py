@@ -20,12 +20,17 @@ from swamp_rl.criticism.inference.cause_share import Witness, witnesses
 from swamp_rl.criticism.inference.correlation import correlation
 from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.inference.finding import Finding
-from swamp_rl.criticism.inference.force_regression import residual_force_functions
+from swamp_rl.criticism.inference.force_extension import ForceExtension, extend_by_force
+from swamp_rl.criticism.inference.force_regression import (
+    residual_force_functions,
+    without_process_noise,
+)
 from swamp_rl.criticism.inference.identifiability import contrast, separating_manoeuvre
 from swamp_rl.criticism.inference.residual_force import residual_forces
 from swamp_rl.criticism.inference.trivial_predictors import trivial_predictors
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import gains
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
@@ -33,7 +38,15 @@ from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.nuisance.model_error import in_noise_units
 from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
 from swamp_rl.criticism.progress import LOG
-from swamp_rl.criticism.result import Candidate, Diagnosis, Gain, GaussMarkovNoise, SmoothedNoise, Verdict
+from swamp_rl.criticism.result import (
+    Candidate,
+    Diagnosis,
+    Gain,
+    GaussMarkovNoise,
+    ResidualForce,
+    SmoothedNoise,
+    Verdict,
+)
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.hidden_effects import hidden_effects
@@ -82,7 +95,7 @@ def diagnose(
 
     with folder_beside(out, RESULT) as folder:
         finding = examine(run_set, other, np.random.default_rng(seed))
-        write_extended(folder, boat, finding.written.hypothesis, finding.written.x, finding.run_set.names)
+        write_extended(folder, boat, *finding.written_effects, finding.run_set.names, finding.written_curves)
         LOG.info("drawing the report")
         write_report(folder, finding)
         (folder / RESULT).write_text(finding.diagnosis.model_dump_json(indent=2) + "\n", encoding="utf-8")
@@ -124,6 +137,14 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
     listed = list_causes(judged, found, shares, left_out, noise)
     found = found if listed.sound else replace(found, adequate=False)
 
+    extension = None
+    leftover = list[ResidualForce]()
+    if not found.adequate:
+        rest = replace(run_set, gauss_markov=with_noise.gauss_markov)
+        leftover = residual_force_functions(rest, weight, _models(found.winner))
+        extension = extend_by_force(without_process_noise(rest), weight, written, leftover, on, rng)
+    applied = extension if extension and extension.told.written else None
+
     hidden = hidden_effects(run_set, weight, judged, found, [*every, *([hull] if hull else [])])
 
     def apart(rival: Fit) -> float:
@@ -146,18 +167,15 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
         separating_trial=separating_manoeuvre(with_noise, sigmas, found.winner, found.rivals)
         if found.rivals
         else None,
-        leftover=[]
-        if found.adequate
-        else residual_force_functions(
-            replace(run_set, gauss_markov=with_noise.gauss_markov), weight, _models(found.winner)
-        ),
+        leftover=leftover,
+        extension=extension.told if extension else None,
         candidates=_candidates(continuation, found, rng),
         hypotheses=len(found.tried),
         discrete=[one.hypothesis.label for one in found.tried if not one.hypothesis.size],
         unseen=[label for label in found.unidentifiable if label not in hidden],
         hidden=hidden,
         missing_motion=missing_motion(run_set, other is not None),
-        gain=_gains(on, continuation, found.stage, written, rng),
+        gain=_gains(on, continuation.problem(found.stage, written.hypothesis), written, applied, rng),
         gain_on="other_runs" if other else "same_run" if len(run_set.lengths) == 1 else "each_run_in_turn",
         noise=noise,
         wandering=_gauss_markov_noise(with_noise),
@@ -172,7 +190,7 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
         adequacy={"worst_excess": measure.worst, "channel": measure.channel, "adequate": found.adequate},
         elapsed_s=time.perf_counter() - began,
     )
-    return Finding(diagnosis, run_set, weight, continuation, found, forces, written)
+    return Finding(diagnosis, run_set, weight, continuation, found, forces, written, extension)
 
 
 def _is_measured(instance: EffectInstance, run_set: RunSet) -> bool:
@@ -238,12 +256,13 @@ def _candidates(continuation: Continuation, found: Selection, rng: np.random.Gen
 
 def _gains(
     on: Witness,
-    continuation: Continuation,
-    stage: int,
+    problem: Shooting,
     written: Fit,
+    extension: ForceExtension | None,
     rng: np.random.Generator,
 ) -> list[Gain]:
     runs = len(on.run_set.lengths)
-    problem = continuation.problem(stage, written.hypothesis)
+    if extension:
+        problem, written = extension.problem, extension.fit
     hypothesis, numbers = judged_numbers(problem, written, runs, on.others)
     return gains(on.run_set, on.weight, hypothesis, numbers, rng)

@@ -154,6 +154,34 @@ class ResidualForce(Part):
     beside: list[str] = []
 
 
+class ForceCurve(Part):
+    """A force as a function of a variable, as an effect `force_curve` holds it. standard_errors: of `values`,
+    whose units are `units`.
+    """
+
+    component: str
+    covariate: str
+    thruster: str | None = None
+    formula: str | None = None
+    knots: list[float]
+    values: list[float]
+    standard_errors: list[float]
+    units: list[str]
+
+
+class Extension(Part):
+    """The force that no named effect explains, as effects of the extended boat. beside: the effects that were
+    fitted together with it; held_out: its confirmation; share: what it accounts for of the prediction error,
+    beside these; written: whether it is in extended_boat.yaml, which takes an interval above zero.
+    """
+
+    curves: list[ForceCurve]
+    beside: list[Cause] = []
+    held_out: HeldOut
+    share: list[Share] = []
+    written: bool
+
+
 class Paired(Part):
     """Root mean square error before and after; ci95: 95 % interval of before less after, paired."""
 
@@ -202,13 +230,14 @@ class Diagnosis(Part):
     predictors: the boat file against trivial predictors. causes: by their share of the prediction error, the
     largest first. minor: causes whose share is below 2 % and below the sensors' noise, which the verdict
     leaves out. hypotheses: how many sets of effects were fitted; discrete: those of them that have no
-    number, as a swap of channels. nuisance: the hull's linear derivatives
-    where they had to be fitted beside a cause; correlation: of the errors of the parameters of `causes`, then
-    of `nuisance`, in their order; noise: standard deviation by channel (SI, rad); wandering: Gauss-Markov
-    part of the noise by channel; smoothed: channels that a filter smoothed; unseen: effects that are not
-    identifiable from the data; hidden: those that are, but not beside the model's own error; missing_motion:
-    what to record so that they would be; gain_on: the runs that the gain is measured on: each in turn, its
-    parameters from the others, other runs that were given, or the very run that the parameters are from.
+    number, as a swap of channels. nuisance: the hull's linear derivatives where they had to be fitted beside
+    a cause; correlation: of the errors of the parameters of `causes`, then of `nuisance`, in their order;
+    extension: the force that no named effect explains; noise: standard deviation by channel (SI, rad);
+    wandering: Gauss-Markov part of the noise by channel; smoothed: channels that a filter smoothed; unseen:
+    effects that are not identifiable from the data; hidden: those that are, but not beside the model's own
+    error; missing_motion: what to record so that they would be; gain_on: the runs that the gain is measured
+    on: each in turn, its parameters from the others, other runs that were given, or the very run that the
+    parameters are from.
     """
 
     verdict: Verdict
@@ -223,6 +252,7 @@ class Diagnosis(Part):
     contrasts: list[Contrast]
     separating_trial: Manoeuvre | None
     leftover: list[ResidualForce]
+    extension: Extension | None = None
     candidates: list[Candidate]
     unseen: list[str]
     hidden: list[str] = []

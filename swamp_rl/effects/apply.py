@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.effects.curve import Curve, write_curve
 from swamp_rl.effects.declare import Effect
 from swamp_rl.effects.entries import ALL, EffectEntry, Selector
 
@@ -24,7 +25,8 @@ def apply_effects(
     A field has shape (n,), or (n, K) with a column for each of the K thrusters.
     """
     for entry in entries:
-        write_effect(record, entry.effect, entry.values, selected(entry.thruster, thruster_names))
+        thrusters = selected(entry.thruster, thruster_names)
+        write_effect(record, entry.effect, entry.values, thrusters, curve=entry.curve)
 
 
 def selected(thruster: Selector, thruster_names: Sequence[str]) -> NDArray[np.bool_]:
@@ -40,12 +42,16 @@ def write_effect(
     values: Mapping[str, Any],
     thrusters: NDArray[np.bool_],
     boats: NDArray[np.bool_] | bool = True,
+    curve: Curve | None = None,
 ) -> None:
     """One effect into `record` (n,) in place, for the marked boats (n,) and thrusters (K,) or (n, K).
 
-    values: parameter name -> a number or one for each boat (n,).
+    values: parameter name -> a number or one for each boat (n,). UserError for more curves than a boat has
+    room for.
     """
     boats = np.broadcast_to(boats, record.shape)
+    if curve:
+        write_curve(record["force_curves"], curve, values, int(thrusters.ravel().argmax()), boats)
     for parameter in effect.parameters:
         field = record[parameter.field]
         value = np.broadcast_to(np.asarray(values[parameter.name], dtype=float), record.shape)

@@ -59,7 +59,8 @@ class Effect:
 
     thruster: entries name one or `all`, and the fields have a column for each. swaps: entries name two, whose
     numbers in this per-thruster field of the boat are exchanged; reverses: whose number in this per-thruster
-    field changes its sign; such effects have no parameters. needs: what a thruster must be able to do.
+    field changes its sign; such effects have no parameters. curve: entries hold a `Curve` and no parameters.
+    needs: what a thruster must be able to do.
 
     The rest says how a diagnosis searches for it. scope: the least that may have a value of its own.
     begin: what the fit's starts come from: the parameters' own, the best point of their grid, a scan of
@@ -81,6 +82,7 @@ class Effect:
     thruster: bool = False
     swaps: str = ""
     reverses: str = ""
+    curve: bool = False
     needs: Needs = ""
     scope: Scope = "boat"
     begin: Begin | None = "score"

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
+from swamp_rl.effects.curve import KEYS, Curve, parse_curve
 from swamp_rl.effects.declare import LIBRARY, Effect, Parameter
 from swamp_rl.errors import UserError
 
@@ -18,12 +19,23 @@ Value = TypeVar("Value")
 class EffectEntry:
     """An effect with its numbers. thruster: a name, `all`, two names where it swaps two, or None.
 
-    values: parameter name -> number [its unit]; a parameter left out takes its neutral value.
+    values: parameter name -> number [its unit]; a parameter left out takes its neutral value. curve: of an
+    effect that has one; its values are by `Curve.value_names`.
     """
 
     effect: Effect
     thruster: Selector
     values: Mapping[str, float] = field(hash=False)
+    curve: Curve | None = None
+
+
+def entry_mapping(entry: EffectEntry) -> dict[str, Any]:
+    """An effect as it stands in a file."""
+    selector = list(entry.thruster) if isinstance(entry.thruster, tuple) else entry.thruster
+    thruster = {} if selector is None else {"thruster": selector}
+    if entry.curve:
+        return {"effect": entry.effect.name, **thruster, **entry.curve.mapping(entry.values)}
+    return {"effect": entry.effect.name, **thruster, **{k: float(v) for k, v in entry.values.items()}}
 
 
 def parse_effects(entries: Any, where: str, thruster_names: Sequence[str]) -> tuple[EffectEntry, ...]:
@@ -44,11 +56,26 @@ def entry_list(entries: Any, where: str) -> list[Any]:
 def _entry(entry: Any, where: str, thruster_names: Sequence[str]) -> EffectEntry:
     effect, given = effect_and_keys(entry, where)
     where = f"{where} {effect.name}"
+    if effect.curve:
+        return curve_entry(effect, given, where, thruster_names)
     thruster = None
     if effect.selects:
         thruster = parse_selector(effect, given.pop("thruster", None), where, thruster_names)
     numbers = {name: parameter_number(effect.parameter(name), value, where) for name, value in given.items()}
     return EffectEntry(effect, thruster, complete(effect, numbers, where, float))
+
+
+def curve_entry(
+    effect: Effect, given: Mapping[str, Any], where: str, thruster_names: Sequence[str]
+) -> EffectEntry:
+    """The entry of an effect that holds a curve; UserError names the first fault."""
+    curve, values = parse_curve(given, where)
+    thruster = given.get("thruster")
+    if curve.needs_thruster:
+        check_thruster(thruster, where, thruster_names)
+    if (thruster == ALL) or (thruster is not None and not curve.needs_thruster):
+        raise UserError(f"{where}: thruster must be one of them, and only of a thrust, azimuth or throttle")
+    return EffectEntry(effect, thruster, values, curve)
 
 
 def effect_and_keys(entry: Any, where: str, also: Collection[str] = ()) -> tuple[Effect, dict[str, Any]]:
@@ -59,7 +86,8 @@ def effect_and_keys(entry: Any, where: str, also: Collection[str] = ()) -> tuple
     if not isinstance(name, str) or name not in LIBRARY:
         raise UserError(f"{where}: unknown effect {name!r}; {suggestion(name, LIBRARY)}")
     effect = LIBRARY[name]
-    known = [*effect.parameter_names, *(["thruster"] if effect.selects else []), *also]
+    own = ["thruster", *KEYS] if effect.curve else ["thruster"] if effect.selects else []
+    known = [*effect.parameter_names, *own, *also]
     given = {key: value for key, value in entry.items() if key != "effect"}
     for key in given:
         if key not in known:

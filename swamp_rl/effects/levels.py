@@ -54,7 +54,8 @@ class Level:
         blocks = self._blocks(uniforms)[len(self.offsets) :]
         for entry, block in zip(self.entries, blocks, strict=True):
             drawn = entry.draw(block)
-            write_effect(record, entry.effect, drawn.values, drawn.thrusters(self.thruster_names), drawn.on)
+            thrusters = drawn.thrusters(self.thruster_names)
+            write_effect(record, entry.effect, drawn.values, thrusters, drawn.on, entry.curve)
 
     def drawn(self, uniforms: Array) -> list[dict[str, Any]]:
         """The effects of one episode with their numbers, from its uniforms (draw_count,).

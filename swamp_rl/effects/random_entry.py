@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.effects.apply import selected
+from swamp_rl.effects.curve import Curve
 from swamp_rl.effects.declare import LIBRARY, Effect, Parameter
 from swamp_rl.effects.distributions import (
     Array,
@@ -19,9 +20,12 @@ from swamp_rl.effects.distributions import (
     parse_distribution,
 )
 from swamp_rl.effects.entries import (
+    EffectEntry,
     Selector,
     complete,
+    curve_entry,
     effect_and_keys,
+    entry_mapping,
     is_number,
     parameter_number,
     parse_selector,
@@ -45,6 +49,7 @@ class Drawn:
     which: NDArray[np.intp]
     selectors: tuple[Selector, ...]
     values: dict[str, Array]
+    curve: Curve | None = None
 
     def thrusters(self, thruster_names: Sequence[str]) -> NDArray[np.bool_]:
         """(n, K) which thrusters are meant."""
@@ -55,9 +60,8 @@ class Drawn:
         if not self.on[episode]:
             return None
         thruster = self.selectors[self.which[episode]]
-        named = list(thruster) if isinstance(thruster, tuple) else thruster
-        names = {"effect": self.effect.name} | ({} if thruster is None else {"thruster": named})
-        return names | {name: float(values[episode]) for name, values in self.values.items()}
+        values = {name: float(values[episode]) for name, values in self.values.items()}
+        return entry_mapping(EffectEntry(self.effect, thruster, values, self.curve))
 
 
 @dataclass(frozen=True)
@@ -67,7 +71,8 @@ class RandomEntry:
     selectors: the equally likely thrusters (or `all`), (None,) where the effect has no selector. disc: radius
     within which north and east [their unit] are drawn, direction and length uniform; None where they have
     distributions of their own. probability: of the effect being there at all. by_components: whether `values`
-    holds the north and east component of the effect's vector in place of its size and direction.
+    holds the north and east component of the effect's vector in place of its size and direction. curve: with
+    numbers alone.
     """
 
     effect: Effect
@@ -76,6 +81,7 @@ class RandomEntry:
     disc: float | None
     probability: float
     by_components: bool = False
+    curve: Curve | None = None
 
     @property
     def _widths(self) -> list[int]:
@@ -112,7 +118,7 @@ class RandomEntry:
             pairs = list(zip(north.tolist(), east.tolist(), strict=True))
             values[size] = np.array([math.hypot(*pair) for pair in pairs])
             values[direction_name] = np.array([math.atan2(y, x) for x, y in pairs])
-        return Drawn(self.effect, on, which, self.selectors, values)
+        return Drawn(self.effect, on, which, self.selectors, values, self.curve)
 
 
 def parse_random_entry(entry: Any, where: str, thruster_names: Sequence[str]) -> RandomEntry:
@@ -123,6 +129,10 @@ def parse_random_entry(entry: Any, where: str, thruster_names: Sequence[str]) ->
     where = f"{where} {effect.name}"
     probability = _probability(given.pop("probability", 1.0), where)
     selectors: tuple[Selector, ...] = (None,)
+    if effect.curve:
+        fixed = curve_entry(effect, given, where, thruster_names)
+        numbers = {name: Distribution("number", (value,)) for name, value in fixed.values.items()}
+        return RandomEntry(effect, (fixed.thruster,), numbers, None, probability, fixed.curve)
     if effect.selects:
         selectors = _selectors(effect, given.pop("thruster", None), where, thruster_names)
     disc = _disc(effect, given, where) if "disc" in given else None

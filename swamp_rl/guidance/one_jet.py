@@ -17,6 +17,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.guidance.heading import wrapped
 from swamp_rl.guidance.holding import Holding
 from swamp_rl.guidance.loop import Seen
+from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.motion import held_over_step, rates, water_velocity
 from swamp_rl.simulator import parameters, tank
 
@@ -35,8 +36,8 @@ def linear_model(boat: Boat, jets: Jets, k: int, balance: Holding) -> tuple[Arra
     point = np.array([0.0, 0.0, balance.heading, 0.0, 0.0, 0.0, *balance.needed[:2]])
 
     def rate(x: Array) -> Array:
-        forces = np.zeros((1, len(jets.names), 2))
-        forces[0, k] = x[6:]
+        forces = np.zeros((1, len(jets.names), JET))
+        forces[0, k, :2] = x[6:]
         return _rates_over_ground(x[:6], forces, record, curves)
 
     columns = [(rate(point + d) - rate(point - d)) / (2 * DIFFERENCE) for d in DIFFERENCE * np.eye(8)]

@@ -19,6 +19,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.guidance.heading import GRAVITY
 from swamp_rl.manoeuvres.controller import Order
 from swamp_rl.manoeuvres.steering import commands_of, refuse_astern
+from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.propeller import astern_thrust, open_water_thrust
 from swamp_rl.physics.propulsion import propulsion_forces
@@ -132,7 +133,7 @@ def forces_of(
     """As `forces`, of the boat of a parameter record (1,) with its towing tank."""
     record, state = params[0], initial_state(params, np.zeros((1, 3)))[0]
     state[ACTUATORS:] = command
-    outputs = np.empty((3, len(command) // 2, 2))
+    outputs = np.empty((3, len(command) // 2, JET))
     move_actuators(state, command, SUBSTEP, outputs, record)
     hull = hull_forces(surge, 0.0, 0.0, record, curves, towing(record, curves))
     driven = propulsion_forces(outputs, 0, surge, 0.0, 0.0, record)

@@ -5,6 +5,7 @@ from typing import Any
 
 from swamp_rl.physics.air_and_current import current_push, wind_push
 from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.force_curve import COMPONENT, curve_forces
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.propulsion import propulsion_forces
 from swamp_rl.physics.resistance import towing
@@ -81,7 +82,7 @@ def rates(
 ) -> Six:
     """Time derivatives of `motion` at `time` [s].
 
-    jets[moment]: (K, 2) by `actuator_output`; water: its velocity then; held: by `held_over_step`.
+    jets[moment]: (K, 4) by `move_actuators`; water: its velocity then; held: by `held_over_step`.
     """
     wind, tow, inverse = held
     heading, u, v, r = motion[2], motion[3], motion[4], motion[5]
@@ -91,6 +92,9 @@ def rates(
     x_hull, y_hull, n_hull = hull_forces(u, v, r, p, tank, tow)
     x_jets, y_jets, n_jets = propulsion_forces(jets, moment, u, v, r, p)
     x_out, y_out, n_out = external_forces(cos, sin, u_ground, v_ground, time, wind, p)
+    if p.force_curves[0, COMPONENT] != 0.0:
+        own: Any = curve_forces(motion, u_ground, v_ground, time, jets, moment, p)
+        x_out, y_out, n_out = x_out + own[0], y_out + own[1], n_out + own[2]
     u_dot, v_dot, r_dot = accelerations(
         u, v, r, x_hull + x_jets + x_out, y_hull + y_jets + y_out, n_hull + n_jets + n_out, inverse, p
     )
@@ -121,7 +125,7 @@ def moved(motion: Any, rate: Any, time: float) -> Six:
 def runge_kutta_step(motion: Any, time: float, h: float, jets: Any, held: Any, p: Any, tank: Any) -> Six:
     """One classical fourth-order step of h [s] from `time` [s].
 
-    jets: (3, K, 2), the outputs at 0, h/2 and h; held: by `held_over_step`.
+    jets: (3, K, 4), the outputs at 0, h/2 and h; held: by `held_over_step`.
     """
     drifts = p.current_north_rate != 0.0 or p.current_east_rate != 0.0
     water = water_velocity(time, p)

@@ -10,6 +10,7 @@ from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.boat.resistance import DriftResistance
 from swamp_rl.boat.schema import ThrustDeduction
 from swamp_rl.effects import apply_effects, neutral_fields
+from swamp_rl.physics.force_curve import CURVES, WIDTH
 from swamp_rl.physics.resistance import tank_table
 from swamp_rl.simulator.divergence import refuse_divergence
 from swamp_rl.simulator.state import ACTUATORS, NORTH, SURGE, YAW_RATE, state_size
@@ -173,6 +174,7 @@ def _nominal(boat: Boat) -> NDArray[Any]:
             columns[field] = [neutral] * len(boat.thrusters)
         else:
             scalars[field] = neutral
+    columns["force_curves"] = np.zeros((CURVES, WIDTH)).tolist()
     shapes = {field: np.shape(values) for field, values in columns.items()}
     record = np.zeros(1, record_of(tuple(scalars), tuple(shapes.items())))
     for field, value in (scalars | columns).items():

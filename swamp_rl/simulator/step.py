@@ -7,6 +7,7 @@ import numba
 import numpy as np
 
 from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.force_curve import ANGLE_OF_THRUSTER, COMPONENT, JET, LEVEL_OF_THRUSTER
 from swamp_rl.physics.motion import held_over_step, runge_kutta_step, water_velocity
 from swamp_rl.physics.noise import normal_pair
 from swamp_rl.physics.propulsion import actuator_output, throttle_limits, worn
@@ -91,8 +92,11 @@ def commanded(k: int, time: float, command: Any, p: Any) -> tuple[float, float]:
 
 @compiled
 def move_actuators(state: Any, command: Any, h: float, jets: Any, p: Any) -> None:
-    """Let the actuators follow the command for h [s]; jets (3, K, 2) takes their outputs at 0, h/2 and h."""
+    """Let the actuators follow the command for h [s]; jets (3, K, 4) takes their outputs at 0, h/2 and h,
+    and, where a force is a function of them, their angles [rad] and levels.
+    """
     thrusters = jets.shape[1]
+    seen = p.force_curves[0, COMPONENT] != 0.0
     for k in range(thrusters):
         azimuth_command, throttle_command = commanded(k, state[TIME], command, p)
         azimuth, throttle = state[ACTUATORS + k], state[ACTUATORS + thrusters + k]
@@ -112,6 +116,8 @@ def move_actuators(state: Any, command: Any, h: float, jets: Any, p: Any) -> Non
                 jets[i, k, 0], jets[i, k, 1] = first, second
             else:  # arrived: nothing moves any more
                 jets[i, k, 0], jets[i, k, 1] = jets[i - 1, k, 0], jets[i - 1, k, 1]
+            if seen:
+                jets[i, k, ANGLE_OF_THRUSTER], jets[i, k, LEVEL_OF_THRUSTER] = angle, level
         state[ACTUATORS + k], state[ACTUATORS + thrusters + k] = angle, level
 
 
@@ -124,7 +130,7 @@ def step_boat(
     state: (S,), see `swamp_rl.simulator.state`; p: its parameter record; tank: `tank_table`;
     command: (2K,) azimuths [rad] then throttles [1], held over the step: what has arrived, so where commands
     act late it comes from `delayed_command`; seed: of its gusts;
-    jets: (3, K, 2) scratch.
+    jets: (3, K, JET) scratch.
     """
     h = dt / substeps
     update_gusts(state, seed, dt, p)
@@ -154,7 +160,7 @@ def step_boat(
 @compiled
 def step(state: Any, params: Any, tank: Any, commands: Any, seeds: Any, dt: float, substeps: int) -> None:
     """Advance n boats by dt [s] in place; state (n, S), params (n,), commands (n, 2K), seeds uint64 (n,)."""
-    jets = np.empty((3, commands.shape[1] // 2, 2))
+    jets = np.empty((3, commands.shape[1] // 2, JET))
     for i in range(state.shape[0]):
         step_boat(state[i], params[i], tank, commands[i], seeds[i], dt, substeps, jets)
 
@@ -166,7 +172,7 @@ def step_parallel(
     """As `step`, spread over the processor's cores: faster for a thousand boats or more."""
     boats = state.shape[0]
     for chunk in numba.prange((boats + CHUNK - 1) // CHUNK):
-        jets = np.empty((3, commands.shape[1] // 2, 2))
+        jets = np.empty((3, commands.shape[1] // 2, JET))
         for i in range(chunk * CHUNK, min((chunk + 1) * CHUNK, boats)):
             step_boat(state[i], params[i], tank, commands[i], seeds[i], dt, substeps, jets)
 
@@ -188,7 +194,7 @@ def simulate_in_weather(
     """As `simulate`, with measured weather (n or 0, T, 3): rows of `take_weather`, each held for dt [s]."""
     boats, steps = commands.shape[0], commands.shape[1]
     track = np.empty((boats, steps + 1, start.shape[1]))
-    jets = np.empty((3, commands.shape[2] // 2, 2))
+    jets = np.empty((3, commands.shape[2] // 2, JET))
     arrived = np.empty(commands.shape[2])
     own = params.copy()
     for i in range(boats):

@@ -8,8 +8,8 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.boat_fit.command_offset import command_offset
 from swamp_rl.boat_fit.wiring import search_wiring
-from swamp_rl.criticism.data import RunSet, read_run_set
-from swamp_rl.criticism.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet, read_run_set
 from tests.support.from_scratch import written
 from tests.support.sailing import sailed_dataset
 

@@ -20,6 +20,7 @@ NOT_RUN = {  # blocks that no test can run: servers, hours, logs of others
     "README.md": 1,
     "docs/criticism.md": 4,
     "docs/demo.md": 2,
+    "docs/fleet.md": 1,
     "docs/formats.md": 1,
     "docs/identify_boat.md": 2,
     "docs/import.md": 2,

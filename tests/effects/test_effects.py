@@ -82,11 +82,12 @@ def test_the_library_has_the_projects_vocabulary() -> None:
         "heading_drift": ("rate",),
         "clock_offset": ("offset",),
         "clock_drift": ("rate",),
+        "force_curve": (),
     }
 
 
 # A failure that never comes and plugs that are not exchanged cannot be written down.
-WITHOUT_NUMBER = {"channel_swap", "azimuth_reversed", "throttle_reversed"}
+WITHOUT_NUMBER = {"force_curve", "channel_swap", "azimuth_reversed", "throttle_reversed"}
 WRITABLE_NEUTRAL = sorted(set(LIBRARY) - WITHOUT_NUMBER - {"thruster_failure"})
 
 

@@ -64,6 +64,7 @@ STRONG: dict[str, dict[str, Any]] = {  # every effect far enough from neutral fo
     "heading_drift": {"rate": 0.002},
     "clock_offset": {"offset": -0.4},
     "clock_drift": {"rate": 0.01},
+    "force_curve": {"component": "surge", "covariate": "speed", "knots": [0.0, 2.0], "values": [2.0, -3.0]},
 }
 EVERY_EFFECT = [{"effect": name} | numbers for name, numbers in STRONG.items()]
 

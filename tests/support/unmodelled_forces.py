@@ -1,5 +1,6 @@
 """Runs under forces that no effect of the library makes."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,25 @@ DEAD_ZONE = {"what": "dead_zone", "thruster": "ss", "below": 0.55}
 MOORING = {"what": "mooring", "length": 4.0, "stiffness": 2.0}
 
 
-def sailed(outside: dict[str, Any] | None, level: str) -> RunSet:
+DROGUE = {"what": "drogue", "coefficient": 10.0}
+
+
+BRAKE = {
+    "effect": "force_curve",
+    "component": "surge",
+    "covariate": "surge",
+    "formula": "square",
+    "knots": [-5.0, 5.0],
+    "values": [-10.0],
+}
+
+
+def sailed(
+    outside: dict[str, Any] | None, level: str, seed: int = 1, effects: Sequence[dict[str, Any]] = ()
+) -> RunSet:
     """Five runs of 80 s of every kind with the noise of a level."""
-    rng = np.random.default_rng(1)
-    found = voyages(Case(level, "outside", [], outside=outside), rng)
+    rng = np.random.default_rng(seed)
+    found = voyages(Case(level, "outside", list(effects), outside=outside), rng)
     noise = deviations(level)
     seen = np.stack([measure(one, noise, rng)[0] for one in found])
     seen[..., 2] = np.unwrap(seen[..., 2])

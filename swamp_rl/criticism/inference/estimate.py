@@ -19,13 +19,14 @@ AT_BOUND = 1e-3  # of a parameter's typical size: its distance from a bound that
 
 
 def causes_of(problem: Shooting, at: Fit) -> list[Cause]:
-    """Every effect of a fit as a cause."""
+    """Every named effect of a fit as a cause."""
     covariance = sandwich_covariance(problem, at)
     causes = []
     start = 0
     for instance, own in at.hypothesis.parts(at.x):
         block = covariance[start : start + instance.size, start : start + instance.size]
-        causes.append(_cause(instance, own, block, problem.run_set))
+        if not instance.curve:
+            causes.append(_cause(instance, own, block, problem.run_set))
         start += instance.size
     return causes
 

@@ -1,13 +1,16 @@
 """A diagnosis with the data and fits that it is based on, for its report."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference.force_extension import ForceExtension
 from swamp_rl.criticism.inference.residual_force import Forces
 from swamp_rl.criticism.likelihood.output_error import Fit
+from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation
@@ -17,7 +20,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Finding:
-    """A diagnosis with the data and fits that it is based on; written: the fit that goes into files."""
+    """A diagnosis with the data and fits that it is based on; written: the fit that goes into files;
+    extension: the missing force, which goes there where it is `written`.
+    """
 
     diagnosis: Diagnosis
     run_set: RunSet
@@ -26,3 +31,16 @@ class Finding:
     selection: Selection
     forces: Forces
     written: Fit
+    extension: ForceExtension | None = None
+
+    @property
+    def written_effects(self) -> tuple[Hypothesis, Array]:
+        """The named effects that go into files, and their parameters (p,)."""
+        if self.extension and self.extension.told.written:
+            return self.extension.others
+        return self.written.hypothesis, self.written.x
+
+    @property
+    def written_curves(self) -> list[dict[str, Any]]:
+        """The missing force as entries of the extended boat; none where it is not written."""
+        return self.extension.entries if self.extension and self.extension.told.written else []

@@ -330,17 +330,22 @@ def _labels(pair: Pair) -> list[tuple[str, str]]:
     return [(pair.force, pair.variable)]
 
 
+def without_process_noise(run_set: RunSet) -> RunSet:
+    """The runs with white noise where it has a Gauss-Markov part in all channels, which is the residual
+    force.
+    """
+    if run_set.gauss_markov is not None and (run_set.gauss_markov[OTHERS, 0] > 0).any():
+        return replace(run_set, gauss_markov=None)
+    return run_set
+
+
 def residual_force_functions(
     run_set: RunSet, weight: Array, every: Sequence[tuple[Hypothesis, Array]]
 ) -> list[ResidualForce]:
     """The residual force as functions of variables, under the hypothesis, of some with parameters (p,), whose
     information criterion is then least.
-
-    Where the noise has a Gauss-Markov part in all channels, that is the residual force, so the noise is white
-    here.
     """
-    if run_set.gauss_markov is not None and (run_set.gauss_markov[OTHERS, 0] > 0).any():
-        run_set = replace(run_set, gauss_markov=None)
+    run_set = without_process_noise(run_set)
     criterion = information_criterion(run_set, float((weight > 0).sum()))
     results = []
     for hypothesis, x in every:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.effects import LIBRARY, Effect, EffectEntry, Parameter, Reference, apply_effects
+from swamp_rl.effects.curve import Curve
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.reference import reference_of
 
@@ -27,7 +28,7 @@ ONE_RUN = np.zeros(1, dtype=np.int64)
 
 @dataclass(frozen=True)
 class Spec:
-    """A `Search` of one parameter for one boat, in the parameter's unit."""
+    """A `Search` of one parameter for one boat, in the parameter's unit; mean: of its prior."""
 
     scale: float
     low: float
@@ -35,6 +36,7 @@ class Spec:
     starts: tuple[float, ...]
     difference: float
     prior: float | None = None
+    mean: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,7 @@ class EffectInstance:
     starts: points that a fit begins from; grid: points that are only evaluated, the best of them being a
     start; groups: the group of each run, from 0 on, where every group has parameters of its own (group after
     group in x), none where all runs share them; by: what a group is. Starts and grid are of one group.
+    curve: of an effect that has one, whose values x are.
     """
 
     effect: Effect
@@ -54,11 +57,15 @@ class EffectInstance:
     grid: tuple[tuple[float, ...], ...] = ()
     groups: tuple[int, ...] = ()
     by: str = ""
+    curve: Curve | None = None
 
     @property
     def label(self) -> str:
         """Name, thrusters and what it differs by; unique among candidates."""
-        return " ".join((self.effect.name, *self.selectors, *([f"by_{self.by}"] if self.groups else [])))
+        more = [f"by_{self.by}"] if self.groups else []
+        if self.curve:
+            more = [self.curve.component, self.curve.covariate, self.curve.formula or "knots"]
+        return " ".join((self.effect.name, *self.selectors, *more))
 
     @property
     def size(self) -> int:
@@ -89,7 +96,8 @@ class EffectInstance:
 
         Of the two ways to say the same harmonic, the one with |phase| <= pi/2.
         """
-        values = dict(zip(self.effect.parameter_names, np.moveaxis(x, -1, 0), strict=True))
+        names = self.curve.value_names if self.curve else self.effect.parameter_names
+        values = dict(zip(names, np.moveaxis(x, -1, 0), strict=True))
         if self.effect.vector:
             size, direction = self.effect.vector
             first, second = values[size], values[direction]
@@ -176,11 +184,9 @@ class Hypothesis:
         return np.array([s.low for s in self.specs]), np.array([s.high for s in self.specs])
 
     def prior(self) -> tuple[Array, Array]:
-        """(p,) mean and (p,) precision of the Gaussian prior, 0 where there is none; the mean is 1, since
-        only scales of coefficients have one.
-        """
+        """(p,) mean and (p,) precision of the Gaussian prior, 0 where there is none."""
         precision = np.array([0.0 if s.prior is None else s.prior**-2 for s in self.specs])
-        return np.ones(self.size), precision
+        return np.array([s.mean for s in self.specs]), precision
 
     def parts(self, x: Array) -> list[tuple[EffectInstance, Array]]:
         """Each effect with its own columns of x (..., p)."""
@@ -217,7 +223,7 @@ def entries_of(instance: EffectInstance, x: Array) -> list[EffectEntry]:
     thruster = (
         instance.selectors if instance.effect.swaps else instance.selectors[0] if instance.selectors else None
     )
-    return [EffectEntry(instance.effect, thruster, instance.values(x))]  # type: ignore[arg-type]
+    return [EffectEntry(instance.effect, thruster, instance.values(x), instance.curve)]  # type: ignore[arg-type]
 
 
 def candidates(

@@ -10,33 +10,33 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.effects import LIBRARY
+from swamp_rl.effects.entries import entry_mapping
 from swamp_rl.files import write_yaml
 from swamp_rl.names import file_in
 
 
 def effect_mappings(hypothesis: Hypothesis, x: NDArray[np.float64]) -> list[dict[str, Any]]:
     """The effects as mappings for YAML; x: (p,)."""
-    found = []
-    for entry in hypothesis.entries(x):
-        selector = list(entry.thruster) if isinstance(entry.thruster, tuple) else entry.thruster
-        thruster = {} if selector is None else {"thruster": selector}
-        found.append(
-            {"effect": entry.effect.name, **thruster, **{k: float(v) for k, v in entry.values.items()}}
-        )
-    return found
+    return [entry_mapping(entry) for entry in hypothesis.entries(x)]
 
 
 BOAT, CONDITIONS = "extended_boat.yaml", "conditions"
 
 
 def write_extended(
-    folder: Path, boat: str | Path, hypothesis: Hypothesis, x: NDArray[np.float64], names: Sequence[str] = ()
+    folder: Path,
+    boat: str | Path,
+    hypothesis: Hypothesis,
+    x: NDArray[np.float64],
+    names: Sequence[str] = (),
+    curves: Sequence[dict[str, Any]] = (),
 ) -> None:
     """Write BOAT and, where some effects of the hypothesis may differ between days or runs, levels of
     disturbances with those into `folder`: CONDITIONS.yaml, or CONDITIONS/RUN.yaml of each of the runs `names`
     where they do differ.
 
-    BOAT extends `boat`, given by name or by path, with the other effects. x: (p,).
+    BOAT extends `boat`, given by name or by path, with the other effects and the `curves` of a missing
+    force. x: (p,).
     """
     shared = hypothesis.shared(x)
     own = [one for one in effect_mappings(*shared) if LIBRARY[one["effect"]].scope == "boat"]
@@ -50,7 +50,9 @@ def write_extended(
     given = Path(boat)
     is_name = given.suffix == "" and len(given.parts) == 1
     extends = str(boat) if is_name else os.path.relpath(given, folder)
-    write_yaml(folder / BOAT, {"extends": extends, "name": f"{given.stem}-extended", "effects": own})
+    write_yaml(
+        folder / BOAT, {"extends": extends, "name": f"{given.stem}-extended", "effects": [*own, *curves]}
+    )
 
 
 def _write_conditions(path: Path, hypothesis: Hypothesis, x: NDArray[np.float64]) -> None:

@@ -8,6 +8,7 @@ import numba
 import numpy as np
 
 from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.force_curve import JET
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import SURGE, TIME
 from swamp_rl.simulator.step import move_actuators, step_boat, take_weather
@@ -88,7 +89,7 @@ def _roll(
     block: int,
     track: Any,
 ) -> None:
-    jets = np.empty((3, commands.shape[2] // 2, 2))
+    jets = np.empty((3, commands.shape[2] // 2, JET))
     state = np.empty(start.shape[1])
     arrived = np.empty(commands.shape[2])
     for i in range(start.shape[0]):
@@ -114,7 +115,7 @@ def _roll(
 
 @compiled(threaded=True)
 def _roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, states: Any) -> None:
-    jets = np.empty((3, commands.shape[2] // 2, 2))
+    jets = np.empty((3, commands.shape[2] // 2, JET))
     state = np.empty(start.shape[1])
     arrived = np.empty(commands.shape[2])
     for i in range(start.shape[0]):

@@ -1,7 +1,7 @@
 """The report as one HTML page: sentences, tables and figures."""
 
 import html
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from swamp_rl.criticism.data.measurement_noise import noise_floor
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS, RunSet
@@ -14,7 +14,9 @@ from swamp_rl.criticism.report.evidence import (
     share_rows,
     smoothed_sentence,
 )
+from swamp_rl.criticism.report.extension import extension_section, is_extended
 from swamp_rl.criticism.report.figures import DEGREES, SHOWN
+from swamp_rl.criticism.report.tables import table
 from swamp_rl.criticism.report.words import (
     GAINED_ON,
     cause_rows,
@@ -73,6 +75,7 @@ def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str]) -> str:
         causes_section(found, run_set),
         identifiability_section(found, run_set),
         residual_section(found, images),
+        extension_section(found),
         gain_section(found),
         limits_section(found, run_set),
         details(found, run_set),
@@ -256,7 +259,7 @@ def gain_section(found: Diagnosis) -> str:
     """Errors without and with the causes on held-out runs."""
     rows = [row for gain in found.gain for row in gain_rows(gain)]
     blocks = sorted({gain.blocks for gain in found.gain if gain.restarts})
-    if not found.causes:
+    if not is_extended(found):
         rows = [(*row[:3], row[5]) for row in rows]
         heads: tuple[str, ...] = ("seconds ahead (restarts)", "error", "boat file", "unit")
         return "<h2>Prediction errors</h2>" + cards(found) + table(heads, rows, numbers=(0, 2))
@@ -351,31 +354,3 @@ def details(found: Diagnosis, run_set: RunSet) -> str:
         + f'<p class="soft">Found in {found.elapsed_s:.0f} s. <code>diagnosis.json</code> holds every '
         f"number. {html.escape(files_sentence(found))}</p>"
     )
-
-
-def table(
-    heads: Sequence[str],
-    rows: Sequence[Sequence[str]],
-    numbers: Sequence[int] = (),
-    raw: bool = False,
-    unbroken: Sequence[int] = (),
-) -> str:
-    """An HTML table, the columns `numbers` aligned right, those and `unbroken` on one line; raw: cells are
-    HTML already.
-    """
-    if not rows:
-        return "<p>None.</p>"
-    kinds = [
-        ' class="n"' if i in numbers else ' class="t"' if i in unbroken else "" for i in range(len(heads))
-    ]
-    top = "".join(f"<th{kind}>{html.escape(head)}</th>" for kind, head in zip(kinds, heads, strict=True))
-    body = "".join(
-        "<tr>"
-        + "".join(
-            f"<td{kind}>{cell if raw else html.escape(cell)}</td>"
-            for kind, cell in zip(kinds, row, strict=True)
-        )
-        + "</tr>"
-        for row in rows
-    )
-    return f'<div class="wide"><table><tr>{top}</tr>{body}</table></div>'

@@ -143,3 +143,14 @@ declare(
     description="a yaw moment times surge times its magnitude, of hulls that are not alike",
     source="paper on SWAMP's identification: a bias to port",
 )
+
+declare(
+    "force_curve",
+    acts_on="force",
+    combine="add",
+    description="a force, a moment or the thrust of a thruster as a function of one variable, by knots or by "
+    "a formula, zero outside the knots",
+    source="ours: what no other effect names, as a diagnosis estimates it",
+    curve=True,
+    begin=None,
+)

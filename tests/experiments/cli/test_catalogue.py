@@ -25,12 +25,19 @@ def test_every_effect_is_listed_once_with_all_its_parameters_units_and_source(ca
         assert effect.description in block
         assert f"source: {effect.source}" in listed
         one = lines(call, "effects", effect.name)
-        said = ("  thruster:", "  the same in every run", "  may differ", "  never a cause")
+        said = (
+            "  thruster:",
+            "  component, ",
+            "  formula: ",
+            "  the same in every run",
+            "  may differ",
+            "  never a cause",
+        )
         told = [line for line in one[2:] if not line.startswith(said)]
         assert len(told) == len(effect.parameters)
         for line, parameter in zip(told, effect.parameters, strict=True):
             assert line.startswith(f"  {parameter.name}: ") and f"[{parameter.unit}]" in line
-        assert any(line.startswith("  thruster:") for line in one) == effect.selects
+        assert any(line.startswith("  thruster:") for line in one) == (effect.selects or effect.curve)
 
 
 def test_an_effects_bounds_neutral_value_and_whether_it_must_be_given_are_told(call: Call) -> None:

@@ -1,0 +1,48 @@
+"""`swamp-rl fleet`: many datasets, each diagnosed apart, and what they have in common."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def fleet(
+    dataset: Annotated[
+        list[Path], typer.Argument(help="Folders of measured runs, each diagnosed apart from the others.")
+    ],
+    out: Annotated[Path, typer.Option(help="The folder to write, or one to go on with.")],
+    boat: Annotated[
+        str | None,
+        typer.Option("--boat", help="Compare all with this name or file; by default each dataset's own."),
+    ] = None,
+    ignore: Annotated[
+        list[str] | None,
+        typer.Option(help="Leave out what the runs measured: wind or depth; may be repeated."),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, max=1024, help="Processes at once; by default one for each processor."),
+    ] = None,
+    ray: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Use the Ray cluster there, such as 127.0.0.1:6379."),
+    ] = None,
+) -> None:
+    """Diagnose many boats; the same command again goes on where one was interrupted or killed."""
+    from swamp_rl.experiments.fleet import diagnose_fleet
+
+    def tell(name: str, said: str) -> None:
+        typer.echo(f"{name}: {said}")
+
+    typer.echo(f"diagnosing {len(dataset)} dataset{'s' * (len(dataset) > 1)}")
+    found = diagnose_fleet(dataset, out, boat, ignore or [], workers, ray, tell)
+    for shared in found.shared:
+        typer.echo(f"  {len(shared.boats)} boats share {shared.cause}: {', '.join(shared.boats)}")
+    for drift in found.drifts:
+        values = ", ".join(f"{name} {value:.3g}" for name, value in drift.values.items())
+        typer.echo(f"  {drift.boat}: {drift.cause} {drift.parameter} differs [{drift.unit}]: {values}")
+    kept = sum(one.kept for one in found.findings)
+    failed = sum(one.verdict is None for one in found.members)
+    typer.echo(
+        f"{out}: fleet.json, fleet.html; {kept} of {len(found.findings)} causes kept, {failed} not diagnosed"
+    )

@@ -1,0 +1,71 @@
+"""The report of a fleet as one HTML page."""
+
+import html
+
+from swamp_rl.experiments.fleet.result import Fleet
+
+from swamp_rl.criticism.report.page import STYLE
+from swamp_rl.criticism.report.tables import table
+from swamp_rl.criticism.report.words import minus
+
+
+def page(fleet: Fleet) -> str:
+    """The whole page."""
+    parts = [_opening(fleet), _shared(fleet), _drifts(fleet), _members(fleet), _findings(fleet)]
+    head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+    head += f"<title>Diagnosis of a fleet</title><style>{STYLE}</style>"
+    return f'<!doctype html><html lang="en"><head>{head}</head><body>{"".join(parts)}</body></html>\n'
+
+
+def _opening(fleet: Fleet) -> str:
+    boats = len({one.boat for one in fleet.members})
+    failed = sum(one.verdict is None for one in fleet.members)
+    kept = sum(one.kept for one in fleet.findings)
+    return (
+        f"<h1>{len(fleet.members)} datasets of {boats} boat{'s' * (boats != 1)}</h1>"
+        f"<p>{kept} of {len(fleet.findings)} causes are kept at a false discovery rate of {fleet.rate:.0%} "
+        f"(Benjamini and Hochberg, {fleet.tests} tests). {failed} dataset{'s' * (failed != 1)} could not be "
+        "diagnosed.</p>"
+    )
+
+
+def _shared(fleet: Fleet) -> str:
+    rows = [(one.cause, str(len(one.boats)), ", ".join(one.boats)) for one in fleet.shared]
+    return "<h2>Causes that several boats have</h2>" + table(("cause", "boats", "names"), rows, numbers=(1,))
+
+
+def _drifts(fleet: Fleet) -> str:
+    rows = []
+    for one in fleet.drifts:
+        values = "; ".join(
+            minus(f"{name} {value:.3g} ± {one.standard_errors[name]:.2g}")
+            for name, value in one.values.items()
+        )
+        rows.append((one.boat, one.cause, one.parameter.replace("_", " "), one.unit, values, f"{one.p:.2g}"))
+    heads = ("boat", "cause", "parameter", "unit", "values ± one standard error", "p")
+    changed = [
+        (one.boat, one.cause, ", ".join(one.found_in), ", ".join(one.absent_in)) for one in fleet.changes
+    ]
+    return (
+        "<h2>What differs between the datasets of one boat</h2>"
+        + table(heads, rows, numbers=(5,))
+        + "<h2>Causes found in some datasets of a boat only</h2>"
+        + table(("boat", "cause", "found in", "not found in"), changed)
+    )
+
+
+def _members(fleet: Fleet) -> str:
+    rows = []
+    for one in fleet.members:
+        name, report = html.escape(one.name), html.escape(f"{one.name}/report.html")
+        link = f'<a href="{report}">{name}</a>' if one.verdict else name
+        verdict = one.verdict.replace("_", " ") if one.verdict else "not diagnosed"
+        told = one.error or ", ".join(one.causes)
+        rows.append((link, html.escape(one.boat), verdict, html.escape(told)))
+    heads = ("dataset", "boat", "verdict", "causes, or why there is no diagnosis")
+    return "<h2>Datasets</h2>" + table(heads, rows, raw=True)
+
+
+def _findings(fleet: Fleet) -> str:
+    rows = [(one.name, one.cause, f"{one.p:.2g}", "yes" if one.kept else "no") for one in fleet.findings]
+    return "<h2>Causes and their p-values</h2>" + table(("dataset", "cause", "p", "kept"), rows, numbers=(2,))

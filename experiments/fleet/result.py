@@ -1,0 +1,108 @@
+"""The models of `fleet.json`; `Fleet.model_json_schema()` is its published schema.
+
+python -m swamp_rl.experiments.fleet.result docs/fleet.schema.json
+"""
+
+import json
+import sys
+from pathlib import Path
+
+from pydantic import Field
+
+from swamp_rl.criticism.result import Part, Verdict
+from swamp_rl.files import write_beside
+
+
+class Member(Part):
+    """One dataset. name: of its folder in the fleet's; boat: whose it is; boat_file: what it was compared
+    with; verdict: none where it was refused or failed, `error` says why; causes: their labels.
+    """
+
+    name: str
+    boat: str
+    dataset: str
+    boat_file: str | None = None
+    verdict: Verdict | None = None
+    causes: list[str] = Field(default=[])
+    error: str | None = None
+
+
+class Finding(Part):
+    """A cause in one dataset. p: its p-value, see `significance`; kept: whether it stands at the false
+    discovery rate of the fleet.
+    """
+
+    name: str
+    boat: str
+    cause: str
+    p: float
+    kept: bool
+
+
+class SharedCause(Part):
+    """A kept cause and the boats that have it."""
+
+    cause: str
+    boats: list[str]
+
+
+class Drift(Part):
+    """A parameter of one boat's cause that differs between its datasets beyond its standard errors.
+
+    values, standard_errors: by dataset; p: of equal values (Cochran's Q), adjusted by Benjamini and Hochberg.
+    """
+
+    boat: str
+    cause: str
+    parameter: str
+    unit: str
+    values: dict[str, float]
+    standard_errors: dict[str, float]
+    p: float
+
+
+class Change(Part):
+    """A kept cause that one boat has in some of its datasets and not in others."""
+
+    boat: str
+    cause: str
+    found_in: list[str]
+    absent_in: list[str]
+
+
+class Fleet(Part):
+    """The fleet. rate: the false discovery rate that the findings are held at; tests: how many p-values it
+    counts; measured: seconds of each dataset, the only part that depends on when and where it was done.
+    """
+
+    version: str
+    rate: float
+    tests: int
+    members: list[Member]
+    findings: list[Finding]
+    shared: list[SharedCause]
+    drifts: list[Drift]
+    changes: list[Change]
+    measured: dict[str, float]
+
+
+def schema_text() -> str:
+    """JSON Schema (draft 2020-12) of a fleet, as the file holds it."""
+    schema = Fleet.model_json_schema(mode="serialization")
+    named = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "fleet.json of swamp-rl fleet",
+    }
+    return json.dumps(named | {k: v for k, v in schema.items() if k != "title"}, indent=2) + "\n"
+
+
+def main() -> None:
+    """Write the schema to the file named on the command line."""
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+        raise SystemExit(__doc__)
+    with write_beside(Path(sys.argv[1])) as part:
+        part.write_text(schema_text(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

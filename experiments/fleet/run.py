@@ -1,0 +1,185 @@
+"""`swamp-rl fleet`: each dataset diagnosed once and kept, whatever is killed meanwhile, and then a report."""
+
+import json
+import os
+import shutil
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.experiments.fleet.report import page
+from swamp_rl.experiments.fleet.result import Fleet, Member
+from swamp_rl.experiments.fleet.significance import RATE, changes_of, findings_of, label, shared_causes
+from swamp_rl.experiments.fleet.work import diagnose_one, input_of, is_done, read_diagnosis
+from swamp_rl.experiments.sweep.run import Crew
+
+from swamp_rl import __version__
+from swamp_rl.criticism.data.checks import refuse_sources_inside
+from swamp_rl.criticism.result import Diagnosis
+from swamp_rl.errors import UserError
+from swamp_rl.files import write_beside
+from swamp_rl.names import plain_name
+from swamp_rl.unfinished import locked
+
+FLEET, REPORT = "fleet.json", "fleet.html"
+RETRIES = 2  # of a dataset whose process was lost
+Tell = Callable[[str, str], None]
+"""Hears each dataset's name and what came of it."""
+
+
+def diagnose_fleet(
+    datasets: Sequence[Path | str],
+    out: Path | str,
+    boat: str | None = None,
+    ignore: Sequence[str] = (),
+    workers: int | None = None,
+    ray: str | None = None,
+    tell: Tell = lambda name, said: None,
+    crew: Crew | None = None,
+) -> Fleet:
+    """Diagnose every dataset into a folder of its own in `out`, and write fleet.json and fleet.html there.
+
+    What an earlier life has finished is kept where the dataset, the boat and the version are the same; what
+    it has begun is removed. boat: what all are compared with, by default each dataset's own. workers:
+    processes, by default one for each processor; ray: the address of a cluster in their place. A dataset that
+    cannot be diagnosed has its line in the report. UserError for a folder that is none of a fleet.
+    """
+    out, given = Path(out), [Path(one) for one in datasets]
+    members = members_of(given, boat)
+    refuse_sources_inside(out, [one for one in given if one.exists()])
+    _refuse_other_folder(out)
+    with locked(out):
+        out.mkdir(parents=True, exist_ok=True)
+        jobs, wrong = _jobs(members, out, boat, ignore)
+        if jobs:
+            with crew_of(crew, workers, ray) as hands:
+                wrong |= carry_out(jobs, hands, tell)
+        fleet = fleet_of(members, out, wrong)
+        with write_beside(out / FLEET) as part:
+            part.write_text(fleet.model_dump_json(indent=2) + "\n", encoding="utf-8")
+        with write_beside(out / REPORT) as part:
+            part.write_text(page(fleet), encoding="utf-8")
+    return fleet
+
+
+def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member]:
+    """The datasets sorted by name. Where they lie in several folders, a folder is a boat and its datasets are
+    that boat's days; where all lie in one, each is a boat of its own. UserError for one given twice.
+    """
+    whole = [Path(os.path.abspath(one)) for one in datasets]
+    for path, times in Counter(whole).items():
+        if times > 1:
+            raise UserError(f"{path}: is given {times} times; name each dataset once")
+    several = len({path.parent for path in whole}) > 1
+    found = []
+    for path, one in zip(whole, datasets, strict=True):
+        own = path.parent.name if several else path.name
+        name = f"{own}_{path.name}" if several else path.name
+        found.append(Member(name=plain_name(name), boat=own, dataset=str(one), boat_file=boat))
+    for name, times in Counter(member.name.lower() for member in found).items():
+        if times > 1:
+            raise UserError(f"{name}: {times} datasets would have this name; rename their folders")
+    return sorted(found, key=lambda one: one.name)
+
+
+def _refuse_other_folder(out: Path) -> None:
+    """UserError for a folder that holds anything but an earlier fleet."""
+    if not out.exists() or (out / FLEET).is_file():
+        return
+    if not out.is_dir() or any(
+        not (entry.is_dir() and (entry.name.startswith(".") or any(entry.glob("diagnosis.json"))))
+        for entry in out.iterdir()
+    ):
+        raise UserError(f"{out}: already exists and is no earlier fleet; name another folder with --out")
+
+
+def _jobs(
+    members: Sequence[Member], out: Path, boat: str | None, ignore: Sequence[str]
+) -> tuple[dict[str, str], dict[str, str]]:
+    """By name, the jobs that are still to be done, and the faults of datasets that cannot even be read."""
+    jobs, wrong = {}, {}
+    for member in members:
+        dataset, folder = Path(member.dataset), out / member.name
+        if not dataset.is_dir():
+            wrong[member.name] = f"{dataset}: no such folder"
+            continue
+        try:
+            note = input_of(dataset, boat, list(ignore), __version__)
+        except (UserError, OSError) as error:
+            wrong[member.name] = " ".join(str(error).split())
+            continue
+        if is_done(folder, note):
+            continue
+        shutil.rmtree(folder, ignore_errors=True)
+        job = {"dataset": str(dataset.absolute()), "boat": boat, "out": str(folder.absolute())}
+        jobs[member.name] = json.dumps({**job, "ignore": list(ignore), "input": note})
+    return jobs, wrong
+
+
+def carry_out(jobs: Mapping[str, str], crew: Crew, tell: Tell) -> dict[str, str]:
+    """Have every job done; by name, the faults of those that ended without a diagnosis."""
+    names = list(jobs)
+    waiting, running = deque(range(len(names))), set[int]()
+    attempts, wrong = Counter[int](), dict[str, str]()
+    while waiting or running:
+        while waiting and len(running) < crew.places:
+            number = waiting.popleft()
+            crew.give(number, jobs[names[number]])
+            running.add(number)
+        number, answer, error = crew.take()
+        running.remove(number)
+        attempts[number] += 1
+        if answer is None and attempts[number] <= RETRIES:
+            waiting.append(number)
+            continue
+        told = json.loads(answer) if answer is not None else {"error": error}
+        if told.get("error"):
+            wrong[names[number]] = told["error"]
+        tell(names[number], told.get("error") or told["verdict"])
+    return wrong
+
+
+@contextmanager
+def crew_of(crew: Crew | None, workers: int | None, ray: str | None) -> Iterator[Crew]:
+    """Those who do the jobs: the crew given, a cluster, or processes of this machine."""
+    if crew is not None:
+        yield crew
+    elif ray is not None:
+        from swamp_rl.experiments.sweep.cluster import RayCrew
+
+        with RayCrew(diagnose_one, ray) as cluster:
+            yield cluster
+    else:
+        from swamp_rl.experiments.sweep.local import LocalCrew
+
+        with LocalCrew(diagnose_one, workers or os.cpu_count() or 1) as processes:
+            yield processes
+
+
+def fleet_of(members: Sequence[Member], out: Path, wrong: Mapping[str, str]) -> Fleet:
+    """The report of what the folder holds; wrong: by name, why there is no diagnosis."""
+    found: dict[str, Diagnosis] = {
+        one.name: read_diagnosis(out / one.name) for one in members if one.name not in wrong
+    }
+    told = []
+    for member in members:
+        more: dict[str, Any] = {"error": wrong.get(member.name)}
+        if member.name in found:
+            own = found[member.name]
+            more = {"verdict": own.verdict, "causes": [label(cause) for cause in own.causes]}
+        told.append(member.model_copy(update=more))
+    findings, tests = findings_of(told, found)
+    drifts, changes = changes_of(told, found, findings)
+    return Fleet(
+        version=__version__,
+        rate=RATE,
+        tests=tests,
+        members=told,
+        findings=findings,
+        shared=shared_causes(findings),
+        drifts=drifts,
+        changes=changes,
+        measured={name: round(one.elapsed_s, 2) for name, one in found.items()},
+    )

@@ -1,0 +1,64 @@
+"""The diagnosis of one dataset of a fleet, from text to text, for any process of any machine."""
+
+import hashlib
+import json
+from pathlib import Path
+
+from swamp_rl.boat import load_boat
+from swamp_rl.boat.digest import boat_digest
+from swamp_rl.criticism.result import Diagnosis
+from swamp_rl.errors import UserError
+from swamp_rl.files import write_beside
+from swamp_rl.one_thread import one_thread
+from swamp_rl.ordinary import contents
+
+RESULT, INPUT = "diagnosis.json", "fleet_input.json"
+SOURCES = (".csv", ".parquet", ".yaml")
+
+
+@one_thread()
+def diagnose_one(job: str) -> str:
+    """Diagnose a dataset and note what it was; the job holds `dataset`, `boat`, `out`, `ignore` and `input`.
+
+    The note is written last: a diagnosis without it was not finished.
+    """
+    from swamp_rl.criticism.diagnose import diagnose
+    from swamp_rl.runs import read_dataset
+
+    asked = json.loads(job)
+    dataset, out = Path(asked["dataset"]), Path(asked["out"])
+    try:
+        boat = asked["boat"] or read_dataset(dataset).boat_file
+        found = diagnose(dataset, boat, out, ignore=asked["ignore"])
+    except UserError as error:
+        return json.dumps({"error": " ".join(str(error).split())})
+    with write_beside(out / INPUT) as part:
+        part.write_text(json.dumps(asked["input"], indent=1) + "\n", encoding="utf-8")
+    return json.dumps({"verdict": found.verdict, "seconds": found.elapsed_s})
+
+
+def input_of(dataset: Path, boat: str | None, ignore: list[str], version: str) -> dict[str, object]:
+    """All that a diagnosis depends on: the boat, None for the dataset's own, what is ignored, and the digest
+    of the dataset's files and of the boat's.
+    """
+    digest = hashlib.sha256()
+    files = [path for path in sorted(dataset.rglob("*")) if path.suffix in SOURCES and path.is_file()]
+    for path in files:
+        digest.update(str(path.relative_to(dataset)).encode() + b"\0")
+        digest.update(hashlib.sha256(contents(path)).digest())
+    if boat is not None:
+        digest.update(boat_digest(load_boat(boat)).encode())
+    return {"boat": boat, "ignore": sorted(ignore), "files": digest.hexdigest(), "swamp_rl": version}
+
+
+def is_done(out: Path, given: dict[str, object]) -> bool:
+    """Whether a folder holds the whole diagnosis of just that input."""
+    try:
+        return json.loads((out / INPUT).read_text(encoding="utf-8")) == given and (out / RESULT).is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def read_diagnosis(out: Path) -> Diagnosis:
+    """The diagnosis in a folder."""
+    return Diagnosis.model_validate_json((out / RESULT).read_text(encoding="utf-8"))

@@ -1,0 +1,221 @@
+"""Functions of the residual force as effect instances that a fit estimates: by knots, and by formulas."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
+from swamp_rl.criticism.model.candidates import EffectInstance, Spec
+from swamp_rl.criticism.model.scales import force_scale
+from swamp_rl.criticism.result import CurvePoint, ResidualForce
+from swamp_rl.effects import LIBRARY
+from swamp_rl.effects.curve import ANGLES, Curve, formulas_of
+from swamp_rl.physics.force_curve import KNOTS
+
+Array = NDArray[np.float64]
+
+THRUST = "thrust of "
+PLACE = (("north", "position north"), ("east", "position east"))
+TAILS = 0.001  # of a noisy channel's samples to each side, which may be outliers
+WIDER = 0.25  # of the last interval, by which knots reach beyond those of an unmeasured variable
+LEAST_SHARE = 0.01  # of the samples about an angle's knot, below which its value is zero
+SCALE = 0.1  # of the boat's thrust: a typical force, and the standard deviation of the values' prior
+BOUND = 1e3  # typical sizes
+POWER = {"proportional": 1, "dead_zone": 1, "square": 2, "cube": 3}
+GRID = 25  # thresholds that a formula's fit may start from
+JUMP = 0.02  # of the range: finite difference of a threshold at which the force jumps
+
+
+@dataclass(frozen=True)
+class Function:
+    """One function of the residual force, or two where it has both position coordinates; starts: values of
+    each instance that a fit begins from.
+    """
+
+    instances: tuple[EffectInstance, ...]
+    starts: tuple[Array, ...]
+
+
+def curve_instances(run_set: RunSet, leftover: Sequence[ResidualForce]) -> list[Function]:
+    """The functions of the residual force by knots over the data's range, a horizontal force that depends on
+    the position before them: one function with two components, tried even where it is not listed, since a
+    line that pulls the boat about makes its force a function of the speed as well.
+    """
+    listed = {(one.force, one.variable): one for one in leftover if len(one.curve) > 1}
+    place = [listed.pop(key, None) or _zero(run_set, *key) for key in PLACE]
+    parts = [
+        [_by_knots(run_set, one) for one in place],
+        *([_by_knots(run_set, one)] for one in listed.values()),
+    ]
+    return [Function(tuple(one for one, _ in each), tuple(start for _, start in each)) for each in parts]
+
+
+def _zero(run_set: RunSet, force: str, variable: str) -> ResidualForce:
+    """A function that is zero over the data's range."""
+    ends = np.quantile(variable_values(run_set, variable), [TAILS, 1.0 - TAILS])
+    curve = [CurvePoint(at=float(end), force=0.0, standard_error=0.0) for end in ends]
+    return ResidualForce(force=force, variable=variable, explained=0.0, curve=curve)
+
+
+def _by_knots(run_set: RunSet, one: ResidualForce) -> tuple[EffectInstance, Array]:
+    """The instance of a function, and its values as they were estimated."""
+    component, covariate, thruster = _names(run_set.boat, one)
+    values = variable_values(run_set, one.variable)
+    if covariate in ANGLES and _goes_round(one.curve):
+        return _round_an_angle(run_set.boat, one, values)
+    at = np.array([point.at for point in one.curve])
+    at[0] -= WIDER * (at[1] - at[0])
+    at[-1] += WIDER * (at[-1] - at[-2])
+    if len(values):
+        tail = 0.0 if covariate in ("throttle", "azimuth", "time") else TAILS
+        ends = np.quantile(values, [tail, 1.0 - tail])
+        margin = 1e-6 * float(np.ptp(ends))
+        at[0], at[-1] = min(ends[0] - margin, at[1] - margin), max(ends[1] + margin, at[-2] + margin)
+    knots = more_knots(at)
+    curve = Curve(component, covariate, tuple(knots.tolist()), places=tuple(range(len(knots))))
+    start = np.interp(knots, at, [point.force for point in one.curve])
+    return _instance(run_set.boat, curve, thruster), start
+
+
+def more_knots(at: Array) -> Array:
+    """Knots (K,) and more in the middle of the longest intervals, as many as a curve may have."""
+    while len(at) < KNOTS:
+        place = int(np.diff(at).argmax())
+        at = np.insert(at, place + 1, 0.5 * (at[place] + at[place + 1]))
+    return at
+
+
+def _round_an_angle(boat: Boat, one: ResidualForce, values: Array) -> tuple[EffectInstance, Array]:
+    """Of an angle over a full turn: the first and the last knot, half a turn to either side, are one."""
+    component, covariate, thruster = _names(boat, one)
+    count = len(one.curve)
+    apart = 2.0 * np.pi / count
+    numbers = np.round(np.array([point.at for point in one.curve]) / apart).astype(int) % count
+    force = np.array([point.force for point in one.curve])[np.argsort(numbers)]
+    order = (
+        np.arange(count + 1) - count // 2
+    ) % count  # from half a turn to port to half a turn to starboard
+    near = np.round(values / apart).astype(int) % count
+    known = np.array([(near == number).mean() >= LEAST_SHARE for number in range(count)])
+    place = np.where(known, np.cumsum(known) - 1, -1)
+    knots = apart * (np.arange(count + 1) - count // 2)
+    knots[0], knots[-1] = -np.pi - 1e-9, np.pi + 1e-9
+    curve = Curve(component, covariate, tuple(knots.tolist()), places=tuple(place[order].tolist()))
+    return _instance(boat, curve, thruster), force[known]
+
+
+def _goes_round(points: Sequence[CurvePoint]) -> bool:
+    """Whether knots are evenly spaced over a full turn."""
+    at = np.array([point.at for point in points])
+    return bool(np.allclose(np.diff(np.unique(np.round(at, 6))), 2.0 * np.pi / len(at), atol=1e-3))
+
+
+def _names(boat: Boat, one: ResidualForce) -> tuple[str, str, str | None]:
+    """Component, variable and thruster, as `force_curve` has them. The thrust of a propeller with a rudder,
+    which the rudder does not turn, is a surge force.
+    """
+    first, _, second = one.variable.partition(" ")
+    owner = one.force.removeprefix(THRUST) if one.force.startswith(THRUST) else None
+    component = "thrust" if owner else one.force
+    kinds = {thruster.name: thruster.kind for thruster in boat.thrusters}
+    if owner and kinds[owner] == "propeller_rudder":
+        component, owner = "surge", None
+    if first in ("azimuth", "throttle"):
+        return component, first, second
+    return component, one.variable.replace(" ", "_"), owner
+
+
+def variable_values(run_set: RunSet, variable: str) -> Array:
+    """(n,) measured or commanded values of a variable; empty where it was not measured."""
+    first, _, second = variable.partition(" ")
+    kept = np.arange(run_set.measured.shape[1]) < run_set.lengths[:, None]
+    if first in ("azimuth", "throttle"):
+        names = run_set.boat.thruster_names
+        column = names.index(second) + (len(names) if first == "throttle" else 0)
+        values = run_set.commands[..., column][kept]
+        return _half_turns(values) if first == "azimuth" else values
+    if variable == "time":
+        return np.array([0.0, float(run_set.lengths.max() * run_set.dt)])
+    channels = {"speed": ("surge", "sway"), "yaw rate": ("yaw_rate",)}
+    names = channels.get(variable, (variable.removeprefix("position "),))
+    if not set(names) <= set(run_set.present):
+        return np.zeros(0)
+    columns = [run_set.measured[..., CHANNELS.index(name)][kept] for name in names]
+    values = columns[0] if len(columns) == 1 else np.hypot(*columns)
+    values = values[np.isfinite(values)]
+    return _half_turns(values) if variable == "heading" else values
+
+
+def _half_turns(angles: Array) -> Array:
+    return np.asarray(angles - 2.0 * np.pi * np.round(angles / (2.0 * np.pi)))
+
+
+def _instance(boat: Boat, curve: Curve, thruster: str | None) -> EffectInstance:
+    """A curve as an effect instance, its values within BOUND typical sizes."""
+    size = SCALE * float(force_scale(boat)[2 if curve.component == "yaw" else 0])
+    reach = max(abs(curve.knots[0]), abs(curve.knots[-1]))
+    scales = [size] * curve.size
+    limits = [(-BOUND * size, BOUND * size)] * curve.size
+    differences = [1e-6 * size] * curve.size
+    if curve.formula:
+        scales[0] = size / reach ** POWER.get(curve.formula, 0)
+        limits[0] = (-BOUND * scales[0], BOUND * scales[0])
+        differences[0] = 1e-6 * scales[0]
+    if curve.formula and curve.size > 1:
+        scales[1] = 0.1 * reach
+        limits[1] = (-2.0 * np.pi, 2.0 * np.pi) if curve.formula == "sine" else (0.0, reach)
+        differences[1] = (JUMP if curve.formula == "outside_radius" else 1e-6) * reach
+    specs = tuple(
+        Spec(scale, low, high, (), step, None if curve.formula else size, 0.0)
+        for scale, (low, high), step in zip(scales, limits, differences, strict=True)
+    )
+    selectors = () if thruster is None else (thruster,)
+    return EffectInstance(LIBRARY["force_curve"], selectors, specs, (), curve=curve)
+
+
+def formula_instances(
+    boat: Boat, instance: EffectInstance, values: Array, error: Array
+) -> list[tuple[EffectInstance, Array]]:
+    """Each formula whose units fit the variable, over the range of the knots, and the coefficients (q,) that
+    are nearest to the values (p,) at the knots; error: (p,) of these.
+    """
+    curve = instance.curve
+    assert curve is not None
+    if curve.formula:
+        return []
+    at = np.array([knot for knot, place in zip(curve.knots, curve.places, strict=True) if place >= 0])
+    places = [place for place in curve.places if place >= 0]
+    force, weight = values[places], 1.0 / np.maximum(error[places], 1e-12)
+    found = []
+    for name in formulas_of(curve.covariate):
+        made = Curve(curve.component, curve.covariate, (curve.knots[0], curve.knots[-1]), name)
+        thruster = instance.selectors[0] if instance.selectors else None
+        found.append((_instance(boat, made, thruster), nearest_coefficients(name, at, force, weight)))
+    return found
+
+
+def nearest_coefficients(name: str, at: Array, force: Array, weight: Array) -> Array:
+    """(q,) coefficients of a formula by weighted least squares, its threshold from a grid."""
+    size, reach = np.abs(at), float(np.abs(at).max())
+    if name == "sine":
+        basis = np.column_stack([np.sin(at), -np.cos(at)])
+        inside, across = np.linalg.lstsq(basis * weight[:, None], force * weight, rcond=None)[0]
+        return np.array([np.hypot(inside, across), np.arctan2(across, inside)])
+    if name in ("proportional", "square", "cube"):
+        shapes = [(None, np.sign(at) * size ** POWER[name])]
+    else:
+        shapes = []
+        for threshold in np.linspace(0.0, 0.95 * reach, GRID):
+            beyond = np.maximum(size - threshold, 0.0) if name == "dead_zone" else size > threshold
+            shapes.append((threshold, np.sign(at) * beyond))
+    best, least = np.zeros(1), np.inf
+    for threshold, shape in shapes:
+        square = float((weight * shape) @ (weight * shape))
+        slope = float((weight * shape) @ (weight * force)) / square if square > 0.0 else 0.0
+        left = float(((weight * (force - slope * shape)) ** 2).sum())
+        if left < least:
+            best, least = np.array([slope] if threshold is None else [slope, threshold]), left
+    return best

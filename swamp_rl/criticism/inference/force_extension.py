@@ -1,0 +1,285 @@
+"""The force that no named effect explains, as effects `force_curve` of the extended boat.
+
+The functions of the residual force are fitted anew by output error, as the parameters of any effect are, and
+selected by chi2 on held-out halves of runs: a variable may reach some of its values in one run only. A
+formula takes the place of the knots where its information criterion is no greater. Nothing is written whose
+reduction of the position error on held-out halves has no interval above zero.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference.cause_share import HORIZONS, JUDGED, Witness
+from swamp_rl.criticism.inference.estimate import causes_of
+from swamp_rl.criticism.inference.force_curves import Function, curve_instances, formula_instances
+from swamp_rl.criticism.likelihood.cross_validation import (
+    Confirmation,
+    confirmed_at,
+    judged_numbers,
+)
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, fit, inverse
+from swamp_rl.criticism.likelihood.prediction_error import (
+    QUANTITIES,
+    Errors,
+    blocks_of,
+    change,
+    errors_at,
+)
+from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
+from swamp_rl.criticism.likelihood.state_fit import fit_states
+from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.progress import LOG
+from swamp_rl.criticism.result import Extension, ForceCurve, HeldOut, ResidualForce, Share
+from swamp_rl.criticism.selection.information_criterion import information_criterion
+from swamp_rl.effects import LIBRARY, EffectEntry
+from swamp_rl.effects.curve import Curve
+from swamp_rl.effects.entries import entry_mapping
+
+Array = NDArray[np.float64]
+
+SECONDS = 10.0  # of a window, as in the regression of the residual force
+ROUNDS, STEPS = 12, 6  # iterations of the initial states; Jacobians of a fit
+MOST = 2  # functions together; one of both position coordinates counts as one
+
+
+@dataclass(frozen=True)
+class ForceExtension:
+    """told: for the diagnosis; less, fit: without the force and with it, on the windows of `problem`."""
+
+    told: Extension
+    problem: Shooting
+    less: Fit
+    fit: Fit
+
+    @property
+    def others(self) -> tuple[Hypothesis, Array]:
+        """What was fitted beside the force, and its parameters."""
+        kept = [(instance, x) for instance, x in self.fit.hypothesis.parts(self.fit.x) if not instance.curve]
+        return Hypothesis(tuple(one for one, _ in kept)), np.concatenate([np.zeros(0), *(x for _, x in kept)])
+
+    @property
+    def entries(self) -> list[dict[str, Any]]:
+        """The curves as a boat file holds them, with their standard errors."""
+        effect = LIBRARY["force_curve"]
+        return [
+            entry_mapping(EffectEntry(effect, thruster, values, curve))
+            for curve, thruster, values in _curves(self.problem, self.fit)
+        ]
+
+
+def extend_by_force(
+    run_set: RunSet,
+    weight: Array,
+    base: Fit,
+    leftover: Sequence[ResidualForce],
+    judged: Witness,
+    rng: np.random.Generator,
+) -> ForceExtension | None:
+    """The functions of the residual force beside the effects of `base` as effects; None where none holds.
+
+    leftover: the functions, and what they were estimated beside. weight: (R, T, 6). judged: runs that the
+    prediction error is of.
+    """
+    problem = Shooting(run_set, weight, SECONDS)
+    named = base.hypothesis if leftover and leftover[0].beside else Hypothesis()
+    less = _fitted(problem, named, base.x[: named.size])
+    at, waiting = less, curve_instances(run_set, leftover) if leftover else []
+    comparisons = max(1, len(waiting))
+    before = held_out_losses(problem, at)
+    for _ in range(min(MOST, len(waiting))):
+        fits = [_with(problem, at, one) for one in waiting]
+        losses = [held_out_losses(problem, one) for one in fits]
+        best = min(range(len(fits)), key=lambda k: float(losses[k].sum()))
+        if losses[best].sum() >= before.sum():
+            break
+        at, before = fits[best], losses[best]
+        waiting = [one for one in waiting if one is not waiting[best]]
+    if at is less:
+        return None
+    at = _with_formulas(problem, at, run_set.boat)
+    LOG.info("missing force: %s", at.hypothesis.label)
+    shares = prediction_shares(problem, less, at, judged, rng)
+    gains = held_out_losses(problem, less) - held_out_losses(problem, at)
+    told = _told(problem, at, confirmed_at(gains, comparisons), shares)
+    return ForceExtension(told, problem, less, at)
+
+
+def is_better(shares: Sequence[Share]) -> bool:
+    """Whether a position error falls beyond chance and none, nor one of heading, rises on held-out runs."""
+    gains = [one for one in shares if one.quantity == "position_rmse_m"]
+    return any(one.ci95[0] > 0.0 for one in gains) and all(
+        one.ci95[1] > 0.0 and (one.quantity != "position_rmse_m" or one.with_cause <= one.without)
+        for one in shares
+    )
+
+
+def numbers_of_folds(problem: Shooting, at: Fit, fold: NDArray[np.int64]) -> Array:
+    """(2 R, p) parameters fitted to all windows but each fold's, by one Newton step; fold: see `halves`."""
+    mean, precision = at.hypothesis.prior()
+    low, high = at.hypothesis.bounds()
+    numbers = np.empty((2 * len(problem.run_set.lengths), at.hypothesis.size))
+    for number in range(len(numbers)):
+        others = fold != number
+        H = at.normal.information[others].sum(axis=0) + np.diag(precision)
+        g = at.normal.gradient[others].sum(axis=0) - precision * (at.x - mean)
+        numbers[number] = np.clip(at.x + inverse(H) @ g, low, high)
+    return numbers
+
+
+def held_out_losses(problem: Shooting, at: Fit) -> Array:
+    """(W,) saturated chi2 of each window, n ln(1 + chi2 / n), under the parameters fitted to all but the half
+    of its run that it is in; only the initial state is refitted.
+    """
+    loss, fold = at.loss.copy(), halves(problem)
+    if at.hypothesis.size:
+        for number, x in enumerate(numbers_of_folds(problem, at, fold)):
+            mine = fold == number
+            if not mine.any():
+                continue
+            residual = fit_states(problem.part(mine), at.hypothesis, x, at.states[mine], ROUNDS)[2]
+            loss[mine] = (residual**2).sum(axis=1)
+    seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)) / problem.correlation_samples, 1.0)
+    return np.asarray(seen * np.log1p(np.maximum(loss, 0.0) / seen))
+
+
+def halves(problem: Shooting) -> NDArray[np.int64]:
+    """(W,) fold of each window: twice its run, and one more in the second half of that."""
+    win = problem.windows
+    middle = np.zeros(len(problem.run_set.lengths))
+    for run in np.unique(win.run):
+        middle[run] = np.median(win.first[win.run == run])
+    return np.asarray(2 * win.run + (win.first > middle[win.run]))
+
+
+def _fitted(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array | None = None) -> Fit:
+    start = problem.initial_states() if states is None else states
+    states, _, _ = fit_states(problem, hypothesis, x, start, ROUNDS)
+    return fit(problem, hypothesis, x, states, STEPS, fresh=True)
+
+
+def _with(problem: Shooting, at: Fit, function: Function) -> Fit:
+    """The fit of one more function."""
+    parts = [*at.hypothesis.parts(at.x), *zip(function.instances, function.starts, strict=True)]
+    parts.sort(key=lambda one: one[0].label)
+    hypothesis = Hypothesis(tuple(instance for instance, _ in parts))
+    return _fitted(problem, hypothesis, np.concatenate([x for _, x in parts]), at.states)
+
+
+def _with_formulas(problem: Shooting, at: Fit, boat: Boat) -> Fit:
+    """The fit with formulas in place of knots where the information criterion is then no greater.
+
+    chi2 is divided by its mean a sample where that exceeds one: what the force leaves is no white noise then
+    (quasi-likelihood, Burnham and Anderson 2002, 2.5).
+    """
+    excess = max(1.0, at.chi2 / problem.samples)
+    criterion = information_criterion(problem.run_set, float(problem.samples))
+    for instance in [one for one in at.hypothesis.instances if one.curve]:
+        parts = at.hypothesis.parts(at.x)
+        own = next(x for one, x in parts if one.label == instance.label)
+        block = _block(at, instance.label)
+        error = np.sqrt(np.maximum(np.diag(sandwich_covariance(problem, at))[block], 1e-30))
+        tried = [at]
+        for formula, start in formula_instances(boat, instance, own, error):
+            swapped = [(formula, start) if one.label == instance.label else (one, x) for one, x in parts]
+            hypothesis = Hypothesis(tuple(one for one, _ in swapped))
+            tried.append(_fitted(problem, hypothesis, np.concatenate([x for _, x in swapped]), at.states))
+        at = min(tried, key=lambda one: one.chi2 / excess + criterion.charge(one.hypothesis))
+    return at
+
+
+def _block(at: Fit, label: str) -> slice:
+    """Columns of one effect instance."""
+    start = 0
+    for instance in at.hypothesis.instances:
+        if instance.label == label:
+            return slice(start, start + instance.size)
+        start += instance.size
+    raise KeyError(label)
+
+
+def prediction_shares(
+    problem: Shooting,
+    less: Fit,
+    whole: Fit,
+    judged: Witness,
+    rng: np.random.Generator,
+) -> list[Share]:
+    """Prediction errors without the force and with it, on other runs or on held-out halves of the same."""
+    shares = []
+    for horizon in HORIZONS:
+        before, after = (_errors(problem, one, judged, horizon) for one in (less, whole))
+        block, _ = blocks_of(before, horizon)
+        for name in JUDGED:
+            columns = QUANTITIES[name]
+            if paired := change(before.error[:, columns], after.error[:, columns], block, rng):
+                told = {"without": paired.before, "with_cause": paired.after, "ci95": paired.ci95}
+                shares.append(Share(horizon_s=horizon, quantity=name, **told))  # type: ignore[arg-type]
+    return shares
+
+
+def _errors(problem: Shooting, at: Fit, judged: Witness, horizon: float) -> Errors:
+    """Of predictions that lie within a fold, under the parameters fitted to the others; `run` is the fold."""
+    run_set, weight = judged.run_set, judged.weight
+    runs, win = len(run_set.lengths), problem.windows
+    if judged.others:
+        return errors_at(run_set, weight, horizon, *judged_numbers(problem, at, runs, judged.others))
+    fold = halves(problem)
+    numbers = numbers_of_folds(problem, at, fold)
+    found = []
+    for half in range(2):
+        low, high = np.full(runs, np.inf), np.full(runs, -np.inf)
+        for run in np.unique(win.run):
+            mine = fold == 2 * run + half
+            if mine.any():
+                low[run] = (win.first[mine].min() + win.pad) * run_set.dt
+                high[run] = (win.first[mine] + win.steps[mine]).max() * run_set.dt
+        errors = errors_at(run_set, weight, horizon, at.hypothesis, numbers[half::2])
+        inside = (errors.end <= high[errors.run] + 1e-9) & (errors.end - horizon >= low[errors.run] - 1e-9)
+        found.append((errors.error[inside], 2 * errors.run[inside] + half, errors.end[inside]))
+    error, run, end = (np.concatenate(column) for column in zip(*found, strict=True))
+    return Errors(error, run, end)
+
+
+def _told(problem: Shooting, at: Fit, found: Confirmation, shares: list[Share]) -> Extension:
+    """The extension as the diagnosis tells it."""
+    curves = [
+        ForceCurve(
+            component=curve.component,
+            covariate=curve.covariate,
+            thruster=thruster,
+            formula=curve.formula,
+            knots=[curve.knots[0], curve.knots[-1]] if curve.formula else list(curve.knots),
+            values=curve.listed(values),
+            standard_errors=list(curve.standard_errors),
+            units=list(curve.units if curve.formula else curve.units[:1]),
+        )
+        for curve, thruster, values in _curves(problem, at)
+    ]
+    return Extension(
+        curves=curves,
+        beside=causes_of(problem, at),
+        held_out=HeldOut(gain=found.gain, low=found.low, level=found.level),
+        share=shares,
+        written=found.gain > 0.0 and is_better(shares),
+    )
+
+
+def _curves(problem: Shooting, at: Fit) -> list[tuple[Curve, str | None, dict[str, float]]]:
+    """Each curve with its standard errors, its thruster and its values by name."""
+    error = np.sqrt(np.maximum(np.diag(sandwich_covariance(problem, at)), 0.0))
+    found = []
+    for instance, x in at.hypothesis.parts(at.x):
+        if instance.curve:
+            names = instance.curve.value_names
+            doubt = dict(zip(names, error[_block(at, instance.label)], strict=True))
+            curve = replace(instance.curve, standard_errors=tuple(instance.curve.listed(doubt)))
+            values = {name: float(value) for name, value in zip(names, x, strict=True)}
+            found.append((curve, instance.selectors[0] if instance.selectors else None, values))
+    return found

@@ -1,0 +1,186 @@
+"""A fleet: every dataset is diagnosed once, whatever is killed, and the report is the same in any order."""
+
+import json
+import math
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import psutil
+import pytest
+from swamp_rl.experiments.fleet import diagnose_fleet
+from swamp_rl.experiments.fleet.result import Fleet, Member
+from swamp_rl.experiments.fleet.run import members_of
+from swamp_rl.experiments.fleet.significance import (
+    adjusted,
+    changes_of,
+    findings_of,
+    heterogeneity,
+    p_value,
+    shared_causes,
+)
+
+from swamp_rl.criticism.result import HeldOut
+from swamp_rl.errors import UserError
+from tests.support.fleets import COMPARISONS, cause, datasets, diagnosis, pretend
+from tests.support.patience import PATIENCE
+from tests.support.sweep_crews import HereCrew
+
+MASS = {"effect": "mass", "parameter": "mass", "value": 62.0, "error": 0.2, "gain": 80.0, "unit": "kg"}
+TOLD: dict[str, Any] = {
+    "red/may": {"causes": [MASS]},
+    "red/june": {"causes": [{**MASS, "value": 65.0}]},
+    "blue/may": {"causes": [{**MASS, "value": 60.0}]},
+    "green/may": {"causes": []},
+    "green/june": {"error": "green/june: no thrust in any run"},
+}
+
+
+def fleet(folder: Path, out: str = "out", places: int = 1, seed: int = 0) -> Fleet:
+    given = [folder / "in" / name for name in TOLD]
+    return diagnose_fleet(given, folder / out, crew=HereCrew(pretend, places, seed))
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    datasets(tmp_path / "in", TOLD)
+    return tmp_path
+
+
+def without_times(found: Fleet) -> dict[str, Any]:
+    return found.model_dump() | {"measured": None}
+
+
+def test_the_report_names_what_is_shared_what_differs_and_what_failed(folder: Path) -> None:
+    found = fleet(folder)
+    assert [(one.cause, one.boats) for one in found.shared] == [("mass", ["blue", "red"])]
+    (drift,) = found.drifts
+    assert (drift.boat, drift.cause, drift.values) == ("red", "mass", {"red_june": 65.0, "red_may": 62.0})
+    assert drift.p == pytest.approx(math.erfc(3.0 / (0.2 * math.sqrt(2.0)) / math.sqrt(2.0)))
+    failed = {one.name: one.error for one in found.members if one.error}
+    assert failed == {"green_june": "green/june: no thrust in any run"}
+    page = (folder / "out" / "fleet.html").read_text()
+    assert "5 datasets of 3 boats" in page
+    assert "no thrust in any run" in page
+    assert Fleet.model_validate_json((folder / "out" / "fleet.json").read_text()) == found
+
+
+def test_the_report_is_the_same_in_any_order_and_with_any_number_of_places(folder: Path) -> None:
+    one = fleet(folder)
+    for places, seed in ((3, 1), (5, 2)):
+        assert without_times(fleet(folder, f"out{places}", places, seed)) == without_times(one)
+    backwards = diagnose_fleet(
+        [folder / "in" / name for name in reversed(TOLD)], folder / "back", crew=HereCrew(pretend, 2, 3)
+    )
+    told = [one.model_dump(exclude={"dataset"}) for one in backwards.members]
+    assert told == [one.model_dump(exclude={"dataset"}) for one in one.members]
+
+
+def test_what_is_done_is_kept_and_what_changed_or_was_half_done_is_done_again(folder: Path) -> None:
+    fleet(folder)
+    out = folder / "out"
+    (out / "blue_may" / "fleet_input.json").unlink()  # as when killed between the two
+    (out / "blue_may" / "rest.txt").write_text("half done")
+    (folder / "in" / "red" / "may" / "run.csv").write_text("another run")
+    heard: list[str] = []
+    given = [folder / "in" / name for name in TOLD]
+    diagnose_fleet(given, out, crew=HereCrew(pretend, 1, 0), tell=lambda name, said: heard.append(name))
+    assert sorted(heard) == ["blue_may", "green_june", "red_may"]
+    assert not (out / "blue_may" / "rest.txt").exists()
+
+
+@pytest.mark.slow
+def test_killed_at_any_moment_the_same_command_goes_on(tmp_path: Path) -> None:
+    told = {f"boat{number}": {"causes": [MASS], "seconds": 0.3} for number in range(8)}
+    given = datasets(tmp_path / "in", told)
+    asked = [sys.executable, "-m", "tests.support.fleets", *map(str, (tmp_path / "out", *given))]
+    with subprocess.Popen(asked, stdout=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        heard = [running.stdout.readline().strip() for _ in range(3)]
+        workers = psutil.Process(running.pid).children(recursive=True)
+        running.kill()
+    assert psutil.wait_procs(workers, timeout=PATIENCE)[1] == [], "workers outlive their fleet"
+    assert not (tmp_path / "out" / "fleet.json").exists()
+    done = subprocess.run(asked, check=True, stdout=subprocess.PIPE, text=True, timeout=PATIENCE)
+    again = done.stdout.split()
+    assert set(again) | set(heard) == set(told)
+    assert not set(again) & set(heard), "a dataset that had ended was diagnosed again"
+    whole = json.loads((tmp_path / "out" / "fleet.json").read_text())
+    unbroken = diagnose_fleet(given, tmp_path / "unbroken", crew=HereCrew(pretend, 1, 0))
+    assert whole | {"measured": None} == json.loads(unbroken.model_dump_json()) | {"measured": None}
+
+
+def test_a_boat_is_a_folder_where_datasets_lie_in_several(tmp_path: Path) -> None:
+    several = members_of([tmp_path / "red" / "may", tmp_path / "blue" / "may"])
+    assert [(one.name, one.boat) for one in several] == [("blue_may", "blue"), ("red_may", "red")]
+    alone = members_of([tmp_path / "red", tmp_path / "blue"])
+    assert [(one.name, one.boat) for one in alone] == [("blue", "blue"), ("red", "red")]
+
+
+def test_what_is_no_fleet_is_refused_in_one_line(folder: Path) -> None:
+    (folder / "other").mkdir()
+    (folder / "other" / "notes.txt").write_text("mine")
+    with pytest.raises(UserError, match="is no earlier fleet"):
+        fleet(folder, "other")
+    assert (folder / "other" / "notes.txt").read_text() == "mine"
+    with pytest.raises(UserError, match="is given 2 times"):
+        diagnose_fleet([folder / "in" / "red"] * 2, folder / "out")
+    with pytest.raises(UserError):
+        diagnose_fleet([folder / "in" / "red" / "may"], folder / "in" / "red")
+    assert (folder / "in" / "red" / "may" / "run.csv").exists()
+
+
+def test_a_missing_dataset_has_its_line_and_does_not_stop_the_others(folder: Path) -> None:
+    given = [folder / "in" / "red" / "may", folder / "in" / "red" / "never"]
+    found = diagnose_fleet(given, folder / "out", crew=HereCrew(pretend, 1, 0))
+    assert [one.verdict for one in found.members] == [None, "cause"] or [
+        one.verdict for one in found.members
+    ] == ["cause", None]
+    assert any("no such folder" in (one.error or "") for one in found.members)
+    shutil.rmtree(folder / "out")
+
+
+def test_adjusted_p_values_are_those_of_benjamini_and_hochberg() -> None:
+    from scipy.stats import false_discovery_control
+
+    p = np.random.default_rng(0).uniform(0.0, 1.0, 40) ** 3
+    assert adjusted(p.tolist()) == pytest.approx(false_discovery_control(p))
+
+
+def test_the_p_value_is_that_of_a_split_likelihood_ratio_times_the_comparisons() -> None:
+    held_out = HeldOut(gain=30.0, low=1.0, level=1.0 - 0.05 / 60.0)
+    assert p_value(held_out) == pytest.approx(60.0 * math.exp(-15.0))
+    assert p_value(held_out.model_copy(update={"gain": -3.0})) == 1.0
+
+
+def test_a_weak_cause_stands_in_one_boat_and_falls_among_many() -> None:
+    weak = diagnosis(cause("mass", "mass", 60.0, 1.0, 2.0 * math.log(COMPARISONS / 0.03)))
+    members = [Member(name=str(k), boat=str(k), dataset=str(k)) for k in range(20)]
+    alone, tests = findings_of(members[:1], {"0": weak})
+    assert (tests, [one.kept for one in alone]) == (1, [True])
+    among, tests = findings_of(members, {str(k): weak if k == 0 else diagnosis() for k in range(20)})
+    assert (tests, [one.kept for one in among]) == (20, [False])
+    assert shared_causes(among) == []
+
+
+def test_a_cause_of_some_days_is_told_and_equal_days_do_not_differ() -> None:
+    found = {
+        "a": diagnosis(cause("mass", "mass", 60.0, 1.0, 90.0)),
+        "b": diagnosis(cause("mass", "mass", 60.5, 1.0, 90.0)),
+        "c": diagnosis(),
+    }
+    members = [Member(name=name, boat="one", dataset=name) for name in found]
+    findings, _ = findings_of(members, found)
+    drifts, changes = changes_of(members, found, findings)
+    assert drifts == []
+    assert [(one.cause, one.found_in, one.absent_in) for one in changes] == [("mass", ["a", "b"], ["c"])]
+
+
+def test_angles_are_compared_the_short_way_round() -> None:
+    assert heterogeneity([3.1, -3.1], [0.1, 0.1], angle=True) == pytest.approx(
+        (2.0 * math.pi - 6.2) ** 2 / 0.02
+    )
+    assert heterogeneity([3.1, -3.1], [0.1, 0.1]) == pytest.approx(6.2**2 / 0.02)

@@ -1,0 +1,66 @@
+"""Diagnoses that take no time, for tests of the fleet, and a fleet that a test can kill.
+
+python -m tests.support.fleets OUT DATASET...
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from swamp_rl.experiments.fleet import diagnose_fleet
+from swamp_rl.experiments.fleet.work import INPUT, RESULT
+from swamp_rl.experiments.sweep.local import LocalCrew
+
+from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, HeldOut
+
+COMPARISONS = 60
+
+
+def cause(effect: str, parameter: str, value: float, error: float, gain: float, unit: str = "1") -> Cause:
+    estimate = Estimate(value=value, standard_error=error, unit=unit)
+    held_out = HeldOut(gain=gain, low=1.0, level=1.0 - 0.05 / COMPARISONS)
+    return Cause(effect=effect, parameters={parameter: estimate}, held_out=held_out)
+
+
+def diagnosis(*causes: Cause, **more: Any) -> Diagnosis:
+    empty = ("indistinguishable", "contrasts", "leftover", "candidates", "unseen", "gain")
+    given: dict[str, Any] = {name: [] for name in empty} | {"separating_trial": None, "noise": {}}
+    verdict = "cause" if causes else "nothing_wrong"
+    return Diagnosis(
+        **given | {"verdict": verdict, "causes": list(causes), "adequacy": {}, "elapsed_s": 1.0} | more
+    )
+
+
+def pretend(job: str) -> str:
+    """What `diagnose_one` writes, of what the dataset's file `told.json` says, a moment later."""
+    asked = json.loads(job)
+    told, out = json.loads((Path(asked["dataset"]) / "told.json").read_text()), Path(asked["out"])
+    if "error" in told:
+        return json.dumps(told)
+    found = diagnosis(*(cause(**one) for one in told["causes"]), elapsed_s=time.perf_counter())
+    out.mkdir()
+    (out / RESULT).write_text(found.model_dump_json())
+    time.sleep(told.get("seconds", 0.0))
+    (out / INPUT).write_text(json.dumps(asked["input"]))
+    return json.dumps({"verdict": found.verdict, "seconds": 0.0})
+
+
+def datasets(folder: Path, told: dict[str, Any]) -> list[Path]:
+    """A folder for each name, with what its diagnosis is to say."""
+    for name, said in told.items():
+        (folder / name).mkdir(parents=True)
+        (folder / name / "told.json").write_text(json.dumps(said))
+        (folder / name / "run.csv").write_text(name)
+    return [folder / name for name in told]
+
+
+def main() -> None:
+    out, *given = map(Path, sys.argv[1:])
+    with LocalCrew(pretend, 2) as crew:
+        diagnose_fleet(given, out, crew=crew, tell=lambda name, said: print(name, flush=True))
+
+
+if __name__ == "__main__":
+    main()
