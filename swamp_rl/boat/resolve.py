@@ -31,8 +31,8 @@ def resolved(raw: Mapping[str, Any], path: Path) -> dict[str, Any]:
         whole["thrusters"] = [merge(template, item) if is_section(item) else item for item in thrusters]
     if is_loading(_value(raw.get("draught"))):
         number = _by_load(raw, path)
-        given = raw["draught"]
-        whole["draught"] = {**given, "value": number} if is_quantity(given) else number
+        asked: Any = raw["draught"]
+        whole["draught"] = {**asked, "value": number} if is_quantity(asked) else number
     hull: Any = raw["hull"] if isinstance(raw.get("hull"), Mapping) else {}
     given: Any = hull.get("c_d")
     if _value(given) == REGRESSION:

@@ -85,9 +85,9 @@ def search_wiring(run_set: RunSet, weight: Array, positions: bool = False) -> Wi
     least, taken = best(trial, changes)
     if _begin(offset) != (0.0, 0.0):
         late = replace(trial, delay=_begin(offset)[0], advance=_begin(offset)[1])
-        found, other = best(late, changes)
+        found, others = best(late, changes)
         if found < CLEARLY * least:  # the motion of a boat under control has a period, and its half is a sign
-            trial, taken = late, other
+            trial, taken = late, others
     boat = rewired(run_set.boat, taken)
     chi2, x = trial.fitted(boat, DELAYS[0], 0.0)
     for delay in sorted({*DELAYS[1:], trial.delay} - {DELAYS[0]}):

@@ -132,7 +132,7 @@ def parse_random_entry(entry: Any, where: str, thruster_names: Sequence[str]) ->
     if effect.curve:
         fixed = curve_entry(effect, given, where, thruster_names)
         numbers = {name: Distribution("number", (value,)) for name, value in fixed.values.items()}
-        return RandomEntry(effect, (fixed.thruster,), numbers, None, probability, fixed.curve)
+        return RandomEntry(effect, (fixed.thruster,), numbers, None, probability, curve=fixed.curve)
     if effect.selects:
         selectors = _selectors(effect, given.pop("thruster", None), where, thruster_names)
     disc = _disc(effect, given, where) if "disc" in given else None

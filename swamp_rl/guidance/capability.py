@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -55,8 +56,8 @@ def capability(
 
     return Capability(
         angles,
-        np.array([strongest(lambda c, a=a: held(a, c, wind), top) for a in angles]),
-        np.array([strongest(lambda w, a=a: held(a, current, w), MOST_WIND) for a in angles]),
+        np.array([strongest(partial(held, angle, wind=wind), top) for angle in angles]),
+        np.array([strongest(partial(held, angle, current), MOST_WIND) for angle in angles]),
         wind,
         current,
     )

@@ -51,7 +51,7 @@ def _opened(path: Path) -> Any:
         """As the library has it, but for its faster index, which ends the process at an unknown message."""
 
         def init_arrays(self, progress_callback: Any = None) -> None:
-            self.formats = _Formats(self.formats)
+            self.formats: Any = _Formats(self.formats)
             super().init_arrays(progress_callback)
 
         init_arrays_fast = init_arrays

@@ -68,10 +68,10 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
         columns[name] = at_times(name, one, even)
         if is_held(name):
             continue
-        missing, told = _pauses(file, name, one, even, max(fill, 1.0 / rate))
+        missing, found = _pauses(file, name, one, even, max(fill, 1.0 / rate))
         if missing.any():
             unread[name], columns[name] = missing, np.where(missing, np.nan, columns[name])
-            faults += told
+            faults += found
     return Joined(columns, unread, faults, _told(series, rate))
 
 

@@ -29,7 +29,7 @@ class Repetition:
         self._take(sample)
         self.usual = np.fmax(self.usual, np.nan_to_num(sample.time - self.since))
 
-    def add(self, sample: Sample, moved: Array) -> tuple[list[str], list[str]]:
+    def add(self, sample: Sample, moved: NDArray[np.bool_]) -> tuple[list[str], list[str]]:
         """Sensors that this sample shows to have frozen, and those that are back. moved: (6,) whether a
         working one would have changed since.
         """

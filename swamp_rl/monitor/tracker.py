@@ -160,7 +160,7 @@ def tracker_of(
     multiple of `WITH_MODEL` under which the innovations are most likely (Mehra 1970).
     """
     sigmas = noise_of(boat, samples, dt)
-    tried = []
+    tried: list[tuple[float, int, Tracker, list[Array]]] = []
     for walk in WALKS:
         tracker = Tracker(boat, record, sigmas, walk * WITH_MODEL * scale_of(boat), samples[0], dt)
         loss, white = 0.0, []

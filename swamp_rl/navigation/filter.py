@@ -65,7 +65,7 @@ class Navigator:
         H = np.eye(STATES)[places]
         R = np.diag(fix.deviations**2)
         S = H @ self.P @ H.T + R
-        K = np.linalg.solve(S, H @ self.P).T
+        K = np.asarray(np.linalg.solve(S, H @ self.P).T, dtype=np.float64)
         self.x = self.x + K @ innovation
         kept = np.eye(STATES) - K @ H
         self.P = kept @ self.P @ kept.T + K @ R @ K.T

@@ -128,9 +128,8 @@ def extended(run_set: RunSet) -> ForceExtension | None:
     base = fit(problem, Hypothesis(), NONE, problem.initial_states(), 1)
     at = [-1.0, -0.5, 0.0, 0.5, 1.0]
     left = [listed("surge", "surge", at, [-5.0 * x for x in at])]
-    return extend_by_force(
-        run_set, weight, base, left, Witness(run_set, weight, False), np.random.default_rng(0)
-    )
+    on = Witness(run_set, weight, False)
+    return extend_by_force(run_set, weight, base, left, on, np.random.default_rng(0))
 
 
 @pytest.fixture(scope="module")
@@ -162,7 +161,7 @@ def test_of_something_in_tow_the_part_ahead_lowers_the_error_on_other_runs() -> 
     assert found is not None
     assert found.told.written
     other = sailed(DROGUE, "A", seed=2)
-    judged: Any = (other, weights(other, noise_levels(other)), True)
+    judged = Witness(other, weights(other, noise_levels(other)), True)
     shares = prediction_shares(found.problem, found.less, found.fit, judged, np.random.default_rng(0))
     for one in shares:
         if one.quantity == "position_rmse_m":

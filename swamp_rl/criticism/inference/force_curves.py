@@ -45,7 +45,7 @@ def curve_instances(run_set: RunSet, leftover: Sequence[ResidualForce]) -> list[
     line that pulls the boat about makes its force a function of the speed as well.
     """
     listed = {(one.force, one.variable): one for one in leftover if len(one.curve) > 1}
-    place = [listed.pop(key, None) or _zero(run_set, *key) for key in PLACE]
+    place = [listed.pop(key) if key in listed else _zero(run_set, *key) for key in PLACE]
     parts = [
         [_by_knots(run_set, one) for one in place],
         *([_by_knots(run_set, one)] for one in listed.values()),
