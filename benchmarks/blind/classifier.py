@@ -5,7 +5,7 @@ parameters of candidate i over the noise, the initial state of each run projecte
 covariance. Candidates have unit-information priors (Kass and Wasserman 1995), so that the posterior
 probability of candidate i is proportional to exp((r' P_i r - k_i ln n) / 2), P_i being the projection onto
 S_i, and that of no effect is as large as that of all candidates together. Only the case's truth is used: its
-commands, its noise, its effect. No diagnosis that has the same candidates does better on average.
+commands, its noise, its effect. Under other priors or other commands in lost rows a diagnosis may do better.
 """
 
 from collections.abc import Sequence
