@@ -20,7 +20,15 @@ CORPUS = Path(__file__).parent / "corpus"
 FOUND = sorted(path for path in CORPUS.glob("*/*") if path.is_file())
 
 
-NOT_FILES = {"--set", "message", "trials.sqlite row", "weights, sealed anew", "unfinished.json"}
+NOT_FILES = {
+    "--set",
+    "--map",
+    "--clock",
+    "message",
+    "trials.sqlite row",
+    "weights, sealed anew",
+    "unfinished.json",
+}
 """Formats that come as an argument, by a socket or in a row, or whose readers here read the file before."""
 
 
