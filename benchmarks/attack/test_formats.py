@@ -78,7 +78,7 @@ def test_a_damaged_file_is_read_or_refused_in_one_line(
     good = path.read_bytes()
     assert outcome(format, path, good) == "accepted"
 
-    @settings(max_examples=12)
+    @settings(max_examples=12, deadline=None)
     @given(edits())
     def holds(changes: list[tuple[float, int, bytes]]) -> None:
         with warnings.catch_warnings():
