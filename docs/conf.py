@@ -22,6 +22,8 @@ nitpicky = True
 nitpick_ignore_regex = [  # other projects' types, and those of fields that are not public
     ("py:.*", r"(?!swamp_rl\.).*"),
     ("py:class", r"swamp_rl\.effects\.(distributions|random_entry|correlated|fit)\..*"),
+    ("py:class", r"swamp_rl\.boat_fit\.(pieces|wiring|fit|boat_file)\..*"),
+    ("py:class", r"swamp_rl\.criticism\.result\.Predictors"),
 ]
 myst_enable_extensions = ["smartquotes"]
 myst_heading_anchors = 4

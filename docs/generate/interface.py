@@ -27,6 +27,8 @@ TYPES = (
     "swamp_rl.manoeuvres.analysis.figure.Result",
     "swamp_rl.manoeuvres.analysis.figure.Figure",
     "swamp_rl.api.Identified",
+    "swamp_rl.boat_fit.result.Identification",
+    "swamp_rl.effects.curve.Curve",
     "swamp_rl.criticism.result.Diagnosis",
     "swamp_rl.runs.dataset.Inspection",
     "swamp_rl.pilots.description.FittedOn",

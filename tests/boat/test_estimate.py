@@ -185,10 +185,8 @@ def test_bare_numbers_count_as_assumed_and_sections_have_defaults(tmp_path: Path
     assert isinstance(whole, dict)
     (tmp_path / "bare.yaml").write_text(yaml.safe_dump(whole | {"wind": {"c_x": 0.5}}), encoding="utf-8")
     boat, full = load_boat(tmp_path / "bare.yaml"), load_boat(tmp_path / "twin-fixed.yaml")
-    own = {name: parameters(full)[0][name] for name in parameters(full).dtype.names if name != "air_c_x"}
-    assert {name: parameters(boat)[0][name].tolist() for name in own} == {
-        name: pytest.approx(value.tolist(), rel=1e-3) for name, value in own.items()
-    }
+    for name in set(parameters(full).dtype.names) - {"air_c_x"}:
+        assert parameters(boat)[0][name] == pytest.approx(parameters(full)[0][name], rel=1e-3), name
     assert boat.joypad == full.joypad
     assert (boat.wind.c_x, boat.wind.c_y) == (0.5, 0.9)
     told = boat.provenance

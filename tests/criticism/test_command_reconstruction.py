@@ -58,8 +58,11 @@ def test_commands_that_moved_between_rows_are_interpolated_and_held_ones_are_not
     instances = [instance for instance in candidates(log.boat, SECONDS) if instance.effect.name in names]
     read, _, found = select_model(log, weights(log, noise_levels(log)), instances, None)
     assert found.adequate
-    assert found.winner.hypothesis.label == "thrust_scale"
-    assert found.winner.x[0] == pytest.approx(0.8, abs=0.02)
+    (scale,), *others = (x for _, x in found.winner.hypothesis.parts(found.winner.x))
+    assert found.winner.hypothesis.instances[0].label == "thrust_scale"
+    assert scale == pytest.approx(0.8, abs=0.02)
+    # Between rows the commands are not linear to the last digit: what that leaves may be fitted, of no size.
+    assert all(x == pytest.approx(1.0, abs=0.01) for x in others)
     assert np.array_equal(read.commands, log.commands) == held
 
 
