@@ -132,6 +132,8 @@ def _reading(path: Path) -> Iterator[None]:
         yield
     except UserError:
         raise
+    except FileNotFoundError as error:
+        raise UserError(f"{path}: does not exist; name a file that does") from error
     except Exception as error:
         raise UserError(
             f"{path}: is no whole MCAP file ({type(error).__name__}: {error}); copy it again"
