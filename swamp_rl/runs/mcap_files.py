@@ -133,7 +133,7 @@ def _reading(path: Path) -> Iterator[None]:
     except UserError:
         raise
     except FileNotFoundError as error:
-        raise UserError(f"{path}: does not exist; name a file that does") from error
+        raise UserError(f"{path}: no such file; name an .mcap file") from error
     except Exception as error:
         raise UserError(
             f"{path}: is no whole MCAP file ({type(error).__name__}: {error}); copy it again"
