@@ -195,10 +195,12 @@ def _carried_out(signals: list[int]) -> int:
         return _complain(f"{line} (swamp-rl --help tells more)", error.exit_code) if line else error.exit_code
     except UserError as error:
         return _complain(str(error), BAD_INPUT)
-    except BrokenPipeError:
-        # Whoever was reading has had enough; Python's own flush at exit must not complain either.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+    except SystemExit as ended:
+        # Typer ends so where whoever was reading has had enough. What was begun is cleared away by then, and
+        # the process ends at once: one of a hundred orderly exits is aborted by a thread of Arrow just begun.
+        if isinstance(ended.__context__, BrokenPipeError):
+            os._exit(1)
+        raise
     except OSError as error:
         from swamp_rl.files import os_error
 
