@@ -45,7 +45,7 @@ class Onset:
 
     @property
     def criterion(self) -> float:
-        """Fall of chi2 less one for each size that was fitted, as Akaike's criterion charges."""
+        """Fall of chi2 less two for each size that was fitted, as Akaike's criterion charges."""
         return self.gain - 2.0 * free(self.instance)
 
 
