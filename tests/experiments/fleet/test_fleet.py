@@ -27,7 +27,7 @@ from swamp_rl.criticism.result import HeldOut
 from swamp_rl.errors import UserError
 from tests.support.fleets import COMPARISONS, cause, datasets, diagnosis, pretend
 from tests.support.patience import PATIENCE
-from tests.support.sweep_crews import HereCrew
+from tests.support.sweep_pools import PoolHere
 
 MASS = {"effect": "mass", "parameter": "mass", "value": 62.0, "error": 0.2, "gain": 80.0, "unit": "kg"}
 TOLD: dict[str, Any] = {
@@ -39,9 +39,9 @@ TOLD: dict[str, Any] = {
 }
 
 
-def fleet(folder: Path, out: str = "out", places: int = 1, seed: int = 0) -> Fleet:
+def fleet(folder: Path, out: str = "out", size: int = 1, seed: int = 0) -> Fleet:
     given = [folder / "in" / name for name in TOLD]
-    return diagnose_fleet(given, folder / out, crew=HereCrew(pretend, places, seed))
+    return diagnose_fleet(given, folder / out, pool=PoolHere(pretend, size, seed))
 
 
 @pytest.fixture
@@ -68,12 +68,12 @@ def test_the_report_names_what_is_shared_what_differs_and_what_failed(folder: Pa
     assert Fleet.model_validate_json((folder / "out" / "fleet.json").read_text()) == found
 
 
-def test_the_report_is_the_same_in_any_order_and_with_any_number_of_places(folder: Path) -> None:
+def test_the_report_is_the_same_in_any_order_and_with_any_number_of_size(folder: Path) -> None:
     one = fleet(folder)
-    for places, seed in ((3, 1), (5, 2)):
-        assert without_times(fleet(folder, f"out{places}", places, seed)) == without_times(one)
+    for size, seed in ((3, 1), (5, 2)):
+        assert without_times(fleet(folder, f"out{size}", size, seed)) == without_times(one)
     backwards = diagnose_fleet(
-        [folder / "in" / name for name in reversed(TOLD)], folder / "back", crew=HereCrew(pretend, 2, 3)
+        [folder / "in" / name for name in reversed(TOLD)], folder / "back", pool=PoolHere(pretend, 2, 3)
     )
     told = [one.model_dump(exclude={"dataset"}) for one in backwards.members]
     assert told == [one.model_dump(exclude={"dataset"}) for one in one.members]
@@ -87,7 +87,7 @@ def test_what_is_done_is_kept_and_what_changed_or_was_half_done_is_done_again(fo
     (folder / "in" / "red" / "may" / "run.csv").write_text("another run")
     heard: list[str] = []
     given = [folder / "in" / name for name in TOLD]
-    diagnose_fleet(given, out, crew=HereCrew(pretend, 1, 0), tell=lambda name, said: heard.append(name))
+    diagnose_fleet(given, out, pool=PoolHere(pretend, 1, 0), tell=lambda name, said: heard.append(name))
     assert sorted(heard) == ["blue_may", "green_june", "red_may"]
     assert not (out / "blue_may" / "rest.txt").exists()
 
@@ -109,7 +109,7 @@ def test_killed_at_any_moment_the_same_command_goes_on(tmp_path: Path) -> None:
     assert set(again) | set(heard) == set(told)
     assert not set(again) & set(heard), "a dataset that had ended was diagnosed again"
     whole = json.loads((tmp_path / "out" / "fleet.json").read_text())
-    unbroken = diagnose_fleet(given, tmp_path / "unbroken", crew=HereCrew(pretend, 1, 0))
+    unbroken = diagnose_fleet(given, tmp_path / "unbroken", pool=PoolHere(pretend, 1, 0))
     assert whole | {"measured": None} == json.loads(unbroken.model_dump_json()) | {"measured": None}
 
 
@@ -135,7 +135,7 @@ def test_what_is_no_fleet_is_refused_in_one_line(folder: Path) -> None:
 
 def test_a_missing_dataset_has_its_line_and_does_not_stop_the_others(folder: Path) -> None:
     given = [folder / "in" / "red" / "may", folder / "in" / "red" / "never"]
-    found = diagnose_fleet(given, folder / "out", crew=HereCrew(pretend, 1, 0))
+    found = diagnose_fleet(given, folder / "out", pool=PoolHere(pretend, 1, 0))
     assert [one.verdict for one in found.members] == [None, "cause"] or [
         one.verdict for one in found.members
     ] == ["cause", None]
