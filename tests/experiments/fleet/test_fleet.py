@@ -22,9 +22,12 @@ from swamp_rl.experiments.fleet.significance import (
     p_value,
     shared_causes,
 )
+from swamp_rl.experiments.fleet.work import diagnose_one
+from swamp_rl.experiments.synthetic.cases import Case, write_case
 
 from swamp_rl.criticism.result import HeldOut
 from swamp_rl.errors import UserError
+from swamp_rl.runs import read_dataset
 from tests.support.fleets import COMPARISONS, cause, datasets, diagnosis, pretend
 from tests.support.patience import PATIENCE
 from tests.support.sweep_pools import PoolHere
@@ -68,7 +71,7 @@ def test_the_report_names_what_is_shared_what_differs_and_what_failed(folder: Pa
     assert Fleet.model_validate_json((folder / "out" / "fleet.json").read_text()) == found
 
 
-def test_the_report_is_the_same_in_any_order_and_with_any_number_of_size(folder: Path) -> None:
+def test_the_report_is_the_same_in_any_order_and_with_any_number_of_workers(folder: Path) -> None:
     one = fleet(folder)
     for size, seed in ((3, 1), (5, 2)):
         assert without_times(fleet(folder, f"out{size}", size, seed)) == without_times(one)
@@ -143,11 +146,12 @@ def test_a_missing_dataset_has_its_line_and_does_not_stop_the_others(folder: Pat
     shutil.rmtree(folder / "out")
 
 
-def test_adjusted_p_values_are_those_of_benjamini_and_hochberg() -> None:
-    from scipy.stats import false_discovery_control
-
-    p = np.random.default_rng(0).uniform(0.0, 1.0, 40) ** 3
-    assert adjusted(p.tolist()) == pytest.approx(false_discovery_control(p))
+def test_of_the_published_example_four_p_values_are_kept() -> None:
+    # Benjamini and Hochberg 1995, section 4.1: fifteen hypotheses on thrombolysis
+    p = [0.0001, 0.0004, 0.0019, 0.0095, 0.0201, 0.0278, 0.0298, 0.0344, 0.0459, 0.3240, 0.4262, 0.5719]
+    p += [0.6528, 0.7590, 1.0]
+    assert (adjusted(p) <= 0.05).tolist() == [True] * 4 + [False] * 11
+    assert adjusted([]).shape == (0,)
 
 
 def test_the_p_value_is_that_of_a_split_likelihood_ratio_times_the_comparisons() -> None:
@@ -184,3 +188,13 @@ def test_angles_are_compared_the_short_way_round() -> None:
         (2.0 * math.pi - 6.2) ** 2 / 0.02
     )
     assert heterogeneity([3.1, -3.1], [0.1, 0.1]) == pytest.approx(6.2**2 / 0.02)
+
+
+@pytest.mark.slow
+def test_a_dataset_with_lost_rows_is_diagnosed_with_the_boat_that_it_names(tmp_path: Path) -> None:
+    case = Case("A", "clean", [])
+    write_case(case, np.random.default_rng(0), tmp_path / "log", tmp_path / "truth.json", 1, 40.0)
+    with pytest.raises(UserError, match="after the row before"):
+        read_dataset(tmp_path / "log")
+    found = diagnose_fleet([tmp_path / "log"], tmp_path / "out", pool=PoolHere(diagnose_one, 1, 0))
+    assert [(one.verdict, one.error) for one in found.members] == [("nothing_wrong", None)]
