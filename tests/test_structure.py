@@ -25,6 +25,7 @@ FLOORS = (
         "own_code",
         "seal",
         "sums",
+        "workers",
     },
     {"files", "arrays_file", "tensors_file", "unfinished"},
     {"physics", "boat", "effects", "course"},

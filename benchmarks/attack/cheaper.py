@@ -56,7 +56,7 @@ def figures_left_blank() -> Iterator[None]:
 @contextmanager
 def workers_forked() -> Iterator[None]:
     """A sweep's workers are forks, not processes begun anew."""
-    local = import_module("swamp_rl.experiments.sweep.local")
+    local = import_module("swamp_rl.workers.processes")
     with patch.object(local, "get_context", lambda kind: get_context("fork")):
         yield
 

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from swamp_rl.experiments.cli.workers import Ray, Workers
 
 
 def fleet(
@@ -19,14 +20,8 @@ def fleet(
         list[str] | None,
         typer.Option(help="Leave out what the runs measured: wind or depth; may be repeated."),
     ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(min=1, max=1024, help="Processes at once; by default one for each processor."),
-    ] = None,
-    ray: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Use the Ray cluster there, such as 127.0.0.1:6379."),
-    ] = None,
+    workers: Workers = None,
+    ray: Ray = None,
 ) -> None:
     """Diagnose many boats; the same command again goes on where one was interrupted or killed."""
     from swamp_rl.experiments.fleet import diagnose_fleet

@@ -24,9 +24,9 @@ Resample = Annotated[
 def import_(
     sources: Annotated[list[Path], typer.Argument(help="Files, or folders of them.")],
     from_: Annotated[
-        Literal["csv", "parquet", "mcap", "telemetry", "free-running", "dataflash", "ulog", "rosbag"],
-        typer.Option("--from", help="What they are."),
-    ],
+        Literal["csv", "parquet", "mcap", "telemetry", "free-running", "dataflash", "ulog", "rosbag"] | None,
+        typer.Option("--from", help="What they are; by default as their suffix tells."),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="The new dataset.")] = None,
     boat: Annotated[str | None, typer.Option(help="Whose runs they are; by default swamp.")] = None,
     source: Annotated[
@@ -92,7 +92,7 @@ def import_(
     """Make a dataset of the logs of a boat: tables, messages, telemetry, free-running tests."""
     from swamp_rl.logs.import_logs import BINARY, Reading, import_logs
     from swamp_rl.logs.mapping import mapping_of
-    from swamp_rl.runs.import_dataset import About, Kind, import_runs
+    from swamp_rl.runs.import_dataset import About, Kind, import_runs, kind_of
     from swamp_rl.runs.import_foreign import Wishes
 
     wishes = Wishes(
@@ -106,18 +106,19 @@ def import_(
         fill,
     )
     about = About(boat, source, course, notes, outcome, group, topic, sender, repair)
+    kind = from_ or kind_of(sources)
     if list_:
-        _list(sources, from_)
+        _list(sources, kind)
         return
     if out is None:
         raise UserError("--out: the new dataset has no name; give one, or --list")
-    if from_ in BINARY or map_ or frame or clock or join:
+    if kind in BINARY or map_ or frame or clock or join:
         if wishes.renamed or wishes.dropped or wishes.rate:
             raise UserError("--column, --drop, --rate: a mapping says it all; give --map OUR=THEIRS")
         reading = Reading(mapping_of(map_ or [], frame, clock or []), join)
-        made = import_logs(sources, from_, out, about, wishes, reading)
+        made = import_logs(sources, kind, out, about, wishes, reading)
     else:
-        made = import_runs(sources, cast(Kind, from_), out, about, wishes)
+        made = import_runs(sources, cast(Kind, kind), out, about, wishes)
     for run in made.runs:
         _tell(run)
     rows = sum(run.rows or 0 for run in made.runs)

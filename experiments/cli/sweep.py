@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from swamp_rl.experiments.cli.workers import Ray, Workers
 
 
 def sweep(
@@ -17,14 +18,8 @@ def sweep(
         ),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder, in place of results/sweeps/NAME.")] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(min=1, max=1024, help="Processes at once; by default one for each processor."),
-    ] = None,
-    ray: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Use the Ray cluster there, such as 127.0.0.1:6379."),
-    ] = None,
+    workers: Workers = None,
+    ray: Ray = None,
 ) -> None:
     """Try every trial of a sweep; the same command again goes on where one was interrupted or killed."""
     from swamp_rl.experiments.sweep.run import run_sweep

@@ -3,9 +3,9 @@
 import json
 import os
 import shutil
-from collections import Counter, deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,6 @@ from swamp_rl.experiments.fleet.report import page
 from swamp_rl.experiments.fleet.result import Fleet, Member
 from swamp_rl.experiments.fleet.significance import RATE, changes_of, findings_of, label, shared_causes
 from swamp_rl.experiments.fleet.work import diagnose_one, input_of, is_done, read_diagnosis
-from swamp_rl.experiments.sweep.run import Crew
 
 from swamp_rl import __version__
 from swamp_rl.criticism.data.checks import refuse_sources_inside
@@ -22,6 +21,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.names import plain_name
 from swamp_rl.unfinished import locked
+from swamp_rl.workers import Pool, completed, open_pool
 
 FLEET, REPORT = "fleet.json", "fleet.html"
 RETRIES = 2  # of a dataset whose process was lost
@@ -37,7 +37,7 @@ def diagnose_fleet(
     workers: int | None = None,
     ray: str | None = None,
     tell: Tell = lambda name, said: None,
-    crew: Crew | None = None,
+    pool: Pool | None = None,
 ) -> Fleet:
     """Diagnose every dataset into a folder of its own in `out`, and write fleet.json and fleet.html there.
 
@@ -54,8 +54,8 @@ def diagnose_fleet(
         out.mkdir(parents=True, exist_ok=True)
         jobs, wrong = _jobs(members, out, boat, ignore)
         if jobs:
-            with crew_of(crew, workers, ray) as hands:
-                wrong |= carry_out(jobs, hands, tell)
+            with nullcontext(pool) if pool is not None else open_pool(diagnose_one, workers, ray) as found:
+                wrong |= carry_out(jobs, found, tell)
         fleet = fleet_of(members, out, wrong)
         with write_beside(out / FLEET) as part:
             part.write_text(fleet.model_dump_json(indent=2) + "\n", encoding="utf-8")
@@ -118,44 +118,16 @@ def _jobs(
     return jobs, wrong
 
 
-def carry_out(jobs: Mapping[str, str], crew: Crew, tell: Tell) -> dict[str, str]:
+def carry_out(jobs: Mapping[str, str], pool: Pool, tell: Tell) -> dict[str, str]:
     """Have every job done; by name, the faults of those that ended without a diagnosis."""
-    names = list(jobs)
-    waiting, running = deque(range(len(names))), set[int]()
-    attempts, wrong = Counter[int](), dict[str, str]()
-    while waiting or running:
-        while waiting and len(running) < crew.places:
-            number = waiting.popleft()
-            crew.give(number, jobs[names[number]])
-            running.add(number)
-        number, answer, error = crew.take()
-        running.remove(number)
-        attempts[number] += 1
-        if answer is None and attempts[number] <= RETRIES:
-            waiting.append(number)
-            continue
-        told = json.loads(answer) if answer is not None else {"error": error}
+    names, wrong = list(jobs), dict[str, str]()
+    for ended in completed(range(len(names)), lambda number: jobs[names[number]], pool, RETRIES):
+        name = names[ended.number]
+        told = json.loads(ended.answer) if ended.answer is not None else {"error": ended.error}
         if told.get("error"):
-            wrong[names[number]] = told["error"]
-        tell(names[number], told.get("error") or told["verdict"])
+            wrong[name] = told["error"]
+        tell(name, told.get("error") or told["verdict"])
     return wrong
-
-
-@contextmanager
-def crew_of(crew: Crew | None, workers: int | None, ray: str | None) -> Iterator[Crew]:
-    """Those who do the jobs: the crew given, a cluster, or processes of this machine."""
-    if crew is not None:
-        yield crew
-    elif ray is not None:
-        from swamp_rl.experiments.sweep.cluster import RayCrew
-
-        with RayCrew(diagnose_one, ray) as cluster:
-            yield cluster
-    else:
-        from swamp_rl.experiments.sweep.local import LocalCrew
-
-        with LocalCrew(diagnose_one, workers or os.cpu_count() or 1) as processes:
-            yield processes
 
 
 def fleet_of(members: Sequence[Member], out: Path, wrong: Mapping[str, str]) -> Fleet:

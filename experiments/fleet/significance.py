@@ -29,15 +29,9 @@ def adjusted(p: Sequence[float]) -> NDArray[np.float64]:
     """(n,) p-values adjusted so that those at most q are kept at the false discovery rate q (Benjamini and
     Hochberg 1995).
     """
-    values = np.asarray(p, dtype=float)
-    if not len(values):
-        return values
-    order = np.argsort(values, kind="stable")
-    ranked = values[order] * len(values) / np.arange(1, len(values) + 1)
-    least = np.minimum.accumulate(ranked[::-1])[::-1]
-    found = np.empty(len(values))
-    found[order] = np.minimum(least, 1.0)
-    return found
+    from scipy.stats import false_discovery_control
+
+    return np.asarray(false_discovery_control(p) if len(p) else p, dtype=float)
 
 
 def label(cause: Cause) -> str:

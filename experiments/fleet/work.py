@@ -11,6 +11,8 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.one_thread import one_thread
 from swamp_rl.ordinary import contents
+from swamp_rl.runs.copies import boat_file
+from swamp_rl.runs.dataset import read_meta
 
 RESULT, INPUT = "diagnosis.json", "fleet_input.json"
 SOURCES = (".csv", ".parquet", ".yaml")
@@ -23,18 +25,22 @@ def diagnose_one(job: str) -> str:
     The note is written last: a diagnosis without it was not finished.
     """
     from swamp_rl.criticism.diagnose import diagnose
-    from swamp_rl.runs import read_dataset
 
     asked = json.loads(job)
     dataset, out = Path(asked["dataset"]), Path(asked["out"])
     try:
-        boat = asked["boat"] or read_dataset(dataset).boat_file
+        boat = asked["boat"] or own_boat(dataset)
         found = diagnose(dataset, boat, out, ignore=asked["ignore"])
     except UserError as error:
         return json.dumps({"error": " ".join(str(error).split())})
     with write_beside(out / INPUT) as part:
         part.write_text(json.dumps(asked["input"], indent=1) + "\n", encoding="utf-8")
     return json.dumps({"verdict": found.verdict, "seconds": found.elapsed_s})
+
+
+def own_boat(dataset: Path) -> str | Path:
+    """The boat that a dataset names, whatever its runs hold: their faults are the diagnosis's to judge."""
+    return boat_file(dataset, read_meta(dataset))
 
 
 def input_of(dataset: Path, boat: str | None, ignore: list[str], version: str) -> dict[str, object]:

@@ -1,12 +1,8 @@
 """`swamp-rl sweep`: each trial done once and kept, whatever is killed meanwhile, and then a report."""
 
 import json
-import os
-import time
-from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, Protocol
 
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.schema import Experiment
@@ -17,23 +13,10 @@ from swamp_rl.experiments.sweep.trial import carry_out, job_of
 
 from swamp_rl import __version__
 from swamp_rl.errors import UserError
+from swamp_rl.workers import Ended, Pool, completed, open_pool
 
 Tell = Callable[[Trial, int], None]
 """Hears each trial that ends, and how many there are in all."""
-
-
-class Crew(Protocol):
-    """Those who do the trials."""
-
-    @property
-    def places(self) -> int:
-        """How many at once."""
-
-    def give(self, number: int, job: str) -> None:
-        """Have a trial done."""
-
-    def take(self) -> tuple[int, str | None, str]:
-        """Wait for one to end: its number, its answer (None where it failed), what went wrong."""
 
 
 def run_sweep(
@@ -68,57 +51,32 @@ def run_sweep(
 
     with opened(folder, plan) as store:
         if len(store.trials()) < trials_of(sweep):
-            with _crew(workers, ray) as crew:
-                carry_on(sweep, store, crew, job, tell)
+            with open_pool(carry_out, workers, ray) as pool:
+                carry_on(sweep, store, pool, job, tell)
         write_report(folder, sweep, fixed, store.trials())
     return folder
 
 
-def carry_on(sweep: Sweep, store: Store, crew: Crew, job: Callable[[Values], str], tell: Tell) -> None:
+def carry_on(sweep: Sweep, store: Store, pool: Pool, job: Callable[[Values], str], tell: Tell) -> None:
     """Have every trial done that has not ended yet, batch after batch."""
     total = trials_of(sweep)
     for numbers in batches_of(sweep):
         ended = store.trials()
         values = propose(sweep, numbers, ended)
-        left = {number: values[number] for number in numbers if number not in ended}
-        _do_batch(left, sweep.retries, store, crew, job, lambda trial: tell(trial, total))
+        left = [number for number in numbers if number not in ended]
+        for done in completed(left, lambda number, of=values: job(of[number]), pool, sweep.retries):
+            trial = _ended(values[done.number], done)
+            store.add(trial)
+            tell(trial, total)
 
 
-def _do_batch(
-    left: Mapping[int, Values],
-    retries: int,
-    store: Store,
-    crew: Crew,
-    job: Callable[[Values], str],
-    tell: Callable[[Trial], None],
-) -> None:
-    waiting, running = deque(left), set[int]()
-    attempts = dict.fromkeys(left, 0)
-    began: dict[int, float] = {}
-    while waiting or running:
-        while waiting and len(running) < crew.places:
-            number = waiting.popleft()
-            began.setdefault(number, time.perf_counter())
-            crew.give(number, job(left[number]))
-            running.add(number)
-        number, answer, error = crew.take()
-        running.remove(number)
-        attempts[number] += 1
-        if answer is None and attempts[number] <= retries:
-            waiting.append(number)
-            continue
-        seconds = round(time.perf_counter() - began[number], 2)
-        trial = _ended(number, left[number], answer, error, attempts[number], seconds)
-        store.add(trial)
-        tell(trial)
-
-
-def _ended(
-    number: int, values: Values, answer: str | None, error: str, attempts: int, seconds: float
-) -> Trial:
-    found = json.loads(answer) if answer is not None else {"value": None, "summary": None}
-    failed = error if answer is None else None
-    return Trial(number, dict(values), found["value"], found["summary"], failed, attempts, seconds)
+def _ended(values: Values, ended: Ended) -> Trial:
+    found = json.loads(ended.answer) if ended.answer is not None else {"value": None, "summary": None}
+    failed = ended.error if ended.answer is None else None
+    seconds = round(ended.seconds, 2)
+    return Trial(
+        ended.number, dict(values), found["value"], found["summary"], failed, ended.attempts, seconds
+    )
 
 
 def checked(sweep: Sweep, fixed: list[str]) -> Experiment:
@@ -155,13 +113,3 @@ def _experiment(sweep: Sweep, fixed: list[str], values: Values) -> Experiment:
     return load_experiment(
         sweep.experiment, [*fixed, *(override(key, value) for key, value in values.items())]
     )
-
-
-def _crew(workers: int | None, ray: str | None) -> Any:
-    if ray is not None:
-        from swamp_rl.experiments.sweep.cluster import RayCrew
-
-        return RayCrew(carry_out, ray)
-    from swamp_rl.experiments.sweep.local import LocalCrew
-
-    return LocalCrew(carry_out, workers or os.cpu_count() or 1)

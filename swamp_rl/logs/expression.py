@@ -27,6 +27,7 @@ LONGEST = 500
 """Characters of an expression."""
 DEEPEST = 40
 """Parentheses, functions, signs and powers in one another."""
+QUOTING = "; a column whose name is no word stands between backquotes, as in `Yaw (deg)`"
 TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
     r"|(?P<name>[A-Za-z_]\w*(?:\.\w+|\[\d+\])*)|`(?P<quoted>[^`]+)`"
@@ -189,7 +190,7 @@ class _Reader:
     def refusal(self, expected: str) -> UserError:
         rest = self.text[self.at :].strip()
         found = repr(clipped(rest, 20)) if rest else "its end"
-        return UserError(f"expression {clipped(self.text)!r}: expected {expected}, found {found}")
+        return UserError(f"expression {clipped(self.text)!r}: expected {expected}, found {found}{QUOTING}")
 
     def take(self, *words: str) -> str:
         """The word, where it is one of these signs, which is then behind us; else ''."""
@@ -243,7 +244,7 @@ class _Reader:
         if word not in FUNCTIONS and word not in TIMED:
             known = ", ".join([*FUNCTIONS, *TIMED])
             raise UserError(
-                f"expression {clipped(self.text)!r}: no function {clipped(word)}; there are {known}"
+                f"expression {clipped(self.text)!r}: no function {clipped(word)}; there are {known}{QUOTING}"
             )
         arguments = [self.comparison(depth + 1)]
         while self.take(","):

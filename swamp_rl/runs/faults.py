@@ -1,24 +1,28 @@
 """What is wrong with a recorded run, and where."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+NUMBER = re.compile(r"-?\d[\d.]*(?:e[-+]?\d+)?")
 NO_NUMBER = "holds no number in any row; record it, or leave the column out where it is optional"
 
 
 @dataclass(frozen=True, order=True)
 class Fault:
     """One fault: `row` counts the data rows from 1 (a CSV's header is line 1, so its row 1 is line 2); `last`
-    is the last row of the same fault, where it holds for consecutive rows."""
+    is the last row of the same fault, where it holds for consecutive rows, or for `alike` more that are not.
+    """
 
     file: str
     row: int | None
     column: str | None
     message: str
     last: int | None = None
+    alike: int = 0
 
     def __str__(self) -> str:
         line = (
@@ -26,7 +30,26 @@ class Fault:
         )
         row = [] if self.row is None else [f"row {self.row}{line}"]
         column = [] if self.column is None else [f"column {self.column}"]
-        return ": ".join([self.file, *filter(None, [", ".join(row + column)]), self.message])
+        told = self.message
+        if self.alike:
+            told += f" (and {self.alike} more rows like it, the last row {self.last})"
+        elif self.row is not None and self.last is not None and self.last > self.row:
+            told += f" (and so on to row {self.last})"
+        return ": ".join([self.file, *filter(None, [", ".join(row + column)]), told])
+
+
+def condensed(faults: Sequence[Fault]) -> list[Fault]:
+    """One fault for all rows of a column whose messages differ by numbers only, in the first one's place."""
+    found: dict[tuple[object, ...], Fault] = {}
+    for fault in faults:
+        key = (fault.file, fault.column, fault.row is None, NUMBER.sub("#", fault.message))
+        if fault.row is None or key not in found:
+            found[key if fault.row is not None else (*key, fault.message)] = fault
+            continue
+        first, rows = found[key], (fault.last or fault.row) - fault.row + 1
+        before = first.alike or (first.last or first.row or 0) - (first.row or 0)
+        found[key] = replace(first, last=fault.last or fault.row, alike=before + rows)
+    return list(found.values())
 
 
 def faults_at(
@@ -38,7 +61,5 @@ def faults_at(
     found = []
     for stretch in stretches:
         first, last = stretch[0], stretch[-1]
-        until = f" (and so on to row {rows[last]})" if last > first else ""
-        told = describe(int(first)) + until
-        found.append(Fault(file, int(rows[first]), column, told, int(rows[last])))
+        found.append(Fault(file, int(rows[first]), column, describe(int(first)), int(rows[last])))
     return found

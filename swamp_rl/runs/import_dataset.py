@@ -39,6 +39,24 @@ SUFFIXES = {
     "rosbag": (".bag", ".db3", ".mcap"),
 }
 """The last three are read by `swamp_rl.logs`."""
+SURE = {
+    ".csv": "csv",
+    ".parquet": "parquet",
+    ".bin": "dataflash",
+    ".ulg": "ulog",
+    ".bag": "rosbag",
+    ".db3": "rosbag",
+}
+"""Kinds that a suffix alone tells."""
+
+
+def kind_of(sources: Sequence[Path]) -> str:
+    """The kind of which all sources are, by their suffixes; UserError where these do not tell it."""
+    found = {SURE.get(source.suffix.lower()) for source in sources}
+    kind = found.pop() if len(found) == 1 else None
+    if kind is None:
+        raise UserError(f"--from: {sources[0]} may be of several kinds; give one of {', '.join(SUFFIXES)}")
+    return kind
 
 
 @dataclass(frozen=True)

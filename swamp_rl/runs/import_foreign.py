@@ -14,7 +14,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.runs.bad_rows import BadRows, listed, stretches
 from swamp_rl.runs.check import check_table
 from swamp_rl.runs.columns import REQUIRED
-from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
+from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
 from swamp_rl.runs.local_frame import Place, to_local
 from swamp_rl.runs.resample import ANGLES, resampled, wrapped
 from swamp_rl.runs.run import Run
@@ -163,7 +163,9 @@ def _renamed(
 def refuse(wishes: Wishes, faults: Sequence[Fault]) -> None:
     """Raise the faults, each with the column's name in the file and the option that may help."""
     if faults:
-        raise UserError(listed([_with_hint(wishes, fault) for fault in faults], "nothing was imported"))
+        raise UserError(
+            listed([_with_hint(wishes, fault) for fault in condensed(faults)], "nothing was imported")
+        )
 
 
 def _with_hint(wishes: Wishes, fault: Fault) -> str:

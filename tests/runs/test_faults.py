@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -22,6 +23,7 @@ from swamp_rl.runs import (
     read_dataset,
     write_run,
 )
+from swamp_rl.runs.faults import condensed, faults_at
 from swamp_rl.runs.table import read_table, write_table
 from tests.support.runs import circling, described
 
@@ -169,7 +171,18 @@ def test_a_column_wholly_in_degrees_is_one_fault_with_its_extent(good: Path) -> 
     columns["azimuth_bs"] = np.full(ROWS, 45.0)
     (fault,) = faults_of(good, columns)
     assert (fault.row, fault.column) == (1, "azimuth_bs")
-    assert f"and so on to row {ROWS}" in fault.message
+    assert f"and so on to row {ROWS}" in str(fault)
+
+
+def test_rows_with_the_same_fault_here_and_there_are_told_in_one_line() -> None:
+    heading = np.array([359.0, 0.1, 358.5, 2.0, 0.2, -4.1])
+    rows = np.arange(1, 7)
+    of = partial("{:g} is outside [-1, 1] rad".format)
+    faults = faults_at("a.csv", "heading", rows, np.abs(heading) > 1.0, lambda i: of(heading[i]))
+    assert [(one.row, one.last) for one in faults] == [(1, 1), (3, 4), (6, 6)]
+    whole, late = condensed([*faults[:2], Fault("a.csv", 5, "heading", "is missing", 5)])
+    assert str(whole).endswith("359 is outside [-1, 1] rad (and 2 more rows like it, the last row 4)")
+    assert str(late) == "a.csv: row 5 (line 6), column heading: is missing"
 
 
 def test_an_azimuth_may_count_its_turns_but_not_jump_by_more_than_one(good: Path) -> None:

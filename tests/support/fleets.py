@@ -11,9 +11,9 @@ from typing import Any
 
 from swamp_rl.experiments.fleet import diagnose_fleet
 from swamp_rl.experiments.fleet.work import INPUT, RESULT
-from swamp_rl.experiments.sweep.local import LocalCrew
 
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, HeldOut
+from swamp_rl.workers.processes import ProcessPool
 
 COMPARISONS = 60
 
@@ -58,8 +58,8 @@ def datasets(folder: Path, told: dict[str, Any]) -> list[Path]:
 
 def main() -> None:
     out, *given = map(Path, sys.argv[1:])
-    with LocalCrew(pretend, 2) as crew:
-        diagnose_fleet(given, out, crew=crew, tell=lambda name, said: print(name, flush=True))
+    with ProcessPool(pretend, 2) as pool:
+        diagnose_fleet(given, out, pool=pool, tell=lambda name, said: print(name, flush=True))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""Sweeps on a Ray cluster of two nodes on this machine, in a process that a test can end when it hangs.
+"""Sweeps and a fleet on a Ray cluster of two nodes on this machine, in a process that a test can end.
 
     python -m tests.support.sweep_on_ray FOLDER
 
 writes into FOLDER the sweeps' results: `killed.json` (its second node is killed half-way), `search.json` and
-the folder `file` of a sweep that is read from FOLDER/sweep.yaml.
+the folder `file` of a sweep that is read from FOLDER/sweep.yaml; and into `fleet` that of the datasets in
+FOLDER/datasets, by two nodes.
 """
 
 import json
@@ -14,12 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from ray.cluster_utils import Cluster
-from swamp_rl.experiments.sweep.cluster import RayCrew
+from swamp_rl.experiments.fleet import diagnose_fleet
 from swamp_rl.experiments.sweep.report import results
 from swamp_rl.experiments.sweep.run import carry_on, run_sweep
 from swamp_rl.experiments.sweep.schema import Sweep
 from swamp_rl.experiments.sweep.store import opened
 
+from swamp_rl.workers.cluster import RayPool
+from tests.support.fleets import pretend
 from tests.support.sweeps import DRAWN, formula, stuck_on_the_doomed_node, sweep_of
 
 NODE = {
@@ -30,10 +33,10 @@ NODE = {
 }
 
 
-def carried_out(folder: Path, name: str, sweep: Sweep, crew: Any, job: Any = json.dumps) -> None:
+def carried_out(folder: Path, name: str, sweep: Sweep, pool: Any, job: Any = json.dumps) -> None:
     """Write the results of a sweep as NAME.json."""
     with opened(folder / name, {}) as store:
-        carry_on(sweep, store, crew, job, lambda trial, total: None)
+        carry_on(sweep, store, pool, job, lambda trial, total: None)
         found = results(sweep, [], store.trials())
     (folder / f"{name}.json").write_text(json.dumps(found))
 
@@ -51,22 +54,32 @@ def killed(folder: Path, cluster: Any) -> None:
     def job(values: dict[str, Any]) -> str:
         return json.dumps({**values, "doomed": node.node_id, "note": str(note)})
 
-    with RayCrew(stuck_on_the_doomed_node, cluster.address) as crew:
-        if crew.places != 2:
-            raise RuntimeError(f"the cluster has {crew.places} places and not two")
+    with RayPool(stuck_on_the_doomed_node, cluster.address) as pool:
+        if pool.size != 2:
+            raise RuntimeError(f"the cluster has {pool.size} workers and not two")
         threading.Thread(target=kill_once_it_works, daemon=True).start()
-        carried_out(folder, "killed", sweep_of(retries=1), crew, job)
+        carried_out(folder, "killed", sweep_of(retries=1), pool, job)
+
+
+def fleet(folder: Path, cluster: Any) -> None:
+    """Pretended diagnoses by both nodes."""
+    cluster.add_node(**NODE)
+    with RayPool(pretend, cluster.address) as pool:
+        if pool.size != 2:
+            raise RuntimeError(f"the cluster has {pool.size} workers and not two")
+        diagnose_fleet(sorted((folder / "datasets").iterdir()), folder / "fleet", pool=pool)
 
 
 def main() -> None:
-    """All three, on one cluster."""
+    """All four, on one cluster."""
     folder = Path(sys.argv[1])
     cluster = Cluster(initialize_head=True, head_node_args=NODE)
     try:
         killed(folder, cluster)
-        with RayCrew(formula, cluster.address) as crew:
-            carried_out(folder, "search", sweep_of(**DRAWN), crew)
+        with RayPool(formula, cluster.address) as pool:
+            carried_out(folder, "search", sweep_of(**DRAWN), pool)
         run_sweep(folder / "sweep.yaml", out=folder / "file", ray=cluster.address)
+        fleet(folder, cluster)
     finally:
         cluster.shutdown()
 

@@ -7,10 +7,11 @@ import time
 from pathlib import Path
 from typing import Any
 
-from swamp_rl.experiments.sweep.local import LocalCrew
 from swamp_rl.experiments.sweep.run import carry_on
 from swamp_rl.experiments.sweep.schema import Sweep
 from swamp_rl.experiments.sweep.store import opened
+
+from swamp_rl.workers.processes import ProcessPool
 
 FORMULA: dict[str, Any] = {
     "name": "formula",
@@ -85,9 +86,9 @@ def main() -> None:
     sweep = sweep_of()
     with (
         opened(Path(sys.argv[1]), sweep.model_dump(mode="json")) as store,
-        LocalCrew(slow_formula, 2) as crew,
+        ProcessPool(slow_formula, 2) as pool,
     ):
-        carry_on(sweep, store, crew, json.dumps, lambda trial, total: print(trial.number, flush=True))
+        carry_on(sweep, store, pool, json.dumps, lambda trial, total: print(trial.number, flush=True))
 
 
 if __name__ == "__main__":

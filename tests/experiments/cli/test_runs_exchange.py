@@ -106,9 +106,31 @@ def test_a_package_that_is_not_installed_is_named_with_its_extra(
     package: str,
     extra: str,
 ) -> None:
-    Path("gps.csv").write_text("time,latitude,longitude,heading\n0.0,44.0,9.0,0\n0.1,44.0,9.0,0\n")
+    Path("gps.csv").write_text("time,latitude,longitude,heading\n0.0,44.125,9.5,0\n0.1,44.125,9.5,0\n")
     monkeypatch.setitem(sys.modules, package, None)
     code, _, said = call(*words)
     assert code == cli.BAD_INPUT
     assert f"pip install 'swamp-rl[{extra}]'" in said and len(said.splitlines()) == 1
     assert not Path("out").exists()
+
+
+def test_the_kind_of_a_log_is_that_of_its_suffix_where_only_one_has_it(
+    call: Callable[..., Called], log: Path, tmp_path: Path
+) -> None:
+    assert call("import", log, "--list") == call("import", log, "--from", "csv", "--list")
+    (tmp_path / "drive.mcap").write_bytes(b"")
+    for source in ("drive.mcap", tmp_path):
+        code, _, said = call("import", source, "--list")
+        assert (code, said.count("\n")) == (2, 1)
+        assert "may be of several kinds; give one of csv, parquet, mcap" in said
+
+
+def test_a_column_in_degrees_that_passes_zero_often_is_one_line(
+    call: Callable[..., Called], tmp_path: Path
+) -> None:
+    lines = [f"{0.1 * i},{i},0,{-20.0 + 40.0 * (i % 2) if i % 3 else 0.0}" for i in range(60)]
+    (tmp_path / "log.csv").write_text("\n".join(["time,north,east,heading", *lines]) + "\n")
+    code, _, said = call("import", "log.csv", "--out", "day")
+    (told,) = [line for line in said.splitlines() if "column heading" in line]
+    assert code == 2
+    assert "(and 39 more rows like it, the last row 60) (--degrees heading)" in told

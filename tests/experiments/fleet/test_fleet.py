@@ -22,12 +22,15 @@ from swamp_rl.experiments.fleet.significance import (
     p_value,
     shared_causes,
 )
+from swamp_rl.experiments.fleet.work import diagnose_one
+from swamp_rl.experiments.synthetic.cases import Case, write_case
 
 from swamp_rl.criticism.result import HeldOut
 from swamp_rl.errors import UserError
+from swamp_rl.runs import read_dataset
 from tests.support.fleets import COMPARISONS, cause, datasets, diagnosis, pretend
 from tests.support.patience import PATIENCE
-from tests.support.sweep_crews import HereCrew
+from tests.support.sweep_pools import PoolHere
 
 MASS = {"effect": "mass", "parameter": "mass", "value": 62.0, "error": 0.2, "gain": 80.0, "unit": "kg"}
 TOLD: dict[str, Any] = {
@@ -39,9 +42,9 @@ TOLD: dict[str, Any] = {
 }
 
 
-def fleet(folder: Path, out: str = "out", places: int = 1, seed: int = 0) -> Fleet:
+def fleet(folder: Path, out: str = "out", size: int = 1, seed: int = 0) -> Fleet:
     given = [folder / "in" / name for name in TOLD]
-    return diagnose_fleet(given, folder / out, crew=HereCrew(pretend, places, seed))
+    return diagnose_fleet(given, folder / out, pool=PoolHere(pretend, size, seed))
 
 
 @pytest.fixture
@@ -68,12 +71,12 @@ def test_the_report_names_what_is_shared_what_differs_and_what_failed(folder: Pa
     assert Fleet.model_validate_json((folder / "out" / "fleet.json").read_text()) == found
 
 
-def test_the_report_is_the_same_in_any_order_and_with_any_number_of_places(folder: Path) -> None:
+def test_the_report_is_the_same_in_any_order_and_with_any_number_of_workers(folder: Path) -> None:
     one = fleet(folder)
-    for places, seed in ((3, 1), (5, 2)):
-        assert without_times(fleet(folder, f"out{places}", places, seed)) == without_times(one)
+    for size, seed in ((3, 1), (5, 2)):
+        assert without_times(fleet(folder, f"out{size}", size, seed)) == without_times(one)
     backwards = diagnose_fleet(
-        [folder / "in" / name for name in reversed(TOLD)], folder / "back", crew=HereCrew(pretend, 2, 3)
+        [folder / "in" / name for name in reversed(TOLD)], folder / "back", pool=PoolHere(pretend, 2, 3)
     )
     told = [one.model_dump(exclude={"dataset"}) for one in backwards.members]
     assert told == [one.model_dump(exclude={"dataset"}) for one in one.members]
@@ -87,7 +90,7 @@ def test_what_is_done_is_kept_and_what_changed_or_was_half_done_is_done_again(fo
     (folder / "in" / "red" / "may" / "run.csv").write_text("another run")
     heard: list[str] = []
     given = [folder / "in" / name for name in TOLD]
-    diagnose_fleet(given, out, crew=HereCrew(pretend, 1, 0), tell=lambda name, said: heard.append(name))
+    diagnose_fleet(given, out, pool=PoolHere(pretend, 1, 0), tell=lambda name, said: heard.append(name))
     assert sorted(heard) == ["blue_may", "green_june", "red_may"]
     assert not (out / "blue_may" / "rest.txt").exists()
 
@@ -109,7 +112,7 @@ def test_killed_at_any_moment_the_same_command_goes_on(tmp_path: Path) -> None:
     assert set(again) | set(heard) == set(told)
     assert not set(again) & set(heard), "a dataset that had ended was diagnosed again"
     whole = json.loads((tmp_path / "out" / "fleet.json").read_text())
-    unbroken = diagnose_fleet(given, tmp_path / "unbroken", crew=HereCrew(pretend, 1, 0))
+    unbroken = diagnose_fleet(given, tmp_path / "unbroken", pool=PoolHere(pretend, 1, 0))
     assert whole | {"measured": None} == json.loads(unbroken.model_dump_json()) | {"measured": None}
 
 
@@ -135,7 +138,7 @@ def test_what_is_no_fleet_is_refused_in_one_line(folder: Path) -> None:
 
 def test_a_missing_dataset_has_its_line_and_does_not_stop_the_others(folder: Path) -> None:
     given = [folder / "in" / "red" / "may", folder / "in" / "red" / "never"]
-    found = diagnose_fleet(given, folder / "out", crew=HereCrew(pretend, 1, 0))
+    found = diagnose_fleet(given, folder / "out", pool=PoolHere(pretend, 1, 0))
     assert [one.verdict for one in found.members] == [None, "cause"] or [
         one.verdict for one in found.members
     ] == ["cause", None]
@@ -143,11 +146,12 @@ def test_a_missing_dataset_has_its_line_and_does_not_stop_the_others(folder: Pat
     shutil.rmtree(folder / "out")
 
 
-def test_adjusted_p_values_are_those_of_benjamini_and_hochberg() -> None:
-    from scipy.stats import false_discovery_control
-
-    p = np.random.default_rng(0).uniform(0.0, 1.0, 40) ** 3
-    assert adjusted(p.tolist()) == pytest.approx(false_discovery_control(p))
+def test_of_the_published_example_four_p_values_are_kept() -> None:
+    # Benjamini and Hochberg 1995, section 4.1: fifteen hypotheses on thrombolysis
+    p = [0.0001, 0.0004, 0.0019, 0.0095, 0.0201, 0.0278, 0.0298, 0.0344, 0.0459, 0.3240, 0.4262, 0.5719]
+    p += [0.6528, 0.7590, 1.0]
+    assert (adjusted(p) <= 0.05).tolist() == [True] * 4 + [False] * 11
+    assert adjusted([]).shape == (0,)
 
 
 def test_the_p_value_is_that_of_a_split_likelihood_ratio_times_the_comparisons() -> None:
@@ -184,3 +188,13 @@ def test_angles_are_compared_the_short_way_round() -> None:
         (2.0 * math.pi - 6.2) ** 2 / 0.02
     )
     assert heterogeneity([3.1, -3.1], [0.1, 0.1]) == pytest.approx(6.2**2 / 0.02)
+
+
+@pytest.mark.slow
+def test_a_dataset_with_lost_rows_is_diagnosed_with_the_boat_that_it_names(tmp_path: Path) -> None:
+    case = Case("A", "clean", [])
+    write_case(case, np.random.default_rng(0), tmp_path / "log", tmp_path / "truth.json", 1, 40.0)
+    with pytest.raises(UserError, match="after the row before"):
+        read_dataset(tmp_path / "log")
+    found = diagnose_fleet([tmp_path / "log"], tmp_path / "out", pool=PoolHere(diagnose_one, 1, 0))
+    assert [(one.verdict, one.error) for one in found.members] == [("nothing_wrong", None)]

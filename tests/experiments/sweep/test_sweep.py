@@ -16,7 +16,6 @@ import psutil
 import pytest
 import yaml
 from swamp_rl.experiments.config.load import load_experiment
-from swamp_rl.experiments.sweep.local import LocalCrew
 from swamp_rl.experiments.sweep.propose import batches_of, propose
 from swamp_rl.experiments.sweep.report import best_of, write_report
 from swamp_rl.experiments.sweep.run import checked, run_sweep
@@ -24,9 +23,10 @@ from swamp_rl.experiments.sweep.schema import load_sweep, override
 from swamp_rl.experiments.sweep.store import Trial, opened
 
 from swamp_rl.errors import UserError
+from swamp_rl.workers.processes import ProcessPool
 from tests.support import sweeps as sweep_trials
 from tests.support.patience import PATIENCE
-from tests.support.sweep_crews import HereCrew, said, swept
+from tests.support.sweep_pools import PoolHere, said, swept
 from tests.support.sweeps import DRAWN, sweep_of
 
 pytestmark = pytest.mark.slow
@@ -37,11 +37,11 @@ pytestmark = pytest.mark.slow
 )
 def test_order_workers_and_interruptions_make_no_difference(changes: dict[str, Any], tmp_path: Path) -> None:
     sweep = sweep_of(**changes)
-    alone = swept(tmp_path / "alone", sweep, HereCrew(sweep_trials.formula, 1, 0))
+    alone = swept(tmp_path / "alone", sweep, PoolHere(sweep_trials.formula, 1, 0))
     assert sorted(alone) == list(range(sweep.trials or 9))
-    for places, seed, stop in ((3, 1, 10**6), (8, 2, 10**6), (2, 3, 1), (3, 4, 4)):
-        crew = HereCrew(sweep_trials.formula, places, seed)
-        other = swept(tmp_path / f"{places}-{seed}", sweep, crew, stop_after=stop)
+    for size, seed, stop in ((3, 1, 10**6), (8, 2, 10**6), (2, 3, 1), (3, 4, 4)):
+        pool = PoolHere(sweep_trials.formula, size, seed)
+        other = swept(tmp_path / f"{size}-{seed}", sweep, pool, stop_after=stop)
         assert said(sweep, other) == said(sweep, alone)
 
 
@@ -53,7 +53,7 @@ def test_a_grid_is_every_combination_once() -> None:
 
 def test_a_search_stays_in_its_ranges_and_finds_more_than_chance(tmp_path: Path) -> None:
     sweep = sweep_of(**{**DRAWN, "trials": 60})
-    trials = swept(tmp_path / "tpe", sweep, HereCrew(sweep_trials.formula, 3, 0))
+    trials = swept(tmp_path / "tpe", sweep, PoolHere(sweep_trials.formula, 3, 0))
     for trial in trials.values():
         values = trial.values
         assert -1.0 <= values["a"] <= 2.0 and 0.01 <= values["b"] <= 10.0 and values["d"] in range(1, 10)
@@ -65,13 +65,13 @@ def test_a_search_stays_in_its_ranges_and_finds_more_than_chance(tmp_path: Path)
 
 def test_less_is_better_where_the_objective_says_so(tmp_path: Path) -> None:
     cost = sweep_of(objective={"pilot": "reservoir", "level": "calm", "measure": "energy"})
-    trials = swept(tmp_path / "cost", cost, HereCrew(sweep_trials.formula, 3, 0))
+    trials = swept(tmp_path / "cost", cost, PoolHere(sweep_trials.formula, 3, 0))
     best = best_of(cost, list(trials.values()))
     assert best is not None and best.value == min(trial.value or 0.0 for trial in trials.values())
 
 
 def test_what_fails_is_tried_again_and_then_recorded_as_failed(tmp_path: Path) -> None:
-    trials = swept(tmp_path / "s", sweep_of(retries=2), HereCrew(sweep_trials.always_fails, 2, 0))
+    trials = swept(tmp_path / "s", sweep_of(retries=2), PoolHere(sweep_trials.always_fails, 2, 0))
     assert [trial.attempts for trial in trials.values()] == [1, 1, 1, 3, 3, 3, 1, 1, 1]
     assert {trial.error for trial in trials.values()} == {None, "ValueError: never works"}
     write_report(tmp_path, sweep_of(), [], trials)
@@ -87,10 +87,10 @@ def test_processes_take_up_what_failed_or_was_lost(dies: bool, tmp_path: Path) -
         return json.dumps({**values, "notes": str(tmp_path / "notes"), "dies": dies})
 
     sweep = sweep_of(parameters={"a": {"grid": [0, 1]}, "b": {"grid": [0.0]}}, retries=1)
-    with LocalCrew(sweep_trials.first_time_fails, 2) as crew:
-        trials = swept(tmp_path / "s", sweep, crew, job)
+    with ProcessPool(sweep_trials.first_time_fails, 2) as pool:
+        trials = swept(tmp_path / "s", sweep, pool, job)
     assert [(trial.attempts, trial.error) for trial in trials.values()] == [(2, None)] * 2
-    here = swept(tmp_path / "here", sweep, HereCrew(sweep_trials.formula, 1, 0))
+    here = swept(tmp_path / "here", sweep, PoolHere(sweep_trials.formula, 1, 0))
     assert said(sweep, trials) == said(sweep, here)
 
 
@@ -115,7 +115,7 @@ def test_killed_at_any_moment_the_same_command_goes_on_and_loses_nothing(tmp_pat
     with opened(tmp_path, sweep_of().model_dump(mode="json")) as store:
         ended = store.trials()
     assert kept.items() <= ended.items(), "a trial that had ended was done again"
-    unbroken = swept(tmp_path / "unbroken", sweep_of(), HereCrew(sweep_trials.formula, 1, 0))
+    unbroken = swept(tmp_path / "unbroken", sweep_of(), PoolHere(sweep_trials.formula, 1, 0))
     assert said(sweep_of(), ended) == said(sweep_of(), unbroken)
 
 

@@ -1,4 +1,4 @@
-"""A crew that works in this process, and what a sweep by it gives."""
+"""A pool that works in this process, and what a sweep by it gives."""
 
 import json
 from collections.abc import Callable
@@ -6,25 +6,26 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from swamp_rl.experiments.sweep.local import attempt
 from swamp_rl.experiments.sweep.report import results
 from swamp_rl.experiments.sweep.run import carry_on
 from swamp_rl.experiments.sweep.schema import Sweep
 from swamp_rl.experiments.sweep.store import Trial, opened
 
+from swamp_rl.workers.attempt import attempt
 
-class HereCrew:
+
+class PoolHere:
     """Does the trials in this process, in an order drawn from a seed."""
 
-    def __init__(self, work: Callable[[str], str], places: int, seed: int) -> None:
-        self.work, self.places, self.rng = work, places, np.random.default_rng(seed)
+    def __init__(self, work: Callable[[str], str], size: int, seed: int) -> None:
+        self.work, self.size, self.rng = work, size, np.random.default_rng(seed)
         self.given: dict[int, str] = {}
 
-    def give(self, number: int, job: str) -> None:
+    def submit(self, number: int, job: str) -> None:
         self.given[number] = job
-        assert len(self.given) <= self.places
+        assert len(self.given) <= self.size
 
-    def take(self) -> tuple[int, str | None, str]:
+    def wait(self) -> tuple[int, str | None, str]:
         number = int(self.rng.choice(list(self.given)))
         return number, *attempt(self.work, self.given.pop(number))
 
@@ -34,7 +35,7 @@ class KilledError(Exception):
 
 
 def swept(
-    folder: Path, sweep: Sweep, crew: Any, job: Callable[..., str] = json.dumps, stop_after: int = 10**6
+    folder: Path, sweep: Sweep, pool: Any, job: Callable[..., str] = json.dumps, stop_after: int = 10**6
 ) -> dict[int, Trial]:
     """The trials of a sweep, gone on with after every `stop_after`."""
     while True:
@@ -47,9 +48,9 @@ def swept(
 
         with opened(folder, sweep.model_dump(mode="json")) as store:
             try:
-                carry_on(sweep, store, crew, job, tell)
+                carry_on(sweep, store, pool, job, tell)
             except KilledError:
-                crew.given.clear()
+                pool.given.clear()
                 continue
             return store.trials()
 

@@ -1,29 +1,27 @@
-"""Trials in processes of this machine, each process taking one after another."""
+"""Jobs in processes of this machine, each process taking one after another."""
 
 import json
 import os
 import signal
 import threading
-from collections.abc import Callable
 from multiprocessing import connection, get_context, parent_process
-from typing import Any
+from typing import Any, Self
 
-Work = Callable[[str], str]
-"""A trial: what it is told, and what it answers. Found by its name in the process that does it."""
+from swamp_rl.workers.attempt import Work, attempt
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """Sums come out the same however many workers there are, and workers do not crowd each other out."""
 
 
-class LocalCrew:
-    """`places` processes; one that is lost is replaced, and its trial reported as failed."""
+class ProcessPool:
+    """`size` processes; one that is lost is replaced, and its job reported as failed."""
 
-    def __init__(self, work: Work, places: int) -> None:
-        self._work, self.places = work, places
+    def __init__(self, work: Work, size: int) -> None:
+        self._work, self.size = work, size
         self._free: list[Any] = []
         self._busy: dict[Any, tuple[int, Any]] = {}
 
-    def __enter__(self) -> "LocalCrew":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -32,14 +30,14 @@ class LocalCrew:
             process.kill()
             process.join()
 
-    def give(self, number: int, job: str) -> None:
-        """Have trial `number` done; at most `places` at once."""
+    def submit(self, number: int, job: str) -> None:
+        """Have job `number` done; at most `size` at once."""
         pipe, process = self._free.pop() if self._free else self._started()
         self._busy[pipe] = number, process
         pipe.send_bytes(job.encode())
 
-    def take(self) -> tuple[int, str | None, str]:
-        """Wait for a trial to end: its number, its answer (None where it failed), what went wrong."""
+    def wait(self) -> tuple[int, str | None, str]:
+        """Wait for a job to end: its number, its answer (None where it failed), what went wrong."""
         pipe: Any = connection.wait(list(self._busy))[0]
         number, process = self._busy.pop(pipe)
         try:
@@ -66,17 +64,9 @@ class LocalCrew:
         return ours, process
 
 
-def attempt(work: Work, job: str) -> tuple[str | None, str]:
-    """The answer (None where it failed) and what went wrong, in one line."""
-    try:
-        return work(job), ""
-    except Exception as error:
-        return None, " ".join(f"{type(error).__name__}: {error}".split())
-
-
 def _serve(work: Work, pipe: Any) -> None:
     """In the worker: one job after another until there is nobody left to ask."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; the sweep ends its workers itself
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; the parent ends its workers itself
     threading.Thread(target=_end_with_parent, daemon=True).start()
     while True:
         try:

@@ -1,18 +1,17 @@
-"""Trials on a Ray cluster that is there already; a lost node's trials are reported as failed."""
+"""Jobs on a Ray cluster that is there already; a lost node's jobs are reported as failed."""
 
 import logging
 import socket
-from typing import Any
-
-from swamp_rl.experiments.sweep.local import Work, attempt
+from typing import Any, Self
 
 from swamp_rl.errors import UserError
+from swamp_rl.workers.attempt import Work, attempt
 
 PATIENCE = 5.0  # s
 
 
-class RayCrew:
-    """As many trials at once as the cluster has processors; Ray chooses where."""
+class RayPool:
+    """As many jobs at once as the cluster has processors; Ray chooses where."""
 
     def __init__(self, work: Work, address: str) -> None:
         """address: as of `ray.init`, such as 127.0.0.1:6379. UserError where no cluster answers there."""
@@ -29,20 +28,20 @@ class RayCrew:
         self._attempt = ray.remote(num_cpus=1, max_retries=0)(attempt)
         self._work = work
         self._running: dict[Any, int] = {}
-        self.places = max(1, int(ray.cluster_resources().get("CPU", 1)))
+        self.size = max(1, int(ray.cluster_resources().get("CPU", 1)))
 
-    def __enter__(self) -> "RayCrew":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self._ray.shutdown()
 
-    def give(self, number: int, job: str) -> None:
-        """Have trial `number` done somewhere."""
+    def submit(self, number: int, job: str) -> None:
+        """Have job `number` done somewhere."""
         self._running[self._attempt.remote(self._work, job)] = number
 
-    def take(self) -> tuple[int, str | None, str]:
-        """Wait for a trial to end: its number, its answer (None where it failed), what went wrong."""
+    def wait(self) -> tuple[int, str | None, str]:
+        """Wait for a job to end: its number, its answer (None where it failed), what went wrong."""
         (ended, *_), _ = self._ray.wait(list(self._running), num_returns=1)
         number = self._running.pop(ended)
         try:

@@ -1,0 +1,1 @@
+"""A fleet of simulated boats with known faults, diagnosed by `swamp-rl fleet`."""
