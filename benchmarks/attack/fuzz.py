@@ -160,6 +160,7 @@ def main(name: str, out: Path, inputs: int, seed: int) -> None:
     (corpus / "good").write_bytes(good)
     options = [
         f"-seed={seed}",
+        f"-artifact_prefix={out}/",
         f"-max_len={max(20000, 2 * len(good))}",
         "-rss_limit_mb=0",
         "-verbosity=0",

@@ -56,10 +56,11 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
     if rows < 2.0:
         spans = "; ".join(_spans(series))
         raise UserError(f"{file}: the tables have no time in common ({spans}); map other tables, or --clock")
-    most = most_rows(len(series) + 1)
+    given = max(len(one.time) for one in series.values())
+    most = most_rows(len(series) + 1, given)
     if not rows < most:
-        told = f"{rows:.3g} rows at {rate:g} a second, at most {most}; give --resample HZ, or divide the log"
-        raise UserError(f"{file}: {told}")
+        told = f"{rows:.3g} rows at {rate:g} a second from {given} messages, at most {most}"
+        raise UserError(f"{file}: {told}; give --resample HZ, or divide the log where its times jump")
     even = start + np.arange(math.floor(rows)) / rate
     columns: dict[str, Array] = {"time": even - start}
     unread: dict[str, NDArray[np.bool_]] = {}
