@@ -51,7 +51,10 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
     """
     series = {name: _whole(file, name, one) for name, one in series.items()}
     start = max(float(one.time[0]) for one in series.values())
-    end = min(float(one.time[-1]) for name, one in series.items() if not is_held(name))
+    ends = [float(one.time[-1]) for name, one in series.items() if not is_held(name)]
+    if not ends:
+        raise UserError(f"{file}: the mapping has commands alone; map north and east, and heading")
+    end = min(ends)
     rows = (end - start) * rate + 1.0 + 1e-9
     if rows < 2.0:
         spans = "; ".join(_spans(series))
