@@ -80,7 +80,7 @@ def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member
         try:
             name = plain_name(f"{own}_{path.name}" if several else path.name)
         except ValueError as error:
-            raise UserError(f"{clipped(one, 200)}: its folder in the fleet's {error}; rename it") from error
+            raise UserError(f"{clipped(one, 200)}: names no folder of a fleet, {error}; rename it") from error
         found.append(Member(name=name, boat=own, dataset=str(one), boat_file=boat))
     for name, times in Counter(member.name.lower() for member in found).items():
         if times > 1:
