@@ -51,6 +51,9 @@ def diagnose_fleet(
     members = members_of(given, boat)
     refuse_sources_inside(out, [one for one in given if one.exists()])
     _refuse_other_folder(out)
+    for dataset in given:
+        if out.resolve().is_relative_to(dataset.resolve()):
+            raise UserError(f"{out}: lies in the dataset {dataset}; name a folder outside with --out")
     with locked(out):
         out.mkdir(parents=True, exist_ok=True)
         jobs, wrong = _jobs(members, out, boat, ignore)

@@ -135,6 +135,9 @@ def test_what_is_no_fleet_is_refused_in_one_line(folder: Path) -> None:
     with pytest.raises(UserError):
         diagnose_fleet([folder / "in" / "red" / "may"], folder / "in" / "red")
     assert (folder / "in" / "red" / "may" / "run.csv").exists()
+    with pytest.raises(UserError, match="lies in the dataset"):
+        diagnose_fleet([folder / "in" / "red" / "may"], folder / "in" / "red" / "may" / "out")
+    assert not (folder / "in" / "red" / "may" / "out").exists()
 
 
 @pytest.mark.parametrize(
