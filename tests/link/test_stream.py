@@ -141,6 +141,16 @@ def test_readings_that_no_boat_has_are_ignored(field: str, value: str) -> None:
     assert latest.stamp is None and latest.ignored == 1
 
 
+@pytest.mark.parametrize(
+    ("field", "value"), [("thrust_reference", 10**14), ("thrust_reference", -1), ("azimuth_reference", 2**31)]
+)
+def test_references_that_no_module_takes_are_ignored(field: str, value: int) -> None:
+    words = next(words for packet in driven() if len(words := words_of(packet)) == len(MODULE_FIELDS))
+    words[MODULE_FIELDS.index(field)] = str(value)
+    assembler = Assembler(swamp())
+    assert assembler.feed(" ".join(words).encode()) is None and assembler.ignored == 1
+
+
 def test_a_vehicle_whose_telemetry_has_no_fix_is_given_up() -> None:
     vehicle = vehicle_of(network=str(own_network().network))
     vehicle.blind.update(vehicle.addresses.sensors)
