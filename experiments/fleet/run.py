@@ -22,7 +22,7 @@ from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
 from swamp_rl.files import refuse_to_replace, write_beside
 from swamp_rl.names import plain_name
-from swamp_rl.unfinished import locked
+from swamp_rl.unfinished import locked, remove_dead
 
 FLEET, REPORT = "fleet.json", "fleet.html"
 RETRIES = 2  # of a dataset whose process was lost
@@ -50,16 +50,19 @@ def diagnose_fleet(
     out, given = Path(out), [Path(one) for one in datasets]
     members = members_of(given, boat)
     refuse_sources_inside(out, [one for one in given if one.exists()])
-    _refuse_other_folder(out)
     for dataset in given:
         if out.resolve().is_relative_to(dataset.resolve()):
             raise UserError(f"{out}: lies in the dataset {dataset}; name a folder outside with --out")
     with locked(out):
+        _refuse_other_folder(out)
         out.mkdir(parents=True, exist_ok=True)
         jobs, wrong = _jobs(members, out, boat, ignore)
         if jobs:
-            with crew_of(crew, workers, ray) as hands:
-                wrong |= carry_out(jobs, hands, tell)
+            try:
+                with crew_of(crew, workers, ray) as hands:
+                    wrong |= carry_out(jobs, hands, tell)
+            finally:
+                remove_dead(out)  # what interrupted processes were building
         fleet = fleet_of(members, out, wrong)
         with write_beside(out / FLEET) as part:
             part.write_text(fleet.model_dump_json(indent=2) + "\n", encoding="utf-8")
@@ -98,7 +101,7 @@ def _refuse_other_folder(out: Path) -> None:
     if not out.exists() or (out / FLEET).is_file():
         return
     if not out.is_dir() or any(
-        not (entry.is_dir() and (entry.name.startswith(".") or any(entry.glob("diagnosis.json"))))
+        not (entry.name.startswith(".part-") or (entry.is_dir() and (entry / RESULT).is_file()))
         for entry in out.iterdir()
     ):
         raise UserError(f"{out}: already exists and is no earlier fleet; name another folder with --out")

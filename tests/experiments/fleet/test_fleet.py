@@ -29,6 +29,7 @@ from swamp_rl.experiments.fleet.work import INPUT, RESULT
 
 from swamp_rl.criticism.result import HeldOut
 from swamp_rl.errors import UserError
+from swamp_rl.unfinished import folder_beside, locked
 from tests.support.fleets import COMPARISONS, cause, datasets, diagnosis, pretend
 from tests.support.patience import PATIENCE
 from tests.support.sweep_crews import HereCrew
@@ -166,6 +167,32 @@ def test_a_state_that_is_a_pipe_or_a_link_is_not_read(folder: Path) -> None:
     assert {one.name: one.error for one in found.members if one.error}.keys() == {"green_june"} | {
         name for name in ("blue_may", "red_may") if not (folder / "out" / name / RESULT).is_file()
     }
+
+
+def half_done(job: str) -> str:
+    """As a worker that is interrupted while it builds its folder."""
+    out = Path(json.loads(job)["out"])
+    with folder_beside(out, RESULT) as part:
+        part.with_name(f".part-{out.name}-killed.new").mkdir()
+        raise KeyboardInterrupt
+
+
+def test_what_an_interrupted_fleet_was_building_is_removed_and_it_goes_on(folder: Path) -> None:
+    given = [folder / "in" / name for name in TOLD]
+    with pytest.raises(KeyboardInterrupt):
+        diagnose_fleet(given, folder / "out", crew=HereCrew(half_done, 1, 0))
+    assert list((folder / "out").iterdir()) == []
+    (folder / "out" / ".part-red_may.new").mkdir()  # as when killed
+    (folder / "out" / ".part-red_may.lock").touch()
+    fleet(folder)
+    assert (folder / "out" / "fleet.html").exists()
+
+
+def test_a_second_fleet_in_the_folder_is_refused_while_the_first_is_at_work(folder: Path) -> None:
+    (folder / "out" / ".part-red_may.new").mkdir(parents=True)
+    (folder / "out" / ".part-red_may.lock").touch()
+    with locked(folder / "out"), pytest.raises(UserError, match="another command is at work"):
+        fleet(folder)
 
 
 def test_a_folder_of_another_kind_in_a_datasets_place_is_not_removed(folder: Path) -> None:
