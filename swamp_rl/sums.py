@@ -30,8 +30,8 @@ def changed(folder: Path) -> list[str]:
     found = []
     for number, line in enumerate(lines, 1):
         told = _LINE.fullmatch(line)
-        file = folder / (told[2] if told else "")
-        if told is None or not file.resolve().is_relative_to(folder.resolve()):
+        file = _listed(folder, told[2]) if told else None
+        if told is None or file is None:
             found.append(f"{SUMS} line {number}: is no checksum of a file in here; export the dataset again")
         elif not file.is_file():
             found.append(f"{told[2]}: is listed in {SUMS} but is not here; export the dataset again")
@@ -41,6 +41,16 @@ def changed(folder: Path) -> list[str]:
                 f"{SUMS} if it was changed on purpose"
             )
     return found
+
+
+def _listed(folder: Path, name: str) -> Path | None:
+    """The path of a listed file, None where it leads out of the folder or can be none."""
+    try:
+        path = folder / name
+        path.is_file()
+        return path if path.resolve().is_relative_to(folder.resolve()) else None
+    except (OSError, ValueError):
+        return None
 
 
 def refuse_changed_files(folder: Path) -> None:

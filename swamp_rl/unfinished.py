@@ -26,7 +26,7 @@ def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Pat
         refuse_to_replace(path, () if replaces is None else (replaces,))
         with locked(path):
             _recover(old, path)
-            _remove_dead(path.parent)
+            remove_dead(path.parent)
             _remove(part)
             part.mkdir()
             try:
@@ -127,7 +127,7 @@ def _same(handle: int, lock: Path) -> bool:
         return False
 
 
-def _remove_dead(folder: Path) -> None:
+def remove_dead(folder: Path) -> None:
     """Remove what `folder_beside` was building in `folder` in processes that have ended since."""
     for part in folder.glob(".part-*.new"):
         lock = part.with_suffix(".lock")

@@ -36,7 +36,9 @@ def main() -> int:
     parser.add_argument("--findings", metavar="FOLDER", help="where inputs of `parsers` that were found go")
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="where the counts go; others are added")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--document", type=Path, metavar="FOLDER", help="only write its counts into the docs")
+    parser.add_argument(
+        "--document", type=Path, metavar="FOLDER", help="only write its counts into the docs; other rows stay"
+    )
     asked = parser.parse_args()
     if asked.document:
         write_table(asked.document, PARTS)

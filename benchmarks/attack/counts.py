@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
@@ -41,15 +41,32 @@ def kept(folder: Path) -> list[Count]:
     return list(counts.values())
 
 
-def table(counts: Iterable[Count], order: Iterable[str]) -> str:
-    """Markdown, a row for each attack, in the order of the parts."""
+HEAD = ["| attack | | tried | unexplained | |", "| :-- | :-- | --: | --: | :-- |"]
+
+
+def table(counts: Iterable[Count], order: Iterable[str], before: str = "") -> str:
+    """Markdown, a row for each attack, in the order of the parts; those of the table before that were not
+    counted again stay."""
     parts = list(order)
-    rows = ["| attack | | tried | unexplained | |", "| :-- | :-- | --: | --: | :-- |"]
-    for one in sorted(counts, key=lambda count: (parts.index(count.part), count.what)):
-        rows.append(f"| {one.part} | {one.what} | {one.tried:,} | {len(one.unexplained)} | {one.note} |")
-    return "\n".join(rows)
+    rows = dict(_rows(before))
+    for one in counts:
+        row = f"| {one.part} | {one.what} | {one.tried:,} | {len(one.unexplained)} | {one.note} |"
+        rows[one.part, one.what] = row
+    named = sorted(rows, key=lambda name: (parts.index(name[0]), name[1]))
+    return "\n".join([*HEAD, *(rows[name] for name in named)])
+
+
+def _rows(table: str) -> Iterator[tuple[tuple[str, str], str]]:
+    """Rows of such a table by part and attack."""
+    for row in table.splitlines():
+        cells = [cell.strip() for cell in row.split("|")]
+        if row not in HEAD and len(cells) == 7:
+            yield (cells[1], cells[2]), row
 
 
 def write_table(folder: Path, order: Iterable[str]) -> None:
-    """Write the counts that are kept in a folder into docs/security.md."""
-    write_parts(PAGE, {PART: table(kept(folder), order)})
+    """Write the counts that are kept in a folder into docs/security.md, in place of those of the same
+    attacks."""
+    text = PAGE.read_text(encoding="utf-8")
+    before = text.partition(f"<!-- {PART} -->")[2].partition(f"<!-- end {PART} -->")[0]
+    write_parts(PAGE, {PART: table(kept(folder), order, before)})

@@ -1,20 +1,36 @@
 """Formats of designs, missions and boats by estimates: a good file of each, and the reader of a bad one."""
 
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
 from benchmarks.attack.cheaper import figures_left_blank
-from benchmarks.attack.samples import copied_config, make_boat
+from benchmarks.attack.samples import THRUSTERS, copied_config, make_boat
 
 Make, Read = Callable[[Path], Path], Callable[[Path], Any]
 
 
+@contextmanager
+def seldom_drawn(path: Path) -> Iterator[None]:
+    """Figures, nine tenths of the time, are laid out for one input in eight, and left blank."""
+    from swamp_rl.experiments.reports import design_match, design_pump_jet
+
+    with ExitStack() as stack:
+        stack.enter_context(figures_left_blank())
+        if zlib.crc32(path.read_bytes()) % 8:
+            for module, name in ((design_match, "draw_match"), (design_pump_jet, "draw_pump_jet")):
+                stack.enter_context(patch.object(module, name, lambda path, **_: path.touch()))
+        yield
+
+
 def _hull(path: Path) -> Any:
     """Of the righting levers, whose 61 angles take seconds, three."""
-    from swamp_rl.experiments.reports.design_hull import draught_over_load, floating, quantities
+    from swamp_rl.experiments.reports.design_hull import floating, quantities
 
     from swamp_rl.boat import load_boat
     from swamp_rl.design.hull_lines import load_hull
@@ -24,20 +40,20 @@ def _hull(path: Path) -> Any:
     heel = np.radians([0.0, 5.0, 50.0])
     conditions = [stability(hull, condition, heel) for condition in hull.conditions]
     load_boat("swamp", floating(hull, conditions[0]))
-    return draught_over_load(hull), [quantities(hull, one) for one in conditions]
+    return [quantities(hull, one) for one in conditions]
 
 
 def _match(path: Path) -> Any:
     from swamp_rl.experiments.reports.design_match import write_match
 
-    with figures_left_blank():
+    with seldom_drawn(path):
         return write_match(path.parent / "out", str(path))
 
 
 def _pump_jet(path: Path) -> Any:
     from swamp_rl.experiments.reports.design_pump_jet import write_pump_jet
 
-    with figures_left_blank():
+    with seldom_drawn(path):
         return write_pump_jet(path.parent / "out", str(path), "swamp")
 
 
@@ -45,6 +61,43 @@ def _mission(path: Path) -> Any:
     from swamp_rl.energy.mission import load_mission
 
     return load_mission(path)
+
+
+def _path(path: Path) -> Any:
+    from swamp_rl.guidance.path_file import load_path
+
+    return load_path(path)[0].curve()
+
+
+def _vehicle(path: Path) -> Any:
+    from swamp_rl.identification.square_twin import load_vehicle
+
+    return load_vehicle(path)
+
+
+def make_curves(folder: Path) -> Path:
+    """A level of disturbances of forces that are functions of one variable, by knots and by formulas."""
+    (folder / "file.yaml").write_text(CURVES)
+    return folder / "file.yaml"
+
+
+CURVES = """effects:
+- {effect: force_curve, component: surge, covariate: heading, knots: [-3.2, 0.0, 3.2], values: [2, 1, 2]}
+- effect: force_curve
+  component: yaw
+  covariate: yaw_rate
+  formula: dead_zone
+  knots: [-1, 1]
+  values: [3, 0.1]
+  standard_errors: [0.1, 0.01]
+- {effect: force_curve, thruster: bs, component: thrust, covariate: throttle, knots: [0, 1], values: [1, 0]}
+"""
+
+
+def _level(path: Path) -> Any:
+    from swamp_rl.effects import load_disturbances
+
+    return load_disturbances(path, THRUSTERS)
 
 
 def _boat(path: Path) -> Any:
@@ -60,6 +113,10 @@ DESIGN_FORMATS: dict[str, tuple[Make, Read]] = {
     "design match, of a boat": (copied_config("designs/typhoon_cfd.yaml"), _match),
     "design pump-jet": (copied_config("designs/swamp_pump_jet.yaml"), _pump_jet),
     "mission.yaml": (copied_config("missions/survey.yaml"), _mission),
+    "path.yaml": (copied_config("paths/river.yaml"), _path),
+    "path.yaml, lines": (copied_config("paths/lawn_mower.yaml"), _path),
+    "vehicle.yaml": (copied_config("vehicles/typhoon.yaml"), _vehicle),
+    "disturbances.yaml, curves": (make_curves, _level),
     "boat.yaml, by estimates": (make_boat("propeller-rudder"), _boat),
 }
 """Of each name the maker and the reader."""

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.attack.design_formats import DESIGN_FORMATS
+from benchmarks.attack.folder_formats import FOLDER_FORMATS
+from benchmarks.attack.link_formats import LINK_FORMATS
 from benchmarks.attack.log_formats import LOG_FORMATS
 from benchmarks.attack.samples import (
     THRUSTERS,
@@ -264,6 +266,7 @@ def _checkpoint(path: Path) -> Any:
     return load_rounds(path, "task")
 
 
+OTHERS = LOG_FORMATS | DESIGN_FORMATS | FOLDER_FORMATS | LINK_FORMATS
 FORMATS: dict[str, Format] = {
     "experiment.yaml": Format(copied_config("experiments/learners.yaml"), _experiment),
     "--set": Format(make_text("evaluation.episodes=100"), _override),
@@ -293,5 +296,5 @@ FORMATS: dict[str, Format] = {
     "diagnosis.json": Format(make_diagnosis, _diagnosis),
     "unfinished.json": Format(make_unfinished, _unfinished),
     "message": Format(make_message, _message),
-    **{name: Format(*given) for name, given in (LOG_FORMATS | DESIGN_FORMATS).items()},
+    **{name: Format(*given) for name, given in OTHERS.items()},
 }

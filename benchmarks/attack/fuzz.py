@@ -42,6 +42,15 @@ LOADERS = (
     "swamp_rl.logs",
     "swamp_rl.design",
     "swamp_rl.energy.mission",
+    "swamp_rl.guidance.path_file",
+    "swamp_rl.identification.square_twin",
+    "swamp_rl.effects.curve",
+    "swamp_rl.sums",
+    "swamp_rl.doctor",
+    "swamp_rl.link",
+    "swamp_rl.experiments.fleet",
+    "swamp_rl.experiments.artifacts.result_folders",
+    "swamp_rl.experiments.reports.leaderboard",
     "swamp_rl.boat.load",
     "swamp_rl.boat.merge",
     "swamp_rl.boat.resolve",
@@ -160,6 +169,7 @@ def main(name: str, out: Path, inputs: int, seed: int) -> None:
     (corpus / "good").write_bytes(good)
     options = [
         f"-seed={seed}",
+        f"-artifact_prefix={out}/",
         f"-max_len={max(20000, 2 * len(good))}",
         "-rss_limit_mb=0",
         "-verbosity=0",

@@ -45,7 +45,7 @@ def meta() -> DatasetMeta:
 
 def run() -> Run:
     """One such run."""
-    return Run("one", circle(), RunMeta(seed=1, outcome="success", initial_state={"north": 0.0}))
+    return Run("one", circle(), RunMeta(seed=1, outcome="success", initial_state={"north": 0.0}, group="may"))
 
 
 def copied_config(source: str) -> Callable[[Path], Path]:

@@ -28,6 +28,13 @@ NOT_FILES = {
     "trials.sqlite row",
     "weights, sealed anew",
     "unfinished.json",
+    "datagrams to a module",
+    "datagrams to the sensors",
+    "telemetry packets",
+    "results.json",
+    "results, versions.json",
+    "fleet, diagnosis.json",
+    "fleet, fleet_input.json",
 }
 """Formats that come as an argument, by a socket or in a row, or whose readers here read the file before."""
 

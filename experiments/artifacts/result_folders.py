@@ -86,10 +86,22 @@ def _hidden(file: Path, below: Path) -> bool:
 
 def read_result(folder: Path) -> Result:
     """A folder of results; UserError where the experiment or the episodes are missing or broken."""
-    experiment = read_yaml(folder / "config" / "experiment.yaml")
+    experiment = _experiment(folder / "config" / "experiment.yaml")
     tables = read_episodes(folder / EPISODES)
     told, versions = (_json(folder / name) for name in ("results.json", "versions.json"))
     return Result(folder, experiment, tables, told, versions)
+
+
+def _experiment(path: Path) -> dict[str, Any]:
+    """What the file holds; UserError where its pilots are no plans."""
+    found = read_yaml(path)
+    plans = found.get("pilots", {})
+    whole = isinstance(plans, dict) and all(
+        isinstance(plan, dict) and isinstance(plan.get("options", {}), dict) for plan in plans.values()
+    )
+    if not whole:
+        raise UserError(f"{path}: pilots: holds no plans of pilots; run the experiment again")
+    return found
 
 
 def entrants(results: Sequence[Result]) -> list[Entrant]:
@@ -181,7 +193,14 @@ def refuse_other_settings(results: Sequence[Result]) -> None:
 
 
 def _mark(data: Any) -> str:
-    return hashlib.sha256(json.dumps(data, sort_keys=True, default=str).encode()).hexdigest()
+    return hashlib.sha256(json.dumps(_by_text(data), sort_keys=True, default=str).encode()).hexdigest()
+
+
+def _by_text(data: Any) -> Any:
+    """With every key as a text, so that keys of any kinds can be sorted."""
+    if isinstance(data, Mapping):
+        return {str(key): _by_text(value) for key, value in data.items()}
+    return [_by_text(value) for value in data] if isinstance(data, list) else data
 
 
 def _json(path: Path) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """`swamp-rl vehicle` and `swamp-rl helm`: a virtual vehicle on the network, and a pilot that drives one."""
 
+import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -121,7 +122,6 @@ def helm(
     from swamp_rl.envs.aboard import Aboard
 
     from swamp_rl.boat import load_boat
-    from swamp_rl.errors import UserError
     from swamp_rl.link import helm as driving
     from swamp_rl.link.addresses import addresses
     from swamp_rl.link.priority import schedule_in_real_time
@@ -129,8 +129,8 @@ def helm(
     from swamp_rl.link.vehicle import refuse_other_thrusters
     from swamp_rl.pilots.arguments import asked_pilot, opened
 
-    if log is not None and log.exists():
-        raise UserError(f"{log}: already exists; the log is a new dataset, name another folder")
+    if log is not None:
+        _refuse_log(log)
     known, place = load_boat(boat), _origin(origin)
     refuse_other_thrusters(known)
     ends = addresses(link, len(known.thrusters))
@@ -155,6 +155,17 @@ def helm(
         _write_log(log, voyage, boat, course, asked.kind)
     if voyage.outcome is None:
         raise no_answer(ends, driving.PATIENCE)
+
+
+def _refuse_log(log: Path) -> None:
+    """UserError for a log that could not be written once the voyage is over."""
+    from swamp_rl.errors import UserError
+
+    if log.exists() or log.is_symlink():
+        raise UserError(f"{log}: already exists; the log is a new dataset, name another folder")
+    home = next(folder for folder in log.absolute().parents if folder.exists())
+    if not home.is_dir() or not os.access(home, os.W_OK | os.X_OK):
+        raise UserError(f"{log}: {home} is no folder that may be written to; name another one for the log")
 
 
 def _report(voyage: "Voyage") -> None:

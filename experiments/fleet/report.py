@@ -1,6 +1,7 @@
 """The report of a fleet as one HTML page."""
 
 import html
+from urllib.parse import quote
 
 from swamp_rl.experiments.fleet.result import Fleet
 
@@ -57,7 +58,7 @@ def _drifts(fleet: Fleet) -> str:
 def _members(fleet: Fleet) -> str:
     rows = []
     for one in fleet.members:
-        name, report = html.escape(one.name), html.escape(f"{one.name}/report.html")
+        name, report = html.escape(one.name), f"./{quote(one.name)}/report.html"
         link = f'<a href="{report}">{name}</a>' if one.verdict else name
         verdict = one.verdict.replace("_", " ") if one.verdict else "not diagnosed"
         told = one.error or ", ".join(one.causes)

@@ -12,15 +12,16 @@ from typing import Any
 from swamp_rl.experiments.fleet.report import page
 from swamp_rl.experiments.fleet.result import Fleet, Member
 from swamp_rl.experiments.fleet.significance import RATE, changes_of, findings_of, label, shared_causes
-from swamp_rl.experiments.fleet.work import diagnose_one, input_of, is_done, read_diagnosis
+from swamp_rl.experiments.fleet.work import INPUT, RESULT, diagnose_one, input_of, is_done, read_diagnosis
 
 from swamp_rl import __version__
+from swamp_rl.clipped import clipped
 from swamp_rl.criticism.data.checks import refuse_sources_inside
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
-from swamp_rl.files import write_beside
+from swamp_rl.files import refuse_to_replace, write_beside
 from swamp_rl.names import plain_name
-from swamp_rl.unfinished import locked
+from swamp_rl.unfinished import locked, remove_dead
 from swamp_rl.workers import Pool, completed, open_pool
 
 FLEET, REPORT = "fleet.json", "fleet.html"
@@ -49,13 +50,21 @@ def diagnose_fleet(
     out, given = Path(out), [Path(one) for one in datasets]
     members = members_of(given, boat)
     refuse_sources_inside(out, [one for one in given if one.exists()])
-    _refuse_other_folder(out)
+    for dataset in given:
+        if out.resolve().is_relative_to(dataset.resolve()):
+            raise UserError(f"{out}: lies in the dataset {dataset}; name a folder outside with --out")
     with locked(out):
+        _refuse_other_folder(out)
         out.mkdir(parents=True, exist_ok=True)
         jobs, wrong = _jobs(members, out, boat, ignore)
         if jobs:
-            with nullcontext(pool) if pool is not None else open_pool(diagnose_one, workers, ray) as found:
-                wrong |= carry_out(jobs, found, tell)
+            try:
+                with (
+                    nullcontext(pool) if pool is not None else open_pool(diagnose_one, workers, ray) as found
+                ):
+                    wrong |= carry_out(jobs, found, tell)
+            finally:
+                remove_dead(out)  # what interrupted processes were building
         fleet = fleet_of(members, out, wrong)
         with write_beside(out / FLEET) as part:
             part.write_text(fleet.model_dump_json(indent=2) + "\n", encoding="utf-8")
@@ -76,8 +85,11 @@ def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member
     found = []
     for path, one in zip(whole, datasets, strict=True):
         own = path.parent.name if several else path.name
-        name = f"{own}_{path.name}" if several else path.name
-        found.append(Member(name=plain_name(name), boat=own, dataset=str(one), boat_file=boat))
+        try:
+            name = plain_name(f"{own}_{path.name}" if several else path.name)
+        except ValueError as error:
+            raise UserError(f"{clipped(one, 200)}: names no folder of a fleet, {error}; rename it") from error
+        found.append(Member(name=name, boat=own, dataset=str(one), boat_file=boat))
     for name, times in Counter(member.name.lower() for member in found).items():
         if times > 1:
             raise UserError(f"{name}: {times} datasets would have this name; rename their folders")
@@ -85,11 +97,13 @@ def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member
 
 
 def _refuse_other_folder(out: Path) -> None:
-    """UserError for a folder that holds anything but an earlier fleet."""
+    """UserError for a link, and for a folder that holds anything but an earlier fleet."""
+    if out.is_symlink():
+        raise UserError(f"{out}: is a link, a folder was to be written here; name that or remove the link")
     if not out.exists() or (out / FLEET).is_file():
         return
     if not out.is_dir() or any(
-        not (entry.is_dir() and (entry.name.startswith(".") or any(entry.glob("diagnosis.json"))))
+        not (entry.name.startswith(".part-") or (entry.is_dir() and (entry / RESULT).is_file()))
         for entry in out.iterdir()
     ):
         raise UserError(f"{out}: already exists and is no earlier fleet; name another folder with --out")
@@ -112,6 +126,11 @@ def _jobs(
             continue
         if is_done(folder, note):
             continue
+        try:
+            refuse_to_replace(folder, (RESULT, INPUT))
+        except UserError as error:
+            wrong[member.name] = str(error)
+            continue
         shutil.rmtree(folder, ignore_errors=True)
         job = {"dataset": str(dataset.absolute()), "boat": boat, "out": str(folder.absolute())}
         jobs[member.name] = json.dumps({**job, "ignore": list(ignore), "input": note})
@@ -132,9 +151,15 @@ def carry_out(jobs: Mapping[str, str], pool: Pool, tell: Tell) -> dict[str, str]
 
 def fleet_of(members: Sequence[Member], out: Path, wrong: Mapping[str, str]) -> Fleet:
     """The report of what the folder holds; wrong: by name, why there is no diagnosis."""
-    found: dict[str, Diagnosis] = {
-        one.name: read_diagnosis(out / one.name) for one in members if one.name not in wrong
-    }
+    found: dict[str, Diagnosis] = {}
+    unread: dict[str, str] = {}
+    for one in members:
+        if one.name not in wrong:
+            try:
+                found[one.name] = read_diagnosis(out / one.name)
+            except UserError as error:
+                unread[one.name] = str(error)
+    wrong = {**wrong, **unread}
     told = []
     for member in members:
         more: dict[str, Any] = {"error": wrong.get(member.name)}

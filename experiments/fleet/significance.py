@@ -94,11 +94,16 @@ def changes_of(
             own = {name: next((c for c in found[name].causes if label(c) == cause), None) for name in has}
             first = own[has[0]]
             for parameter in first.parameters if first else ():
-                estimates = {name: one.parameters[parameter] for name, one in own.items() if one}
+                estimates = {
+                    name: one.parameters[parameter]
+                    for name, one in own.items()
+                    if one and parameter in one.parameters
+                }
                 errors = {name: one.standard_error for name, one in estimates.items()}
-                if any(one.at_bound for one in estimates.values()) or min(errors.values()) <= 0.0:
-                    continue
                 values = {name: one.value for name, one in estimates.items()}
+                known = np.isfinite([*errors.values(), *values.values()]).all() and min(errors.values()) > 0.0
+                if len(values) < 2 or not known or any(one.at_bound for one in estimates.values()):
+                    continue
                 unit = next(iter(estimates.values())).unit
                 q = heterogeneity(list(values.values()), list(errors.values()), unit == "rad")
                 drifts.append(

@@ -8,9 +8,10 @@ from swamp_rl.boat import load_boat
 from swamp_rl.boat.digest import boat_digest
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
-from swamp_rl.files import write_beside
+from swamp_rl.files import os_error, write_beside
+from swamp_rl.json_text import parsed_json
 from swamp_rl.one_thread import one_thread
-from swamp_rl.ordinary import contents
+from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.runs.copies import boat_file
 from swamp_rl.runs.dataset import read_meta
 
@@ -60,11 +61,19 @@ def input_of(dataset: Path, boat: str | None, ignore: list[str], version: str) -
 def is_done(out: Path, given: dict[str, object]) -> bool:
     """Whether a folder holds the whole diagnosis of just that input."""
     try:
-        return json.loads((out / INPUT).read_text(encoding="utf-8")) == given and (out / RESULT).is_file()
-    except (OSError, ValueError):
+        note = parsed_json(contents(out / INPUT, MOST_JSON, follow=False))
+        read_diagnosis(out)
+    except (UserError, OSError, ValueError):
         return False
+    return bool(note == given)
 
 
 def read_diagnosis(out: Path) -> Diagnosis:
-    """The diagnosis in a folder."""
-    return Diagnosis.model_validate_json((out / RESULT).read_text(encoding="utf-8"))
+    """The diagnosis in a folder; UserError where it is none."""
+    path = out / RESULT
+    try:
+        return Diagnosis.model_validate_json(contents(path, MOST_JSON, follow=False))
+    except OSError as error:
+        raise os_error(error, path) from error
+    except ValueError as error:
+        raise UserError(f"{path}: is no diagnosis; remove the folder {out.name}") from error

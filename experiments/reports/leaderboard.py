@@ -1,7 +1,7 @@
 """One page of every pilot in a folder of results: self-contained, sortable, a row for pilot and level."""
 
 import html
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -123,9 +123,16 @@ def _number(value: float | None, form: str) -> tuple[str, float | str]:
 
 def _data(entrant: Entrant, result: Result) -> str:
     """What the pilot learned from, in the words of its results."""
-    learned = str(result.told.get("pilots", {}).get(entrant.pilot, {}).get("learned_from", ""))
-    source = result.told.get("data", {}).get("source", "")
+    learned = _text(result.told, "pilots", entrant.pilot, "learned_from")
+    source = _text(result.told, "data", "source")
     return f"{source}: {learned}" if source and learned else learned
+
+
+def _text(told: Any, *keys: str) -> str:
+    """The text that nested keys lead to; empty where there is none."""
+    for key in keys:
+        told = told.get(key) if isinstance(told, Mapping) else None
+    return "" if told is None else str(told)
 
 
 STYLE = """

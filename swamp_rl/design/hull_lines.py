@@ -26,6 +26,7 @@ from swamp_rl.design.read import FILLED, read_design
 
 Array = NDArray[np.float64]
 ORDER = 12  # of the Gauss-Legendre quadrature on each smooth piece; exact to polynomials of degree 23
+NODES = leggauss(ORDER)
 MOST_CONDITIONS = 20
 
 
@@ -156,7 +157,7 @@ def upward(hull: HullDesign, draught: float) -> Nodes:
 
 
 def _pieces(edges: list[float]) -> Nodes:
-    node, weight = leggauss(ORDER)
+    node, weight = NODES
     half = [0.5 * (high - low) for low, high in pairwise(edges)]
     middle = [0.5 * (high + low) for low, high in pairwise(edges)]
     at = [m + h * node for m, h in zip(middle, half, strict=True)]

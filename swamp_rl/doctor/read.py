@@ -224,10 +224,11 @@ def _minari_episodes(path: Path) -> tuple[list[tuple[str, dict[str, Array]]], di
                     found.append((name, _episode(group)))
         meta = path.with_name("metadata.json")
         described = _json(meta) if meta.is_file() else {}
+        told = described.get("swamp_rl", "{}")
+        about = parsed_json(told) if isinstance(told, str) else {}
     except (OSError, KeyError, ValueError, RuntimeError) as error:
         raise UserError(f"{path}: is no whole Minari file ({clipped(error, 200)}); copy it again") from error
-    told = described.get("swamp_rl", "{}")
-    return found, parsed_json(told) if isinstance(told, str) else {}
+    return found, about if isinstance(about, dict) else {}
 
 
 def _episode(group: Any) -> dict[str, Array]:

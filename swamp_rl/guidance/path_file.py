@@ -22,6 +22,7 @@ Piece3 = tuple[Array, Array, Array]
 
 ARC_STEP = math.radians(1.0)
 SPLINE_STEPS = 64  # between two places
+MOST_PLACES = 500_000  # of a curve
 Radius = Annotated[float, Field(ge=CLOSEST, le=FARTHEST), Unit("m")]
 
 
@@ -124,13 +125,18 @@ class PathFile(Part):
         return self
 
     def curve(self) -> Curve:
-        """The curve of all its pieces; ValueError for two places that lie too close."""
+        """The curve of all its pieces; ValueError for two places that lie too close, and for MOST_PLACES."""
         here = np.array([self.start.north, self.start.east])
-        course, parts = math.radians(self.start.course_deg), []
+        course, parts, count = math.radians(self.start.course_deg), [], 0
         for number, piece in enumerate(self.pieces):
             for part in _parts(piece, here, course, number):
                 here, course = part[0][-1], float(part[1][-1])
                 parts.append(part)
+                count += len(part[0])
+            if count > MOST_PLACES:
+                raise ValueError(
+                    f"pieces.{number}: the curve has more than {MOST_PLACES} places; divide the path"
+                )
         return joined(parts)
 
 

@@ -3,13 +3,13 @@
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from swamp_rl.boat.part import NAME, NOT_NEGATIVE, POSITIVE, Part
+from swamp_rl.boat.part import NAME, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.files import find_config, read_yaml, validated
 
@@ -20,6 +20,9 @@ PATIENCE = 20.0  # times a side at the top speed, after which the square is give
 REACHED, TURNED, DIVED = 0.3, 0.02, 0.1  # m, rad, m at which a motion is over
 HELD, SHARPNESS = 0.1, 4.0  # speed at which a held axis has full force; share of it per m or rad to go
 STILL = 0.02  # m/s or rad/s below which the vehicle counts as at rest
+FASTEST = 50.0  # m/s or rad/s
+LONGEST = 10_800.0  # s until all motions are given up
+SIZE = Field(gt=0.0, le=1e9)
 
 
 class Vehicle(Part):
@@ -29,25 +32,25 @@ class Vehicle(Part):
     "As reports print it."
     description: str = ""
     "For people."
-    surge_mass: Annotated[float, POSITIVE, Unit("kg")]
+    surge_mass: Annotated[float, SIZE, Unit("kg")]
     "M_11."
-    heave_mass: Annotated[float, POSITIVE, Unit("kg")]
+    heave_mass: Annotated[float, SIZE, Unit("kg")]
     "M_33."
-    yaw_inertia: Annotated[float, POSITIVE, Unit("kg m2")]
+    yaw_inertia: Annotated[float, SIZE, Unit("kg m2")]
     "M_66."
-    surge_drag: Annotated[float, POSITIVE, Unit("N s2/m2")]
+    surge_drag: Annotated[float, SIZE, Unit("N s2/m2")]
     "D_11."
-    heave_drag: Annotated[float, POSITIVE, Unit("N s2/m2")]
+    heave_drag: Annotated[float, SIZE, Unit("N s2/m2")]
     "D_33."
-    yaw_drag: Annotated[float, POSITIVE, Unit("N m s2")]
+    yaw_drag: Annotated[float, SIZE, Unit("N m s2")]
     "D_66."
-    buoyancy: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
+    buoyancy: Annotated[float, Field(ge=0.0, le=1e9), Unit("N")] = 0.0
     "Surplus, upwards."
-    surge_force: Annotated[float, POSITIVE, Unit("N")]
+    surge_force: Annotated[float, SIZE, Unit("N")]
     "Of the propellers in a surge motion."
-    heave_force: Annotated[float, POSITIVE, Unit("N")]
+    heave_force: Annotated[float, SIZE, Unit("N")]
     "Of the thrusters in a heave motion."
-    yaw_moment: Annotated[float, POSITIVE, Unit("N m")]
+    yaw_moment: Annotated[float, SIZE, Unit("N m")]
     "Of the thrusters in a yaw motion."
     side: Annotated[float, Field(ge=2.0, le=1000.0), Unit("m")]
     "Of the square."
@@ -55,12 +58,28 @@ class Vehicle(Part):
     "Of its second half; 0: it does not dive."
     thrust_error: Annotated[float, Field(ge=-0.5, le=0.5), Unit("1")] = 0.0
     "True over estimated force, less 1."
-    current: Annotated[float, NOT_NEGATIVE, Unit("m/s")] = 0.0
+    current: Annotated[float, Field(ge=0.0, le=10.0), Unit("m/s")] = 0.0
     "Towards north-east, unknown to the model."
-    velocity_noise: Annotated[float, NOT_NEGATIVE, Unit("m/s")] = 0.0
+    velocity_noise: Annotated[float, Field(ge=0.0, le=10.0), Unit("m/s")] = 0.0
     "Standard deviation."
-    yaw_rate_noise: Annotated[float, NOT_NEGATIVE, Unit("rad/s")] = 0.0
+    yaw_rate_noise: Annotated[float, Field(ge=0.0, le=10.0), Unit("rad/s")] = 0.0
     "Standard deviation."
+
+    @model_validator(mode="after")
+    def _can_be_sailed(self) -> Self:
+        top = np.sqrt(self.forces / self.drags)
+        for axis, speed, mass, drag in zip(
+            ("surge", "heave", "yaw"), top, self.masses, self.drags, strict=True
+        ):
+            if not STILL < speed <= FASTEST:
+                raise ValueError(
+                    f"{axis}: force and drag give {speed:.3g} m/s or rad/s, it is {STILL:g} to {FASTEST:g}"
+                )
+            if 0.5 * mass / (drag * speed) < STEP:
+                raise ValueError(f"{axis}: gathers speed within {STEP:g} s; correct mass, drag or force")
+        if (longest := sum(_patience(self, *one) for one in motions(self))) > LONGEST:
+            raise ValueError(f"side: may take {longest:.3g} s, at most {LONGEST:g} s; give a shorter one")
+        return self
 
     @property
     def masses(self) -> Array:
@@ -131,7 +150,7 @@ def sail(vehicle: Vehicle, seed: int = 0) -> Log:
     rows: list[tuple[Array, Array, Array, int]] = []
     for axis, way in motions(vehicle):
         gone, moving = 0.0, True
-        patience = PATIENCE * (abs(way) + 1.0) / math.sqrt(vehicle.forces[axis] / vehicle.drags[axis])
+        patience = _patience(vehicle, axis, way)
         started = len(rows)
         while moving and (len(rows) - started) * STEP < patience:
             force = commanded(vehicle, pose, velocity, axis, way - gone)
@@ -145,6 +164,11 @@ def sail(vehicle: Vehicle, seed: int = 0) -> Log:
     noise = np.array([vehicle.velocity_noise, vehicle.velocity_noise, vehicle.yaw_rate_noise])
     rng = np.random.default_rng(seed)
     return Log(force, speed + noise * rng.standard_normal(speed.shape), where, axis_of.astype(np.int64))
+
+
+def _patience(vehicle: Vehicle, axis: int, way: float) -> float:
+    """Seconds after which a motion is given up."""
+    return PATIENCE * (abs(way) + 1.0) / math.sqrt(vehicle.forces[axis] / vehicle.drags[axis])
 
 
 def lift_at(vehicle: Vehicle, pose: Array) -> float:

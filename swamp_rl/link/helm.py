@@ -19,6 +19,7 @@ from swamp_rl.link.protocol import (
     throttle_reference,
 )
 from swamp_rl.link.sensor_line import CAMOGLI, read_sensor_line
+from swamp_rl.link.stamps import Stamps
 from swamp_rl.runs.local_frame import Place, from_local
 from swamp_rl.runs.thruster_telemetry import azimuth_steps
 
@@ -91,6 +92,8 @@ class Latest:
         self._origin = origin
         from_local(np.zeros(1), np.zeros(1), origin)  # its library takes a second once: not under way
         self.stamp: int | None = None
+        "Of the newest [µs], on a time that goes on where the sender's clock is set."
+        self._stamps = Stamps()
         self.senses = np.zeros(6)
         self.came = -math.inf
         self.ignored = 0
@@ -103,10 +106,11 @@ class Latest:
         except (ValueError, OverflowError):
             self.ignored += 1
             return
-        if self.stamp is not None and stamp <= self.stamp:
+        followed = self._stamps.follow(stamp)
+        if followed is None:
             self.ignored += 1
             return
-        self.stamp, self.senses, self.came = stamp, senses, now
+        self.stamp, self.senses, self.came = followed, senses, now
 
 
 def helm(

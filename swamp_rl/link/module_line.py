@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from swamp_rl.link.protocol import INT32
 from swamp_rl.link.sensor_line import END
-from swamp_rl.runs.thruster_telemetry import is_module_line
+from swamp_rl.runs.thruster_telemetry import FULL, is_module_line
 
 
 class ModuleLine(NamedTuple):
@@ -28,7 +29,11 @@ def module_line(line: ModuleLine) -> str:
 
 
 def read_module_line(words: Sequence[str]) -> ModuleLine:
-    """The line of those words; ValueError for any other."""
+    """The line of those words; ValueError for any other, and for references out of range."""
     if not is_module_line(words) or any(len(word) > 20 for word in words):
         raise ValueError("not a module's line")
-    return ModuleLine(*map(int, words))
+    line = ModuleLine(*map(int, words))
+    whole = 0 <= line.thrust_reference <= FULL and INT32[0] <= line.azimuth_reference <= INT32[1]
+    if not whole:
+        raise ValueError("a reference that no module takes")
+    return line

@@ -17,6 +17,8 @@ END = "\n\0"
 CAMOGLI: Place = (44.3489, 9.1536)
 """Origin of north and east where none is given [degrees]: off the Rivo Giorgio pier of thesis 7.3.3, to about
 100 m."""
+FASTEST, QUICKEST = 100.0, 20.0
+"""Over ground [m/s] and about the vertical [rad/s] that a reading is believed to."""
 DECIMALS = {"latitude": 8, "longitude": 8}
 """Of numbers that are not whole; others have 6."""
 
@@ -66,7 +68,7 @@ def sensor_line(motion: Array, utc: int, sender: int, origin: Place, valid: bool
 def read_sensor_line(words: Sequence[str], origin: Place) -> tuple[int, Array]:
     """Stamp [µs] and motion (6,) as `sensor_line` takes them; ValueError for any other line.
 
-    A line whose GPS is not valid is refused too.
+    A line whose GPS is not valid is refused too, and one with a speed that no boat has.
     """
     if len(words) != len(FIELDS):
         raise ValueError("not 40 fields")
@@ -79,5 +81,9 @@ def read_sensor_line(words: Sequence[str], origin: Place) -> tuple[int, Array]:
         raise ValueError("no place")
     north, east = to_local(values["latitude"], values["longitude"], origin)
     moved = velocity(values)
+    if not max(abs(moved["surge"][0]), abs(moved["sway"][0])) <= FASTEST:
+        raise ValueError("no speed of a boat")
+    if not abs(moved["yaw_rate"][0]) <= QUICKEST:
+        raise ValueError("no yaw rate of a boat")
     motion = [north, east, values["yaw"], moved["surge"], moved["sway"], moved["yaw_rate"]]
     return int(words[FIELDS.index("utc")]), np.array(motion)[:, 0]

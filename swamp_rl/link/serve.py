@@ -16,6 +16,8 @@ from swamp_rl.link.vehicle import TICK, Packet, Vehicle
 
 BEHIND = 0.5
 """How far [s] the boat may lag behind the clock; what a stalled machine lost beyond is not made up for."""
+AT_ONCE = 100
+"""Datagrams of an endpoint that are taken before the vehicle sails on."""
 Sockets = dict[Endpoint, socket.socket]
 
 
@@ -78,8 +80,8 @@ def serve(
 
 
 def receive(vehicle: Vehicle, own: socket.socket, end: Endpoint) -> None:
-    """Hand all datagrams that wait at an endpoint to the vehicle."""
-    while True:
+    """Hand the datagrams that wait at an endpoint to the vehicle, at most AT_ONCE: it must sail meanwhile."""
+    for _ in range(AT_ONCE):
         try:
             datagram, sender = own.recvfrom(LONGEST + 1)
         except OSError:  # none waits, or the system tells of one of ours that nobody took

@@ -54,6 +54,8 @@ class SocketLink:
                 if self.vehicle.allows(sender[0]):
                     return packet
                 self.foreign += 1
+            if time.monotonic() >= end:  # however many foreign ones wait
+                return None
 
     def close(self) -> None:
         """Let go of the telemetry: the modules' goes to the default recipient again."""

@@ -3,15 +3,18 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.errors import UserError
 from swamp_rl.link.addresses import addresses
 from swamp_rl.link.module_line import ModuleLine, read_module_line
 from swamp_rl.link.sensor_line import CAMOGLI, read_sensor_line
 from swamp_rl.link.socket_link import packets, socket_link
+from swamp_rl.link.stamps import Stamps
 from swamp_rl.runs.import_foreign import Wishes, runs_from
 from swamp_rl.runs.local_frame import Place
 from swamp_rl.runs.mcap_files import read_mcap
@@ -23,6 +26,8 @@ Array = NDArray[np.float64]
 SENSES = ("north", "east", "heading", "surge", "sway", "yaw_rate")
 PATIENCE = 3.0
 """Seconds without telemetry after which a link is given up."""
+SENSELESS = 10.0
+"""Times the patience after which a link is given up whose packets give no sample."""
 REMEMBERED = 64
 """Module lines kept of each module, for packets that come in another order than they were sent."""
 
@@ -51,8 +56,8 @@ def samples(
 
     A link yields each sample once the next has come, for until then its commands may change; it goes on until
     the caller stops it. topic: of an MCAP file with several; origin: of north and east [degrees] on a link.
-    UserError for a file that is no run of the boat, for an address that is none, and where no telemetry comes
-    from a link for `patience` [s].
+    UserError for a file that is no run of the boat, for an address that is none, and where nothing comes from
+    a link for `patience` [s], or no sample for ten times as long.
     """
     if str(source).lower().endswith(".mcap"):
         yield from mcap_samples(Path(source), boat, topic)
@@ -75,10 +80,17 @@ def link_samples(
     """Yield the samples that a vehicle's telemetry gives; see `samples`."""
     assembler = Assembler(boat, origin)
     with socket_link(addresses(text, len(boat.thrusters)), modules=True) as link:
+        last = monotonic()
         for packet in packets(link, patience):
             sample = assembler.feed(packet)
             if sample is not None:
                 yield sample
+                last = monotonic()
+            elif monotonic() - last > SENSELESS * patience:
+                raise UserError(
+                    f"{text}: {SENSELESS * patience:g} s without whole telemetry of {boat.name}, "
+                    f"{assembler.ignored} packets ignored; check --boat, and that the GPS has a fix"
+                )
 
 
 class Assembler:
@@ -87,7 +99,8 @@ class Assembler:
     def __init__(self, boat: Boat, origin: Place = CAMOGLI) -> None:
         self._thrusters, self._origin = len(boat.thrusters), origin
         self._lines: list[list[ModuleLine]] = [[] for _ in boat.thrusters]
-        self._waiting: tuple[int, Array] | None = None
+        self._waiting: tuple[int, int, Array] | None = None
+        self._stamps = Stamps()
         self._start: int | None = None
         self.ignored = 0
         "Packets that were no telemetry of this boat, or older than what had come."
@@ -111,16 +124,20 @@ class Assembler:
         self._lines[k] = sorted({*self._lines[k], line}, key=lambda kept: kept.utc)[-REMEMBERED:]
 
     def _next(self, stamp: int, motion: Array) -> Sample | None:
-        if self._waiting is not None and stamp <= self._waiting[0]:
+        jumps, followed = self._stamps.jumps, self._stamps.follow(stamp)
+        if followed is None:
             raise ValueError("late, or twice")
-        before, self._waiting = self._waiting, (stamp, motion)
+        before, self._waiting = self._waiting, (stamp, followed, motion)
+        if self._stamps.jumps > jumps:  # what came by the clock before it was set has no place in time now
+            self._lines = [[] for _ in self._lines]
+            return None
         if before is None:
             return None
         commands = self._in_force((before[0] + stamp) // 2)
         if commands is None:
             return None
-        self._start = before[0] if self._start is None else self._start
-        return Sample((before[0] - self._start) / 1e6, commands, before[1])
+        self._start = before[1] if self._start is None else self._start
+        return Sample((before[1] - self._start) / 1e6, commands, before[2])
 
     def _in_force(self, at: int) -> Array | None:
         """(2K,) what the modules said last by that stamp; None while one has said nothing."""

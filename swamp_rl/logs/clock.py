@@ -35,6 +35,10 @@ def clock_offset(one: Record, other: Record, where: str) -> Offset:
     LOWEST_CORRELATION.
     """
     (time_a, a), (time_b, b) = one, other
+    if min(len(time_a), len(time_b)) < 2:
+        raise UserError(
+            f"{where}: one of them has {min(len(time_a), len(time_b))} values; give another quantity"
+        )
     step = min(float(np.median(np.diff(time))) for time in (time_a, time_b))
     low, high = max(time_a[0], time_b[0]), min(time_a[-1], time_b[-1])
     count = int((high - low) / step) if step > 0.0 else 0

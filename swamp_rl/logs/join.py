@@ -51,15 +51,19 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
     """
     series = {name: _whole(file, name, one) for name, one in series.items()}
     start = max(float(one.time[0]) for one in series.values())
-    end = min(float(one.time[-1]) for name, one in series.items() if not is_held(name))
+    ends = [float(one.time[-1]) for name, one in series.items() if not is_held(name)]
+    if not ends:
+        raise UserError(f"{file}: the mapping has commands alone; map north and east, and heading")
+    end = min(ends)
     rows = (end - start) * rate + 1.0 + 1e-9
     if rows < 2.0:
         spans = "; ".join(_spans(series))
         raise UserError(f"{file}: the tables have no time in common ({spans}); map other tables, or --clock")
-    most = most_rows(len(series) + 1)
+    given = max(len(one.time) for one in series.values())
+    most = most_rows(len(series) + 1, given)
     if not rows < most:
-        told = f"{rows:.3g} rows at {rate:g} a second, at most {most}; give --resample HZ, or divide the log"
-        raise UserError(f"{file}: {told}")
+        told = f"{rows:.3g} rows at {rate:g} a second from {given} messages, at most {most}"
+        raise UserError(f"{file}: {told}; give --resample HZ, or divide the log where its times jump")
     even = start + np.arange(math.floor(rows)) / rate
     columns: dict[str, Array] = {"time": even - start}
     unread: dict[str, NDArray[np.bool_]] = {}

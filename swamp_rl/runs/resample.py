@@ -12,26 +12,31 @@ Array = NDArray[np.float64]
 
 MOST_ROWS, MOST_CELLS = 10_000_000, 2 * 10**7
 """Of a resampled run."""
+MOST_BETWEEN, ALWAYS = 100, 100_000
+"""Rows for each row that was given, and so many of any run: few rows with one wrong time make no long run."""
 ANGLES = ("heading", "wind_from")
 HELD = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_")
 
 
-def most_rows(columns: int) -> int:
-    """Rows that a resampled run of so many columns has at most."""
-    return min(MOST_ROWS, MOST_CELLS // columns)
+def most_rows(columns: int, given: int) -> int:
+    """Rows that a resampled run of so many columns and so many given rows has at most."""
+    return min(MOST_ROWS, MOST_CELLS // columns, max(MOST_BETWEEN * given, ALWAYS))
 
 
 def resampled(columns: Mapping[str, Array], rate: float) -> dict[str, Array]:
     """Columns (T,) with increasing times as columns at `rate` [Hz] from the first time on.
 
     Values are in proportion between rows, angles the short way round; commands are held until the next row.
-    UserError for more than MOST_ROWS, or MOST_CELLS.
+    UserError for more than `most_rows`.
     """
     time = columns["time"]
     rows = (time[-1] - time[0]) * rate + 1.0 + 1e-9
-    most = most_rows(len(columns))
+    most = most_rows(len(columns), len(time))
     if not rows < most:
-        raise UserError(f"{rows:.3g} rows at {rate:g} a second, at most {most}; resample at a lower rate")
+        raise UserError(
+            f"{rows:.3g} rows at {rate:g} a second from {len(time)}, at most {most}; "
+            "resample at a lower rate, or divide the run where its times jump"
+        )
     even = time[0] + np.arange(math.floor(rows)) / rate
     row = np.searchsorted(time, even + 1e-9, side="right") - 1
     found = {}

@@ -8,7 +8,7 @@ import pytest
 
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.curve import Curve, progress
-from swamp_rl.guidance.path_file import PathFile, load_path
+from swamp_rl.guidance.path_file import MOST_PLACES, PathFile, load_path
 
 
 def curve(*pieces: dict[str, object], **keys: object) -> Curve:
@@ -73,3 +73,9 @@ def test_what_is_no_path_is_refused_by_its_key(tmp_path: Path, keys: str, told: 
     with pytest.raises(UserError, match=r"p\.yaml") as refused:
         load_path(file)
     assert told in str(refused.value)
+
+
+def test_a_few_words_do_not_make_a_curve_of_millions_of_places() -> None:
+    lines = {"kind": "lawn_mower", "length": 0.1, "spacing": 0.1, "lines": 1000}
+    with pytest.raises(ValueError, match=rf"pieces\.2: the curve has more than {MOST_PLACES} places"):
+        curve(*([lines] * 1000), speed=50.0)

@@ -58,3 +58,17 @@ def test_a_square_that_does_not_dive_cannot_show_the_heave() -> None:
 def test_noise_that_hides_the_acceleration_is_said_to() -> None:
     loud = changed(velocity_noise=0.5)
     assert any(not one.shown for one in identify(loud, sail(loud, 0))[:2])
+
+
+@pytest.mark.parametrize(
+    ("numbers", "said"),
+    [
+        ({"surge_force": 1e-300}, "surge: force and drag give"),
+        ({"yaw_drag": 1e-9}, "yaw: force and drag give"),
+        ({"heave_mass": 1e-6}, "heave: gathers speed within"),
+        ({"side": 1000.0, "surge_force": 0.1}, "side: may take"),
+    ],
+)
+def test_a_vehicle_that_no_square_ends_with_is_refused(numbers: dict[str, float], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        Vehicle.model_validate(TYPHOON.model_dump() | numbers)

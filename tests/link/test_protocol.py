@@ -1,6 +1,7 @@
 """The datagrams of thesis 6.2: its example byte for byte, every command there and back, and garbage."""
 
 import math
+import socket
 
 import numpy as np
 import pytest
@@ -22,10 +23,12 @@ from swamp_rl.link.protocol import (
     decoded,
     encoded,
 )
+from swamp_rl.link.serve import AT_ONCE, receive
+from swamp_rl.link.socket_link import socket_link
 from swamp_rl.link.vehicle import Conduct
 from swamp_rl.runs.thruster_telemetry import STEPS_PER_TURN, azimuth_angle, azimuth_steps
 from swamp_rl.simulator.state import ACTUATORS
-from tests.support.link import vehicle_of
+from tests.support.link import own_network, vehicle_of
 
 EXAMPLE = {  # as printed, sent by Matlab's fwrite to 192.168.29.201, port 2968
     "1002 0 1": Command(POWER, (0, 1)),
@@ -183,3 +186,24 @@ def test_a_lower_motor_speed_turns_the_jet_more_slowly() -> None:
     nominal = vehicle.boat.thrusters[0].azimuth_rate
     assert angles[0] == pytest.approx(0.5 * nominal, rel=0.02)
     assert angles[1] == pytest.approx(0.5 * 1000 / 60 / 118 * 2 * math.pi, rel=0.02)
+
+
+def test_a_flood_does_not_keep_a_vehicle_from_sailing() -> None:
+    class Flooded:
+        """A socket at which a datagram always waits."""
+
+        def recvfrom(self, size: int) -> tuple[bytes, tuple[str, int]]:
+            return b"junk", ("127.0.0.100", 2969)
+
+    vehicle = vehicle_of()
+    receive(vehicle, Flooded(), vehicle.addresses.modules[0])  # type: ignore[arg-type]
+    assert vehicle.ignored["malformed"] == AT_ONCE
+
+
+def test_packets_from_elsewhere_do_not_hold_a_link_up() -> None:
+    with socket_link(own_network()) as link, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        stranger.bind(("127.0.0.1", 0))
+        for _ in range(20):
+            stranger.sendto(b"junk", link._socket.getsockname())
+        assert link.receive(0.0) is None
+        assert link.foreign == 1

@@ -8,10 +8,15 @@ import numpy as np
 import pytest
 
 from swamp_rl.errors import UserError
+from swamp_rl.link.helm import Latest
+from swamp_rl.link.sensor_line import CAMOGLI
+from swamp_rl.link.stamps import AGREED
 from swamp_rl.link.stream import Assembler, Sample, samples
 from swamp_rl.link.vehicle import Conduct
 from swamp_rl.runs import read_dataset
 from swamp_rl.runs.export_dataset import export_runs
+from swamp_rl.runs.import_telemetry import FIELDS
+from swamp_rl.runs.thruster_telemetry import MODULE_FIELDS
 from tests.support.link import own_network, served, swamp, switched_on, tell, vehicle_of
 
 
@@ -87,3 +92,67 @@ def test_the_vehicles_motors_are_off_until_they_are_switched_on() -> None:
     tell(vehicle, 0, "1004 0 50000", "1004 1 123853")
     vehicle.advance(1.0)
     assert not vehicle.commands().any()
+
+
+def words_of(packet: bytes) -> list[str]:
+    """The numbers of a packet."""
+    return packet.replace(b"\0", b"").decode().split()
+
+
+def stamped(packet: bytes, shift: int) -> bytes:
+    """The packet as by a clock that is so many microseconds fast."""
+    words = words_of(packet)
+    place = FIELDS.index("utc") if len(words) == len(FIELDS) else MODULE_FIELDS.index("utc")
+    words[place] = str(int(words[place]) + shift)
+    return " ".join(words).encode() + b"\n\0"
+
+
+@pytest.mark.parametrize("hours", [-1, 24 * 365 * 50], ids=["back", "on"])
+def test_samples_go_on_where_the_vehicles_clock_is_set(hours: int) -> None:
+    packets = driven()
+    half = len(packets) // 2
+    after = [stamped(packet, hours * 3_600_000_000) for packet in packets[half:]]
+    found = assembled(packets[:half] + after)
+    steady = assembled(packets)
+    assert 0 < len(steady) - len(found) <= AGREED + 1
+    assert {round(sample.time, 6) for sample in found} < {round(sample.time, 6) for sample in steady}
+    assert found[-1].time == pytest.approx(steady[-1].time)
+    assert np.array_equal(found[-1].commands, steady[-1].commands)
+
+
+def test_a_packet_of_a_far_future_costs_no_other_packet() -> None:
+    packets = driven()
+    first = assembled(packets)
+    forged = [stamped(packets[0], 10**17), stamped(packets[1], 10**17)]
+    found = assembled(packets[:40] + forged + packets[40:])
+    assert [sample.time for sample in found] == [sample.time for sample in first]
+    assert np.array_equal([s.commands for s in found], [s.commands for s in first])
+
+
+@pytest.mark.parametrize("field", ["velocity_north", "velocity_east", "gyro_z", "latitude"])
+@pytest.mark.parametrize("value", ["1e308", "-1e308", "1e300", "nan", "inf"])
+def test_readings_that_no_boat_has_are_ignored(field: str, value: str) -> None:
+    words = next(words for packet in driven() if len(words := words_of(packet)) == len(FIELDS))
+    words[FIELDS.index(field)] = value
+    forged = " ".join(words).encode()
+    assembler, latest = Assembler(swamp()), Latest(CAMOGLI)
+    assert assembler.feed(forged) is None and assembler.ignored == 1
+    latest.feed(forged, 0.0)
+    assert latest.stamp is None and latest.ignored == 1
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("thrust_reference", 10**14), ("thrust_reference", -1), ("azimuth_reference", 2**31)]
+)
+def test_references_that_no_module_takes_are_ignored(field: str, value: int) -> None:
+    words = next(words for packet in driven() if len(words := words_of(packet)) == len(MODULE_FIELDS))
+    words[MODULE_FIELDS.index(field)] = str(value)
+    assembler = Assembler(swamp())
+    assert assembler.feed(" ".join(words).encode()) is None and assembler.ignored == 1
+
+
+def test_a_vehicle_whose_telemetry_has_no_fix_is_given_up() -> None:
+    vehicle = vehicle_of(network=str(own_network().network))
+    vehicle.blind.update(vehicle.addresses.sensors)
+    with served(vehicle), pytest.raises(UserError, match=r"without whole telemetry of swamp, \d+ packets"):
+        next(samples(str(own_network().network), swamp(), patience=0.2))

@@ -17,7 +17,7 @@ from swamp_rl.runs.import_dataset import About, import_runs
 from swamp_rl.runs.import_foreign import UNITS, Wishes
 from swamp_rl.runs.local_frame import to_local
 from swamp_rl.runs.mcap_files import read_mcap
-from swamp_rl.runs.resample import resampled
+from swamp_rl.runs.resample import ALWAYS, MOST_CELLS, most_rows, resampled
 from tests.support.runs import circling, described
 
 TIME = np.arange(40) * 0.1
@@ -135,6 +135,16 @@ def test_uneven_rows_are_resampled_when_asked_and_the_run_says_so(tmp_path: Path
     assert made.sample_rate == 20.0
     assert run.columns["north"] == pytest.approx(3.0 * run.time)
     assert "40 rows to" in str(run.meta.model_extra)
+
+
+def test_a_run_is_resampled_to_the_rows_that_it_can_fill() -> None:
+    few = {"time": np.array([0.0, 0.1, 1e4]), "north": np.zeros(3)}
+    many = {"time": np.linspace(0.0, 1e4, 20_000), "north": np.zeros(20_000)}
+    with pytest.raises(UserError, match=f"from 3, at most {ALWAYS}; "):
+        resampled(few, 100.0)
+    assert len(resampled(few, 1.0)["time"]) == 10_001
+    assert len(resampled(many, 100.0)["time"]) == 1_000_001
+    assert most_rows(1000, 10**9) == MOST_CELLS // 1000
 
 
 def test_resampling_turns_the_short_way_and_holds_commands() -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import swamp_rl.experiments.cli
 from swamp_rl.experiments.cli import app as cli
 
 from swamp_rl import __version__
@@ -256,6 +257,18 @@ def test_an_interrupted_verb_is_one_line_with_the_usual_exit_code(
     words = ["simulate", "--commands", folder / "one.csv", "--out", "a.csv"]
     assert_complains(call(*words), "interrupted", code=130)
     assert not Path("a.csv").exists()
+
+
+def test_ctrl_c_while_the_verbs_are_imported_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delattr(swamp_rl.experiments.cli, "app")
+    monkeypatch.delitem(sys.modules, cli.__name__)
+    monkeypatch.setattr("importlib._bootstrap._find_spec", raising(KeyboardInterrupt()))
+    with pytest.raises(SystemExit) as ended:
+        swamp_rl.experiments.cli.main()
+    assert ended.value.code == 130
+    assert capsys.readouterr().err == "swamp-rl: interrupted before it began\n"
 
 
 def test_a_terminated_verb_is_one_line_and_leaves_nothing_half_written(

@@ -56,4 +56,8 @@ def test_wrong_input_is_one_line(call: Call, words: tuple[str, ...], parts: tupl
 
 def test_an_existing_log_is_refused_before_anything_is_driven(call: Call, tmp_path: Path) -> None:
     (tmp_path / "log").mkdir()
+    (tmp_path / "link").symlink_to("nowhere")
+    (tmp_path / "file").write_text("mine")
     assert_complains(call("helm", "line-of-sight", "--log", "log"), "log: already exists")
+    assert_complains(call("helm", "line-of-sight", "--log", "link"), "link: already exists")
+    assert_complains(call("helm", "line-of-sight", "--log", "file/log"), "file/log", "is no folder")

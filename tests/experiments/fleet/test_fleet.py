@@ -2,11 +2,14 @@
 
 import json
 import math
+import os
 import shutil
 import subprocess
 import sys
+from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote, urljoin, urlsplit
 
 import numpy as np
 import psutil
@@ -22,12 +25,13 @@ from swamp_rl.experiments.fleet.significance import (
     p_value,
     shared_causes,
 )
-from swamp_rl.experiments.fleet.work import diagnose_one
+from swamp_rl.experiments.fleet.work import INPUT, RESULT, diagnose_one
 from swamp_rl.experiments.synthetic.cases import Case, write_case
 
 from swamp_rl.criticism.result import HeldOut
 from swamp_rl.errors import UserError
 from swamp_rl.runs import read_dataset
+from swamp_rl.unfinished import folder_beside, locked
 from tests.support.fleets import COMPARISONS, cause, datasets, diagnosis, pretend
 from tests.support.patience import PATIENCE
 from tests.support.sweep_pools import PoolHere
@@ -134,6 +138,133 @@ def test_what_is_no_fleet_is_refused_in_one_line(folder: Path) -> None:
     with pytest.raises(UserError):
         diagnose_fleet([folder / "in" / "red" / "may"], folder / "in" / "red")
     assert (folder / "in" / "red" / "may" / "run.csv").exists()
+    with pytest.raises(UserError, match="lies in the dataset"):
+        diagnose_fleet([folder / "in" / "red" / "may"], folder / "in" / "red" / "may" / "out")
+    assert not (folder / "in" / "red" / "may" / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "told", ["{", "[" * 100_000, '{"verdict": "cause"}', ""], ids=["cut", "deep", "another", "empty"]
+)
+@pytest.mark.parametrize("name", [RESULT, INPUT])
+def test_a_dataset_with_a_damaged_state_is_diagnosed_again(folder: Path, name: str, told: str) -> None:
+    whole = fleet(folder)
+    (folder / "out" / "blue_may" / name).write_text(told)
+    heard: list[str] = []
+    given = [folder / "in" / one for one in TOLD]
+    crew = PoolHere(pretend, 1, 0)
+    found = diagnose_fleet(given, folder / "out", pool=crew, tell=lambda name, said: heard.append(name))
+    assert sorted(heard) == ["blue_may", "green_june"]
+    assert without_times(found) == without_times(whole)
+
+
+def test_a_state_that_is_a_pipe_or_a_link_is_not_read(folder: Path) -> None:
+    fleet(folder)
+    for name, put in (("blue_may", os.mkfifo), ("red_may", lambda path: path.symlink_to("/dev/zero"))):
+        (folder / "out" / name / INPUT).unlink()
+        put(folder / "out" / name / INPUT)
+        (folder / "out" / name / RESULT).unlink()
+        put(folder / "out" / name / RESULT)
+    found = fleet(folder)
+    assert {one.name: one.error for one in found.members if one.error}.keys() == {"green_june"} | {
+        name for name in ("blue_may", "red_may") if not (folder / "out" / name / RESULT).is_file()
+    }
+
+
+def half_done(job: str) -> str:
+    """As a worker that is interrupted while it builds its folder."""
+    out = Path(json.loads(job)["out"])
+    with folder_beside(out, RESULT) as part:
+        part.with_name(f".part-{out.name}-killed.new").mkdir()
+        raise KeyboardInterrupt
+
+
+def test_what_an_interrupted_fleet_was_building_is_removed_and_it_goes_on(folder: Path) -> None:
+    given = [folder / "in" / name for name in TOLD]
+    with pytest.raises(KeyboardInterrupt):
+        diagnose_fleet(given, folder / "out", pool=PoolHere(half_done, 1, 0))
+    assert list((folder / "out").iterdir()) == []
+    (folder / "out" / ".part-red_may.new").mkdir()  # as when killed
+    (folder / "out" / ".part-red_may.lock").touch()
+    fleet(folder)
+    assert (folder / "out" / "fleet.html").exists()
+
+
+def test_a_second_fleet_in_the_folder_is_refused_while_the_first_is_at_work(folder: Path) -> None:
+    (folder / "out" / ".part-red_may.new").mkdir(parents=True)
+    (folder / "out" / ".part-red_may.lock").touch()
+    with locked(folder / "out"), pytest.raises(UserError, match="another command is at work"):
+        fleet(folder)
+
+
+def test_a_folder_of_another_kind_in_a_datasets_place_is_not_removed(folder: Path) -> None:
+    fleet(folder)
+    shutil.rmtree(folder / "out" / "blue_may")
+    (folder / "out" / "blue_may").mkdir()
+    (folder / "out" / "blue_may" / "notes.txt").write_text("mine")
+    elsewhere = folder / "elsewhere"
+    shutil.move(folder / "out" / "red_may", elsewhere)
+    (folder / "out" / "red_may").symlink_to(elsewhere)
+    (elsewhere / INPUT).write_text("{}")
+    found = fleet(folder)
+    errors = {one.name: one.error or "" for one in found.members}
+    assert "is not an earlier result" in errors["blue_may"] and "is a link" in errors["red_may"]
+    assert (folder / "out" / "blue_may" / "notes.txt").read_text() == "mine"
+    assert (elsewhere / RESULT).exists()
+
+
+def test_a_link_in_the_place_of_the_fleet_is_refused(folder: Path) -> None:
+    (folder / "there").mkdir()
+    (folder / "out").symlink_to(folder / "there")
+    with pytest.raises(UserError, match="is a link"):
+        fleet(folder)
+    assert list((folder / "there").iterdir()) == []
+
+
+@pytest.mark.parametrize("name", [".hidden", "two\nlines", "back\\slash", "n" * 210])
+def test_a_dataset_whose_folder_has_an_odd_name_is_refused_in_one_line(tmp_path: Path, name: str) -> None:
+    with pytest.raises(UserError) as refused:
+        members_of([tmp_path / name])
+    assert str(refused.value).isprintable() and "rename it" in str(refused.value)
+
+
+def test_names_are_text_in_the_page_and_links_lead_into_the_fleet(tmp_path: Path) -> None:
+    names = ["<img src=x onerror=alert(1)>", "javascript:alert(1)", 'a" onclick="x', "b#c?d%41", "&lt;e"]
+    given = datasets(tmp_path / "in", {name: {"causes": [MASS]} for name in names})
+    diagnose_fleet(given, tmp_path / "out", pool=PoolHere(pretend, 1, 0))
+
+    class Page(HTMLParser):
+        def __init__(self) -> None:
+            super().__init__()
+            self.tags: list[tuple[str, dict[str, str | None]]] = []
+            self.text = ""
+
+        def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+            self.tags.append((tag, dict(attrs)))
+
+        def handle_data(self, data: str) -> None:
+            self.text += data + "\n"
+
+    page = Page()
+    page.feed((tmp_path / "out" / "fleet.html").read_text())
+    assert all(name in page.text for name in names)
+    assert not {tag for tag, _ in page.tags} & {"img", "script"}
+    assert not any(name.startswith("on") for _, attributes in page.tags for name in attributes)
+    links = [attributes["href"] or "" for tag, attributes in page.tags if tag == "a"]
+    base = (tmp_path / "out").as_uri() + "/"
+    found = [Path(unquote(urlsplit(urljoin(base, link)).path)).parent for link in links]
+    assert sorted(found) == sorted(tmp_path / "out" / name for name in names)
+
+
+def test_parameters_that_one_dataset_lacks_or_that_are_no_number_are_not_compared() -> None:
+    found = {
+        "a": diagnosis(cause("mass", "mass", 60.0, 1.0, 90.0)),
+        "b": diagnosis(cause("mass", "other", 80.0, 1.0, 90.0)),
+        "c": diagnosis(cause("mass", "mass", math.nan, 1.0, 90.0)),
+    }
+    members = [Member(name=name, boat="one", dataset=name) for name in found]
+    findings, _ = findings_of(members, found)
+    assert changes_of(members, found, findings) == ([], [])
 
 
 def test_a_missing_dataset_has_its_line_and_does_not_stop_the_others(folder: Path) -> None:
