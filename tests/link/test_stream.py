@@ -14,6 +14,8 @@ from swamp_rl.runs import read_dataset
 from swamp_rl.runs.export_dataset import export_runs
 from tests.support.link import own_network, served, swamp, switched_on, tell, vehicle_of
 
+pytestmark = pytest.mark.timed
+
 
 def driven() -> list[bytes]:
     """Packets of five seconds in which the throttle of the first jet rises by a tenth each second."""

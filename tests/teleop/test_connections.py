@@ -21,6 +21,8 @@ from tests.support.patience import PATIENCE
 from tests.support.recorder import serving
 from tests.support.web import driving, hear, place, status
 
+pytestmark = pytest.mark.timed
+
 TOKEN = "harbour7"
 MANY = 1200
 ROUNDS = 10
