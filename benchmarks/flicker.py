@@ -48,7 +48,7 @@ def run_once(chosen: Sequence[str]) -> tuple[list[str], str]:
     """The failures of one round of the tests, and pytest's last line; AssertionError where none ran."""
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.xml"
-        options = ["-q", "-m", "timed", "-p", "no:cacheprovider", f"--junitxml={report}"]
+        options = ["-m", "timed", "-p", "no:cacheprovider", f"--junitxml={report}"]
         done = subprocess.run(
             [sys.executable, "-m", "pytest", *options, *chosen], cwd=ROOT, capture_output=True, text=True
         )
