@@ -17,7 +17,8 @@ test: $(READY)
 	$(BIN)/ruff format --check .
 	rm -rf build/types && mkdir -p build/types/swamp_rl
 	ln -s $(CURDIR)/swamp_rl/* $(CURDIR)/envs $(CURDIR)/experiments build/types/swamp_rl/
-	cd build/types && $(CURDIR)/$(BIN)/mypy --config-file $(CURDIR)/pyproject.toml # laid out as installed
+	cd build/types && $(CURDIR)/$(BIN)/mypy --config-file $(CURDIR)/pyproject.toml \
+	  --cache-dir $(CURDIR)/.mypy_cache # laid out as installed; a second check looks at what changed
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
 # A kernel that OpenBLAS does not choose by itself on this processor, for sums that end in other last bits.

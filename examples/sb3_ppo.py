@@ -10,6 +10,7 @@ from pathlib import Path
 import torch
 from gymnasium.vector import AutoresetMode
 from stable_baselines3 import PPO
+from stable_baselines3.common.logger import Logger
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.envs.sb3 import GatesVecEnv
 
@@ -21,6 +22,7 @@ torch.set_num_threads(1)  # the networks are small
 boats = GatesVectorEnv(128, disturbances="calm", autoreset_mode=AutoresetMode.SAME_STEP)
 env = GatesVecEnv(boats, hold=5)  # an action is held for 5 steps of 0.1 s
 model = PPO("MlpPolicy", env, n_steps=64, batch_size=1024, gamma=0.99, seed=0, device="cpu")
+model.set_logger(Logger(None, []))  # its own makes a folder in the temporary directory
 model.learn(DECISIONS)
 model.save("example_ppo.zip")
 

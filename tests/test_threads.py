@@ -55,6 +55,7 @@ def results_on(count: int, folder: Path) -> dict[str, Any]:
     return content(folder / "results")
 
 
+@pytest.mark.timed
 def test_every_pilot_and_table_has_the_same_bits_on_one_thread_and_on_two(tmp_path: Path) -> None:
     one, two = (results_on(count, tmp_path / str(count)) for count in (1, 2))
     assert sum(name.endswith("weights.safetensors") for name in one) == 8

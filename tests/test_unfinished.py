@@ -135,6 +135,7 @@ with folder_beside(sys.argv[1]) as part:
 
 
 @pytest.mark.parametrize("next_one", ["out", "other"])
+@pytest.mark.timed
 def test_what_a_killed_process_was_building_goes_with_the_next_folder_built_there(
     tmp_path: Path, next_one: str
 ) -> None:

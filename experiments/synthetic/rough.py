@@ -23,12 +23,13 @@ from swamp_rl.experiments.synthetic.drivers import Array, Driver
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.motion import external_forces, water_velocity
 from swamp_rl.physics.propulsion import actuator_output, propulsion_forces
 from swamp_rl.physics.resistance import towing
 from swamp_rl.physics.rigid_body import accelerations, inverse_inertia
-from swamp_rl.physics.thrusters import alive, supply
+from swamp_rl.physics.thrusters import alive, put_output, supply
 from swamp_rl.simulator import initial_state, tank
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.sensors import rows_ahead
@@ -53,7 +54,7 @@ def in_error(x: float, curve: Any) -> float:
 
 @compiled
 def turn_actuators(state: Any, command: Any, h: float, jets: Any, curves: Any, p: Any) -> None:
-    """Move the actuators by h [s] (Euler); jets (1, K, 2) takes their outputs then."""
+    """Move the actuators by h [s] (Euler); jets (1, K, JET) takes their outputs then."""
     thrusters = jets.shape[1]
     for k in range(thrusters):
         azimuth, throttle = commanded(k, state[TIME], command, p)
@@ -66,7 +67,7 @@ def turn_actuators(state: Any, command: Any, h: float, jets: Any, curves: Any, p
         first, second = actuator_output(angle, level, k, p)
         left = alive(k, state[TIME], h, p) * supply(state[TIME], p)
         left *= in_error(level, curves[HULL_CURVES + k])
-        jets[0, k, 0], jets[0, k, 1] = left * first, left * second
+        put_output(left * first, left * second, jets, 0, k, p)
 
 
 @compiled
@@ -96,7 +97,7 @@ def rough_row(
     state: Any, p: Any, tank: Any, command: Any, push: Any, curves: Any, count: int, h: float
 ) -> None:
     """Advance one boat (S,) in place by `count` steps of h [s] of Heun's method."""
-    jets = np.empty((1, command.shape[0] // 2, 2))
+    jets = np.empty((1, command.shape[0] // 2, JET))
     first, second, motion = np.empty(6), np.empty(6), np.empty(6)
     for _ in range(count):
         north, east = water_velocity(state[TIME], p)

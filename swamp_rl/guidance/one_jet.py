@@ -18,7 +18,8 @@ from swamp_rl.guidance.heading import wrapped
 from swamp_rl.guidance.holding import Holding
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.physics.force_curve import JET
-from swamp_rl.physics.motion import held_over_step, rates, water_velocity
+from swamp_rl.physics.motion import constants_of, rates, water_velocity
+from swamp_rl.physics.thrusters import put_output
 from swamp_rl.simulator import parameters, tank
 
 Array = NDArray[np.float64]
@@ -37,7 +38,7 @@ def linear_model(boat: Boat, jets: Jets, k: int, balance: Holding) -> tuple[Arra
 
     def rate(x: Array) -> Array:
         forces = np.zeros((1, len(jets.names), JET))
-        forces[0, k, :2] = x[6:]
+        put_output(x[6], x[7], forces, 0, k, record)
         return _rates_over_ground(x[:6], forces, record, curves)
 
     columns = [(rate(point + d) - rate(point - d)) / (2 * DIFFERENCE) for d in DIFFERENCE * np.eye(8)]
@@ -53,7 +54,7 @@ def _rates_over_ground(x: Array, forces: Array, record: Any, curves: Array) -> A
     motion = (x[0], x[1], x[2], x[3] - along, x[4] - across, x[5])
     blows, comes_from = float(record["wind_speed"]), float(record["wind_from"])
     wind = blows * math.cos(comes_from), blows * math.sin(comes_from)
-    held = held_over_step(wind, record, curves)
+    held = wind, constants_of(record, curves)
     moved = np.array([*rates(motion, forces, 0, 0.0, (north, east), held, record, curves)], dtype=float)
     moved[3:5] += x[5] * np.array([across, -along])
     return moved

@@ -27,7 +27,7 @@ from swamp_rl.physics.resistance import towing
 from swamp_rl.physics.thrusters import bollard_thrust
 from swamp_rl.simulator import initial_state, parameters, tank
 from swamp_rl.simulator.state import ACTUATORS
-from swamp_rl.simulator.step import SUBSTEP, commanded, move_actuators
+from swamp_rl.simulator.step import SUBSTEP, commanded, forget_outputs, move_actuators
 
 Array = NDArray[np.float64]
 
@@ -134,6 +134,7 @@ def forces_of(
     record, state = params[0], initial_state(params, np.zeros((1, 3)))[0]
     state[ACTUATORS:] = command
     outputs = np.empty((3, len(command) // 2, JET))
+    forget_outputs(outputs)
     move_actuators(state, command, SUBSTEP, outputs, record)
     hull = hull_forces(surge, 0.0, 0.0, record, curves, towing(record, curves))
     driven = propulsion_forces(outputs, 0, surge, 0.0, 0.0, record)

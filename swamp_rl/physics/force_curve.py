@@ -29,7 +29,7 @@ COVARIATES = (
     "throttle",
 )
 FORMULAS = ("between_knots", "proportional", "square", "cube", "dead_zone", "outside_radius", "sine")
-ANGLE_OF_THRUSTER, LEVEL_OF_THRUSTER, JET = 2, 3, 4  # columns of `jets`, and their number
+ANGLE_OF_THRUSTER, LEVEL_OF_THRUSTER, THRUST, SLOWNESS, JET = 2, 3, 4, 5, 6  # columns of `jets`, their number
 
 
 @compiled
@@ -96,7 +96,7 @@ def curve_forces(
     """Surge, sway force [N] and yaw moment [N m] of all curves at `time` [s].
 
     motion: as of `swamp_rl.physics.motion`; u_ground, v_ground [m/s] over ground, which the curves' speed,
-    surge and sway are; jets[moment]: (K, 4), azimuths [rad] and levels [1] in its last two columns. A thrust
+    surge and sway are; jets[moment]: (K, JET), azimuths [rad] and levels [1] in two of its columns. A thrust
     acts along its thruster's azimuth; north and east forces act at midship.
     """
     cos, sin = math.cos(motion[2]), math.sin(motion[2])

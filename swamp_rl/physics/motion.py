@@ -71,9 +71,9 @@ def external_forces(
 
 
 @compiled
-def held_over_step(wind: tuple[float, float], p: Any, tank: Any) -> Any:
-    """What `rates` needs and a control step does not change: the wind, `towing` and `inverse_inertia`."""
-    return wind, towing(p, tank), inverse_inertia(p)
+def constants_of(p: Any, tank: Any) -> Any:
+    """What `rates` needs of the record p alone: `towing` and `inverse_inertia`."""
+    return towing(p, tank), inverse_inertia(p)
 
 
 @compiled
@@ -82,9 +82,10 @@ def rates(
 ) -> Six:
     """Time derivatives of `motion` at `time` [s].
 
-    jets[moment]: (K, 4) by `move_actuators`; water: its velocity then; held: by `held_over_step`.
+    jets[moment]: (K, JET) by `move_actuators`; water: its velocity then; held: the wind's components and
+    `constants_of`, which a control step does not change.
     """
-    wind, tow, inverse = held
+    wind, (tow, inverse) = held
     heading, u, v, r = motion[2], motion[3], motion[4], motion[5]
     cos, sin = math.cos(heading), math.sin(heading)
     u_ground = u + water[0] * cos + water[1] * sin
@@ -125,7 +126,7 @@ def moved(motion: Any, rate: Any, time: float) -> Six:
 def runge_kutta_step(motion: Any, time: float, h: float, jets: Any, held: Any, p: Any, tank: Any) -> Six:
     """One classical fourth-order step of h [s] from `time` [s].
 
-    jets: (3, K, 4), the outputs at 0, h/2 and h; held: by `held_over_step`.
+    jets: (3, K, JET), the outputs at 0, h/2 and h; held: as of `rates`.
     """
     drifts = p.current_north_rate != 0.0 or p.current_east_rate != 0.0
     water = water_velocity(time, p)

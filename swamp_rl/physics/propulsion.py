@@ -69,7 +69,7 @@ def forces_of_both(
         if p.propeller_diameter[k] > 0.0:
             x_force, y_force, z_moment = propeller_with_rudder(first, second, u, v, r, k, p)
         else:
-            left = loss_under_way(first, second, u, v, r, k, p)
+            left = loss_under_way(outputs, moment, u, v, r, k, p)
             x_force, y_force = left * first, left * second
             z_moment = p.thruster_x[k] * y_force - p.thruster_y[k] * x_force
         surge, sway, yaw = surge + x_force, sway + y_force, yaw + z_moment
@@ -101,5 +101,5 @@ actuator_output = by_field(MARK, output_of_either, jet_force)
 # An output of thruster k that gives only a share [1] of its thrust.
 worn = by_field(MARK, worn_either, worn_jet)
 
-# Total surge, sway force [N] and yaw moment [N m]; outputs[moment]: (K, 2) by `actuator_output`.
+# Total surge, sway force [N] and yaw moment [N m]; outputs[moment]: (K, JET) by `put_output`.
 propulsion_forces = by_field(MARK, forces_of_both, jet_forces)

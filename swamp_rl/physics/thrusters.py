@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.force_curve import SLOWNESS, THRUST
 
 LOW_KNOT, MIDDLE_KNOT = 0.3, 0.6  # throttles between which, and 1, the efficiency curve is linear
 
@@ -128,23 +129,39 @@ def alive(k: int, time: float, h: float, p: Any) -> float:
 
 
 @compiled
-def loss_under_way(x_force: float, y_force: float, u: float, v: float, r: float, k: int, p: Any) -> float:
+def put_output(first: float, second: float, jets: Any, moment: int, k: int, p: Any) -> None:
+    """Put an output of `actuator_output` into jets[moment, k], with what `loss_under_way` needs of a jet's
+    force T alone: T [N] and 1/V_o = √(ρ A_n / T) [s/m].
+    """
+    jets[moment, k, 0], jets[moment, k, 1] = first, second
+    if p.advance_loss[k] == 0.0 and p.crossflow_loss == 0.0:
+        return
+    thrust = math.sqrt(first * first + second * second)
+    jets[moment, k, THRUST] = thrust
+    jets[moment, k, SLOWNESS] = (
+        math.sqrt(p.water_density * p.nozzle_area[k] / thrust) if thrust > 0.0 else 0.0
+    )
+
+
+@compiled
+def loss_under_way(jets: Any, moment: int, u: float, v: float, r: float, k: int, p: Any) -> float:
     """What is left [1] of the force T of thruster k in water that passes it at u, v [m/s] and r [rad/s].
 
     (1 − c_a V_a/V_o) exp(−c_t (V_t/V_o)²), V_o = √(T / (ρ A_n)): the jet gains less momentum the faster the
     water already runs along it (thesis eq. 5.2), and the flow across it takes its share (Typhoon AUV, eq. 24,
     on the ratio of speeds as the energy paper has it). V_a, V_t [m/s]: the thruster's own speed through the
     water along and across the jet. No loss at rest; it neither turns round nor is drawn backwards.
+    jets[moment]: (K, JET) by `put_output`.
     """
     if p.advance_loss[k] == 0.0 and p.crossflow_loss == 0.0:
         return 1.0
-    thrust = math.sqrt(x_force * x_force + y_force * y_force)
+    x_force, y_force, thrust = jets[moment, k, 0], jets[moment, k, 1], jets[moment, k, THRUST]
     if thrust == 0.0:
         return 0.0
     u_there, v_there = u - r * p.thruster_y[k], v + r * p.thruster_x[k]
     along = (u_there * x_force + v_there * y_force) / thrust
     across = (v_there * x_force - u_there * y_force) / thrust
-    jet_speed_inverse = math.sqrt(p.water_density * p.nozzle_area[k] / thrust)
+    jet_speed_inverse = jets[moment, k, SLOWNESS]
     advance = max(1.0 - p.advance_loss[k] * along * jet_speed_inverse, 0.0)
     if p.crossflow_loss == 0.0:
         return advance
@@ -156,11 +173,12 @@ def loss_under_way(x_force: float, y_force: float, u: float, v: float, r: float,
 def jet_forces(jets: Any, moment: int, u: float, v: float, r: float, p: Any) -> tuple[float, float, float]:
     """Total surge, sway force [N] and yaw moment [N m] at u, v [m/s], r [rad/s] through the water.
 
-    jets[moment]: (K, 2) forces along body x and y; N = x Y - y X for each (8.24, with y to starboard).
+    jets[moment]: (K, JET) by `put_output`, forces along body x and y first; N = x Y - y X for each (8.24,
+    with y to starboard).
     """
     surge, sway, yaw = 0.0, 0.0, 0.0
     for k in range(jets.shape[1]):
-        left = loss_under_way(jets[moment, k, 0], jets[moment, k, 1], u, v, r, k, p)
+        left = loss_under_way(jets, moment, u, v, r, k, p)
         x_force, y_force = left * jets[moment, k, 0], left * jets[moment, k, 1]
         surge += x_force
         sway += y_force

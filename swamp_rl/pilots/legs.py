@@ -108,6 +108,7 @@ def drive_leg(
     share done.
     """
     from stable_baselines3.common.callbacks import ConvertCallback
+    from stable_baselines3.common.logger import Logger
 
     _begin_leg(learner, settings.seed, leg)
     tally = Tally(settings.boats)
@@ -117,6 +118,7 @@ def drive_leg(
         tick(min(1.0, learner.num_timesteps / settings.decisions))
         return True
 
+    learner.set_logger(Logger(None, []))  # its own makes a folder in the temporary directory
     learner.learn(decisions, ConvertCallback(record), reset_num_timesteps=False)
     return tally.means()
 

@@ -16,7 +16,9 @@ def delayed_command(past: Any, tick: int, delay: float, arrived: Any) -> None:
     """
     whole = int(delay)
     share = delay - whole
-    newer, older = max(tick - whole, 0) % past.shape[0], max(tick - whole - 1, 0) % past.shape[0]
+    newer, older = max(tick - whole, 0), max(tick - whole - 1, 0)
+    if newer >= past.shape[0]:  # a division that a table of the whole run never needs
+        newer, older = newer % past.shape[0], older % past.shape[0]
     for c in range(arrived.shape[0]):
         arrived[c] = past[newer, c]
         if share != 0.0:

@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.effects import Reference
+from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.propulsion import actuator_output, propulsion_forces, throttle_limits
 from swamp_rl.physics.resistance import towing
+from swamp_rl.physics.thrusters import put_output
 from swamp_rl.simulator.parameters import parameters, tank
 
 GRAVITY = 9.81  # m/s2
@@ -44,11 +46,12 @@ def reference_of(boat: Boat) -> Reference:
 
 
 def _full_ahead(record: Any) -> NDArray[np.float64]:
-    """(1, K, 2) outputs of the thrusters at their greatest command, as nearly straight ahead as they turn."""
-    outputs = np.zeros((1, len(record["thruster_x"]), 2))
+    """(1, K, JET) outputs of thrusters at their greatest command, as nearly straight ahead as they turn."""
+    outputs = np.zeros((1, len(record["thruster_x"]), JET))
     for k in range(outputs.shape[1]):
         angle = float(np.clip(0.0, record["azimuth_min"][k], record["azimuth_max"][k]))
-        outputs[0, k] = actuator_output(angle, throttle_limits(k, record)[1], k, record)
+        first, second = actuator_output(angle, throttle_limits(k, record)[1], k, record)
+        put_output(first, second, outputs, 0, k, record)
     return outputs
 
 

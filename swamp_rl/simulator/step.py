@@ -6,12 +6,12 @@ from typing import Any
 import numba
 import numpy as np
 
-from swamp_rl.physics.compile import compiled
-from swamp_rl.physics.force_curve import ANGLE_OF_THRUSTER, COMPONENT, JET, LEVEL_OF_THRUSTER
-from swamp_rl.physics.motion import held_over_step, runge_kutta_step, water_velocity
+from swamp_rl.physics.compile import compiled, uncounted
+from swamp_rl.physics.force_curve import ANGLE_OF_THRUSTER, JET, LEVEL_OF_THRUSTER
+from swamp_rl.physics.motion import constants_of, runge_kutta_step, water_velocity
 from swamp_rl.physics.noise import normal_pair
 from swamp_rl.physics.propulsion import actuator_output, throttle_limits, worn
-from swamp_rl.physics.thrusters import alive, azimuth_after, supply, throttle_after
+from swamp_rl.physics.thrusters import alive, azimuth_after, put_output, supply, throttle_after
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import (
     ACTUATORS,
@@ -92,11 +92,13 @@ def commanded(k: int, time: float, command: Any, p: Any) -> tuple[float, float]:
 
 @compiled
 def move_actuators(state: Any, command: Any, h: float, jets: Any, p: Any) -> None:
-    """Let the actuators follow the command for h [s]; jets (3, K, 4) takes their outputs at 0, h/2 and h,
-    and, where a force is a function of them, their angles [rad] and levels.
+    """Let the actuators follow the command for h [s]; jets (3, K, JET) takes their outputs, angles [rad]
+    and levels at 0, h/2 and h.
+
+    Where an actuator is as it was a moment before, its output in jets stands: call `forget_outputs` before
+    the first step of a boat.
     """
     thrusters = jets.shape[1]
-    seen = p.force_curves[0, COMPONENT] != 0.0
     for k in range(thrusters):
         azimuth_command, throttle_command = commanded(k, state[TIME], command, p)
         azimuth, throttle = state[ACTUATORS + k], state[ACTUATORS + thrusters + k]
@@ -110,31 +112,58 @@ def move_actuators(state: Any, command: Any, h: float, jets: Any, p: Any) -> Non
                     azimuth, azimuth_command, p.azimuth_time_constant[k], p.azimuth_rate[k], time
                 )
                 level = throttle_after(throttle, throttle_command, p.pump_time_constant[k], time)
+            before = jets[(i + 2) % 3, k]
+            if wears or angle != before[ANGLE_OF_THRUSTER] or level != before[LEVEL_OF_THRUSTER]:
                 first, second = actuator_output(angle, level, k, p)
                 if wears:
-                    first, second = worn(first, second, works * supply(state[TIME] + time, p), k, p)
-                jets[i, k, 0], jets[i, k, 1] = first, second
-            else:  # arrived: nothing moves any more
-                jets[i, k, 0], jets[i, k, 1] = jets[i - 1, k, 0], jets[i - 1, k, 1]
-            if seen:
+                    first, second = worn(first, second, works * supply(state[TIME] + 0.5 * h * i, p), k, p)
+                put_output(first, second, jets, i, k, p)
                 jets[i, k, ANGLE_OF_THRUSTER], jets[i, k, LEVEL_OF_THRUSTER] = angle, level
+            else:
+                for c in range(JET):
+                    jets[i, k, c] = before[c]
         state[ACTUATORS + k], state[ACTUATORS + thrusters + k] = angle, level
+
+
+@compiled
+def forget_outputs(jets: Any) -> None:
+    """Let `move_actuators` take nothing in jets (3, K, JET), scratch or another boat's, for an output."""
+    for k in range(jets.shape[1]):
+        jets[2, k, ANGLE_OF_THRUSTER] = math.nan
 
 
 @compiled
 def step_boat(
     state: Any, p: Any, tank: Any, command: Any, seed: Any, dt: float, substeps: int, jets: Any
 ) -> None:
+    """Advance one boat by dt [s] in place, as `continue_boat`, whatever jets (3, K, JET) holds."""
+    forget_outputs(jets)
+    continue_boat(state, p, tank, command, seed, dt, substeps, jets, constants_of(p, tank))
+
+
+@compiled
+def continue_boat(
+    state: Any,
+    p: Any,
+    tank: Any,
+    command: Any,
+    seed: Any,
+    dt: float,
+    substeps: int,
+    jets: Any,
+    constants: Any,
+) -> None:
     """Advance one boat by dt [s] in place.
 
     state: (S,), see `swamp_rl.simulator.state`; p: its parameter record; tank: `tank_table`;
     command: (2K,) azimuths [rad] then throttles [1], held over the step: what has arrived, so where commands
     act late it comes from `delayed_command`; seed: of its gusts;
-    jets: (3, K, JET) scratch.
+    jets: (3, K, JET), as the last step of this boat left it, or after `forget_outputs`;
+    constants: `constants_of(p, tank)`.
     """
     h = dt / substeps
     update_gusts(state, seed, dt, p)
-    held = held_over_step(wind_now(state, p), p, tank)
+    held = wind_now(state, p), constants
     water_north, water_east = water_velocity(state[TIME], p)
     cos, sin = math.cos(state[HEADING]), math.sin(state[HEADING])
     motion = (
@@ -149,20 +178,22 @@ def step_boat(
         move_actuators(state, command, h, jets, p)
         motion = runge_kutta_step(motion, state[TIME], h, jets, held, p, tank)
         state[TIME] += h
-    water_north, water_east = water_velocity(state[TIME], p)
-    cos, sin = math.cos(motion[2]), math.sin(motion[2])
     state[NORTH], state[EAST], state[HEADING] = motion[0], motion[1], motion[2]
-    state[SURGE] = motion[3] + water_north * cos + water_east * sin
-    state[SWAY] = motion[4] + water_east * cos - water_north * sin
-    state[YAW_RATE] = motion[5]
+    state[SURGE], state[SWAY], state[YAW_RATE] = motion[3], motion[4], motion[5]
+    water_north, water_east = water_velocity(state[TIME], p)
+    if water_north != 0.0 or water_east != 0.0:
+        cos, sin = math.cos(motion[2]), math.sin(motion[2])
+        state[SURGE] = motion[3] + water_north * cos + water_east * sin
+        state[SWAY] = motion[4] + water_east * cos - water_north * sin
 
 
 @compiled
 def step(state: Any, params: Any, tank: Any, commands: Any, seeds: Any, dt: float, substeps: int) -> None:
     """Advance n boats by dt [s] in place; state (n, S), params (n,), commands (n, 2K), seeds uint64 (n,)."""
-    jets = np.empty((3, commands.shape[1] // 2, JET))
+    room = np.empty((3, commands.shape[1] // 2, JET))
+    jets, boats, curves, given = uncounted(room), uncounted(state), uncounted(tank), uncounted(commands)
     for i in range(state.shape[0]):
-        step_boat(state[i], params[i], tank, commands[i], seeds[i], dt, substeps, jets)
+        step_boat(boats[i], params[i], curves, given[i], seeds[i], dt, substeps, jets)
 
 
 @compiled(parallel=True)
@@ -194,15 +225,19 @@ def simulate_in_weather(
     """As `simulate`, with measured weather (n or 0, T, 3): rows of `take_weather`, each held for dt [s]."""
     boats, steps = commands.shape[0], commands.shape[1]
     track = np.empty((boats, steps + 1, start.shape[1]))
-    jets = np.empty((3, commands.shape[2] // 2, JET))
-    arrived = np.empty(commands.shape[2])
-    own = params.copy()
+    room, row = np.empty((3, commands.shape[2] // 2, JET)), np.empty(commands.shape[2])
+    jets, arrived, curves, given = uncounted(room), uncounted(row), uncounted(tank), uncounted(commands)
+    own, states, measured = params.copy(), uncounted(track), uncounted(weather)
     for i in range(boats):
+        forget_outputs(jets)
         track[i, 0] = start[i]
+        constants = constants_of(own[i], curves)
         for j in range(steps):
-            track[i, j + 1] = track[i, j]
+            for c in range(start.shape[1]):
+                states[i, j + 1, c] = states[i, j, c]
             if weather.shape[0] > 0:
-                take_weather(own[i], weather[i, j])
-            delayed_command(commands[i], j, params[i].command_delay / dt, arrived)
-            step_boat(track[i, j + 1], own[i], tank, arrived, seeds[i], dt, substeps, jets)
+                take_weather(own[i], measured[i, j])
+                constants = constants_of(own[i], curves)
+            delayed_command(given[i], j, params[i].command_delay / dt, arrived)
+            continue_boat(states[i, j + 1], own[i], curves, arrived, seeds[i], dt, substeps, jets, constants)
     return track

@@ -1,6 +1,7 @@
 """The offset of the clocks of commands and receiver, of either sign, under any wiring."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,17 +21,20 @@ def stamped_late(runs: RunSet, seconds: float) -> RunSet:
     return replace(runs, commands=runs.commands[:, np.clip(rows, 0, runs.commands.shape[1] - 1)])
 
 
-@pytest.fixture(scope="module")
-def wired(tmp_path_factory: pytest.TempPathFactory) -> RunSet:
+def wired_runs(folder: Path, seconds: float) -> RunSet:
     """Runs whose port and starboard commands are exchanged and whose port command has the other sign."""
-    folder = tmp_path_factory.mktemp("wired")
     written(folder, "twin")
     (folder / "truth.yaml").write_text(
         "extends: twin.yaml\neffects:\n  - {effect: channel_swap, thruster: [port, starboard]}\n"
         "  - {effect: throttle_reversed, thruster: port}\n"
     )
-    sailed_dataset(folder / "runs", folder / "twin.yaml", load_boat(folder / "truth.yaml"))
+    sailed_dataset(folder / "runs", folder / "twin.yaml", load_boat(folder / "truth.yaml"), seconds=seconds)
     return read_run_set(folder / "runs", load_boat(folder / "twin.yaml"))
+
+
+@pytest.fixture(scope="module")
+def wired(tmp_path_factory: pytest.TempPathFactory) -> RunSet:
+    return wired_runs(tmp_path_factory.mktemp("wired"), 60.0)
 
 
 @pytest.mark.parametrize("seconds", [-1.5, -0.7, 0.7, 1.5])
@@ -46,8 +50,8 @@ def test_runs_of_one_command_have_no_offset(wired: RunSet) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seconds", [-1.5, 1.5])
-def test_wiring_and_offset_are_found_together(wired: RunSet, seconds: float) -> None:
-    runs = stamped_late(wired, seconds)
+def test_wiring_and_offset_are_found_together(tmp_path: Path, seconds: float) -> None:
+    runs = stamped_late(wired_runs(tmp_path, 30.0), seconds)
     found = search_wiring(runs, weights(runs, noise_levels(runs)))
     assert len(found.changes) == 2
     if seconds > 0.0:

@@ -81,7 +81,7 @@ def test_a_hidden_boat_is_found_within_its_intervals(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_file_beats_what_is_trivial_and_says_which_numbers_the_runs_do_not_show(tmp_path: Path) -> None:
     truth = hidden(tmp_path, HIDDEN)
-    sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, low=0.0)
+    sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, low=0.0, seconds=40.0)
     found = identify_boat(tmp_path / "runs", tmp_path / "twin.yaml", tmp_path / "new.yaml")
     assert not_better(found) == []
     assert found.after[FIVE].boat_file < 0.3 * found.before[FIVE].boat_file

@@ -17,7 +17,7 @@ from swamp_rl.runs import Run, RunMeta
 from tests.support.patience import patient, until
 from tests.support.runs import circling
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.timed]
 
 NASTY = """</script><img src=x onerror="document.title='pwned'">&amp;'"""
 

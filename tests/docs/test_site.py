@@ -140,6 +140,7 @@ def test_every_public_function_and_effect_can_be_linked_to(site: Path) -> None:
 @pytest.mark.parametrize(
     "page", ["index", "reference/python", "reference/effects", "tutorials/diagnose_a_log"]
 )
+@pytest.mark.timed
 def test_a_page_fits_a_phone_and_asks_for_nothing(site: Path, browser: Browser, page: str) -> None:
     tab = browser.new_page(viewport={"width": 390, "height": 844})
     asked: list[str] = []

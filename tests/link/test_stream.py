@@ -19,6 +19,8 @@ from swamp_rl.runs.import_telemetry import FIELDS
 from swamp_rl.runs.thruster_telemetry import MODULE_FIELDS
 from tests.support.link import own_network, served, swamp, switched_on, tell, vehicle_of
 
+pytestmark = pytest.mark.timed
+
 
 def driven() -> list[bytes]:
     """Packets of five seconds in which the throttle of the first jet rises by a tenth each second."""

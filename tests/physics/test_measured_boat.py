@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.physics.air_and_current import current_push
+from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.hull import demihull_resistance
 from swamp_rl.physics.propulsion import propulsion_forces
 from swamp_rl.physics.resistance import surge_resistance, towing
+from swamp_rl.physics.thrusters import put_output
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.state import NORTH, SURGE, SWAY, YAW_RATE
 from tests.support.boats import commands, track
@@ -26,8 +28,9 @@ def pull(boat: Boat, throttle: float, speed: float = 0.0) -> float:
     """Thrust [N] of the four jets straight ahead at that surge speed [m/s]."""
     p = parameters(boat)[0]
     at_rest = p["thrust_quadratic"][0] * throttle**2
-    jets = np.zeros((1, 4, 2))
-    jets[0, :, 0] = at_rest
+    jets = np.zeros((1, 4, JET))
+    for k in range(4):
+        put_output(at_rest, 0.0, jets, 0, k, p)
     return float(propulsion_forces(jets, 0, speed, 0.0, 0.0, p)[0])
 
 

@@ -66,6 +66,7 @@ def test_broken_off_after_any_round_it_ends_with_the_same_bits_and_tells_every_r
     assert [path.name for path in tmp_path.iterdir()] == ["checkpoint"]
 
 
+@pytest.mark.timed
 def test_killed_at_random_instants_it_ends_with_the_same_bits(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tests.support.killed_dagger", str(tmp_path), "1"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)

@@ -39,6 +39,7 @@ def clone(senses: tuple[str, ...] = CLONED, hidden: int = 64) -> NetworkPilot:
     return NetworkPilot("cloning", senses, scaling | layers)
 
 
+@pytest.mark.timed
 def test_a_training_killed_at_random_instants_ends_with_the_same_bits(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tests.support.killed_ppo", str(tmp_path), "1"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
@@ -68,6 +69,12 @@ def test_a_checkpoint_tells_the_curve_again_and_is_refused_with_other_settings(t
     path.write_bytes(path.read_bytes()[:-100])
     with pytest.raises(UserError, match="damaged"):
         train_ppo(boats_of(QUICK), QUICK, checkpoint=path)
+
+
+def test_a_training_without_a_checkpoint_writes_nothing(temporary: Path) -> None:
+    short = QUICK.model_copy(update={"decisions": 512, "leg": 1})
+    train_ppo(boats_of(short), short)
+    assert not list(temporary.iterdir())
 
 
 def test_ppo_drives_as_the_clone_it_begins_as_until_its_value_function_has_settled() -> None:

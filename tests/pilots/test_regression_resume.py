@@ -97,6 +97,7 @@ def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path) -> None:
     assert "\n" not in str(told.value)
 
 
+@pytest.mark.timed
 def test_killed_at_random_instants_it_ends_with_the_same_bits(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tests.support.killed_clones", str(tmp_path), "1"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)

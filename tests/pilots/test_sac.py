@@ -49,6 +49,13 @@ def test_it_learns_the_same_from_the_same_seed_and_tells_its_curve() -> None:
     assert (first.weights()["weight_0"] != other.weights()["weight_0"]).any()
 
 
+def test_a_training_without_a_checkpoint_writes_nothing(temporary: Path) -> None:
+    short = SACSettings(boats=4, decisions=16, random=8, updates=1, hidden=(8,), leg=2)
+    train_sac(boats_of(short), short)
+    assert not list(temporary.iterdir())
+
+
+@pytest.mark.timed
 def test_a_training_killed_at_random_instants_ends_with_the_same_bits(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tests.support.killed_sac", str(tmp_path), "1"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)

@@ -159,3 +159,20 @@ def test_the_thesis_current_model_is_a_force_and_stands_alone() -> None:
     pushed = track(BOAT, command, current_north=0.3, current_as_force=1.0)
     assert pushed[-1, SURGE] > 0.0 and pushed[-1, NORTH] > 0.0
     assert np.array_equal(track(BOAT, command, current_as_force=1.0), track(BOAT, command))
+
+
+def test_boats_of_other_thrust_that_move_alike_are_simulated_together_as_alone() -> None:
+    boats = parameters(BOAT, 2)
+    boats["thrust_scale"] = [1.0, 0.5]
+    given = np.tile(np.array([0.3, 0.3, -0.3, -0.3, 0.8, 0.8, 0.8, 0.8]), (2, 30, 1))
+    start, seeds = initial_state(boats, np.zeros((2, 3))), np.zeros(2, np.uint64)
+    together = simulate(boats, tank(BOAT), start, given, seeds, 0.1, 1)
+    stepped = start.copy()
+    for row in range(30):
+        step(stepped, boats, tank(BOAT), given[:, row].copy(), seeds, 0.1, 1)
+    np.testing.assert_array_equal(stepped, together[:, -1])
+    for boat in range(2):
+        own = slice(boat, boat + 1)
+        alone = simulate(boats[own], tank(BOAT), start[own], given[own], seeds[own], 0.1, 1)
+        np.testing.assert_array_equal(alone[0], together[boat])
+    assert together[0, -1, SURGE] > 1.2 * together[1, -1, SURGE]

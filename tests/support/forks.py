@@ -30,6 +30,7 @@ LIBRARIES = (
     "swamp_rl.experiments.cli",
     "swamp_rl.simulator",
     "torch",
+    "torch._dynamo",  # a second that each training would take
 )
 SCRIPT, COMMAND = "script", "command"
 

@@ -23,7 +23,7 @@ from tests.support.driving import BOAT, aim, meta
 from tests.support.patience import patient, until
 from tests.support.recorder import GREAT_HASTE, serving
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.timed]
 
 HASTE, MORE_HASTE = 3.0, 6.0  # keys are pressed from outside the browser, which takes time
 ATTEMPTS = 4

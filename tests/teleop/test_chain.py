@@ -16,6 +16,8 @@ from swamp_rl.runs import check_dataset, read_dataset
 from tests.support.patience import patient
 from tests.support.recorder import serving
 
+pytestmark = pytest.mark.timed
+
 HASTE = 12.0
 RUNS, EPISODES = 10, 200
 # A program at the keyboard: it reads what the page is sent, holds down the arrow keys that the rule of

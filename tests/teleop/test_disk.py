@@ -20,6 +20,8 @@ from tests.support.driving import BOAT, accept, aim, command, drive, recordings,
 from tests.support.patience import PATIENCE
 from tests.support.recorder import serving
 
+pytestmark = pytest.mark.timed
+
 HASTE = 10.0
 BETWEEN = 0.01  # s between two commands, as a page's
 

@@ -10,6 +10,8 @@ from swamp_rl.teleop.guard import LOCKED, WRONG, Guard
 from tests.support.recorder import serving
 from tests.support.web import answer, driving, hear, status
 
+pytestmark = pytest.mark.timed
+
 TOKEN = "harbour7"
 COMMAND = {"type": "command", "throttle": 0.5, "angle": 0.1}
 

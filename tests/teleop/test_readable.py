@@ -15,7 +15,7 @@ from swamp_rl.pilots.scripted import ScriptedPilot
 from tests.support.patience import patient
 from tests.support.recorder import GREAT_HASTE, serving
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.timed]
 
 SIZES = {"desktop": (1280, 800), "phone across": (844, 390), "phone upright": (390, 844)}
 # What canvases write, beside the page's own words.

@@ -29,6 +29,8 @@ from tests.support.driving import BOAT, accept, command, drive, meta, recordings
 from tests.support.patience import PATIENCE
 from tests.support.runs import circling, described
 
+pytestmark = pytest.mark.timed
+
 KILLS = 12
 
 # Reads folders and times. Drives there without end, says of each run that was accepted, and after the time is

@@ -26,6 +26,8 @@ from swamp_rl.teleop.server import bound
 from tests.support.patience import PATIENCE
 from tests.support.recorder import serving
 
+pytestmark = pytest.mark.timed
+
 COMMAND = {"type": "command", "throttle": 0.5, "angle": 0.1}
 TOKEN = "harbour7"
 

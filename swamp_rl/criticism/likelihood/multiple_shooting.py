@@ -4,6 +4,7 @@ import math
 from copy import copy
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,6 +138,7 @@ class Shooting:
         self.correlation_samples = 1.0
         self.boat_steps = [0]  # shared by all parts of this problem
         self.histories: dict[tuple[str, bytes], Array] = {}
+        self.last_records: list[Any] = []  # hypothesis, numbers and what `_records` made of them
 
     def _with_start_prior(self, windows: Windows) -> Windows:
         """The windows with a Gaussian prior on the initial states: the first row holds the smoothed measured
@@ -184,7 +186,7 @@ class Shooting:
     def with_commands(self, run_set: RunSet) -> "Shooting":
         """The same windows with the commands of other runs."""
         made = copy(self)
-        made.run_set, made.histories = run_set, {}
+        made.run_set, made.histories, made.last_records = run_set, {}, []
         made.plain_actuators = made.actuators(Hypothesis(), np.zeros((1, 0)))[0]
         return made
 
@@ -215,6 +217,18 @@ class Shooting:
         first[:, : commands.shape[1]] = commands
         return first
 
+    def _records(self, hypothesis: Hypothesis, x: Array) -> NDArray[Any]:
+        """(V W,) parameter records under each row of x (V, p), a copy. Those of the last numbers are kept: a
+        fit of the initial states does not move them, nor does its Jacobian, whose rows are equal.
+        """
+        own = x[:1] if (x == x[:1]).all() else x
+        key = hypothesis, own.tobytes()
+        if not (self.last_records and self.last_records[0] is hypothesis and self.last_records[1] == key[1]):
+            made = hypothesis.records(self.boat, own, self.record, self.run_set.origins)
+            self.last_records[:] = [*key, made.reshape(len(own), -1)]
+        each = np.broadcast_to(self.last_records[2], (len(x), len(self.run_set.lengths)))
+        return each[:, self.windows.run].reshape(-1)
+
     def predict(
         self,
         hypothesis: Hypothesis,
@@ -227,7 +241,7 @@ class Shooting:
         acceleration: (V W or 0, B, 3) and block as in `roll`.
         """
         win, variants = self.windows, len(x)
-        batch = hypothesis.records(self.boat, x, self.record, self.run_set.origins[win.run])
+        batch = self._records(hypothesis, x)
         ahead = rows_ahead(batch, float(self.run_set.lengths.max()) * self.dt, self.dt)
         if hypothesis.moves_actuators:
             rows, place = np.unique(hypothesis.of_actuators(x), axis=0, return_inverse=True)

@@ -7,11 +7,12 @@ from typing import Any
 import numba
 import numpy as np
 
-from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.compile import compiled, uncounted
 from swamp_rl.physics.force_curve import JET
+from swamp_rl.physics.motion import constants_of
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import SURGE, TIME
-from swamp_rl.simulator.step import move_actuators, step_boat, take_weather
+from swamp_rl.simulator.step import continue_boat, forget_outputs, move_actuators, take_weather
 
 LEAST_STEPS = 10_000  # boat steps that are worth a thread: about 5 ms
 ACTUATOR_SHARE = 5  # steps of actuators alone that take as long as one of a boat
@@ -89,12 +90,19 @@ def _roll(
     block: int,
     track: Any,
 ) -> None:
-    jets = np.empty((3, commands.shape[2] // 2, JET))
-    state = np.empty(start.shape[1])
-    arrived = np.empty(commands.shape[2])
+    room = np.empty((3, commands.shape[2] // 2, JET)), np.empty(start.shape[1]), np.empty(commands.shape[2])
+    jets, state, arrived = uncounted(room[0]), uncounted(room[1]), uncounted(room[2])
+    given, measured, curves, filled = (
+        uncounted(commands),
+        uncounted(weather),
+        uncounted(tank),
+        uncounted(track),
+    )
     for i in range(start.shape[0]):
+        forget_outputs(jets)
         state[:] = start[i]
         track[i, 0] = state[:6]
+        constants = constants_of(params[i], curves)
         for j in range(track.shape[1] - 1):
             if j < steps[i]:
                 accelerated = acceleration.shape[0] > 0
@@ -103,26 +111,29 @@ def _roll(
                     for c in range(3):
                         state[SURGE + c] += 0.5 * dt * acceleration[i, part, c]
                 if weather.shape[0] > 0:
-                    take_weather(params[i], weather[run[i], min(first[i] + j, weather.shape[1] - 1)])
+                    take_weather(params[i], measured[run[i], min(first[i] + j, weather.shape[1] - 1)])
+                    constants = constants_of(params[i], curves)
                 row = min(first[i] + j, commands.shape[1] - 1)
-                delayed_command(commands[run[i]], row, params[i].command_delay / dt, arrived)
-                step_boat(state, params[i], tank, arrived, seeds[i], dt, substeps, jets)
+                delayed_command(given[run[i]], row, params[i].command_delay / dt, arrived)
+                continue_boat(state, params[i], curves, arrived, seeds[i], dt, substeps, jets, constants)
                 if accelerated:
                     for c in range(3):
                         state[SURGE + c] += 0.5 * dt * acceleration[i, part, c]
-            track[i, j + 1] = state[:6]
+            for c in range(6):
+                filled[i, j + 1, c] = state[c]
 
 
 @compiled(threaded=True)
 def _roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, states: Any) -> None:
-    jets = np.empty((3, commands.shape[2] // 2, JET))
-    state = np.empty(start.shape[1])
-    arrived = np.empty(commands.shape[2])
+    room = np.empty((3, commands.shape[2] // 2, JET)), np.empty(start.shape[1]), np.empty(commands.shape[2])
+    jets, state, arrived = uncounted(room[0]), uncounted(room[1]), uncounted(room[2])
+    given = uncounted(commands)
     for i in range(start.shape[0]):
+        forget_outputs(jets)
         state[:] = start[i]
         for j in range(states.shape[1]):
             states[i, j] = state[6:]
-            delayed_command(commands[run[i]], j, params[i].command_delay / dt, arrived)
+            delayed_command(given[run[i]], j, params[i].command_delay / dt, arrived)
             move_actuators(state, arrived, dt, jets, params[i])
             state[TIME] += dt
 

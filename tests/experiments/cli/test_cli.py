@@ -271,6 +271,7 @@ def test_ctrl_c_while_the_verbs_are_imported_is_one_line(
     assert capsys.readouterr().err == "swamp-rl: interrupted before it began\n"
 
 
+@pytest.mark.timed
 def test_a_terminated_verb_is_one_line_and_leaves_nothing_half_written(
     call: Call, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -287,6 +288,7 @@ def test_a_terminated_verb_is_one_line_and_leaves_nothing_half_written(
 @pytest.mark.parametrize(
     ("number", "code", "word"), [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")]
 )
+@pytest.mark.timed
 def test_a_signal_that_a_callback_swallows_still_ends_the_verb(
     call: Call, monkeypatch: pytest.MonkeyPatch, number: int, code: int, word: str
 ) -> None:
@@ -313,6 +315,7 @@ def test_a_bug_is_one_line_for_users_and_a_traceback_for_those_who_ask(
         call("runs", "check", folder)
 
 
+@pytest.mark.timed
 def test_output_may_be_cut_short_by_its_reader(folder: Path) -> None:
     reading, writing = os.pipe()
     os.close(reading)

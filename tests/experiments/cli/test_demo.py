@@ -143,6 +143,7 @@ def test_a_damaged_pilot_of_the_package_asks_for_a_new_installation(
         read_shown([], [], None)
 
 
+@pytest.mark.timed
 def test_the_web_viewer_listens_on_this_machine_only_and_ends_when_told(results: Path) -> None:
     process = started("demo", results, "--web")
     assert process.stdout is not None

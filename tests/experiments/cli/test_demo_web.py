@@ -16,7 +16,7 @@ from playwright.sync_api import ViewportSize, sync_playwright
 from tests.support.demo import dataset, started
 from tests.support.patience import PATIENCE, patient
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.timed]
 
 FLAGS = [
     "--headless=new",

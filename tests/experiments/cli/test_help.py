@@ -48,6 +48,7 @@ def test_the_example_of_a_verb_is_a_valid_command_line(verb: str, call: Call) ->
     assert not parsed.args
 
 
+@pytest.mark.timed
 def test_help_takes_less_than_a_second_and_imports_nothing_heavy() -> None:
     before, began = getrusage(RUSAGE_CHILDREN), time.perf_counter()
     listed = subprocess.run(

@@ -10,6 +10,8 @@ from swamp_rl.runs import read_dataset
 from tests.support.command_line import Call, assert_complains
 from tests.support.link import own_network, served, vehicle_of
 
+pytestmark = pytest.mark.timed
+
 
 def test_a_pilot_drives_a_served_vehicle_and_its_log_is_a_dataset(call: Call, tmp_path: Path) -> None:
     vehicle = vehicle_of(Conduct(), own_network().text)

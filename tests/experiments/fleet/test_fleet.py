@@ -36,6 +36,8 @@ from tests.support.fleets import COMPARISONS, cause, datasets, diagnosis, preten
 from tests.support.patience import PATIENCE
 from tests.support.sweep_pools import PoolHere
 
+pytestmark = pytest.mark.timed
+
 MASS = {"effect": "mass", "parameter": "mass", "value": 62.0, "error": 0.2, "gain": 80.0, "unit": "kg"}
 TOLD: dict[str, Any] = {
     "red/may": {"causes": [MASS]},

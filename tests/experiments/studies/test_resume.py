@@ -24,7 +24,7 @@ from swamp_rl.unfinished import taken_up
 from tests.support.patience import PATIENCE
 from tests.support.tiny_experiment import content, write_tiny
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.timed]
 
 
 def stopped(*_: Any) -> None:

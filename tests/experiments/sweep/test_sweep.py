@@ -29,7 +29,7 @@ from tests.support.patience import PATIENCE
 from tests.support.sweep_pools import PoolHere, said, swept
 from tests.support.sweeps import DRAWN, sweep_of
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.timed]
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from tests.support.sweep_pools import PoolHere, said, swept
 from tests.support.sweeps import DRAWN, FORMULA, sweep_of
 
 pytestmark = [
+    pytest.mark.timed,
     pytest.mark.slow,
     pytest.mark.xdist_group("ray"),
 ]  # a cluster takes long to start: one for the whole module

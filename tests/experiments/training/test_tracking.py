@@ -55,6 +55,7 @@ def failing(error: Exception) -> None:
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+@pytest.mark.timed
 def test_a_writing_thread_that_the_disk_refuses_prints_no_traceback(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
