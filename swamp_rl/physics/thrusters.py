@@ -1,9 +1,10 @@
-"""Thrust of the pump-jets and how their azimuth and pump follow the commands (thesis chapter 5)."""
+"""Thrust of jets at rest and under way, and how azimuth and pump follow the commands (thesis chapter 5)."""
 
 import math
 from typing import Any
 
-from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.compile import by_field, compiled
+from swamp_rl.physics.screw import SCREW, thrust_at
 
 LOW_KNOT, MIDDLE_KNOT = 0.3, 0.6  # throttles between which, and 1, the efficiency curve is linear
 
@@ -42,6 +43,22 @@ def throttle_after(throttle: float, command: float, time_constant: float, time: 
 
 
 @compiled
+def lagging(throttle: float, command: float, time: float, k: int, p: Any) -> float:
+    """As `level_after`, for a boat whose throttles have no limit of rate."""
+    return throttle_after(throttle, command, p.pump_time_constant[k], time)
+
+
+@compiled
+def limited(throttle: float, command: float, time: float, k: int, p: Any) -> float:
+    """As `level_after`, with a limit of rate [1/s]: the same law as an azimuth's."""
+    return azimuth_after(throttle, command, p.pump_time_constant[k], p.throttle_rate[k], time)
+
+
+# Throttle [1], or revolutions [rps], of thruster k after `time` [s] of a held command.
+level_after = by_field("throttle_rate", limited, lagging)
+
+
+@compiled
 def beyond_dead_band(level: float, most: float, k: int, p: Any) -> float:
     """Command that thruster k makes thrust of: sign(c) max(|c| − d c_max, 0) / (1 − d).
 
@@ -69,7 +86,7 @@ def efficiency(share: float, k: int, p: Any) -> float:
 
 
 @compiled
-def bollard_thrust(throttle: float, k: int, p: Any) -> float:
+def curve_thrust(throttle: float, k: int, p: Any) -> float:
     """Thrust [N] of thruster k at rest, negative astern: T = (a + b p) p ahead, (a' − b' p) p astern.
 
     Table 5.5: a = 0, b = 12.2 N.
@@ -80,11 +97,30 @@ def bollard_thrust(throttle: float, k: int, p: Any) -> float:
 
 
 @compiled
+def thrust_of_either(throttle: float, k: int, p: Any) -> float:
+    """As `bollard_thrust`, for a boat with a propeller or a table of `swamp_rl.physics.screw`."""
+    if p.screw_model[k] > 0.0:
+        return thrust_at(throttle, 0.0, k, p)
+    return curve_thrust(throttle, k, p)
+
+
+# Thrust [N] of thruster k at rest at a throttle [1], negative astern.
+bollard_thrust = by_field(SCREW, thrust_of_either, curve_thrust)
+
+
+@compiled
 def thrust_deduction_factor(throttle: float, p: Any) -> float:
     """(1 − t) [1] of throttle p: f_0 + s (f_1 − f_0), s = (|p| − p_0)/(p_1 − p_0) within [0, 1] (7.3.5)."""
     low, high = p.deduction_throttle_low, p.deduction_throttle_high
     share = min(max((abs(throttle) - low) / (high - low), 0.0), 1.0)
     return p.deduction_factor_low + share * (p.deduction_factor_high - p.deduction_factor_low)
+
+
+@compiled
+def thrust_share(throttle: float, k: int, p: Any) -> float:
+    """scale · gain_k · e_k(p) · (1 − t)(p) [1] of thruster k at the throttle p beyond its dead band."""
+    gain = p.thrust_scale * p.thruster_gain[k] * efficiency(abs(throttle), k, p)
+    return gain * thrust_deduction_factor(throttle, p)
 
 
 @compiled
