@@ -12,6 +12,7 @@ class Check:
 
     share: of the number; width: as a difference instead, such as half a unit of the last printed digit; the
     wider one counts. reading_of: the printed number that this is one of several readings of; else its own.
+    contradicted: by another number or equation that the same source prints, as the reason says.
     """
 
     what: str
@@ -24,6 +25,7 @@ class Check:
     width: float = 0.0
     reason: str = ""
     reading_of: str = ""
+    contradicted: bool = False
 
     @property
     def off(self) -> float:
@@ -55,9 +57,11 @@ def check(
     width: float = 0.0,
     reason: str = "",
     reading_of: str = "",
+    contradicted: bool = False,
 ) -> Check:
     """A check of one printed number."""
-    return Check(what, source, f"{printed:g}", printed, printed, ours, share, width, reason, reading_of)
+    text = f"{printed:g}"
+    return Check(what, source, text, printed, printed, ours, share, width, reason, reading_of, contradicted)
 
 
 def check_table(checks: Sequence[Check]) -> str:
@@ -72,18 +76,31 @@ def reasons(checks: Sequence[Check]) -> str:
     return "\n".join(f"* {one.what}, {one.source}: {one.reason}" for one in checks if not one.met)
 
 
-def count(checks: Sequence[Check]) -> tuple[int, int]:
-    """How many printed numbers there are, and how many of them some reading meets."""
-    found: dict[str, bool] = {}
+def count(checks: Sequence[Check]) -> tuple[int, int, int]:
+    """How many printed numbers there are, how many of them some reading meets, and how many their own source
+    contradicts of those that none meets.
+    """
+    met: dict[str, bool] = {}
+    contradicted: dict[str, bool] = {}
     for one in checks:
         key = one.reading_of or f"{one.what}, {one.source}"
-        found[key] = found.get(key, False) or one.met
-    return len(found), sum(found.values())
+        met[key] = met.get(key, False) or one.met
+        contradicted[key] = contradicted.get(key, False) or one.contradicted
+    return len(met), sum(met.values()), sum(contradicted[key] and not met[key] for key in met)
 
 
 def count_table(groups: dict[str, list[Check]]) -> str:
-    """Numbers and how many are met, by group and in all."""
+    """Numbers, how many are met, and how many of the others their source contradicts, by group and in all."""
     counts = {name: count(checks) for name, checks in groups.items()}
     counts["all"] = tuple(map(sum, zip(*counts.values(), strict=True)))  # type: ignore[assignment]
-    rows = [[name, str(n), str(met), f"{100 * met / n:.0f} %"] for name, (n, met) in counts.items()]
-    return table(["design", "printed numbers", "within the tolerance", "share"], rows)
+    rows = [
+        [name, str(n), str(met), share(met, n), str(against), share(met, n - against)]
+        for name, (n, met, against) in counts.items()
+    ]
+    head = ["design", "printed numbers", "within the tolerance", "share", "missed, their source contradicts"]
+    return table([*head, "share of the others"], rows)
+
+
+def share(part: int, whole: int) -> str:
+    """In percent for a table, a dash of nothing."""
+    return f"{100 * part / whole:.0f} %" if whole else "–"

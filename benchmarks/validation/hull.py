@@ -60,6 +60,7 @@ def loads(hull: HullDesign) -> list[Check]:
             at_115,
             SHARE,
             reason=f"the printed lines displace {at_115:.1f} kg at 115 mm; {floats}",
+            contradicted=True,
         ),
         check(
             "displaced volume at 140 mm, m³",
@@ -68,6 +69,7 @@ def loads(hull: HullDesign) -> list[Check]:
             at_140.volume,
             SHARE,
             reason="the table's volumes are ten times too large: 58 kg of water are 0.058 m³.",
+            contradicted=True,
         ),
         check(
             "reserve of buoyancy, kg",

@@ -60,7 +60,7 @@ def identification_checks() -> list[Check]:
     )
     widest = math.sqrt(1.2 * (2.4 - 1.2))
     what = "greatest deviation that mean 1.2 and max 2.4 allow, m"
-    found.append(check(what, "003 table II", 1.7, widest, SHARE, reason=reason))
+    found.append(check(what, "003 table II", 1.7, widest, SHARE, reason=reason, contradicted=True))
     pressure = 0.5 * DENSITY
     frontal = 58.7 / (pressure * math.pi / 4.0 * DIAMETER**2)
     plan = LENGTH * DIAMETER
@@ -68,10 +68,20 @@ def identification_checks() -> list[Check]:
         f"on the frontal area D_11 = 58.7 gives {frontal:.2f}; 0.09 is near that on the area L D, "
         f"{58.7 / pressure / plan:.2f}."
     )
-    found.append(check("C_DX of D_11, frontal area", "003, IV", 0.09, frontal, SHARE, reason=reason))
+    found.append(
+        check("C_DX of D_11, frontal area", "003, IV", 0.09, frontal, SHARE, reason=reason, contradicted=True)
+    )
     reason = "D_33 = 1230 N s2/m2 on L D gives about twice the print, whichever length the papers give."
     found.append(
-        check("C_DZ of D_33, area L D", "003, IV", 1.09, 1230.0 / (pressure * plan), SHARE, reason=reason)
+        check(
+            "C_DZ of D_33, area L D",
+            "003, IV",
+            1.09,
+            1230.0 / (pressure * plan),
+            SHARE,
+            reason=reason,
+            contradicted=True,
+        )
     )
     return found
 

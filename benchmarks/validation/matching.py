@@ -1,13 +1,25 @@
 """Propellers matched to the Typhoon against its two papers, 003 and 004, and an independent program."""
 
+import math
+
+import numpy as np
+
 from benchmarks.validation.check import Check, check
+from swamp_rl.boat.screw import Disc, bollard_factor
 from swamp_rl.design.matching import best_ranges, drag_factor, load_match, matches
-from swamp_rl.design.propellers import disc_thrust_coefficient
+from swamp_rl.physics.thrusters import azimuth_after
 
 SHARE = 0.03
 KNOT = 1852.0 / 3600.0  # m/s
 JOULES = 3.6e6  # of a kWh
 DRAG = ((1, 12.54, 0.1431), (2, 22.40, 0.1278), (3, 31.16, 0.1202), (5, 48.87, 0.1115))  # table 2: m/s, N, 1
+STEPS = (  # table 5: first and last speed [r/min], sample time, rise [s], mean acceleration [rad/s2]
+    (1000, -1000, 0.288, 0.6, 350.0),  # printed 21000: the sign misread
+    (1400, -1400, 0.288, 0.6, 480.0),
+    (1500, -1500, 0.288, 0.7, 445.0),
+    (0, 1000, 0.144, 0.15, 600.0),
+    (0, 1500, 0.144, 0.15, 900.0),
+)
 DIAMETER, DENSITY = 0.33, 1025.0  # m, kg/m3
 
 
@@ -30,8 +42,26 @@ def matching_checks() -> list[Check]:
     reason = "the printed force is ρ A C_DX u, linear in the speed; it is ρ A C_DX u²/2 at 2 m/s alone."
     for speed, force, coefficient in DRAG:
         drag = drag_factor(coefficient, DIAMETER, DENSITY) * speed**2
-        found.append(check(f"drag at {speed} m/s, N", "table 2", force, drag, SHARE, reason=reason))
+        what = f"drag at {speed} m/s, N"
+        found.append(check(what, "table 2", force, drag, SHARE, reason=reason, contradicted=True))
+    found += rise_checks()
     return [*found, check("energy of two packs, kWh", "table 3", 3.84, design.energy / JOULES, SHARE)]
+
+
+def rise_checks() -> list[Check]:
+    """004's step tests: the time in which a drive that accelerates as printed makes the printed step.
+
+    By the law that limits the rate of a throttle; the rise is told to one sample of the drive's log.
+    """
+    found = []
+    for test, (first, last, sample, rise, acceleration) in enumerate(STEPS, 1):
+        start, end = (2.0 * math.pi / 60.0 * speed for speed in (first, last))
+        near = np.linspace(0.0, 2.0 * rise, 2001)
+        speeds = np.array([azimuth_after(start, end, 0.0, acceleration, float(time)) for time in near])
+        ours = float(near[np.argmax(np.abs(speeds - end) < 1e-9)])
+        what = f"rise of {abs(last - first)} r/min, test {test}, s"
+        found.append(check(what, "table 5, its mean acceleration", rise, ours, 0.0, 0.5 * sample))
+    return found
 
 
 def independent_checks() -> list[Check]:
@@ -47,8 +77,8 @@ def independent_checks() -> list[Check]:
         what = f"J* at p/d {pitch.pitch_ratio:g}, K_tb {pitch.bollard_coefficient:g} (assumed)"
         found.append(check(what, "004 (15)", value, match.advance, SHARE))
     for ratio, value in ((0.8, 0.399), (1.0, 0.559), (1.2, 0.714), (1.4, 0.858)):
-        ours = float(disc_thrust_coefficient(0.0, ratio))
+        ours = bollard_factor(Disc(kind="disc", pitch_ratio=ratio))
         found.append(
-            check(f"K_t(0) of the bladed disc at p/d {ratio:g}", "003 (11), (15)", value, ours, SHARE)
+            check(f"K_t(0) of a boat file's disc at p/d {ratio:g}", "003 (11), (15)", value, ours, SHARE)
         )
     return found

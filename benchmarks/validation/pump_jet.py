@@ -47,7 +47,15 @@ def geometry_checks(jet: PumpJet) -> list[Check]:
         check("outlet over inlet diameter D_2t/D_1t", "5.3.1", 1.5, shape.outlet[0] / shape.inlet[0], LOOSE),
         check("mean outlet diameter as tested, mm", "paper 5.1", 80, 1e3 * shape.outlet[1], LOOSE),
         check("intake area as tested, mm²", "paper 5.1", 2200, 1e6 * intake, LOOSE),
-        check("intake area over nozzle area", "5.3, approximately", 3, intake / nozzle, LOOSE, reason=reason),
+        check(
+            "intake area over nozzle area",
+            "5.3, approximately",
+            3,
+            intake / nozzle,
+            LOOSE,
+            reason=reason,
+            contradicted=True,
+        ),
         check(
             "jet speed over intake speed",
             "5.3",
@@ -55,6 +63,7 @@ def geometry_checks(jet: PumpJet) -> list[Check]:
             intake / nozzle,
             LOOSE,
             reason="by continuity it is the ratio of the areas, which the same sentence gives as 3.",
+            contradicted=True,
         ),
     ]
 
@@ -70,7 +79,9 @@ def power_checks(jet: PumpJet) -> list[Check]:
             jet.electric_power,
             LOOSE,
             reason="(5.12) divides by η_p a head that (5.10) has divided by η_loss = 0.75; with the head's "
-            f"alone, as in the paper's (12), it is {once:.1f} W, with both {jet.electric_power:.1f} W.",
+            f"alone, as in the paper's (12), it is {once:.1f} W, with both {jet.electric_power:.1f} W; "
+            "table 5.4 has 95 W.",
+            contradicted=True,
         ),
         check("electric power, nominal, W", "table 5.4", 95, jet.electric_power, LOOSE),
         check("electric power at 12.3 N, measured, W", "paper 5.2", 96.7, power_at(jet, 12.3), LOOSE),

@@ -19,6 +19,7 @@ from benchmarks.validation.design import design_parts
 from benchmarks.validation.energy import energy_rows
 from benchmarks.validation.esso_osaka import FIGURES, INDEPENDENT, Circle, circles, windows
 from benchmarks.validation.link import link_rows
+from benchmarks.validation.squat import squat_table
 from benchmarks.validation.swamp import (
     FULL,
     Row,
@@ -99,6 +100,7 @@ def swamp_parts() -> dict[str, str]:
         "tank": table(tank, [[r.depth, str(r.points), *map(share, r.errors)] for r in tank_rows()]),
         "bollard thrust": table(["largest difference, N", "root mean square, N"], bollard),
         "forces": row_table(forces),
+        "squat": squat_table(),
         "energy": row_table(energy),
         "link": row_table(link),
         "thrust deduction": table(["RPM %", "speed, m/s", "1 − t by eq. 7.3"], deduction),

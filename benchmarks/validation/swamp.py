@@ -26,6 +26,7 @@ from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.state import SURGE
 
 FULL, LIGHT = "swamp", "swamp-light"  # 58 kg and 48 kg
+THEIRS = "swamp-thesis"  # as the simulator of chapter 8 had it
 TANK_DENSITY = 1001.0  # kg/m3
 FIT_THROTTLE = (
     0.6  # of the runs that the yaw model is fitted to: 1600 rpm, see configs/trials/ittc_swamp.yaml
@@ -148,6 +149,9 @@ def turning_rows() -> list[Row]:
         full, light = (result.figures["first_overshoot"].value for result in results)
         source = "8.1.4, their simulator, RPM not told"
         found.append(Row(name, source, "almost 10°", 10.0, full, light, FULL, reading_of="zig-zag"))
+    theirs = trial(THEIRS, "zig-zag", 20.0, 0.9).figures["first_overshoot"].value
+    name = f"zig-zag 20°/20°, 90 %: the same, by `{THEIRS}`, that simulator's numbers"
+    found.append(Row(name, source, "almost 10°", 10.0, theirs, math.nan, FULL, reading_of="zig-zag"))
     return found
 
 

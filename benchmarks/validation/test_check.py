@@ -22,8 +22,16 @@ def test_a_range_is_met_within_it_and_near_its_ends() -> None:
 def test_readings_of_a_number_count_once_by_the_one_that_is_met() -> None:
     pair = [check(what, "s", 1.0, value, 0.03, reading_of="n") for what, value in (("a", 1.0), ("b", 2.0))]
     missed = check("c", "s", 1.0, 2.0, 0.03, reason="because.")
-    assert count([*pair, missed]) == (2, 1)
-    assert count_table({"x": [*pair, missed], "y": [missed]}).splitlines()[-1] == "| all | 3 | 1 | 33 % |"
+    assert count([*pair, missed]) == (2, 1, 0)
+    assert (
+        count_table({"x": [*pair, missed], "y": [missed]}).splitlines()[-1]
+        == "| all | 3 | 1 | 33 % | 0 | 33 % |"
+    )
+    against = check("d", "s", 1.0, 2.0, 0.03, reason="the source says so.", contradicted=True)
+    assert count([*pair, missed, against]) == (3, 1, 1)
+    assert (
+        count_table({"x": [*pair, missed, against]}).splitlines()[-1] == "| all | 3 | 1 | 33 % | 1 | 50 % |"
+    )
     assert reasons([missed]) == "* c, s: because."
     assert "**missed**" in check_table([missed])
 

@@ -27,6 +27,9 @@ UNITS = {
     "seconds_above_continuous_current": "s",
     "range_left": "m",
     "emptied": "s",
+    "depth": "m",
+    "draught": "m",
+    "squat": "m",
     "speed": "m/s",
     "power": "W",
     "duration": "s",
@@ -104,7 +107,8 @@ def report(flight: Flight) -> str:
         for k in range(len(names)):
             cells += [f"{leg.power[k]:.1f}", f"{leg.energy[k] / WATT_HOUR:.1f}", f"{leg.charge[k]:.3f}"]
         rows.append(cells)
-    ended = f"\n\n**{_emptied(flight)}**" if flight.emptied is not None else ""
+    early = _ended_early(flight)
+    ended = f"\n\n**{early}**" if early else ""
     return (
         f"# Mission {flight.mission.name} of {flight.boat.name}\n\nSimulated. {flight.mission.description}"
         f"{ended}\n\n"
@@ -116,7 +120,12 @@ def report(flight: Flight) -> str:
     )
 
 
-def _emptied(flight: Flight) -> str:
+def _ended_early(flight: Flight) -> str:
+    """Why and where the mission ended before its last leg; empty where it did not."""
+    if flight.aground is not None:
+        return f"{flight.aground}: the rest was not flown"
+    if flight.emptied is None:
+        return ""
     return (
         f"A pack was empty after {flight.emptied:.0f} s and {flight.way[-1]:.0f} m, in "
         f"legs.{flight.leg[-1]}: the rest was not flown"
@@ -133,8 +142,8 @@ def lines(flight: Flight) -> list[str]:
         f"energy in Wh: {energy}",
         f"state of charge at the end: {charge}",
     ]
-    if flight.emptied is not None:
-        return [*told, _emptied(flight)]
+    if early := _ended_early(flight):
+        return [*told, early]
     above = found["seconds_above_continuous_current"]
     if above > 0.0:
         told.append(f"a pack gives more than its continuous current for {above:.0f} s")

@@ -1,11 +1,19 @@
 """What a boat file may hold of its batteries and of the electric power that a thruster draws."""
 
-from typing import Annotated, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
-from swamp_rl.boat.part import FRACTION, NOT_NEGATIVE, POSITIVE, Part
+from swamp_rl.boat.part import FRACTION, FROM_LIST, NOT_NEGATIVE, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
+from swamp_rl.boat.resistance import increasing
+
+CURVE, MEASURED, SHAFT = (
+    "a power curve",
+    "a table of powers",
+    "power by the shaft's torque",
+)  # tags, never seen
 
 
 class PowerCurve(Part):
@@ -18,6 +26,51 @@ class PowerCurve(Part):
     "P_0, drawn at every throttle, 0 included."
     coefficient: Annotated[float, NOT_NEGATIVE, Unit("W/N1.5")]
     "k."
+
+
+class PowerTable(Part):
+    """Electric power of a thruster as measured over the share of its greatest command, linear between."""
+
+    throttle: Annotated[tuple[float, ...], FROM_LIST, Field(min_length=2, max_length=1000), Unit("1")]
+    "Share of the greatest command, from 0 to 1; astern as ahead."
+    power: Annotated[
+        tuple[Annotated[float, NOT_NEGATIVE], ...], FROM_LIST, Field(min_length=2, max_length=1000), Unit("W")
+    ]
+    "At each of these."
+
+    @model_validator(mode="after")
+    def _is_a_curve(self) -> Self:
+        if len(self.throttle) != len(self.power):
+            raise ValueError("throttle and power must be as many")
+        if not increasing(self.throttle) or self.throttle[0] != 0.0 or self.throttle[-1] != 1.0:
+            raise ValueError("throttle must increase from 0 to 1")
+        return self
+
+
+class ShaftPower(Part):
+    """Electric power by the propeller's torque at rest, P = P_0 + 2π n Q/η, Q = K_q ρ n² d⁵.
+
+    K_q is the propeller's `torque_coefficient`.
+    """
+
+    idle: Annotated[float, NOT_NEGATIVE, Unit("W")]
+    "P_0, drawn at every throttle, 0 included."
+    efficiency: Annotated[float, POSITIVE, Field(le=1), Unit("1")]
+    "η of motor, drive and gear: shaft power over electric power."
+
+
+def kind_of_power(given: Any) -> str:
+    """Which of the three a section `power`, in a file or loaded, is."""
+    keys = given if isinstance(given, Mapping) else type(given).model_fields if given is not None else ()
+    return MEASURED if "throttle" in keys else SHAFT if "efficiency" in keys else CURVE
+
+
+Power = Annotated[
+    Annotated[PowerCurve, Tag(CURVE)]
+    | Annotated[PowerTable, Tag(MEASURED)]
+    | Annotated[ShaftPower, Tag(SHAFT)],
+    Discriminator(kind_of_power),
+]
 
 
 class Battery(Part):

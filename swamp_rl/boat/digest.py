@@ -16,7 +16,14 @@ NO_MOTION: Any = {
     "thrusters": {"__all__": {"power"}},
 }
 "Keys without an effect on the motion, and the effects, which are listed by their values."
-NEUTRAL = (("dead_band", 0.0),)
+NEUTRAL = (
+    ("power", None),
+    ("dead_band", 0.0),
+    ("throttle_rate", None),
+    ("propeller", None),
+    ("thrust_table", None),
+    ("open_water", None),
+)
 "Keys of a thruster that are left out at these values, so that boat files without them keep their digest."
 
 
@@ -36,4 +43,5 @@ def _effect(entry: EffectEntry) -> list[Any]:
 
 
 def _without_neutral(thruster: dict[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in thruster.items() if (key, value) not in NEUTRAL}
+    left = {key: value for key, value in thruster.items() if (key, value) not in NEUTRAL}
+    return {key: _without_neutral(value) if isinstance(value, dict) else value for key, value in left.items()}

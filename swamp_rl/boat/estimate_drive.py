@@ -193,6 +193,7 @@ def _propeller_rudder(sizes: Sizes) -> dict[str, Any]:
             0.8 * revolutions, "rps", f"{OURS}, 0.8 of ahead", 0.2 * revolutions
         ),
         "revolutions_time_constant": assumed(lag, "s", f"{OURS}, 0.3 √(L/g)", lag),
+        "dead_band": assumed(0.0, "1", "none known", 0.05),
         "propeller": _propeller(sizes, diameter),
         "rudder": _rudder(sizes),
     }

@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from swamp_rl.boat.battery import CURVE, MEASURED, SHAFT
 from swamp_rl.boat.defaults import defaults_of
 from swamp_rl.boat.merge import Key, is_quantity, leaves, merge
 from swamp_rl.boat.plausible import implausible
@@ -15,12 +16,13 @@ from swamp_rl.boat.quantity import SPREAD, Provenance, units
 from swamp_rl.boat.resistance import DRIFT, TABLE, DriftResistance
 from swamp_rl.boat.resolve import TEMPLATE, resolved
 from swamp_rl.boat.schema import JET, PROPELLER, Boat
+from swamp_rl.boat.screw import OPEN_WATER
 from swamp_rl.effects import Effect, parse_effects
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations
 from swamp_rl.files import extended_config, find_config, read_yaml
 
-TAGS = (JET, PROPELLER, TABLE, DRIFT)
+TAGS = (JET, PROPELLER, TABLE, DRIFT, *OPEN_WATER, CURVE, MEASURED, SHAFT)
 
 
 def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = None) -> Boat:

@@ -8,12 +8,18 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+import numpy as np
+
+from swamp_rl.boat.battery import PowerCurve, PowerTable, ShaftPower
+from swamp_rl.boat.drawn import full_power
 from swamp_rl.boat.propeller_rudder import PropellerRudder
 from swamp_rl.boat.quantity import units
 from swamp_rl.boat.resistance import DriftResistance
 from swamp_rl.boat.schema import Boat, Thruster
+from swamp_rl.boat.screw import Screw
 
 GRAVITY = 9.81  # m/s2
+POWERS: dict[type, str] = {PowerCurve: "coefficient", PowerTable: "power", ShaftPower: "efficiency"}
 HULL = ("x_vr", "y_v", "y_r", "n_v", "n_r", "c_d", "c_ry", "c_rn")
 
 
@@ -161,9 +167,18 @@ def _jet(boat: Boat, thruster: Thruster, key: str) -> Iterator[Limit]:
     yield Limit(
         f"{key}.y", thruster.y, abs(thruster.y) / boat.breadth, "distance from midship / breadth", 0.0, 0.75
     )
-    for name in ("thrust_linear", "thrust_quadratic", "astern_linear", "astern_quadratic"):
-        value = getattr(thruster, name)
-        yield Limit(f"{key}.{name}", value, value / weight, "thrust / weight", 0.0, 3.0)
+    if thruster.propeller is not None:
+        yield from _screw(boat, thruster.propeller, f"{key}.propeller")
+    elif thruster.thrust_table is not None:
+        for i, row in enumerate(thruster.thrust_table.rows):
+            most = max(map(abs, row.thrust))
+            yield Limit(
+                f"{key}.thrust_table.rows.{i}.thrust", most, most / weight, "thrust / weight", 0.0, 3.0
+            )
+    else:
+        for name in ("thrust_linear", "thrust_quadratic", "astern_linear", "astern_quadratic"):
+            value = getattr(thruster, name)
+            yield Limit(f"{key}.{name}", value, value / weight, "thrust / weight", 0.0, 3.0)
     under = boat.breadth * boat.draught
     area = thruster.nozzle_area
     yield Limit(f"{key}.nozzle_area", area, area / under, "area / (breadth draught)", 0.0, 1.0)
@@ -174,14 +189,37 @@ def _jet(boat: Boat, thruster: Thruster, key: str) -> Iterator[Limit]:
         yield _lag(boat, key, name, getattr(thruster, name))
 
 
+def _screw(boat: Boat, screw: Screw, key: str) -> Iterator[Limit]:
+    weight = boat.mass * GRAVITY
+    share = screw.diameter / boat.length
+    yield Limit(f"{key}.diameter", screw.diameter, share, "diameter / length", 0.001, 0.5)
+    for name, astern in (("revolutions_max", False), ("revolutions_max_astern", True)):
+        value = getattr(screw, name)
+        heavy = screw.bollard(boat.water_density, astern) / weight
+        if value > 0.0:
+            yield Limit(f"{key}.{name}", value, heavy, "thrust / weight", 0.0, 3.0)
+    yield Limit(f"{key}.side_share", screw.side_share, abs(screw.side_share), "its magnitude", 0.0, 1.0)
+    if screw.motor is None:
+        return
+    full = screw.torque(screw.revolutions_max, boat.water_density)
+    given = screw.motor.torque(2.0 * math.pi * screw.revolutions_max)
+    what = "torque of the propeller at rest and revolutions_max / that of its motor there"
+    ratio = full / given if given > 0.0 else math.inf
+    yield Limit(f"{key}.motor.stall_torque", screw.motor.stall_torque, ratio, what, 0.0, 1.0)
+
+
 def electric(boat: Boat) -> Iterator[Limit]:
     """Of the thrusters' electric power and the batteries."""
     for thruster in boat.thrusters:
-        if isinstance(thruster, Thruster) and thruster.power is not None:
-            thrust = thruster.thrust_linear + thruster.thrust_quadratic
-            power = thruster.power.idle + thruster.power.coefficient * thrust**1.5
-            key, what = f"thrusters.{thruster.name}.power.coefficient", "power / thrust at full throttle, W/N"
-            yield Limit(key, thruster.power.coefficient, power / thrust, what, 0.5, 500.0)
+        if thruster.power is not None:
+            linear, quadratic = thruster.thrust_curve(boat.water_density)
+            most = thruster.throttle_max
+            thrust = linear * most + quadratic * most**2
+            power = float(full_power(thruster, np.array(most), boat.water_density))
+            name, what = POWERS[type(thruster.power)], "power / thrust at full throttle, W/N"
+            key, value = f"thrusters.{thruster.name}.power.{name}", getattr(thruster.power, name)
+            number = value[-1] if isinstance(value, tuple) else value
+            yield Limit(key, number, power / thrust, what, 0.5, 500.0)
     battery = boat.battery
     if battery is None:
         return

@@ -5,8 +5,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from swamp_rl.boat.battery import Power, ShaftPower
 from swamp_rl.boat.part import FROM_LIST, NAME, NOT_NEGATIVE, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
+from swamp_rl.boat.screw import OpenWater, bollard_factor
 
 BELOW_ONE = Field(lt=1)
 RUDDER_ANGLE = Field(gt=0, lt=math.pi / 2)
@@ -33,10 +35,12 @@ class Propeller(Part):
     "C_P of the wake."
     x_wake: Annotated[float, Unit("1")]
     "x'_P of b, lengths forward of midship."
-    k_t: Coefficients
+    k_t: Coefficients | None = None
     "Three coefficients of K_T(J) = k_0 + k_1 J + k_2 J²."
-    astern_thrust: Coefficients
+    astern_thrust: Coefficients | None = None
     "C0 to C3 of Hachii: turning astern, K_T = C1 + C2 J_s where J_s ≥ C3, else C0."
+    open_water: OpenWater | None = None
+    "In place of `k_t` and `astern_thrust`: a model of the thrust in open water."
     side_force: Coefficients
     "A0 to A4 of Hachii, turning astern; A5 to A7 of Ueno, turning ahead in sternway."
     yaw_moment: Coefficients
@@ -47,12 +51,35 @@ class Propeller(Part):
     @model_validator(mode="after")
     def _coefficients_are_whole(self) -> Self:
         for name, count in (("k_t", 3), ("astern_thrust", 4), ("side_force", 8), ("yaw_moment", 8)):
-            given = len(getattr(self, name))
-            if given != count:
-                raise ValueError(f"{name} needs {count} coefficients, not {given}")
+            given = getattr(self, name)
+            if given is not None and len(given) != count:
+                raise ValueError(f"{name} needs {count} coefficients, not {len(given)}")
+        if self.open_water is not None:
+            if self.k_t is not None or self.astern_thrust is not None:
+                raise ValueError("has open_water beside k_t or astern_thrust; set these two to null")
+            return self
+        if self.k_t is None or self.astern_thrust is None:
+            raise ValueError("lacks k_t or astern_thrust; give both, or open_water")
         if self.k_t[0] <= 0:
             raise ValueError("k_t[0], the thrust coefficient at rest, must be above 0: it would never push")
         return self
+
+    @property
+    def bollard_coefficient(self) -> float:
+        """K_T at rest, turning ahead [1]."""
+        if self.open_water is not None:
+            return bollard_factor(self.open_water)
+        assert self.k_t is not None
+        return self.k_t[0]
+
+    @property
+    def bollard_coefficient_astern(self) -> float:
+        """-K_T at rest, turning astern [1]."""
+        if self.open_water is not None:
+            return bollard_factor(self.open_water, astern=True)
+        assert self.astern_thrust is not None
+        c0, c1, _, c3 = self.astern_thrust
+        return -(c1 if c3 <= 0.0 else c0)
 
 
 class Rudder(Part):
@@ -114,10 +141,20 @@ class PropellerRudder(Part):
     "Greatest revolutions astern; 0: it does not turn astern."
     revolutions_time_constant: Annotated[float, NOT_NEGATIVE, Unit("s")]
     "First-order lag of the revolutions; 0: none."
+    dead_band: Annotated[float, NOT_NEGATIVE, Field(lt=0.9), Unit("1")] = 0.0
+    "Share of the greatest revolutions, either way, below which there is no thrust; stretched over the rest."
     propeller: Propeller
     "The propeller."
     rudder: Rudder
     "The rudder."
+    power: Power | None = None
+    "Electric power: against the thrust at rest, or as measured over the share of the greatest revolutions."
+
+    @model_validator(mode="after")
+    def _power_fits(self) -> Self:
+        if isinstance(self.power, ShaftPower):
+            raise ValueError("power.efficiency: is for a propeller without a rudder; give a curve or a table")
+        return self
 
     @property
     def x(self) -> float:
@@ -146,4 +183,4 @@ class PropellerRudder(Part):
 
     def thrust_curve(self, water_density: float) -> tuple[float, float]:
         """Linear and quadratic coefficient of the thrust at rest [N] against the command."""
-        return 0.0, water_density * self.propeller.diameter**4 * self.propeller.k_t[0]
+        return 0.0, water_density * self.propeller.diameter**4 * self.propeller.bollard_coefficient

@@ -71,13 +71,13 @@ def _is_spread(sd: Any, value: Any) -> bool:
 def units(model: BaseModel) -> Iterator[tuple[tuple[str, ...], str]]:
     """Key path and unit of every quantity in a model; list items go by their `name`, else by their index.
 
-    A limit that is not there, infinite, is no quantity.
+    A limit that is not there, infinite or None, is no quantity.
     """
     for key, field in type(model).model_fields.items():
         value = getattr(model, key)
         unit = next((part.name for part in field.metadata if isinstance(part, Unit)), None)
         if unit is not None:
-            if not (isinstance(value, float) and math.isinf(value)):
+            if value is not None and not (isinstance(value, float) and math.isinf(value)):
                 yield (key,), unit
         elif isinstance(value, BaseModel):
             yield from (((key, *path), unit) for path, unit in units(value))

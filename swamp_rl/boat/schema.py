@@ -5,12 +5,13 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, InstanceOf, PrivateAttr, Tag, model_validator
 
-from swamp_rl.boat.battery import Battery, PowerCurve
+from swamp_rl.boat.battery import Battery, Power, ShaftPower
 from swamp_rl.boat.loading import Loading
 from swamp_rl.boat.part import ANGLE, FRACTION, FROM_LIST, NAME, NOT_NEGATIVE, NOT_POSITIVE, POSITIVE, Part
 from swamp_rl.boat.propeller_rudder import PropellerRudder
 from swamp_rl.boat.quantity import Provenance, Unit
 from swamp_rl.boat.resistance import Resistance
+from swamp_rl.boat.screw import Screw, ThrustTable
 from swamp_rl.effects import EffectEntry
 
 DEAD_BAND = Field(lt=0.9)
@@ -49,6 +50,8 @@ class Thruster(Part):
     then its angle counts the turns. A `fixed` one pushes along azimuth_min = azimuth_max. nozzle_area [m²] is
     the jet's, 0 where the thruster has none: then it loses no momentum to the water's own way. advance_loss:
     c_a of T = T_bollard (1 − c_a V_a/V_o), see `swamp_rl.physics.thrusters.loss_under_way`.
+    In place of that curve: `propeller`, a model of its thrust over revolutions and speed of advance, or
+    `thrust_table`, a measured one.
     """
 
     name: Annotated[str, NAME]
@@ -71,9 +74,11 @@ class Thruster(Part):
     "Added to the commanded azimuth."
     pump_time_constant: Annotated[float, NOT_NEGATIVE, Unit("s")]
     "First-order lag of the throttle."
-    thrust_linear: Annotated[float, NOT_NEGATIVE, Unit("N")]
+    throttle_rate: Annotated[float | None, POSITIVE, Unit("1/s")] = None
+    "Greatest rate of the throttle; none: no limit but that of a propeller's motor."
+    thrust_linear: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
     "Thrust at rest, coefficient of the throttle p."
-    thrust_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")]
+    thrust_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
     "Thrust at rest, coefficient of p |p|."
     astern_linear: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
     "The same for p < 0."
@@ -85,13 +90,20 @@ class Thruster(Part):
     "Of the jet; 0: no momentum drag."
     advance_loss: Annotated[float, NOT_NEGATIVE, Unit("1")] = 0.0
     "c_a of T = T_bollard (1 − c_a V_a/V_o)."
-    power: PowerCurve | None = None
-    "Electric power against the thrust at rest."
+    propeller: Screw | None = None
+    "In place of the thrust curve: a propeller, whose thrust depends on its speed of advance."
+    thrust_table: ThrustTable | None = None
+    "In place of the thrust curve: thrust as measured over throttle and speed of advance."
+    power: Power | None = None
+    "Electric power: against the thrust at rest, as measured over the throttle, or by the propeller's torque."
 
     @model_validator(mode="after")
     def _can_be_built(self) -> Self:
-        if self.thrust_linear + self.thrust_quadratic == 0:
-            raise ValueError("thrust_linear and thrust_quadratic are both 0: it would never push")
+        self._refuse_two_curves()
+        if isinstance(self.power, ShaftPower) and (
+            self.propeller is None or self.propeller.torque_coefficient is None
+        ):
+            raise ValueError("power.efficiency: needs propeller.torque_coefficient; add it, or give a table")
         if self.kind == "fixed" and self.azimuth_min != self.azimuth_max:
             raise ValueError("a fixed thruster pushes one way: azimuth_min and azimuth_max must be equal")
         if math.isinf(self.azimuth_min) != math.isinf(self.azimuth_max):
@@ -104,6 +116,24 @@ class Thruster(Part):
             raise ValueError("an azimuth thruster needs azimuth_rate [rad/s] and azimuth_time_constant [s]")
         return self
 
+    def _refuse_two_curves(self) -> None:
+        curve = [self.thrust_linear, self.thrust_quadratic, self.astern_linear, self.astern_quadratic]
+        if self.propeller is not None and self.thrust_table is not None:
+            raise ValueError("has both propeller and thrust_table; give one")
+        if self.propeller is None and self.thrust_table is None:
+            if self.thrust_linear + self.thrust_quadratic == 0:
+                raise ValueError(
+                    "thrust_linear and thrust_quadratic are both 0: it would never push; give one, or "
+                    "propeller, or thrust_table"
+                )
+            return
+        other = "propeller" if self.propeller is not None else "thrust_table"
+        if sum(curve) > 0 or self.advance_loss > 0:
+            raise ValueError(
+                f"has {other} and a thrust curve; set thrust_linear, thrust_quadratic, astern_linear, "
+                "astern_quadratic and advance_loss to null"
+            )
+
     @property
     def endless(self) -> bool:
         """Whether it turns without end, so that commands may count any number of turns."""
@@ -112,6 +142,10 @@ class Thruster(Part):
     @property
     def reverses(self) -> bool:
         """Whether throttles down to -1 are allowed."""
+        if self.propeller is not None:
+            return self.propeller.revolutions_max_astern > 0
+        if self.thrust_table is not None:
+            return self.thrust_table.rows[0].throttle < 0
         return self.astern_linear + self.astern_quadratic > 0
 
     @property
@@ -130,14 +164,52 @@ class Thruster(Part):
         return f"azimuth_{self.name}" if self.kind == "azimuth" else None, f"throttle_{self.name}"
 
     def thrust_curve(self, water_density: float) -> tuple[float, float]:
-        """Linear and quadratic coefficient of the thrust at rest [N] against the command."""
+        """Linear and quadratic coefficient of the thrust at rest [N] against the command.
+
+        A table is taken as quadratic through full throttle.
+        """
+        if self.propeller is not None:
+            return 0.0, self.propeller.bollard(water_density)
+        if self.thrust_table is not None:
+            return 0.0, self.thrust_table.thrust_at_rest(1.0)
         return self.thrust_linear, self.thrust_quadratic
+
+    def greatest_throttle_rate(self, water_density: float) -> float | None:
+        """Of the throttle [1/s]; None where nothing limits it.
+
+        Of a motor: 0.9 over the time in which its full torque brings the propeller, at rest in the water,
+        from 0 to 90 % of its revolutions (Allotta et al. 2018, 31).
+        """
+        rates = [self.throttle_rate] if self.throttle_rate is not None else []
+        if self.propeller is not None and self.propeller.motor is not None:
+            rates.append(self.propeller.mean_acceleration(water_density))
+        return min(rates, default=None)
 
 
 def kind_of_thruster(given: Any) -> str:
     """Which model an item of `thrusters`, in a file or loaded, is of."""
     kind = given.get("kind") if isinstance(given, dict) else getattr(given, "kind", None)
     return PROPELLER if kind == "propeller_rudder" else JET
+
+
+def refuse_wash(thrusters: "tuple[Thruster | PropellerRudder, ...]") -> None:
+    """ValueError unless every propeller in a race stands in that of a fixed one with a propeller in none."""
+    known = {item.name: item for item in thrusters}
+    for item in thrusters:
+        wash = item.propeller.wash if isinstance(item, Thruster) and item.propeller else None
+        if wash is None:
+            continue
+        ahead = known.get(wash.of)
+        if not isinstance(ahead, Thruster) or ahead.propeller is None or ahead.propeller.wash is not None:
+            raise ValueError(
+                f"thrusters.{item.name}.propeller.wash.of must name a thruster with a propeller that stands "
+                f"in no race itself, not {wash.of!r}"
+            )
+        if item.kind != "fixed" or ahead.kind != "fixed":
+            raise ValueError(
+                f"thrusters.{item.name}.propeller.wash: needs both thrusters fixed; a race that turns is in "
+                "no model"
+            )
 
 
 AnyThruster = Annotated[
@@ -294,6 +366,7 @@ class Boat(Part):
         names = self.thruster_names
         if len(set(names)) < len(names):
             raise ValueError(f"thruster names must differ, but are {', '.join(names)}")
+        refuse_wash(self.thrusters)
         if "all" in names:
             raise ValueError(
                 "thrusters.all: a thruster cannot be named 'all': effects use it for all of them"

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.boat import Boat, PropellerRudder
+from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.boat.plausible import Limit, ranges
 from swamp_rl.boat.resistance import TankResistance
+from swamp_rl.boat.screw import Linear
 from swamp_rl.effects import Reference
 from swamp_rl.effects.limits import LONGEST_DELAY
 from swamp_rl.simulator import parameters
@@ -195,7 +196,12 @@ def _jet(boat: Boat, k: int) -> Iterable[Number]:
         for name in names:
             start = float(record[name][k])
             yield Number(f"{key}.{name}", "N", name, start, 0.3 * most, trial, low=0.0, thrusters=(k,))
-    if record["nozzle_area"][k] > 0.0:
+    screw = thruster.propeller if isinstance(thruster, Thruster) else None
+    if screw is not None and isinstance(screw.open_water, Linear):
+        start, name = screw.open_water.bollard_coefficient, f"{key}.propeller.open_water.bollard_coefficient"
+        trial = f"several throttles of {thruster.name}"
+        yield Number(name, "1", "screw_bollard", start, 0.3 * start, trial, low=0.0, thrusters=(k,))
+    elif screw is None and record["nozzle_area"][k] > 0.0:
         start = float(record["advance_loss"][k])
         trial = "full throttle at speed"
         name = f"{key}.advance_loss"

@@ -102,7 +102,7 @@ def linear_four_quadrant(
     bollard: float,
     null_advance: float,
 ) -> Array:
-    """T = ρ d⁴ K_t(0) n (|n| − V_a/(d k_null p/d)) [N]: (19) for a propeller alike both ways.
+    """T = ρ d⁴ K_t(0) |n| (n − V_a/(d k_null p/d)) [N]: (19) for a propeller alike both ways.
 
     Odd under the change of both signs, as figure 14 shows of Typhoon's tunnel thrusters.
     """

@@ -24,7 +24,7 @@ def steady_power(boat: Boat, speed: float) -> Array:
     throttle = self_propulsion(boat, speed, boat.thruster_names)
     if math.isnan(throttle):
         raise UserError(f"boat {boat.name}: cannot reach {speed:g} m/s; go slower")
-    return pack_power(boat, np.full(len(boat.thrusters), throttle))
+    return pack_power(boat, throttle * np.array([thruster.throttle_max for thruster in boat.thrusters]))
 
 
 def energy_per_metre_at(boat: Boat, speed: float) -> float:

@@ -1,7 +1,7 @@
 """Figures of a flown mission: of the whole, and of each leg."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -58,6 +58,13 @@ def energy_per_metre(flight: Flight) -> float:
     return float(flight.packs.energy[-1].sum() / flight.way[-1])
 
 
+def outcome(flight: Flight) -> str:
+    """How the mission ended: `completed`, `emptied` or `aground`."""
+    if flight.aground is not None:
+        return "aground"
+    return "completed" if flight.emptied is None else "emptied"
+
+
 def summary(flight: Flight) -> dict[str, Any]:
     """The mission in numbers: SI units, packs in the order of `pack_names`."""
     packs = flight.packs
@@ -74,4 +81,6 @@ def summary(flight: Flight) -> dict[str, Any]:
         "seconds_above_continuous_current": above_continuous(flight),
         "range_left": left if math.isfinite(left) else None,
         "emptied": flight.emptied,
+        "outcome": outcome(flight),
+        "aground": None if flight.aground is None else asdict(flight.aground),
     }

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.boat.battery import Battery
 from swamp_rl.energy.charge import Discharge, charge_at, discharge, stored_energy
+from swamp_rl.energy.depth import Aground, depths, refuse_depths, set_depth, touched
 from swamp_rl.energy.mission import Mission
 from swamp_rl.energy.pilot import MissionPilot
 from swamp_rl.energy.power import pack_power, refuse_without_battery, thrust_left
@@ -35,7 +36,7 @@ class Flight:
 
     states: (T + 1, S), see `swamp_rl.simulator.state`; leg: (T,) number of the leg of each step; packs:
     power, energy, charge, voltage and current of each pack; emptied: time [s] at which a pack was empty, None
-    where the mission was flown to its end.
+    where the mission was flown to its end; aground: where it touched ground, None where it did not.
     """
 
     boat: Boat
@@ -44,6 +45,7 @@ class Flight:
     leg: NDArray[np.int64]
     packs: Discharge
     emptied: float | None
+    aground: Aground | None = None
 
     @property
     def time(self) -> Array:
@@ -73,9 +75,10 @@ def fly(boat: Boat, mission: Mission, where: object, even_if_empty: bool = False
     """Fly a mission with a boat, its effects on, from rest.
 
     where: the file to name in errors. even_if_empty: fly on below the reserve until a pack is empty.
-    UserError for a boat without battery, a reserve above the charge at the start, a speed that the boat
-    cannot reach, a leg that does not end, a current above the packs' peak, and, unless `even_if_empty`, for a
-    mission that needs more than the battery.
+    A boat that touches ground ends the mission there. UserError for a boat without battery, a reserve above
+    the charge at the start, a speed that the boat cannot reach, a depth that it was not towed in, a leg that
+    does not end, a current above the packs' peak, and, unless `even_if_empty`, for a mission that needs more
+    than the battery.
     """
     reserve = reserve_of(boat, mission)
     assert boat.battery is not None
@@ -84,10 +87,11 @@ def fly(boat: Boat, mission: Mission, where: object, even_if_empty: bool = False
             f"{where}: charge {mission.charge:g}: must be above the reserve of {reserve:g}; charge the packs"
         )
     refuse_speeds(boat, mission, where)
+    refuse_depths(boat, mission, where)
     least = 0.0 if even_if_empty else reserve
-    states, leg, power, short = _flown(boat, mission, boat.battery, least, where)
+    states, leg, power, short, aground = _flown(boat, mission, boat.battery, least, where)
     packs = discharge(boat.battery, power, STEP, mission.charge)
-    flight = Flight(boat, mission, states, leg, packs, len(leg) * STEP if short else None)
+    flight = Flight(boat, mission, states, leg, packs, len(leg) * STEP if short else None, aground)
     if short and not even_if_empty:
         raise UserError(f"{where}: {too_much(flight, reserve)}; shorten it or use --even-if-empty")
     refuse_slow_legs(flight, where)
@@ -140,11 +144,14 @@ class Load:
 
 def _flown(
     boat: Boat, mission: Mission, battery: Battery, least: float, where: object
-) -> tuple[Array, NDArray[np.int64], Array, bool]:
-    """States, leg and power of each step, and whether a pack came to the charge `least` before the end."""
+) -> tuple[Array, NDArray[np.int64], Array, bool, Aground | None]:
+    """States, leg and power of each step, whether a pack came to the charge `least` before the end, and where
+    the boat touched ground.
+    """
     pilot, load = MissionPilot(boat, mission), Load(boat, battery, mission.charge, least)
     params = parameters(boat)
     gain, legs, short = params["thruster_gain"].copy(), [], [False]
+    deep, ground = depths(boat, mission), list[Aground]()
     params["thruster_gain"] = gain * load.left
 
     def decide(states: list[Array]) -> tuple[Array, bool]:
@@ -153,7 +160,11 @@ def _flown(
             params["thruster_gain"] = gain * load.left
         seen = truth(states[-1][0])
         commands = pilot.act(seen, STEP)[None]
-        if pilot.leg is None or short[0]:
+        if pilot.leg is not None:
+            set_depth(params, boat, deep[pilot.leg])
+            touch = touched(boat, params, states[-1][0], pilot.leg, deep[pilot.leg])
+            ground.extend([] if touch is None else [touch])
+        if pilot.leg is None or short[0] or ground:
             rest = (len(states) - 1) % CHECKED
             if rest:
                 load.take(states[-rest:])
@@ -170,7 +181,13 @@ def _flown(
     pose = np.array([[mission.start.north, mission.start.east, mission.course]])
     seeds = np.array([mission.seed], np.uint64)
     states, _ = closed_loop(boat, params, initial_state(params, pose), decide, seeds, STEP)
-    return states[0], np.array(legs, dtype=np.int64), np.concatenate(load.power), short[0]
+    return (
+        states[0],
+        np.array(legs, dtype=np.int64),
+        np.concatenate(load.power),
+        short[0],
+        next(iter(ground), None),
+    )
 
 
 def refuse_slow_legs(flight: Flight, where: object) -> None:

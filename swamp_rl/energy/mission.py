@@ -27,6 +27,9 @@ class Leg(Part):
     waypoints: Annotated[tuple[Place, ...], FROM_LIST, Field(min_length=1, max_length=1000)] | None = None
     "Places [north, east] in m, from where the boat is."
 
+    depth: Annotated[float, Field(gt=0.0, le=12000.0), Unit("m")] | None = None
+    "Of the water; that of the leg before where it is left out, and deep where none has one."
+
     @model_validator(mode="after")
     def _has_one_end(self) -> Self:
         if (self.duration_s is None) == (self.waypoints is None):

@@ -7,14 +7,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.allocation import jets_of
 from swamp_rl.boat import Boat
 from swamp_rl.energy.mission import Leg, Mission
+from swamp_rl.guidance.drive import drive_of
 from swamp_rl.guidance.following import RADIUS, PathFollower
 from swamp_rl.guidance.heading import wrapped
 from swamp_rl.guidance.line_of_sight import Waypoint, leg_after, offset
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.guidance.servo import VelocityServo, inertia_of
+from swamp_rl.guidance.servo import servo_of
 
 Array = NDArray[np.float64]
 
@@ -34,8 +34,8 @@ class MissionPilot:
     """
 
     def __init__(self, boat: Boat, mission: Mission) -> None:
-        self.jets = jets_of(boat)
-        self.servo = VelocityServo(inertia_of(boat))
+        self.drive = drive_of(boat)
+        self.servo = servo_of(boat)
         self.legs: Sequence[Leg] = mission.legs
         self.course = mission.course
         self.leg: int | None = -1
@@ -79,7 +79,7 @@ class MissionPilot:
             far = AHEAD * leg.speed * (leg.duration_s or 0.0) + 1.0
             north, east = far * math.cos(self.course), far * math.sin(self.course)
             way = [here, Waypoint(here.north + north, here.east + east)]
-        self.follower = PathFollower(self.jets, self.servo, way, leg.speed)
+        self.follower = PathFollower(self.drive, self.servo, way, leg.speed)
         length = sum(math.dist(a, b) for a, b in pairwise(way))
         self.expected = length / leg.speed if leg.duration_s is None else leg.duration_s
         self.begun, self.held, self.calm = seen.time, None, 0

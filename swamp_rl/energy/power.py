@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.boat import Boat, Thruster
+from swamp_rl.boat import Boat
+from swamp_rl.boat.drawn import full_power
 from swamp_rl.energy.charge import stored_energy, voltage_at
 from swamp_rl.errors import UserError
 
@@ -13,7 +14,7 @@ Array = NDArray[np.float64]
 def missing(boat: Boat) -> str | None:
     """The key of the boat file without which there are no electric figures; None where all are there."""
     for thruster in boat.thrusters:
-        if not isinstance(thruster, Thruster) or thruster.power is None:
+        if thruster.power is None:
             return f"thrusters.{thruster.name}.power"
     return "battery" if boat.battery is None else None
 
@@ -26,25 +27,20 @@ def refuse_without_battery(boat: Boat) -> None:
 
 
 def thruster_power(boat: Boat, throttle: Array, left: Array | float = 1.0) -> Array:
-    """Electric power [W] (..., K) of thrusters at throttles [1] (..., K): P = P_0 + k |T|^1.5.
+    """Electric power [W] (..., K) at throttles [1] (..., K), by `swamp_rl.boat.drawn.full_power`.
 
-    T [N] is the thrust at rest at that throttle, (a + b p) p ahead and (a' − b' p) p astern, times what the
-    voltage leaves of it (..., K), 1 at the voltage of a full pack. The power is a
-    function of the throttle alone: the sources measure it on the bollard (thesis 5.5.2, figures 5.32, 5.33),
-    and none of them under way. UserError where the boat file lacks a key.
+    throttle: revolutions [rps] for a propeller with a rudder; left: what the voltage leaves of the thrust at
+    rest (..., K), 1 at the voltage of a full pack. The power is a function of the throttle alone: the sources
+    measure it on the bollard (thesis 5.5.2, figures 5.32, 5.33), and none of them under way. UserError where
+    the boat file lacks a key.
     """
     refuse_without_battery(boat)
-    jets = [jet for jet in boat.thrusters if isinstance(jet, Thruster)]
-    ahead = np.maximum(throttle, 0.0)
-    astern = np.maximum(-throttle, 0.0)
-    linear, quadratic, linear_astern, quadratic_astern = (
-        np.array([getattr(jet, name) for jet in jets])
-        for name in ("thrust_linear", "thrust_quadratic", "astern_linear", "astern_quadratic")
-    )
-    thrust = (linear + quadratic * ahead) * ahead + (linear_astern + quadratic_astern * astern) * astern
-    curves = [jet.power for jet in jets if jet.power is not None]
-    idle, coefficient = np.array([(curve.idle, curve.coefficient) for curve in curves]).T
-    return np.asarray(idle + coefficient * (left * thrust) ** 1.5)
+    share = np.broadcast_to(left, np.shape(throttle))
+    powers = [
+        full_power(thruster, throttle[..., k], boat.water_density, share[..., k])
+        for k, thruster in enumerate(boat.thrusters)
+    ]
+    return np.stack(powers, axis=-1)
 
 
 def thrust_left(boat: Boat, charge: Array) -> Array:
@@ -65,7 +61,7 @@ def pack_names(boat: Boat) -> tuple[str, ...]:
 
 def shares(boat: Boat) -> Array:
     """Share (K, packs) of each thruster's power that each pack gives: by the side on which it stands."""
-    y = np.array([thruster.y for thruster in boat.thrusters if isinstance(thruster, Thruster)])
+    y = np.array([thruster.y for thruster in boat.thrusters])
     if boat.battery is None or boat.battery.packs == 1:
         return np.ones((len(y), 1))
     starboard = 0.5 * (1.0 + np.sign(y))

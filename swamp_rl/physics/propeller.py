@@ -3,7 +3,8 @@
 import math
 from typing import Any
 
-from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.compile import by_field, compiled
+from swamp_rl.physics.screw import SCREW, propeller_thrust
 
 LEAST_SPEED = 1e-5  # m/s, below which v / U and r L / U mean nothing
 ASTERN_STEEP, ASTERN_FLAT = -0.35, -0.06  # J_s where Hachii's side force changes its form
@@ -26,7 +27,7 @@ def wake_factor(u: float, v: float, r: float, k: int, p: Any) -> float:
 
 
 @compiled
-def open_water_thrust(n: float, inflow: float, k: int, p: Any) -> float:
+def thrust_by_coefficients(n: float, inflow: float, k: int, p: Any) -> float:
     """rho n^2 D^4 K_T(J) [N] of a propeller turning ahead, J = inflow / (n D); without a division by n."""
     a = inflow / p.propeller_diameter[k]
     k_t = p.k_t[k]
@@ -34,12 +35,33 @@ def open_water_thrust(n: float, inflow: float, k: int, p: Any) -> float:
 
 
 @compiled
-def astern_thrust(n: float, u: float, k: int, p: Any) -> float:
+def thrust_of_hachii(n: float, u: float, k: int, p: Any) -> float:
     """Thrust [N], negative, of a propeller turning astern (Hachii): ρ n² D⁴ C(J_s), J_s = u/(n D); n < 0."""
     j_s = u / (n * p.propeller_diameter[k])
     c = p.astern_thrust[k]
     factor = c[1] + c[2] * j_s if j_s >= c[3] else c[0]
     return p.water_density * n * n * p.propeller_diameter[k] ** 4 * factor
+
+
+@compiled
+def thrust_by_model(n: float, inflow: float, k: int, p: Any) -> float:
+    """As `open_water_thrust`, for a boat with a propeller of `swamp_rl.physics.screw`."""
+    if p.screw_model[k] > 0.0:
+        return propeller_thrust(n, inflow, k, p)
+    return thrust_by_coefficients(n, inflow, k, p)
+
+
+@compiled
+def astern_by_model(n: float, u: float, k: int, p: Any) -> float:
+    """As `astern_thrust`, for a boat with a propeller of `swamp_rl.physics.screw`."""
+    if p.screw_model[k] > 0.0:
+        return propeller_thrust(n, u, k, p)
+    return thrust_of_hachii(n, u, k, p)
+
+
+# Thrust [N] of a propeller with a rudder: turning ahead at its inflow [m/s]; astern, negative, at u [m/s].
+open_water_thrust = by_field(SCREW, thrust_by_model, thrust_by_coefficients)
+astern_thrust = by_field(SCREW, astern_by_model, thrust_of_hachii)
 
 
 @compiled

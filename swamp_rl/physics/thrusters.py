@@ -1,10 +1,11 @@
-"""Thrust of the pump-jets and how their azimuth and pump follow the commands (thesis chapter 5)."""
+"""Thrust of jets at rest and under way, and how azimuth and pump follow the commands (thesis chapter 5)."""
 
 import math
 from typing import Any
 
-from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.compile import by_field, compiled
 from swamp_rl.physics.force_curve import SLOWNESS, THRUST
+from swamp_rl.physics.screw import SCREW, thrust_at
 
 LOW_KNOT, MIDDLE_KNOT = 0.3, 0.6  # throttles between which, and 1, the efficiency curve is linear
 
@@ -43,6 +44,22 @@ def throttle_after(throttle: float, command: float, time_constant: float, time: 
 
 
 @compiled
+def lagging(throttle: float, command: float, time: float, k: int, p: Any) -> float:
+    """As `level_after`, for a boat whose throttles have no limit of rate."""
+    return throttle_after(throttle, command, p.pump_time_constant[k], time)
+
+
+@compiled
+def limited(throttle: float, command: float, time: float, k: int, p: Any) -> float:
+    """As `level_after`, with a limit of rate [1/s]: the same law as an azimuth's."""
+    return azimuth_after(throttle, command, p.pump_time_constant[k], p.throttle_rate[k], time)
+
+
+# Throttle [1], or revolutions [rps], of thruster k after `time` [s] of a held command.
+level_after = by_field("throttle_rate", limited, lagging)
+
+
+@compiled
 def beyond_dead_band(level: float, most: float, k: int, p: Any) -> float:
     """Command that thruster k makes thrust of: sign(c) max(|c| − d c_max, 0) / (1 − d).
 
@@ -70,7 +87,7 @@ def efficiency(share: float, k: int, p: Any) -> float:
 
 
 @compiled
-def bollard_thrust(throttle: float, k: int, p: Any) -> float:
+def curve_thrust(throttle: float, k: int, p: Any) -> float:
     """Thrust [N] of thruster k at rest, negative astern: T = (a + b p) p ahead, (a' − b' p) p astern.
 
     Table 5.5: a = 0, b = 12.2 N.
@@ -81,11 +98,30 @@ def bollard_thrust(throttle: float, k: int, p: Any) -> float:
 
 
 @compiled
+def thrust_of_either(throttle: float, k: int, p: Any) -> float:
+    """As `bollard_thrust`, for a boat with a propeller or a table of `swamp_rl.physics.screw`."""
+    if p.screw_model[k] > 0.0:
+        return thrust_at(throttle, 0.0, k, p)
+    return curve_thrust(throttle, k, p)
+
+
+# Thrust [N] of thruster k at rest at a throttle [1], negative astern.
+bollard_thrust = by_field(SCREW, thrust_of_either, curve_thrust)
+
+
+@compiled
 def thrust_deduction_factor(throttle: float, p: Any) -> float:
     """(1 − t) [1] of throttle p: f_0 + s (f_1 − f_0), s = (|p| − p_0)/(p_1 − p_0) within [0, 1] (7.3.5)."""
     low, high = p.deduction_throttle_low, p.deduction_throttle_high
     share = min(max((abs(throttle) - low) / (high - low), 0.0), 1.0)
     return p.deduction_factor_low + share * (p.deduction_factor_high - p.deduction_factor_low)
+
+
+@compiled
+def thrust_share(throttle: float, k: int, p: Any) -> float:
+    """scale · gain_k · e_k(p) · (1 − t)(p) [1] of thruster k at the throttle p beyond its dead band."""
+    gain = p.thrust_scale * p.thruster_gain[k] * efficiency(abs(throttle), k, p)
+    return gain * thrust_deduction_factor(throttle, p)
 
 
 @compiled
@@ -136,36 +172,54 @@ def put_output(first: float, second: float, jets: Any, moment: int, k: int, p: A
     jets[moment, k, 0], jets[moment, k, 1] = first, second
     if p.advance_loss[k] == 0.0 and p.crossflow_loss == 0.0:
         return
-    thrust = math.sqrt(first * first + second * second)
-    jets[moment, k, THRUST] = thrust
-    jets[moment, k, SLOWNESS] = (
-        math.sqrt(p.water_density * p.nozzle_area[k] / thrust) if thrust > 0.0 else 0.0
-    )
+    jets[moment, k, THRUST] = thrust = math.sqrt(first * first + second * second)
+    jets[moment, k, SLOWNESS] = slowness_of(thrust, k, p)
+
+
+@compiled
+def slowness_of(thrust: float, k: int, p: Any) -> float:
+    """1/V_o = √(ρ A_n / T) [s/m] of the jet of thruster k at the thrust T [N]."""
+    return math.sqrt(p.water_density * p.nozzle_area[k] / thrust) if thrust > 0.0 else 0.0
 
 
 @compiled
 def loss_under_way(jets: Any, moment: int, u: float, v: float, r: float, k: int, p: Any) -> float:
+    """As `loss_in_flow`, of a force in jets[moment]: (K, JET) by `put_output`."""
+    if p.advance_loss[k] == 0.0 and p.crossflow_loss == 0.0:
+        return 1.0
+    thrust, slowness = jets[moment, k, THRUST], jets[moment, k, SLOWNESS]
+    return loss_in_flow(jets[moment, k, 0], jets[moment, k, 1], thrust, slowness, u, v, r, k, p)
+
+
+@compiled
+def loss_in_flow(
+    x_force: float,
+    y_force: float,
+    thrust: float,
+    slowness: float,
+    u: float,
+    v: float,
+    r: float,
+    k: int,
+    p: Any,
+) -> float:
     """What is left [1] of the force T of thruster k in water that passes it at u, v [m/s] and r [rad/s].
 
     (1 − c_a V_a/V_o) exp(−c_t (V_t/V_o)²), V_o = √(T / (ρ A_n)): the jet gains less momentum the faster the
     water already runs along it (thesis eq. 5.2), and the flow across it takes its share (Typhoon AUV, eq. 24,
     on the ratio of speeds as the energy paper has it). V_a, V_t [m/s]: the thruster's own speed through the
     water along and across the jet. No loss at rest; it neither turns round nor is drawn backwards.
-    jets[moment]: (K, JET) by `put_output`.
+    thrust: T [N]; slowness: 1/V_o [s/m].
     """
-    if p.advance_loss[k] == 0.0 and p.crossflow_loss == 0.0:
-        return 1.0
-    x_force, y_force, thrust = jets[moment, k, 0], jets[moment, k, 1], jets[moment, k, THRUST]
     if thrust == 0.0:
         return 0.0
     u_there, v_there = u - r * p.thruster_y[k], v + r * p.thruster_x[k]
     along = (u_there * x_force + v_there * y_force) / thrust
     across = (v_there * x_force - u_there * y_force) / thrust
-    jet_speed_inverse = jets[moment, k, SLOWNESS]
-    advance = max(1.0 - p.advance_loss[k] * along * jet_speed_inverse, 0.0)
+    advance = max(1.0 - p.advance_loss[k] * along * slowness, 0.0)
     if p.crossflow_loss == 0.0:
         return advance
-    ratio = across * jet_speed_inverse
+    ratio = across * slowness
     return advance * math.exp(-p.crossflow_loss * ratio * ratio)
 
 

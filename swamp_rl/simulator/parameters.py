@@ -11,8 +11,10 @@ from swamp_rl.boat.resistance import DriftResistance
 from swamp_rl.boat.schema import ThrustDeduction
 from swamp_rl.effects import apply_effects, neutral_fields
 from swamp_rl.physics.force_curve import CURVES, WIDTH
+from swamp_rl.physics.propulsion import OF_JET, OF_RUDDER
 from swamp_rl.physics.resistance import tank_table
 from swamp_rl.simulator.divergence import refuse_divergence
+from swamp_rl.simulator.screws import NEUTRAL, model_row, screw_row
 from swamp_rl.simulator.state import ACTUATORS, NORTH, SURGE, YAW_RATE, state_size
 
 JET_FIELDS = (
@@ -92,63 +94,85 @@ def thruster_fields(boat: Boat) -> dict[str, list[Any]]:
     """The per-thruster numbers of the record that come from the boat file, by field name.
 
     `channel`: which thruster's command each one obeys, by place in the file; `azimuth_sign`, `throttle_sign`:
-    factors of its commands.
+    factors of its commands. Lists of unequal length are filled up with zeros.
     """
-    rows = [propeller_row(t) if isinstance(t, PropellerRudder) else jet_row(t) for t in boat.thrusters]
+    rows = [
+        propeller_row(t, boat) if isinstance(t, PropellerRudder) else jet_row(t, boat) for t in boat.thrusters
+    ]
     names = dict.fromkeys(name for row in rows for name in row)
-    lengths = {name: len(row[name]) for row in rows for name in row if isinstance(row[name], tuple)}
-    absent = {name: (0.0,) * lengths[name] if name in lengths else 0.0 for name in names}
-    fields = {name: [row.get(name, absent[name]) for row in rows] for name in names}
+    fields: dict[str, list[Any]] = {}
+    for name in names:
+        values = [row.get(name, NEUTRAL.get(name, 0.0)) for row in rows]
+        longest = max((len(value) for value in values if isinstance(value, tuple)), default=0)
+        fields[name] = [filled(value, longest) for value in values] if longest else values
+    if set(fields["drive"]) == {OF_JET}:
+        del fields["drive"]
     own = {"channel": [float(k) for k in range(len(rows))]}
     own |= {"azimuth_sign": [1.0] * len(rows), "throttle_sign": [1.0] * len(rows)}
     return fields | own
 
 
-def jet_row(thruster: Thruster) -> dict[str, Any]:
-    """What the record holds of one jet."""
+def filled(value: Any, length: int) -> tuple[float, ...]:
+    """A list of numbers, or none, with zeros up to that length."""
+    given = value if isinstance(value, tuple) else ()
+    return (*given, *(length - len(given)) * (0.0,))
+
+
+def jet_row(thruster: Thruster, boat: Boat) -> dict[str, Any]:
+    """What the record holds of one jet, or of a thruster with a propeller or a table."""
     row = {name: float(getattr(thruster, name)) for name in JET_FIELDS}
-    return {"thruster_x": thruster.x, "thruster_y": thruster.y} | row
+    row |= {"thruster_x": thruster.x, "thruster_y": thruster.y, "drive": OF_JET}
+    return row | screw_row(thruster, boat)
 
 
-def propeller_row(actuator: PropellerRudder) -> dict[str, Any]:
+def propeller_row(actuator: PropellerRudder, boat: Boat) -> dict[str, Any]:
     """What the record holds of one propeller with its rudder, whose angle takes the place of an azimuth."""
     propeller, rudder = actuator.propeller, actuator.rudder
-    return dict.fromkeys(JET_FIELDS, 0.0) | {
-        "thruster_x": actuator.x,
-        "thruster_y": actuator.y,
-        "azimuth_min": -actuator.rudder_max,
-        "azimuth_max": actuator.rudder_max,
-        "azimuth_rate": actuator.rudder_rate,
-        "azimuth_time_constant": actuator.rudder_time_constant,
-        "pump_time_constant": actuator.revolutions_time_constant,
-        "revolutions_max": actuator.revolutions_max,
-        "revolutions_max_astern": actuator.revolutions_max_astern,
-        "propeller_diameter": propeller.diameter,
-        "pitch_ratio": propeller.pitch_ratio,
-        "propeller_deduction": propeller.thrust_deduction,
-        "wake_zero": propeller.wake_zero,
-        "wake_tau": propeller.wake_tau,
-        "wake_c_p": propeller.wake_c_p,
-        "x_wake": propeller.x_wake,
-        "k_t": propeller.k_t,
-        "astern_thrust": propeller.astern_thrust,
-        "propeller_side_force": propeller.side_force,
-        "propeller_yaw_moment": propeller.yaw_moment,
-        "propeller_side_share": propeller.side_share,
-        "rudder_area": rudder.area,
-        "rudder_aspect_ratio": rudder.aspect_ratio,
-        "rudder_deduction": rudder.thrust_deduction,
-        "rudder_a_h": rudder.a_h,
-        "rudder_x_h": rudder.x_h,
-        "rudder_flow_lever": rudder.flow_lever,
-        "rudder_drift_slope": rudder.drift_slope,
-        "rudder_gamma_p": rudder.gamma_p,
-        "rudder_gamma_n": rudder.gamma_n,
-        "rudder_epsilon": rudder.epsilon,
-        "rudder_k_x": rudder.k_x,
-        "rudder_k_x_astern": rudder.k_x_astern,
-        "rudder_c_pr": rudder.c_pr,
-    }
+    model = model_row(propeller.diameter, propeller.open_water) if propeller.open_water else {}
+    return (
+        dict.fromkeys(JET_FIELDS, 0.0)
+        | model
+        | {
+            "drive": OF_RUDDER,
+            "level_min": -actuator.revolutions_max_astern,
+            "level_max": actuator.revolutions_max,
+            "dead_band": actuator.dead_band,
+            "thruster_x": actuator.x,
+            "thruster_y": actuator.y,
+            "azimuth_min": -actuator.rudder_max,
+            "azimuth_max": actuator.rudder_max,
+            "azimuth_rate": actuator.rudder_rate,
+            "azimuth_time_constant": actuator.rudder_time_constant,
+            "pump_time_constant": actuator.revolutions_time_constant,
+            "revolutions_max": actuator.revolutions_max,
+            "revolutions_max_astern": actuator.revolutions_max_astern,
+            "propeller_diameter": propeller.diameter,
+            "pitch_ratio": propeller.pitch_ratio,
+            "propeller_deduction": propeller.thrust_deduction,
+            "wake_zero": propeller.wake_zero,
+            "wake_tau": propeller.wake_tau,
+            "wake_c_p": propeller.wake_c_p,
+            "x_wake": propeller.x_wake,
+            "k_t": propeller.k_t or (0.0,) * 3,
+            "astern_thrust": propeller.astern_thrust or (0.0,) * 4,
+            "propeller_side_force": propeller.side_force,
+            "propeller_yaw_moment": propeller.yaw_moment,
+            "propeller_side_share": propeller.side_share,
+            "rudder_area": rudder.area,
+            "rudder_aspect_ratio": rudder.aspect_ratio,
+            "rudder_deduction": rudder.thrust_deduction,
+            "rudder_a_h": rudder.a_h,
+            "rudder_x_h": rudder.x_h,
+            "rudder_flow_lever": rudder.flow_lever,
+            "rudder_drift_slope": rudder.drift_slope,
+            "rudder_gamma_p": rudder.gamma_p,
+            "rudder_gamma_n": rudder.gamma_n,
+            "rudder_epsilon": rudder.epsilon,
+            "rudder_k_x": rudder.k_x,
+            "rudder_k_x_astern": rudder.k_x_astern,
+            "rudder_c_pr": rudder.c_pr,
+        }
+    )
 
 
 @lru_cache(maxsize=64)

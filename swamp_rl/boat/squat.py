@@ -1,0 +1,34 @@
+"""Squat of a boat under way in shallow water, and what is left under its keel."""
+
+import math
+
+from swamp_rl.boat.schema import Boat
+
+GRAVITY = 9.81  # m/s2
+FACTOR = 2.4  # of ICORELS
+
+
+def critical_speed(depth: float) -> float:
+    """√(g h) [m/s]: above it no formula of squat holds."""
+    return math.sqrt(GRAVITY * depth)
+
+
+def squat(boat: Boat, speed: float, depth: float) -> float:
+    """Sinkage [m] of the lowest point at a speed [m/s] through water of a depth h [m]: ICORELS.
+
+    2.4 (∇/L²) F²/√(1 − F²), F² = U²/(g h), ∇ = M/ρ (PIANC, Approach Channels, 1997). ValueError at and above
+    the critical speed. The draught is not in it: `Boat.draught` is that of the load.
+    """
+    square = speed**2 / (GRAVITY * depth)
+    if square >= 1.0 - 1e-9:
+        raise ValueError(f"{speed:g} m/s is not below the critical speed of {critical_speed(depth):.3g} m/s")
+    volume = boat.mass / boat.water_density
+    return FACTOR * volume / boat.length**2 * square / math.sqrt(1.0 - square)
+
+
+def clearance(boat: Boat, speed: float, depth: float) -> float:
+    """Water under the keel [m] at a speed [m/s] in a depth [m]: depth − draught − squat; negative aground.
+
+    ValueError as `squat`.
+    """
+    return depth - boat.draught - squat(boat, speed, depth)

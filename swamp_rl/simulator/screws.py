@@ -1,0 +1,63 @@
+"""What the parameter record holds of propellers and tables that give a thruster its thrust."""
+
+import math
+from typing import Any
+
+from swamp_rl.boat import Boat, Thruster
+from swamp_rl.boat.screw import OPEN_WATER, Disc, FourQuadrant, Linear, ThrustTable
+from swamp_rl.physics.propulsion import OF_SCREW
+from swamp_rl.physics.screw import TABLE
+
+NEUTRAL = {"wash_of": -1.0, "throttle_rate": math.inf}  # of a thruster without such a number, where not 0
+
+
+def screw_row(thruster: Thruster, boat: Boat) -> dict[str, Any]:
+    """Of a thruster with a propeller or a table; nothing for a jet."""
+    screw, table = thruster.propeller, thruster.thrust_table
+    rate = thruster.greatest_throttle_rate(boat.water_density)
+    limited = {} if rate is None else {"throttle_rate": rate}
+    if screw is None and table is None:
+        return limited
+    row: dict[str, Any] = {"drive": OF_SCREW, "level_min": thruster.throttle_min, "level_max": 1.0} | limited
+    row |= {"wash_of": -1.0, "wash_share": 0.0, "screw_wake": 0.0, "screw_crossflow": 0.0, "screw_side": 0.0}
+    row |= {"revolutions_max": 0.0, "revolutions_max_astern": 0.0}
+    if screw is None:
+        assert table is not None
+        return row | empty_model() | table_row(table)
+    if screw.wash is not None:
+        row |= {"wash_of": float(boat.thruster_names.index(screw.wash.of)), "wash_share": screw.wash.share}
+    row |= {"screw_wake": screw.wake, "screw_crossflow": screw.crossflow_loss, "screw_side": screw.side_share}
+    row |= {"revolutions_max": screw.revolutions_max, "revolutions_max_astern": screw.revolutions_max_astern}
+    return row | {"nozzle_area": screw.area} | model_row(screw.diameter, screw.open_water)
+
+
+def empty_model() -> dict[str, Any]:
+    """The fields of all models, without one."""
+    row: dict[str, Any] = {
+        "screw_model": 0.0,
+        "screw_diameter": 0.0,
+        "screw_pitch": 0.0,
+        "screw_bollard": 0.0,
+    }
+    row |= {"screw_cosines": (0.0,), "screw_sines": (0.0,)}
+    row |= {"table_throttles": 0.0, "table_speeds": 0.0}
+    return row | {"table_throttle": (0.0,), "table_speed": (0.0,), "table_thrust": (0.0,)}
+
+
+def model_row(diameter: float, model: Disc | Linear | FourQuadrant) -> dict[str, Any]:
+    """Of a propeller's model in open water."""
+    row = empty_model() | {"screw_model": 1.0 + OPEN_WATER.index(model.kind), "screw_diameter": diameter}
+    if isinstance(model, Disc):
+        return row | {"screw_pitch": model.pitch_ratio}
+    if isinstance(model, Linear):
+        return row | {"screw_bollard": model.bollard_coefficient, "screw_pitch": model.null_advance}
+    return row | {"screw_cosines": model.cosines, "screw_sines": model.sines}
+
+
+def table_row(table: ThrustTable) -> dict[str, Any]:
+    """Of a measured table."""
+    throttles, thrust = table.throttles, table.filled
+    row: dict[str, Any] = {"screw_model": TABLE}
+    row |= {"table_throttles": float(len(throttles)), "table_speeds": float(len(table.speed))}
+    row |= {"table_throttle": throttles, "table_speed": table.speed}
+    return row | {"table_thrust": tuple(force for line in thrust for force in line)}
