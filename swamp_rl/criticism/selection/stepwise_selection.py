@@ -46,7 +46,7 @@ def select_under_model_error(
     singles = sorted(singles, key=lambda one: _held_out_loss(continuation, one))
     others = [best, *_exchanged(continuation, best, singles)]
     unidentifiable = [one.instance.label for one in first if one.information < MIN_INFORMATION]
-    best, confirmed = _best_confirmed(continuation, others, len(every))
+    best, confirmed = best_confirmed(continuation, others, len(every))
     if not best.hypothesis.instances:
         return None
     rivals = equivalent(continuation, best, [*singles, *others])
@@ -190,7 +190,7 @@ def _is_other(single: Hypothesis, best: Hypothesis, instance: EffectInstance) ->
     return not own.effect.nuisance and own not in best.instances and not special
 
 
-def _best_confirmed(
+def best_confirmed(
     continuation: Continuation, fits: Sequence[Fit], comparisons: int
 ) -> tuple[Fit, dict[str, Confirmation]]:
     """The fit of least held-out loss among fits less what held-out windows do not confirm of them.
