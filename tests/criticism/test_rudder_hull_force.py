@@ -1,6 +1,7 @@
 """The force that a rudder induces on the hull, hidden in simulated runs of a propeller and a rudder."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from swamp_rl.boat import PropellerRudder, load_boat
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.candidates import candidates, instances_of
 from swamp_rl.effects import LIBRARY, apply_effects, parse_effects
+from swamp_rl.errors import UserError
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.sensors import observe
 from tests.support.criticism import select_effects
@@ -63,3 +65,18 @@ def test_the_bounds_hold_the_boat_files_own_number() -> None:
     for known, highest in ((BOAT, 0.6), (boat, 0.9)):
         (one,) = instances_of(LIBRARY[NAME], known)
         assert (one.specs[0].low, one.specs[0].high) == (0.0, highest)
+
+
+def test_a_boat_file_without_a_rudder_is_refused_the_effect_and_one_with_a_rudder_has_it(
+    tmp_path: Path,
+) -> None:
+    for base in ("swamp", "esso_osaka"):
+        (main, *_) = load_boat(base).thruster_names
+        entry = f"{{effect: {NAME}, thruster: {main}, a_h: 0.2, x_h: -0.4}}"
+        (tmp_path / f"of_{base}.yaml").write_text(f"extends: {base}\neffects: [{entry}]\n")
+    with pytest.raises(
+        UserError, match=r"of_swamp.yaml: effects: rudder_hull_force needs a rudder, of which"
+    ):
+        load_boat(tmp_path / "of_swamp.yaml")
+    record = parameters(load_boat(tmp_path / "of_esso_osaka.yaml"))
+    assert record["rudder_a_h"].tolist() == [[0.2]] and record["rudder_x_h"].tolist() == [[-0.4]]
