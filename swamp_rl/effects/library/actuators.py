@@ -9,7 +9,7 @@ from swamp_rl.effects.search import Search
 LAG = Search(0.223, 0.0, 4.47, (0.447, 1.34), "time")
 EFFICIENCY = Search(0.2, 0.0, 2.5, (0.9,))
 DEDUCTION = Search(0.15, 0.05, 1.5)
-INDUCED = Search(0.15, 0.0, 0.6)  # 3.6 C_B B/L of ships is 0.25 to 0.6 (Yoshimura and Masumoto 2012)
+INDUCED = Search(0.15, 0.0, 0.6)  # 3.6 C_B B/L, which is 0.6 where that is 0.17 (Yoshimura, Masumoto 2012)
 INDUCED_AT = Search(0.05, -0.5, -0.3)  # -0.464 for a tanker (Yasukawa and Yoshimura 2015), mostly -0.4
 
 declare(
