@@ -19,7 +19,7 @@ from swamp_rl.boat_fit.numbers import free_numbers
 from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
-from swamp_rl.boat_fit.run_thrust import RunThrust, run_thrusts, with_other_thrust, without
+from swamp_rl.boat_fit.run_thrust import FEWEST, RunThrust, run_thrusts, with_other_thrust, without
 from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
 from swamp_rl.criticism.data.checks import refuse_other_vehicle
 from swamp_rl.criticism.data.consistency import refuse_inconsistent
@@ -114,6 +114,9 @@ def _fitted_to_alike(
 
 
 def _thrusts(data: Split, made: _FittedFile) -> list[RunThrust]:
+    """The thrust of all runs; nothing where there are too few to compare."""
+    if len(data.training.lengths) + len(data.held_out.lengths) < FEWEST:
+        return []
     LOG.info("thrust of each run")
     parts = (advanced(part, made.wiring.advance) for part in (data.training, data.held_out))
     return [one for part in parts for one in run_thrusts(part, made.boat)]
