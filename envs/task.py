@@ -11,7 +11,7 @@ from swamp_rl.envs.own_terms import OwnTerm, own_term
 from swamp_rl.envs.reward import DEFAULTS, weights_of
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.boat.load import refuse_untested_depth
+from swamp_rl.boat.applicable import refuse_inapplicable
 from swamp_rl.course import Course, fitted, limited, load_course
 from swamp_rl.effects import Level, load_disturbances
 from swamp_rl.effects.fit import Size
@@ -82,7 +82,7 @@ class Task:
         course = fitted(course, size.length, size.speed)
         level = load_disturbances(given.get("disturbances"), boat.thruster_names, size)
         drawn = (entry.effect for entry in level.entries)
-        refuse_untested_depth(boat, drawn, f"disturbances {level.name}")
+        refuse_inapplicable(boat, drawn, f"disturbances {level.name}")
         weights = weights_of(given.get("reward"))
         return cls(
             boat=boat,

@@ -68,7 +68,7 @@ def test_every_effect_that_the_library_can_be_guilty_of_is_hidden() -> None:
     not_of_the_boat = {
         name for name, effect in LIBRARY.items() if effect.needs and not selectors(effect, boat)
     }
-    assert not_of_the_boat == {"throttle_reversed"}
+    assert not_of_the_boat == {"throttle_reversed", "rudder_hull_force"}
     assert set(EFFECTS) == set(LIBRARY) - by_chance - of_no_name - nuisance - not_of_the_boat
 
 

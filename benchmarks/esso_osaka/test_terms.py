@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from benchmarks.esso_osaka.answers import held, winds_held
+from benchmarks.esso_osaka.rudder import tried, with_force
 from benchmarks.esso_osaka.terms import TERMS, boat_with, halves
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.result import Cause, Estimate
 from swamp_rl.runs import Run
+from swamp_rl.simulator import parameters
 
 BOAT = load_boat("esso_osaka")
 
@@ -44,6 +46,14 @@ def test_every_term_is_made_of_numbers_of_the_boat_file(term: str) -> None:
     plain = dict.fromkeys(TERMS[term], 1.0)
     assert boat_with(BOAT, plain) == BOAT
     assert not plain or boat_with(BOAT, dict.fromkeys(plain, 1.1)) != BOAT
+
+
+def test_the_rudders_force_begins_at_the_boat_files_and_ends_at_the_searchs() -> None:
+    own, *ends = tried(BOAT)
+    assert parameters(with_force(BOAT, *own)) == parameters(BOAT)
+    assert ends == [(0.6, -0.3), (0.6, -0.5)]
+    changed = parameters(with_force(BOAT, *ends[1]))
+    assert changed["rudder_a_h"].item() == 0.6 and changed["rudder_x_h"].item() == -0.5
 
 
 def test_no_run_is_in_both_halves() -> None:

@@ -8,16 +8,17 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from swamp_rl.boat.applicable import refuse_inapplicable
 from swamp_rl.boat.battery import CURVE, MEASURED, SHAFT
 from swamp_rl.boat.defaults import defaults_of
 from swamp_rl.boat.merge import Key, is_quantity, leaves, merge
 from swamp_rl.boat.plausible import implausible
 from swamp_rl.boat.quantity import SPREAD, Provenance, units
-from swamp_rl.boat.resistance import DRIFT, TABLE, DriftResistance
+from swamp_rl.boat.resistance import DRIFT, TABLE
 from swamp_rl.boat.resolve import TEMPLATE, resolved
 from swamp_rl.boat.schema import JET, PROPELLER, Boat
 from swamp_rl.boat.screw import OPEN_WATER
-from swamp_rl.effects import Effect, parse_effects
+from swamp_rl.effects import parse_effects
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations
 from swamp_rl.files import extended_config, find_config, read_yaml
@@ -56,20 +57,10 @@ def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = Non
         for path, data in chain
         for entry in parse_effects(data.get("effects", []), str(path), boat.thruster_names)
     ]
-    refuse_untested_depth(boat, (entry.effect for entry in effects), f"{asked}: effects")
+    refuse_inapplicable(boat, (entry.effect for entry in effects), f"{asked}: effects")
     boat = boat.model_copy(update={"effects": tuple(effects)})
     boat.provenance.update(_provenance(boat, origins))
     return boat
-
-
-def refuse_untested_depth(boat: Boat, effects: Iterable[Effect], where: str) -> None:
-    """UserError that begins with `where` if one of the effects needs tests that the boat does not have."""
-    shallow = any(effect.name == "shallow_water" for effect in effects)
-    if shallow and isinstance(boat.resistance, DriftResistance):
-        raise UserError(
-            f"{where}: shallow_water needs the resistance of a towing tank at several depths, but "
-            f"boat {boat.name} has coefficients for deep water; remove the effect"
-        )
 
 
 def boat_chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:

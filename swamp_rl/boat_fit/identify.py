@@ -2,9 +2,10 @@
 
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +16,10 @@ from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.fit import BoatFit, fit_boat
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.numbers import free_numbers
-from swamp_rl.boat_fit.pieces import split
+from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
+from swamp_rl.boat_fit.run_thrust import FEWEST, RunThrust, run_thrusts, with_other_thrust, without
 from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
 from swamp_rl.criticism.data.checks import refuse_other_vehicle
 from swamp_rl.criticism.data.consistency import refuse_inconsistent
@@ -33,6 +35,16 @@ from swamp_rl.one_thread import one_thread
 Array = NDArray[np.float64]
 
 SUFFIX, REPORT = ".yaml", ".html"
+
+
+@dataclass(frozen=True)
+class _FittedFile:
+    """The wiring and the fit, the numbers by it, and the boat of the file that has them."""
+
+    wiring: Wiring
+    fit: BoatFit
+    numbers: list[Fitted]
+    boat: Boat
 
 
 @one_thread()
@@ -61,27 +73,62 @@ def identify_boat(
     run_set = _read(dataset, start, boat, ignore)
     other = _read(Path(holdout), start, boat, ignore) if holdout is not None else None
     data = split(run_set, other)
-    wiring, made = fitted_boat(data.training, positions)
-    fitted = numbers_of(made)
-    mapping = identified_mapping(wiring.boat, out.stem, fitted, _told(dataset))
     with ExitStack() as files:
         part, page = (files.enter_context(write_beside(path)) for path in (out, out.with_suffix(REPORT)))
-        part.write_text(yaml_text(mapping), encoding="utf-8")
-        identified = _loaded(part, dataset)
+        made, others = _fitted_to_alike(data, partial(_fitted_file, part, dataset, out.stem, positions))
+        here = advanced(data.held_out, made.wiring.advance)
+        alike = without(here, {one.name for one in others})
         found = Identification(
             start,
-            identified,
+            made.boat,
             data,
-            wiring,
-            made,
-            tuple(fitted),
+            made.wiring,
+            made.fit,
+            tuple(made.numbers),
             errors_on(data.held_out, start),
-            errors_on(advanced(data.held_out, wiring.advance), identified),
+            errors_on(here, made.boat),
             noise_levels(run_set),
             time.perf_counter() - began,
+            tuple(others),
+            errors_on(alike, made.boat) if 0 < len(alike.lengths) < len(here.lengths) else [],
         )
         page.write_text(page_of(found), encoding="utf-8")
     return found
+
+
+def _fitted_to_alike(
+    data: Split, fit_to: Callable[[RunSet], _FittedFile]
+) -> tuple[_FittedFile, list[RunThrust]]:
+    """The fit to the training runs that have the thrust of most runs, and the runs that have another."""
+    made = fit_to(data.training)
+    others = with_other_thrust(_thrusts(data, made))
+    left_out = {one.name for one in others} & set(data.training.names)
+    rest = without(data.training, left_out)
+    if not left_out or not len(rest.lengths):
+        return made, others
+    LOG.info("without %s", ", ".join(sorted(left_out)))
+    made = fit_to(rest)
+    thrusts = _thrusts(data, made)
+    names = left_out | {one.name for one in with_other_thrust(thrusts)}
+    return made, [one for one in thrusts if one.name in names]
+
+
+def _thrusts(data: Split, made: _FittedFile) -> list[RunThrust]:
+    """The thrust of all runs; nothing where there are too few to compare."""
+    if len(data.training.lengths) + len(data.held_out.lengths) < FEWEST:
+        return []
+    LOG.info("thrust of each run")
+    parts = (advanced(part, made.wiring.advance) for part in (data.training, data.held_out))
+    return [one for part in parts for one in run_thrusts(part, made.boat)]
+
+
+def _fitted_file(part: Path, dataset: Path, name: str, positions: bool, training: RunSet) -> _FittedFile:
+    """The fit to runs, its file written to `part` and loaded again."""
+    wiring, made = fitted_boat(training, positions)
+    numbers = numbers_of(made)
+    mapping = identified_mapping(wiring.boat, name, numbers, _told(dataset))
+    part.write_text(yaml_text(mapping), encoding="utf-8")
+    return _FittedFile(wiring, made, numbers, _loaded(part, dataset))
 
 
 def refuse_to_overwrite(out: Path) -> None:

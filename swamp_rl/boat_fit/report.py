@@ -11,6 +11,7 @@ from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.report.evidence import TRIVIAL
 from swamp_rl.criticism.report.page import STYLE
+from swamp_rl.criticism.result import Predictors
 
 
 def page_of(found: Identification) -> str:
@@ -53,16 +54,38 @@ def summary(found: Identification) -> list[str]:
             f"Commands are stamped {found.wiring.advance:g} s after the motion that they cause. They were "
             "taken that much earlier; correct the log, for no boat file can say it."
         )
-    if worse := not_better(found):
+    said += other_thrust(found)
+    if worse := not_better(found.after):
         said.append(f"The identified file is not better than {' and '.join(worse)}.")
+    if found.alike:
+        errors = "; ".join(
+            f"{one.horizon_s:g} s ahead {one.boat_file:.3g} m ("
+            + ", ".join(f"{TRIVIAL[name]} {getattr(one, name):.3g} m" for name in TRIVIAL)
+            + ")"
+            for one in found.alike
+        )
+        worse = not_better(found.alike)
+        better = f"not better than {' and '.join(worse)}" if worse else "better than each of these"
+        said.append(f"On the held-out runs without those it is {better}: {errors}.")
     return said
 
 
-def not_better(found: Identification) -> list[str]:
+def other_thrust(found: Identification) -> list[str]:
+    """Runs in which the thrusters did not give the thrust of the other runs, in a sentence each."""
+    return [
+        f"In {one.name} the thrust is {one.share:.2f} ± {one.standard_error:.2f} (one standard error) of the "
+        "identified boat's under the same commands, unlike in most runs: weed, a tow, a flat battery, or "
+        "commands that did not arrive. The run is "
+        f"{'held out' if one.name in found.data.held_out.names else 'left out of the fit'}."
+        for one in found.other_thrust
+    ]
+
+
+def not_better(errors: Sequence[Predictors]) -> list[str]:
     """Trivial predictors that the identified file does not beat, with their horizon."""
     return [
         f"{TRIVIAL[name]} {one.horizon_s:g} s ahead"
-        for one in found.after
+        for one in errors
         for name in TRIVIAL
         if one.boat_file >= getattr(one, name)
     ]

@@ -1,6 +1,6 @@
 """What an identification found."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.boat_file import Fitted
 from swamp_rl.boat_fit.fit import BoatFit
 from swamp_rl.boat_fit.pieces import Split
+from swamp_rl.boat_fit.run_thrust import RunThrust
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.criticism.result import Predictors
 
@@ -20,7 +21,9 @@ class Identification:
     """An identified boat.
 
     start, boat: before and after; fitted: its numbers; before, after: position errors on the held-out runs of
-    the two files and of the trivial predictors; noise: (6,) of the sensors, NaN where there is none.
+    the two files and of the trivial predictors; noise: (6,) of the sensors, NaN where there is none;
+    other_thrust: runs whose thrust was not that of the others, which the fit leaves out; alike: as `after`,
+    on the held-out runs without these, none where all or no held-out runs are such.
     """
 
     start: Boat
@@ -33,3 +36,5 @@ class Identification:
     after: list[Predictors]
     noise: Array
     elapsed: float
+    other_thrust: tuple[RunThrust, ...] = ()
+    alike: list[Predictors] = field(default_factory=list)

@@ -9,7 +9,7 @@ from swamp_rl.effects.search import Search
 Combine = Literal["add", "multiply", "replace"]
 ActsOn = Literal["force", "actuator", "sensor", "command"]
 Scope = Literal["boat", "day", "run"]
-Needs = Literal["", "azimuth", "astern"]
+Needs = Literal["", "azimuth", "astern", "rudder"]
 Begin = Literal["score", "grid", "spectral", "changepoint"]
 
 FULL_TURN = 2.0 * math.pi
@@ -60,7 +60,7 @@ class Effect:
     thruster: entries name one or `all`, and the fields have a column for each. swaps: entries name two, whose
     numbers in this per-thruster field of the boat are exchanged; reverses: whose number in this per-thruster
     field changes its sign; such effects have no parameters. curve: entries hold a `Curve` and no parameters.
-    needs: what a thruster must be able to do.
+    needs: what a thruster must be able to do, or have; a boat without such a thruster has no such effect.
 
     The rest says how a diagnosis searches for it. scope: the least that may have a value of its own.
     begin: what the fit's starts come from: the parameters' own, the best point of their grid, a scan of

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.boat.load import refuse_untested_depth
+from swamp_rl.boat.applicable import refuse_inapplicable
 from swamp_rl.effects import LIBRARY, load_disturbances, parse_effects
 from swamp_rl.effects.fit import Size
 from swamp_rl.guidance.loop import Controller, closed_loop, seen_of
@@ -124,6 +124,6 @@ def in_sea(
     uniforms = np.random.default_rng(seed).random(level.draw_count)
     drawn = [*level.drawn(uniforms), *sea]
     effects = parse_effects(drawn, "the sea", boat.thruster_names)
-    refuse_untested_depth(boat, (entry.effect for entry in effects), f"disturbances {level.name}")
+    refuse_inapplicable(boat, (entry.effect for entry in effects), f"disturbances {level.name}")
     with_them = boat.model_copy(update={"effects": (*boat.effects, *effects)})
     return with_them, level.start(uniforms[None])[0], drawn

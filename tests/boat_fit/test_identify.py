@@ -83,7 +83,7 @@ def test_the_file_beats_what_is_trivial_and_says_which_numbers_the_runs_do_not_s
     truth = hidden(tmp_path, HIDDEN)
     sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, low=0.0, seconds=40.0)
     found = identify_boat(tmp_path / "runs", tmp_path / "twin.yaml", tmp_path / "new.yaml")
-    assert not_better(found) == []
+    assert not_better(found.after) == []
     assert found.after[FIVE].boat_file < 0.3 * found.before[FIVE].boat_file
     assert load_boat(tmp_path / "new.yaml") == found.boat
     astern = by_name(list(found.fitted))["thrusters.port.astern_quadratic"]

@@ -7,9 +7,14 @@ import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.likelihood.adequacy import adequacy
-from swamp_rl.criticism.model.candidates import Hypothesis, candidates
+from swamp_rl.criticism.likelihood.output_error import Fit
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.nuisance.model_error import correlation_samples, in_noise_units, model_error
-from swamp_rl.criticism.selection.stepwise_selection import select_under_model_error
+from swamp_rl.criticism.selection.stepwise_selection import (
+    best_confirmed,
+    select_under_model_error,
+    single_stage,
+)
 from tests.support.criticism import SECONDS, gauss_markov_noise, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
@@ -45,6 +50,28 @@ def test_a_steady_wind_is_selected_under_gusts() -> None:
     assert np.hypot(*selection.winner.x) == pytest.approx(6.0, rel=0.25)
     assert np.arctan2(*selection.winner.x[::-1]) == pytest.approx(1.0, abs=0.25)
     assert selection.confirmed["wind"].holds and not selection.adequate
+
+
+def test_sets_of_effects_are_compared_without_what_held_out_windows_do_not_confirm() -> None:
+    found = simulated_runs(
+        [{"effect": "wind", "speed": 6.0, "from": 1.0}, {"effect": "resistance", "scale": 1.6}]
+    )
+    continuation = single_stage(
+        model_error(found, weights(found, noise_levels(found)), Hypothesis(), np.zeros(0))
+    )
+    known, states = by_label(candidates(found.boat, SECONDS)), continuation.problems[0].initial_states()
+    starts = {"wind": (3.0, 4.0), "resistance": (1.2,), "position_delay": (0.1,)}
+
+    def fitted(*names: str) -> Fit:
+        hypothesis = Hypothesis(tuple(known[name] for name in sorted(names)))
+        return continuation.fit(
+            0, hypothesis, np.array([x for n in sorted(names) for x in starts[n]]), states
+        )
+
+    fits = [fitted("wind"), fitted("resistance"), fitted("wind", "resistance", "position_delay")]
+    best, confirmed = best_confirmed(continuation, fits, 3)
+    assert best.hypothesis.label == "resistance + wind"
+    assert all(one.holds for one in confirmed.values())
 
 
 def test_adequacy_is_tested_against_the_measurement_noise_not_the_model_error() -> None:

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.boat import Boat, PropellerRudder, Thruster
+from swamp_rl.boat import Boat
+from swamp_rl.boat.applicable import able
 from swamp_rl.effects import LIBRARY, Effect, EffectEntry, Parameter, Reference, apply_effects
 from swamp_rl.effects.curve import Curve
 from swamp_rl.simulator import parameters
@@ -255,6 +256,9 @@ def differing(instance: EffectInstance, by: str, groups: tuple[int, ...]) -> Eff
 
 def instances_of(effect: Effect, boat: Boat, duration: float = 60.0) -> list[EffectInstance]:
     """An effect on each choice of thrusters, its `search` scaled by the boat's reference quantities."""
+    chosen = selectors(effect, boat)
+    if not chosen:
+        return []
     reference = replace(reference_of(boat), run=duration)
     specs = tuple(spec_of(effect, parameter, boat, reference) for parameter in effect.parameters)
     points = tuple(itertools.product(*(spec.starts for spec in specs)))
@@ -266,7 +270,7 @@ def instances_of(effect: Effect, boat: Boat, duration: float = 60.0) -> list[Eff
         )
     starts = points if effect.begin == "score" else ()
     grid = points if effect.begin == "grid" else ()
-    return [EffectInstance(effect, chosen, specs, starts, grid) for chosen in selectors(effect, boat)]
+    return [EffectInstance(effect, thrusters, specs, starts, grid) for thrusters in chosen]
 
 
 def spec_of(effect: Effect, parameter: Parameter, boat: Boat, reference: Reference) -> Spec:
@@ -280,7 +284,8 @@ def spec_of(effect: Effect, parameter: Parameter, boat: Boat, reference: Referen
         high = min(high, parameter.high)
     starts = tuple(start * unit for start in search.starts)
     if not starts and parameter.neutral is None:
-        starts = (neutral_of(parameter, boat),)
+        own = neutral_of(parameter, boat)
+        starts, low, high = (own,), min(low, own), max(high, own)
     difference = 1e-6 * scale if search.step is None else search.step * unit
     return Spec(scale, low, high, starts, difference, search.prior)
 
@@ -302,12 +307,6 @@ def selectors(effect: Effect, boat: Boat) -> list[tuple[str, ...]]:
     if len(each) < 2:
         return [] if effect.alone_equals else each
     return [*each, ("all",)] if effect.all_together else each
-
-
-def able(thruster: Thruster | PropellerRudder, needs: str) -> bool:
-    """Whether a thruster can do what an effect needs: turn its thrust, or push astern."""
-    turns, astern = thruster.kind != "fixed", thruster.throttle_min < 0.0
-    return {"": True, "azimuth": turns, "astern": astern}[needs]
 
 
 def hull_nuisance(boat: Boat) -> EffectInstance | None:

@@ -44,13 +44,13 @@ def select_under_model_error(
     if not best.hypothesis.instances:
         return None
     singles = sorted(singles, key=lambda one: _held_out_loss(continuation, one))
-    best, others = _exchanged(continuation, best, singles)
+    others = [best, *_exchanged(continuation, best, singles)]
     unidentifiable = [one.instance.label for one in first if one.information < MIN_INFORMATION]
-    best, confirmed = _eliminated(continuation, best, len(every))
+    best, confirmed = best_confirmed(continuation, others, len(every))
     if not best.hypothesis.instances:
         return None
     rivals = equivalent(continuation, best, [*singles, *others])
-    tried = [*singles, *others, best]
+    tried = [*singles, *(one for one in others if one is not best), best]
     return (
         plain.run_set,
         continuation,
@@ -166,8 +166,8 @@ def _screened(continuation: Continuation, at: Fit, instances: Sequence[EffectIns
     return score_tests(part, fit(part, at.hypothesis, at.x, at.states[chosen], 1), instances)
 
 
-def _exchanged(continuation: Continuation, best: Fit, singles: Sequence[Fit]) -> tuple[Fit, list[Fit]]:
-    """The best fit after an exchange of each of its effects for the best single ones, and the fits tried."""
+def _exchanged(continuation: Continuation, best: Fit, singles: Sequence[Fit]) -> list[Fit]:
+    """The best fit with each of its effects exchanged for each of the best single ones."""
     tried = []
     for instance in best.hypothesis.instances:
         if instance.effect.nuisance:
@@ -180,8 +180,7 @@ def _exchanged(continuation: Continuation, best: Fit, singles: Sequence[Fit]) ->
             exchanged = best.hypothesis.without(instance.label).with_instance(other.hypothesis.instances[0])
             start = np.concatenate([numbers[a.label] for a in exchanged.instances])
             tried.append(continuation.fit(0, exchanged, start, best.states))
-    better = min([best, *tried], key=lambda one: _held_out_loss(continuation, one))
-    return better, [one for one in [best, *tried] if one is not better]
+    return tried
 
 
 def _is_other(single: Hypothesis, best: Hypothesis, instance: EffectInstance) -> bool:
@@ -189,6 +188,21 @@ def _is_other(single: Hypothesis, best: Hypothesis, instance: EffectInstance) ->
     own = single.instances[0]
     special = nested(Hypothesis((instance,)), single) or nested(single, Hypothesis((instance,)))
     return not own.effect.nuisance and own not in best.instances and not special
+
+
+def best_confirmed(
+    continuation: Continuation, fits: Sequence[Fit], comparisons: int
+) -> tuple[Fit, dict[str, Confirmation]]:
+    """The fit of least held-out loss among fits less what held-out windows do not confirm of them.
+
+    In the order of their own loss, up to the first that is confirmed whole: a later one has a greater loss.
+    """
+    reduced = []
+    for one in sorted(fits, key=lambda one: _held_out_loss(continuation, one)):
+        reduced.append(_eliminated(continuation, one, comparisons))
+        if len(reduced[-1][0].hypothesis.instances) == len(one.hypothesis.instances):
+            break
+    return min(reduced, key=lambda each: _held_out_loss(continuation, each[0]))
 
 
 def _eliminated(

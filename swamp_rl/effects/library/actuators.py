@@ -9,6 +9,8 @@ from swamp_rl.effects.search import Search
 LAG = Search(0.223, 0.0, 4.47, (0.447, 1.34), "time")
 EFFICIENCY = Search(0.2, 0.0, 2.5, (0.9,))
 DEDUCTION = Search(0.15, 0.05, 1.5)
+INDUCED = Search(0.15, 0.0, 0.6)  # 3.6 C_B B/L, which is 0.6 where that is 0.17 (Yoshimura, Masumoto 2012)
+INDUCED_AT = Search(0.05, -0.5, -0.3)  # -0.464 for a tanker (Yasukawa and Yoshimura 2015), mostly -0.4
 
 declare(
     "thruster_gain",
@@ -249,4 +251,18 @@ declare(
     source="ours: a battery that runs down",
     scope="run",
     steady=False,
+)
+
+declare(
+    "rudder_hull_force",
+    Parameter("a_h", "1", None, "rudder_a_h", low=0.0, search=INDUCED),
+    Parameter("x_h", "1", None, "rudder_x_h", low=-1.0, high=1.0, search=INDUCED_AT),
+    acts_on="force",
+    combine="replace",
+    description="the rudder's normal force induces a_h times as much sway force on the hull, x_h lengths "
+    "forward of midship: Y = -(1 + a_h) F cos(angle), N = -(x_rudder + a_h x_h L) F cos(angle)",
+    source="Yasukawa and Yoshimura, J Mar Sci Technol 20 (2015), 10.1007/s00773-014-0293-y: a_H, x'_H",
+    thruster=True,
+    needs="rudder",
+    all_together=True,
 )

@@ -1,0 +1,102 @@
+"""Thrust of each run as a share of an identified boat's, and the runs in which it is another."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.boat_fit.fit import SHORT, soft_weights
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import fit
+from swamp_rl.criticism.likelihood.state_fit import fit_states, losses
+from swamp_rl.criticism.model.candidates import Hypothesis, instances_of
+from swamp_rl.effects import LIBRARY
+
+Array = NDArray[np.float64]
+
+SCALES = (0.15, 0.3, 0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0)  # of the thrust, from which the best is fitted
+STATE_ROUNDS, STEPS = 8, 4
+ORDINARY = 0.1  # standard deviation of log thrust between runs that is ordinary: the charge of a battery
+LEVEL = 0.01  # chance that any of the runs is taken for another where all are alike
+FEWEST = 6  # runs, of which most can be taken to be alike
+CHI2_MEDIAN = 0.454936  # of one degree of freedom
+DRAWS = 1000
+HALVINGS = 40
+
+
+@dataclass(frozen=True)
+class RunThrust:
+    """A run, or a piece of one, with its thrust as a share of the boat's and the standard error [1]."""
+
+    name: str
+    share: float
+    standard_error: float
+
+
+@np.errstate(over="ignore", invalid="ignore")  # where the boat diverges at a scale
+def run_thrusts(run_set: RunSet, boat: Boat) -> list[RunThrust]:
+    """The factor of all thrust with which the boat fits each run best, by output error in short windows."""
+    run_set = replace(run_set, boat=boat)
+    weight = soft_weights(weights(run_set, noise_levels(run_set)), boat)
+    hypothesis = Hypothesis((instances_of(LIBRARY["thrust_scale"], boat)[0],))
+    return [
+        _run_thrust(replace(run_set.subset([k]), origin=()), weight[[k]], hypothesis)
+        for k in range(len(run_set.lengths))
+    ]
+
+
+def _run_thrust(run: RunSet, weight: Array, hypothesis: Hypothesis) -> RunThrust:
+    problem = Shooting(run, weight, SHORT)
+    begun = []
+    for scale in SCALES:
+        states, _, residual = fit_states(
+            problem, hypothesis, np.array([scale]), problem.initial_states(), STATE_ROUNDS
+        )
+        begun.append((float(np.nan_to_num(losses(residual).sum(), nan=np.inf)), scale, states))
+    _, scale, states = min(begun, key=lambda one: one[0])
+    made = fit(problem, hypothesis, np.array([scale]), states, STEPS)
+    error = float(np.sqrt(made.covariance[0, 0]))
+    return RunThrust(run.names[0], float(made.x[0]), error)
+
+
+def with_other_thrust(every: Sequence[RunThrust]) -> list[RunThrust]:
+    """Runs whose thrust differs from the others' beyond chance; none where there are fewer than FEWEST.
+
+    Under test is the distance of the log share from its median, standardised by the error of the estimate,
+    were the share the median, and by the spread between runs. It is compared with the largest such distance
+    of as many normal draws (parametric bootstrap), which any exceeds with the chance LEVEL.
+    """
+    if len(every) < FEWEST:
+        return []
+    log = np.log([one.share for one in every])
+    errors = np.array([one.standard_error for one in every]) / np.exp(np.median(log))
+    distances, between = standardised(log, errors)
+    rng = np.random.default_rng(0)
+    alike = rng.normal(0.0, np.hypot(errors, between), (DRAWS, len(every)))
+    limit = np.quantile(standardised(alike, errors)[0].max(axis=-1), 1.0 - LEVEL)
+    return [one for one, far in zip(every, distances > limit, strict=True) if far]
+
+
+def standardised(values: Array, errors: Array) -> tuple[Array, Array]:
+    """Distances (..., n) of values (..., n) from their median in standard deviations, and the part (...) of
+    these between runs: the one, at least ORDINARY, by which the median squared distance is that of
+    chi-square, by bisection. errors: (n,).
+    """
+    square = (values - np.median(values, axis=-1, keepdims=True)) ** 2
+    low = np.full((*values.shape[:-1], 1), ORDINARY**2)
+    high = low + square.max(axis=-1, keepdims=True) / CHI2_MEDIAN
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        near = np.median(square / (errors**2 + middle), axis=-1, keepdims=True) < CHI2_MEDIAN
+        low, high = np.where(near, low, middle), np.where(near, middle, high)
+    return np.sqrt(square / (errors**2 + low)), np.sqrt(low[..., 0])
+
+
+def without(run_set: RunSet, names: Collection[str]) -> RunSet:
+    """The runs but those of these names."""
+    kept = [k for k, name in enumerate(run_set.names) if name not in names]
+    return replace(run_set.subset(kept), origin=()) if len(kept) < len(run_set.names) else run_set

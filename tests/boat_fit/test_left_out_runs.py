@@ -1,0 +1,52 @@
+"""`identify boat` on runs of which some have another thrust."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from swamp_rl.boat import load_boat
+from swamp_rl.boat_fit import identify
+from swamp_rl.boat_fit.hypothesis import free_boat
+from swamp_rl.boat_fit.numbers import free_numbers
+from swamp_rl.boat_fit.report import page_of, summary
+from swamp_rl.boat_fit.wiring import Wiring
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.runs import append_run, inspect_dataset
+from tests.support.from_scratch import written
+from tests.support.sailing import sailed_dataset
+
+WEED = "extends: twin.yaml\nname: weed\neffects: [{effect: thrust_scale, scale: 0.25}]\n"
+
+
+@pytest.mark.slow
+def test_runs_of_another_thrust_are_left_out_of_the_fit_and_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written(tmp_path, "twin")
+    (tmp_path / "weed.yaml").write_text(WEED)
+    data, start = tmp_path / "runs", tmp_path / "twin.yaml"
+    for name, boat, seed, count in (("runs", "twin", 0, 7), ("odd", "weed", 4, 2)):
+        truth = load_boat(tmp_path / f"{boat}.yaml")
+        sailed_dataset(tmp_path / name, start, truth, seed=seed, count=count, seconds=14.0, low=0.0)
+    for number, run in enumerate(inspect_dataset(tmp_path / "odd").runs):
+        append_run(data, replace(run, name=f"weed{number}"))
+
+    def few(boat: object, positions: bool) -> tuple[object, ...]:
+        every = free_numbers(load_boat(start), positions)
+        return tuple(one for one in every if "thrust_quadratic" in one.name)
+
+    def as_logged(run_set: RunSet, weight: object, positions: bool) -> Wiring:
+        x = free_boat(run_set.boat, identify.free_numbers(run_set.boat, positions), 0).start()
+        return Wiring(run_set.boat, (), 0.0, x)
+
+    monkeypatch.setattr(identify, "free_numbers", few)  # two numbers, of commands as they are logged: fast
+    monkeypatch.setattr(identify, "search_wiring", as_logged)
+    found = identify.identify_boat(data, start, tmp_path / "new.yaml")
+    named = {one.name.split(",")[0]: one.share for one in found.other_thrust}
+    assert set(named) == {"weed0", "weed1"}
+    assert named == pytest.approx(dict.fromkeys(named, 0.25), abs=0.1)
+    assert "new" in page_of(found)
+    said = " ".join(summary(found))
+    assert "left out of the fit" in said and "held out" in said
+    assert found.alike[1].boat_file < found.after[1].boat_file
