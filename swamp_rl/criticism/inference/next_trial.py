@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 
 FILE = "next_trial.csv"
 LEAST = SHORTEST + 2.0  # s of a trial: what a diagnosis takes as a run, and a margin
+LEAST_EVIDENCE = 0.01  # below which a trial decides nothing
 RANDOM, PARENTS, CHILDREN = 32, 4, 24  # random sequences at first; kept of a round; tried in one
 BUDGET = 16_000_000  # boat steps of a design, about 15 s of a processor
 PATIENCE, WORTH = 15, 0.01  # rounds in a row that gain less than this share, which end the search
@@ -102,17 +103,17 @@ def design_trial(
     boat, dt = question.run_set.boat, question.run_set.dt
     family = command_family(boat, dt, limits.seconds, limits.throttle)
     fixed = manoeuvres(boat, dt, limits.seconds)
-    listed = family.limited(np.stack(list(fixed.values())))
+    listed = family.begun(np.stack(list(fixed.values())))
     of_list = rate(question, listed, limits)
     found = _searched(question, family, limits, listed, rng)
     both = np.concatenate([listed, found[None]])
     rated = rate(question, both, limits)
     best = int(_merit(rated, dt).argmax())
     rows = int(rated.rows[best])
-    if rows * dt < LEAST:
+    if rows * dt < LEAST or rated.least[best] < LEAST_EVIDENCE:
         raise UserError(
-            f"--next: under no commands that were tried the boat keeps within the limits for {LEAST:g} s; "
-            "give a larger area, or a greater --top-speed"
+            f"--next: no commands that were tried keep the boat within the limits for {LEAST:g} s and have "
+            "any evidence; give a larger area or a greater --top-speed, or leave --next out"
         )
     tracks = rated.tracks[:, best, :rows].copy()
     start = start_in(limits, tracks)

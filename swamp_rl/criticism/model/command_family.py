@@ -37,13 +37,17 @@ class CommandFamily:
         """n."""
         return math.ceil(self.length / self.hold)
 
-    def limited(self, commands: Array) -> Array:
-        """Commands (..., 2K) within the bounds."""
-        return np.clip(commands, self.low, self.high)
+    def begun(self, rows: Array) -> Array:
+        """Commands (W, T, 2K) within the bounds, without throttle for the first `hold` rows: the thrusters
+        turn to their first angles, so that the trial does not depend on where they were.
+        """
+        made = np.clip(rows, self.low, self.high)
+        made[:, : self.hold, len(self.low) // 2 :] = 0.0
+        return made
 
     def rows(self, sequences: Array) -> Array:
         """(W, T, 2K) a command for each row, of sequences (W, n, 2K)."""
-        return np.repeat(sequences, self.hold, axis=1)[:, : self.length]
+        return self.begun(np.repeat(sequences, self.hold, axis=1)[:, : self.length])
 
     def sampled(self, rows: Array) -> Array:
         """(W, n, 2K) sequences with the commands of rows (W, T, 2K) in the middle of each hold."""
@@ -90,7 +94,7 @@ class CommandFamily:
         largest = np.abs(row[thrusters:]).max()
         if largest > 0.0:
             row[thrusters:] *= rng.choice(LEVELS) * self.high[thrusters:].max() / largest
-        return self.limited(row)
+        return np.clip(row, self.low, self.high)
 
 
 def command_family(boat: Boat, dt: float, seconds: float, throttle: float) -> CommandFamily:

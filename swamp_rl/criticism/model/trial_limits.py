@@ -12,7 +12,8 @@ from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
 
-MARGIN = 1.0  # lengths between every predicted track and the edge of the area
+# between every predicted track and the edge of the area: lengths, and share of the shorter side if that is more
+MARGIN, MARGIN_OF_SIDE = 1.0, 0.1
 LEAST_ROOM = 2.0  # lengths that remain for the tracks
 SECONDS = (20.0, 600.0)  # s, shortest and longest trial
 NUMBER = r"(\d+(?:\.\d+)?)"
@@ -29,6 +30,10 @@ class TrialLimits:
     east: float
     speed: float = math.inf
     throttle: float = 1.0
+
+    def margin(self, length: float) -> float:
+        """Distance [m] that every predicted track keeps from the edge; length: of the boat [m]."""
+        return max(MARGIN * length, MARGIN_OF_SIDE * min(self.north, self.east))
 
 
 UNLIMITED = TrialLimits(math.inf, math.inf, math.inf)
@@ -67,7 +72,8 @@ def rows_within(limits: TrialLimits, tracks: Array, length: float) -> NDArray[np
     that what counts is the extent of all tracks together.
     """
     north, east, surge, sway = (tracks[..., column] for column in (0, 1, 3, 4))
-    room = [side - 2.0 * MARGIN * length for side in (limits.north, limits.east)]
+    margin = 0.0 if limits == UNLIMITED else limits.margin(length)  # infinity less infinity is no number
+    room = [side - 2.0 * margin for side in (limits.north, limits.east)]
     inside = np.isfinite(tracks).all(axis=(0, 3))
     inside &= (np.hypot(surge, sway) <= limits.speed).all(axis=0)
     with np.errstate(invalid="ignore"):
