@@ -12,7 +12,7 @@ from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
 
-# between every predicted track and the edge of the area: lengths, and share of the shorter side if that is more
+# between every predicted track and the edge of the area: lengths, or a share of the shorter side
 MARGIN, MARGIN_OF_SIDE = 1.0, 0.1
 LEAST_ROOM = 2.0  # lengths that remain for the tracks
 SECONDS = (20.0, 600.0)  # s, shortest and longest trial
