@@ -9,6 +9,7 @@ import typer
 from swamp_rl.errors import UserError
 
 if TYPE_CHECKING:
+    from swamp_rl.criticism.model.trial_limits import TrialLimits
     from swamp_rl.criticism.result import Estimate
 
 
@@ -30,6 +31,17 @@ def diagnose(
         list[str] | None,
         typer.Option(help="Leave out what the runs measured: wind or depth; may be repeated."),
     ] = None,
+    next: Annotated[
+        str | None,
+        typer.Option(help="Design the next trial within an area, metres north and east, as 40x40."),
+    ] = None,
+    seconds: Annotated[float | None, typer.Option(help="Of the next trial; 60 by default.")] = None,
+    top_speed: Annotated[
+        float | None, typer.Option(help="Greatest speed over ground of the next trial (m/s).")
+    ] = None,
+    throttle: Annotated[
+        float | None, typer.Option(help="Greatest share of full throttle of the next trial; 1 by default.")
+    ] = None,
 ) -> None:
     """Find the causes of a model's error in measured runs, extend the boat by them, and measure the gain."""
     given = ", ".join(map(str, dataset))
@@ -41,6 +53,9 @@ def diagnose(
     figures = [one for one in dataset if is_figures_file(one)]
     if figures and len(dataset) > 1:
         raise UserError(f"{figures[0]}: printed figures are diagnosed alone; leave the other inputs out")
+    limits = _limits_of(next, boat, {"seconds": seconds, "speed": top_speed, "throttle": throttle})
+    if figures and limits:
+        raise UserError(f"--next: {figures[0]} holds printed figures, not runs; leave it out")
     if figures:
         _diagnose_figures(figures[0], boat, out, holdout, fit)
         return
@@ -57,10 +72,11 @@ def diagnose(
         smoothed_sentence,
     )
     from swamp_rl.criticism.report.extension import extension_sentence, is_extended
+    from swamp_rl.criticism.report.next_trial import next_trial_sentences
     from swamp_rl.criticism.report.words import label_of, parameter_sets, spread_sets
 
     with progress(LOG):
-        found = examine(dataset, boat, out, holdout, ignore=ignore or [])
+        found = examine(dataset, boat, out, holdout, ignore=ignore or [], limits=limits)
     typer.echo(f"verdict: {found.verdict}")
     for said in (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found)):
         if said:
@@ -82,6 +98,8 @@ def diagnose(
         typer.echo(
             f"  separating manoeuvre: {trial.manoeuvre} ({trial.separation:.1f} standard errors apart)"
         )
+    if found.next_trial:
+        typer.echo("  next trial: " + "\n    ".join(next_trial_sentences(found.next_trial)))
     for left in found.leftover[:1]:
         typer.echo(
             f"  unexplained: {left.force}, a function of {left.variable} "
@@ -102,6 +120,21 @@ def diagnose(
     for lack in found.missing_motion:
         typer.echo(f"  the runs lack {lack}")
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
+
+
+def _limits_of(area: str | None, boat: str, more: dict[str, float | None]) -> "TrialLimits | None":
+    """The limits of the next trial; None where none is asked for."""
+    given = {name: value for name, value in more.items() if value is not None}
+    if area is None:
+        if given:
+            raise UserError(
+                "--seconds, --top-speed and --throttle are limits of --next; give an area with it"
+            )
+        return None
+    from swamp_rl.boat import load_boat
+    from swamp_rl.criticism.model.trial_limits import trial_limits
+
+    return trial_limits(area, load_boat(boat), **given)
 
 
 def _diagnose_figures(path: Path, boat: str, out: Path, holdout: Path | None, fit: list[str] | None) -> None:

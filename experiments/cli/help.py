@@ -90,6 +90,7 @@ EXAMPLES = {
     "trial straight": "trial straight --throttle 0.3 --throttle 0.6 --out straight",
     "trial plan": "trial plan imo --out imo",
     "trial analyse": "trial analyse circle",
+    "trial commands": "trial commands diagnosis/next_trial.csv --boat swamp --out sailed",
     "trial bollard": "trial bollard --boat swamp --out bollard",
     "trial towed": "trial towed --speed 1 --throttle 0.7 --out towed",
 }

@@ -181,6 +181,23 @@ def plan(
 
 
 @trial_app.command()
+def commands(
+    file: Annotated[
+        list[Path],
+        typer.Argument(help="Runs (.csv or .parquet) whose commands are sailed, as next_trial.csv."),
+    ],
+    out: Annotated[Path, typer.Option(help="The folder for the runs.")],
+    boat: BoatName = "swamp",
+) -> None:
+    """Commands of a file, as `diagnose --next` writes them, from the file's first state."""
+    from swamp_rl.manoeuvres.commands import record_commands
+
+    for run in record_commands(out, boat, file):
+        typer.echo(f"{run.name}: {run.duration:.1f} s, {run.path_length:.1f} m")
+    typer.echo(f"{out}: {len(file)} run{'s' * (len(file) > 1)}")
+
+
+@trial_app.command()
 def analyse(
     dataset: Annotated[Path, typer.Argument(help="A folder of runs.")],
     out: Annotated[

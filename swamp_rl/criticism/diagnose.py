@@ -26,6 +26,7 @@ from swamp_rl.criticism.inference.force_regression import (
     without_process_noise,
 )
 from swamp_rl.criticism.inference.identifiability import contrast, separating_manoeuvre
+from swamp_rl.criticism.inference.next_trial import design_trial, question_of, write_trial
 from swamp_rl.criticism.inference.residual_force import residual_forces
 from swamp_rl.criticism.inference.trivial_predictors import trivial_predictors
 from swamp_rl.criticism.likelihood.adequacy import adequacy
@@ -35,6 +36,7 @@ from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import gains
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
 from swamp_rl.criticism.model.extended_boat import write_extended
+from swamp_rl.criticism.model.trial_limits import TrialLimits
 from swamp_rl.criticism.nuisance.model_error import in_noise_units
 from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
 from swamp_rl.criticism.progress import LOG
@@ -69,13 +71,15 @@ def diagnose(
     holdout: Path | str | None = None,
     seed: int = 0,
     ignore: Sequence[str] = (),
+    limits: TrialLimits | None = None,
 ) -> Diagnosis:
     """Diagnose a boat file against a folder of runs, or several; writes diagnosis.json, extended_boat.yaml,
     report.html and, where weather was found, conditions.yaml into `out`.
 
     holdout: a folder of runs that the gain is measured on; without it, each run in turn (leave-one-run-out);
-    ignore: measured weather that is left out (`wind`, `depth`). UserError for data that no diagnosis is
-    possible from.
+    ignore: measured weather that is left out (`wind`, `depth`); limits: of the next trial, which is designed
+    and written as next_trial.csv where they are given. UserError for data that no diagnosis is possible from,
+    and where there is no trial to design.
     """
     every = [Path(dataset)] if isinstance(dataset, Path | str) else list(dataset)
     label = ", ".join(map(str, every))
@@ -94,8 +98,10 @@ def diagnose(
     from swamp_rl.criticism.report import write_report
 
     with folder_beside(out, RESULT) as folder:
-        finding = examine(run_set, other, np.random.default_rng(seed))
+        finding = examine(run_set, other, np.random.default_rng(seed), limits)
         write_extended(folder, boat, *finding.written_effects, finding.run_set.names, finding.written_curves)
+        if finding.next_trial:
+            write_trial(folder, finding.next_trial, model, run_set.dt)
         LOG.info("drawing the report")
         write_report(folder, finding)
         (folder / RESULT).write_text(finding.diagnosis.model_dump_json(indent=2) + "\n", encoding="utf-8")
@@ -103,8 +109,10 @@ def diagnose(
 
 
 @np.errstate(over="ignore", invalid="ignore")  # where a hypothesis makes the boat diverge
-def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> Finding:
-    """The diagnosis of runs in memory; `other`: runs to measure the gain on."""
+def examine(
+    run_set: RunSet, other: RunSet | None, rng: np.random.Generator, limits: TrialLimits | None = None
+) -> Finding:
+    """The diagnosis of runs in memory; `other`: runs to measure the gain on; limits: of the next trial."""
     began = time.perf_counter()
     LOG.info(
         "%d runs, %.1f min: noise and candidates",
@@ -190,7 +198,13 @@ def examine(run_set: RunSet, other: RunSet | None, rng: np.random.Generator) -> 
         adequacy={"worst_excess": measure.worst, "channel": measure.channel, "adequate": found.adequate},
         elapsed_s=time.perf_counter() - began,
     )
-    return Finding(diagnosis, run_set, weight, continuation, found, forces, written, extension)
+    trial = None
+    if limits:
+        LOG.info("designing the next trial")
+        asked = question_of(with_noise, sigmas, judged, found.winner, found.rivals)
+        trial = design_trial(*asked, limits, rng)
+        diagnosis.next_trial = trial.told
+    return Finding(diagnosis, run_set, weight, continuation, found, forces, written, extension, trial)
 
 
 def _is_measured(instance: EffectInstance, run_set: RunSet) -> bool:

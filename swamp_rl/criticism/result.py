@@ -129,6 +129,59 @@ class Manoeuvre(Part):
     duration_s: float
 
 
+class RatedManoeuvre(Part):
+    """A manoeuvre within the limits of the next trial, which ends where it exceeds one. evidence: as that of
+    the next trial.
+    """
+
+    manoeuvre: str
+    evidence: float
+    duration_s: float
+
+
+class Separated(Part):
+    """Two hypotheses and their expected distance in the next trial, in standard errors, the less of the two
+    ways round.
+    """
+
+    effects: list[str]
+    separation: float
+
+
+class Narrowed(Part):
+    """The parameter whose standard error is the greatest of its typical size, now and as expected after the
+    next trial, in `unit`.
+    """
+
+    effect: str
+    parameter: str
+    unit: str
+    before: float
+    after: float
+
+
+class NextTrial(Part):
+    """The trial of greatest expected evidence within limits, whose commands are the file beside this one.
+
+    evidence: twice the expected difference of log likelihood between the two hypotheses that it separates
+    least; about a parameter, the information that it adds as a multiple of what the runs gave. hold_s: the
+    shortest time that a command is held; area_m: sides to the north and east; start_m: north and east of the
+    start, at rest, bow to the north, from the area's south-west corner; top_speed: greatest over ground [m/s]
+    under any hypothesis; of_list: the fixed manoeuvres within the same limits, the best first.
+    """
+
+    file: str
+    duration_s: float
+    hold_s: float
+    area_m: tuple[float, float]
+    start_m: tuple[float, float]
+    top_speed: float
+    evidence: float
+    separates: list[Separated] = []
+    narrows: Narrowed | None = None
+    of_list: list[RatedManoeuvre]
+
+
 class CurvePoint(Part):
     """A function's value: at [SI, rad] of the variable, force and its standard error [N, N m]."""
 
@@ -251,6 +304,7 @@ class Diagnosis(Part):
     indistinguishable: list[list[str]]
     contrasts: list[Contrast]
     separating_trial: Manoeuvre | None
+    next_trial: NextTrial | None = None
     leftover: list[ResidualForce]
     extension: Extension | None = None
     candidates: list[Candidate]

@@ -45,7 +45,7 @@ def _cause(instance: EffectInstance, x: Array, covariance: Array, run_set: RunSe
     found.scope = "day" if instance.by == "day" else "run"
     found.spread = {
         name: Spread(value=drawn.spread * size, low=drawn.low * size, high=drawn.high * size, unit=unit)
-        for (name, unit), size in zip(_components(one), scale, strict=True)
+        for (name, unit), size in zip(components(one), scale, strict=True)
     }
     blocks = covariance.reshape(instance.count, one.size, instance.count, one.size)
     found.groups = {
@@ -65,7 +65,7 @@ def _of_all(instance: EffectInstance, x: Array, covariance: Array) -> Cause:
     )
 
 
-def _components(instance: EffectInstance) -> list[tuple[str, str]]:
+def components(instance: EffectInstance) -> list[tuple[str, str]]:
     """Name and unit of each fitted parameter; a vector's are its components to the north and east."""
     names = list(instance.effect.parameter_names)
     units = [instance.effect.parameter(name).unit for name in names]

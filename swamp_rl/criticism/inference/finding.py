@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.force_extension import ForceExtension
+from swamp_rl.criticism.inference.next_trial import Designed
 from swamp_rl.criticism.inference.residual_force import Forces
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import Hypothesis
@@ -21,7 +22,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Finding:
     """A diagnosis with the data and fits that it is based on; written: the fit that goes into files;
-    extension: the missing force, which goes there where it is `written`.
+    extension: the missing force, which goes there where it is `written`; next_trial: where one was designed.
     """
 
     diagnosis: Diagnosis
@@ -32,6 +33,7 @@ class Finding:
     forces: Forces
     written: Fit
     extension: ForceExtension | None = None
+    next_trial: Designed | None = None
 
     @property
     def written_effects(self) -> tuple[Hypothesis, Array]:

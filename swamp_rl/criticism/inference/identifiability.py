@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference.trial_evidence import Question, explanation_of, rate
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, fit, inverse, normal_equations
+from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.likelihood.sandwich_covariance import sensitivities
 from swamp_rl.criticism.model.manoeuvres import LENGTH, manoeuvres
+from swamp_rl.criticism.model.trial_limits import UNLIMITED
 from swamp_rl.criticism.result import Contrast, Manoeuvre
 
 Array = NDArray[np.float64]
@@ -46,45 +48,12 @@ def refit(problem: Shooting, truth: Fit, other: Fit) -> float:
 
 
 def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: list[Fit]) -> Manoeuvre:
-    """The manoeuvre with the greatest least distance between the winner and its rivals, in standard
-    errors.
+    """The manoeuvre with the greatest least distance between any two of the winner and its rivals, in
+    standard errors.
     """
     names, commands = zip(*manoeuvres(run_set.boat, run_set.dt).items(), strict=True)
-    steps = len(commands[0])
-    planned = RunSet(
-        run_set.boat,
-        run_set.dt,
-        names,
-        np.array(commands),
-        np.zeros((len(names), steps, 6)),
-        np.full(len(names), steps),
-        gauss_markov=run_set.gauss_markov,
-    )
-    weight = np.broadcast_to(np.where(np.isfinite(sigmas), 1.0 / sigmas, 0.0), planned.measured.shape)
-    problem = Shooting(planned, weight, np.inf)
-    at_rest = np.zeros((len(names), 6))
-    hypothesis, x, _ = winner.hypothesis.of_run(winner.x, 0)
-    truth = problem.predict(hypothesis, x[None], at_rest[None])[0]
-    problem.windows = replace(problem.windows, measured=truth)
-    apart = np.min([_separations(problem, rival, at_rest) for rival in rivals], axis=0)
+    explanations = tuple(explanation_of(one, one.covariance) for one in (winner, *rivals))
+    rated = rate(Question(run_set, sigmas, explanations), np.array(commands), UNLIMITED)
+    apart = np.sqrt(rated.least)
     best = int(apart.argmax())
     return Manoeuvre(manoeuvre=names[best], separation=float(apart[best]), duration_s=LENGTH)
-
-
-def _separations(problem: Shooting, rival: Fit, states: Array) -> Array:
-    """(W,) distance in standard errors between the truth and a rival, minimised over the rival's parameters
-    with their posterior as prior.
-    """
-    hypothesis, x, columns = rival.hypothesis.of_run(rival.x, 0)
-    base = problem.predict(hypothesis, x[None], states[None])[0]
-    residual = problem.residuals(base)
-    by_state = problem.state_jacobian(hypothesis, x, states, base)
-    by_x = problem.parameter_jacobian(hypothesis, x, states, base)
-    normal = normal_equations(by_state, by_x, residual)
-    known = inverse(rival.covariance[np.ix_(columns, columns)]) if hypothesis.size else np.zeros((0, 0))
-    left = normal.profile_chi2.copy()
-    for w in range(len(left)):
-        if hypothesis.size:
-            g = normal.gradient[w]
-            left[w] -= float(g @ inverse(known + normal.information[w]) @ g)
-    return np.sqrt(np.maximum(left, 0.0))

@@ -14,9 +14,9 @@ LENGTH = 60.0  # s
 PERIOD = 12.0  # s of a zig-zag
 
 
-def manoeuvres(boat: Boat, dt: float) -> dict[str, Array]:
+def manoeuvres(boat: Boat, dt: float, seconds: float = LENGTH) -> dict[str, Array]:
     """Commands (T, 2K) by name, for the boat's thrusters within their azimuth limits."""
-    time = np.arange(round(LENGTH / dt)) * dt
+    time = np.arange(round(seconds / dt)) * dt
     record = parameters(boat)[0]
     low, high = record["azimuth_min"], record["azimuth_max"]
     side = np.sign([thruster.x for thruster in boat.thrusters])
@@ -34,7 +34,7 @@ def manoeuvres(boat: Boat, dt: float) -> dict[str, Array]:
     found = {
         "straight ahead, 60 %": of(zeros, 0.6 * ones),
         "straight ahead, 100 %": of(zeros, ones),
-        "straight ahead, then stopped": of(zeros, np.outer(time < LENGTH / 2, ones)),
+        "straight ahead, then stopped": of(zeros, np.outer(time < seconds / 2, ones)),
         "turning circle to starboard, 60 %": of(0.5 * side, 0.6 * ones),
         "turning circle to port, 60 %": of(-0.5 * side, 0.6 * ones),
         "zig-zag, 80 %": of(np.outer(square_wave, 0.5 * side), 0.8 * ones),

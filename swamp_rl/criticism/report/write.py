@@ -12,6 +12,7 @@ from swamp_rl.criticism.report.figures import (
     draw_missing,
     draw_tracks,
 )
+from swamp_rl.criticism.report.next_trial import draw_next_trial
 from swamp_rl.criticism.report.page import page
 
 
@@ -25,6 +26,10 @@ def write_report(folder: Path, finding: Finding) -> None:
     }
     if any(one.curve for one in finding.diagnosis.leftover):
         paths["missing"] = draw(folder / "missing.png", misfit, draw_missing)
+    if finding.next_trial:
+        paths["next_trial"] = draw_next_trial(
+            folder / "next_trial.png", finding.next_trial, finding.run_set.boat, finding.run_set.dt
+        )
     images = {name: base64.b64encode(path.read_bytes()).decode() for name, path in paths.items()}
     text = page(finding.diagnosis, finding.run_set, images)
     (folder / "report.html").write_text(text, encoding="utf-8")

@@ -129,3 +129,23 @@ def test_a_trial_never_replaces_what_is_no_trial(call: Call) -> None:
     Path("a").mkdir()
     Path("a/letter.txt").write_text("dear reader")
     assert_complains(call("trial", "stopping", "--throttle", "0.6", "--out", "a"), "already exists")
+
+
+def test_commands_of_a_run_are_sailed_again_as_a_dataset(call: Call) -> None:
+    assert call("trial", "straight", "--throttle", "0.6", "--duration", "3", "--out", "a")[0] == 0
+    (run,) = read_dataset("a").runs
+    file = next(Path("a").glob("*.parquet"))
+    code, out, error = call("trial", "commands", file, "--out", "b")
+    assert (code, error) == (0, "")
+    assert "b: 1 run" in out
+    (again,) = read_dataset("b").runs
+    assert again.pose == pytest.approx(run.pose, abs=1e-6)
+
+
+def test_commands_of_another_boat_are_one_line_and_leave_nothing(call: Call) -> None:
+    assert call("trial", "straight", "--throttle", "0.6", "--duration", "3", "--out", "a")[0] == 0
+    file = next(Path("a").glob("*.parquet"))
+    words = ["trial", "commands", file, "--boat", "esso_osaka", "--out", "b"]
+    assert_complains(call(*words), "propeller_main")
+    assert_complains(call("trial", "commands", "nowhere.csv", "--out", "b"), "nowhere.csv")
+    assert not Path("b").exists()

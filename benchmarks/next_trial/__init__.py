@@ -1,0 +1,1 @@
+"""Whether the designed trial makes confounded diagnoses unique."""

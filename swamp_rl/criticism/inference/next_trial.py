@@ -1,0 +1,192 @@
+"""The next trial: the commands of greatest expected evidence that keep within limits."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.data.checks import SHORTEST
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
+from swamp_rl.criticism.inference.estimate import components, sides_of
+from swamp_rl.criticism.inference.trial_evidence import Question, Rated, explanation_of, rate
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, inverse
+from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
+from swamp_rl.criticism.model.candidates import EffectInstance
+from swamp_rl.criticism.model.command_family import CommandFamily, command_family
+from swamp_rl.criticism.model.manoeuvres import manoeuvres
+from swamp_rl.criticism.model.trial_limits import TrialLimits, start_in
+from swamp_rl.criticism.progress import LOG
+from swamp_rl.criticism.result import Narrowed, NextTrial, RatedManoeuvre, Separated
+from swamp_rl.errors import UserError
+from swamp_rl.guidance.flight import command_columns
+from swamp_rl.runs import Run, write_run
+
+Array = NDArray[np.float64]
+
+FILE = "next_trial.csv"
+LEAST = SHORTEST + 2.0  # s of a trial: what a diagnosis takes as a run, and a margin
+LEAST_EVIDENCE = 0.01  # below which a trial decides nothing
+RANDOM, PARENTS, CHILDREN = 32, 4, 24  # random sequences at first; kept of a round; tried in one
+BUDGET = 16_000_000  # boat steps of a design, about 15 s of a processor
+PATIENCE, WORTH = 15, 0.01  # rounds in a row that gain less than this share, which end the search
+
+
+@dataclass(frozen=True)
+class Designed:
+    """The next trial: what is told of it; commands (T, 2K), a row each sample step; names and tracks
+    (H, T, 6) of the true motion under each explanation, places from the area's south-west corner.
+    """
+
+    told: NextTrial
+    commands: Array
+    names: tuple[str, ...]
+    tracks: Array
+
+
+def question_of(
+    run_set: RunSet, sigmas: Array, problem: Shooting, winner: Fit, rivals: Sequence[Fit]
+) -> tuple[Question, Narrowed | None]:
+    """Which of the rivals is true or, without any, the parameter of the winner whose interval is the widest
+    in its typical sizes.
+
+    UserError where there are no rivals and no interval.
+    """
+    if rivals:
+        every = tuple(explanation_of(one, one.covariance) for one in (winner, *rivals))
+        return Question(run_set, sigmas, every), None
+    covariance = sandwich_covariance(problem, winner)
+    explanation = explanation_of(winner, covariance)
+    widest: tuple[float, int, Narrowed] | None = None
+    for column, (instance, own, place) in enumerate(_parameters(winner)):
+        deviation = math.sqrt(abs(inverse(explanation.precision)[column, column]))
+        if instance.groups or sides_of(instance, own)[place] or not math.isfinite(deviation):
+            continue
+        name, unit = components(instance)[place]
+        relative = deviation / instance.specs[place].scale
+        if widest is None or relative > widest[0]:
+            told = Narrowed(
+                effect=instance.label, parameter=name, unit=unit, before=deviation, after=deviation
+            )
+            widest = relative, column, told
+    if widest is None:
+        raise UserError(
+            "--next: no trial to design: no hypotheses are indistinguishable, and no cause has an interval "
+            "that a trial can narrow; leave --next out"
+        )
+    return Question(run_set, sigmas, (explanation,), widest[1]), widest[2]
+
+
+def _parameters(at: Fit) -> list[tuple[EffectInstance, Array, int]]:
+    """Effect instance, its parameters (q,) and the place among them, of each parameter that one run has."""
+    return [
+        (instance, own, place)
+        for instance, own in at.hypothesis.parts(at.x)
+        for place in range(instance.of_one.size)
+    ]
+
+
+def design_trial(
+    question: Question, narrows: Narrowed | None, limits: TrialLimits, rng: np.random.Generator
+) -> Designed:
+    """The best trial that was found, never worse than the best fixed manoeuvre within the same limits.
+
+    The search begins from the fixed manoeuvres and random sequences of their commands, and replaces blocks of
+    commands at random: an evolution strategy (PARENTS + CHILDREN), a stochastic form of the exchange
+    algorithms of optimal design (Fedorov 1972). A trial ends where a limit is exceeded, and its evidence with
+    it. UserError where none lasts for LEAST.
+    """
+    boat, dt = question.run_set.boat, question.run_set.dt
+    family = command_family(boat, dt, limits.seconds, limits.throttle)
+    fixed = manoeuvres(boat, dt, limits.seconds)
+    listed = family.begun(np.stack(list(fixed.values())))
+    of_list = rate(question, listed, limits)
+    found = _searched(question, family, limits, listed, rng)
+    both = np.concatenate([listed, found[None]])
+    rated = rate(question, both, limits)
+    best = int(_merit(rated, dt).argmax())
+    rows = int(rated.rows[best])
+    if rows * dt < LEAST or rated.least[best] < LEAST_EVIDENCE:
+        raise UserError(
+            f"--next: no commands that were tried keep the boat within the limits for {LEAST:g} s and have "
+            "any evidence; give a larger area or a greater --top-speed, or leave --next out"
+        )
+    tracks = rated.tracks[:, best, :rows].copy()
+    start = start_in(limits, tracks)
+    tracks[..., :2] += start
+    told = NextTrial(
+        file=FILE,
+        duration_s=rows * dt,
+        hold_s=family.hold * dt,
+        area_m=(limits.north, limits.east),
+        start_m=(float(start[0]), float(start[1])),
+        top_speed=float(np.hypot(tracks[..., 3], tracks[..., 4]).max()),
+        evidence=float(rated.least[best]),
+        separates=_separated(question, rated, best),
+        narrows=narrows.model_copy(update={"after": narrows.before / math.sqrt(1.0 + rated.least[best])})
+        if narrows
+        else None,
+        of_list=sorted(
+            (
+                RatedManoeuvre(manoeuvre=name, evidence=float(worth), duration_s=float(count * dt))
+                for name, worth, count in zip(fixed, of_list.least, of_list.rows, strict=True)
+            ),
+            key=lambda one: one.evidence,
+            reverse=True,
+        ),
+    )
+    return Designed(told, both[best, :rows], tuple(one.label for one in question.explanations), tracks)
+
+
+def write_trial(folder: Path, trial: Designed, boat: Boat, dt: float) -> None:
+    """Write the commands into `folder` as a run, with the motion that the first explanation predicts; a row
+    each dt [s].
+    """
+    motion = dict(zip(CHANNELS, trial.tracks[0].T, strict=True))
+    motion["heading"] = np.pi - np.mod(np.pi - motion["heading"], 2 * np.pi)  # in (-pi, pi]
+    columns = {"time": dt * np.arange(len(trial.commands))} | motion | command_columns(boat, trial.commands)
+    write_run(folder / FILE, Run(Path(FILE).stem, columns))
+
+
+def _searched(
+    question: Question, family: CommandFamily, limits: TrialLimits, listed: Array, rng: np.random.Generator
+) -> Array:
+    """(T, 2K) the best commands of the family that were found."""
+    tried = np.concatenate([family.sampled(listed), family.random(rng, RANDOM)])
+    kept, merit = tried[:0], np.zeros(0)
+    used, quiet, best = 0, 0, 0.0
+    while used < BUDGET and quiet < PATIENCE:
+        rated = rate(question, family.rows(tried), limits)
+        used += rated.steps
+        kept = np.concatenate([kept, tried])
+        merit = np.concatenate([merit, _merit(rated, question.run_set.dt)])
+        order = np.argsort(-merit, kind="stable")[:PARENTS]
+        kept, merit = kept[order], merit[order]
+        quiet = 0 if merit[0] > (1.0 + WORTH) * best else quiet + 1
+        best = max(best, float(merit[0]))
+        LOG.debug("next trial: evidence %.4g after %d boat steps", best, used)
+        tried = np.stack([family.exchanged(kept[n % len(kept)], rng) for n in range(CHILDREN)])
+    return family.rows(kept[:1])[0]
+
+
+def _merit(rated: Rated, dt: float) -> Array:
+    """(W,) least evidence, below zero where a trial ends too early."""
+    return np.where(rated.rows * dt >= LEAST, rated.least, -1.0 / np.maximum(rated.rows, 1))
+
+
+def _separated(question: Question, rated: Rated, trial: int) -> list[Separated]:
+    """Each pair of explanations, the least separated first."""
+    names = [one.label for one in question.explanations]
+    pairs = [
+        Separated(
+            effects=[names[a], names[b]],
+            separation=math.sqrt(min(rated.evidence[a, b, trial], rated.evidence[b, a, trial])),
+        )
+        for a in range(len(names))
+        for b in range(a + 1, len(names))
+    ]
+    return sorted(pairs, key=lambda one: one.separation)

@@ -1,0 +1,206 @@
+"""Expected evidence of a trial that is yet to be sailed: between hypotheses, or about one parameter."""
+
+import math
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.data.windows import Windows
+from swamp_rl.criticism.likelihood.multiple_shooting import SUBSTEP, Shooting, wrap
+from swamp_rl.criticism.likelihood.output_error import Fit, inverse, normal_equations
+from swamp_rl.criticism.model.actuator_history import LEAST_TRANSIENT
+from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.trial_limits import TrialLimits, rows_within
+from swamp_rl.simulator import initial_state, simulate, tank
+from swamp_rl.simulator.state import ACTUATORS
+from swamp_rl.simulator.step import substeps_of
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+WINDOW = 20.0  # s, as the middle stage of a search has
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A hypothesis of the next run, its parameters x (p,) and what is known of them: precision (p, p)."""
+
+    label: str
+    hypothesis: Hypothesis
+    x: Array
+    precision: Array
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a trial is to decide.
+
+    explanations: those that it is to separate, or the one that `column` is a parameter of, whose interval it
+    is to narrow; run_set: the boat, the sample step and the Gauss-Markov noise; sigmas: (6,) standard
+    deviation of the white noise.
+    """
+
+    run_set: RunSet
+    sigmas: Array
+    explanations: tuple[Explanation, ...]
+    column: int | None = None
+
+
+@dataclass(frozen=True)
+class Rated:
+    """Of W trials: tracks (H, W, T, 6), the true motion under each explanation; rows: (W,) until a limit is
+    exceeded; evidence: (H, H, W) of those rows, [a, b] where a is true and b is fitted, or (1, 1, W) about
+    the parameter; steps: of boats that were simulated.
+    """
+
+    tracks: Array
+    rows: Rows
+    evidence: Array
+    steps: int
+
+    @property
+    def least(self) -> Array:
+        """(W,) the least evidence of any pair."""
+        size = len(self.evidence)
+        pairs = ~np.eye(size, dtype=bool) if size > 1 else np.ones((1, 1), dtype=bool)
+        return np.asarray(self.evidence[pairs].min(axis=0))
+
+
+def explanation_of(at: Fit, covariance: Array) -> Explanation:
+    """A fit with covariance (p, p), for a run yet to come: what differs between runs is known to within its
+    variance between them.
+    """
+    hypothesis, x, columns = at.hypothesis.of_run(at.x, 0)
+    between = [np.zeros(0)]
+    for instance, own in at.hypothesis.parts(at.x):
+        values = instance.by_group(own)
+        between.append(values.var(axis=0, ddof=1) if instance.count > 1 else np.zeros(values.shape[1]))
+    known = covariance[np.ix_(columns, columns)] + np.diag(np.concatenate(between))
+    return Explanation(at.hypothesis.cause_label, hypothesis, x, inverse(known))
+
+
+def rate(question: Question, commands: Array, limits: TrialLimits) -> Rated:
+    """Expected evidence of trials from rest, bow to the north, under commands (W, T, 2K).
+
+    Evidence between a and b: squared distance of their predictions in standard deviations of the noise,
+    minimised over b's initial states and, with their posterior as prior, its linearised parameters; twice the
+    expected difference of log likelihood (T-optimality: Atkinson and Fedorov, Biometrika 62, 1975). About a
+    parameter: what the trial adds to its information, as a multiple of what is known, the other parameters
+    and the initial states eliminated (D_s-optimality). Every explanation starts from the motion under the
+    first one at the beginning of each window of about WINDOW, since over a longer time an unstable boat
+    magnifies differences beyond what is linear.
+    """
+    tracks = np.stack([_track(question.run_set, one, commands) for one in question.explanations])
+    rows = rows_within(limits, tracks, question.run_set.boat.length)
+    problem = _problem(question, commands)
+    win = problem.windows
+    seen = win.first[:, None] + np.arange(win.rows) < rows[win.run][:, None]
+    states = np.nan_to_num(tracks[0][win.run, win.first])
+    answers = [_response(problem, one, states, seen) for one in question.explanations]
+    size = len(answers)
+    evidence = np.zeros((size, size, len(commands)))
+    if question.column is not None:
+        evidence[0, 0] = _information(answers[0], question.explanations[0], question.column, len(commands))
+    for a, b in permutations(range(size), 2):
+        residual = _apart(problem, answers[a], answers[b]) * answers[b].seen
+        evidence[a, b] = _distance(residual, answers[b], question.explanations[b], len(commands))
+    steps = commands.shape[0] * commands.shape[1] * size + problem.boat_steps[0]
+    return Rated(tracks, rows, evidence, steps)
+
+
+@dataclass(frozen=True)
+class _Response:
+    """Predictions (V, T, 6) of V windows, derivatives of the standardised ones by states (V, M, 6) and x
+    (V, M, p), and which of these are within the limits (V, M).
+    """
+
+    base: Array
+    by_state: Array
+    by_x: Array
+    seen: NDArray[np.bool_]
+
+
+def _track(run_set: RunSet, one: Explanation, commands: Array) -> Array:
+    """(W, T, 6) true motion from rest."""
+    records = np.repeat(one.hypothesis.records(run_set.boat, one.x[None]), len(commands))
+    start = initial_state(records, np.zeros((len(commands), 3)))
+    start[:, ACTUATORS : ACTUATORS + commands.shape[2]] = commands[:, 0]
+    seeds = np.zeros(len(commands), np.uint64)
+    asked = np.ascontiguousarray(commands[:, :-1])
+    track = simulate(records, tank(run_set.boat), start, asked, seeds, run_set.dt, substeps_of(run_set.dt))
+    return np.asarray(track[..., :6])
+
+
+def _problem(question: Question, commands: Array) -> Shooting:
+    """The trials (W, T, 2K) cut in equal windows, W by W, from where a diagnosis begins to compare."""
+    trials, steps = commands.shape[:2]
+    run_set = question.run_set
+    planned = RunSet(
+        run_set.boat,
+        run_set.dt,
+        tuple(map(str, range(trials))),
+        commands,
+        np.zeros((trials, steps, 6)),
+        np.full(trials, steps),
+        gauss_markov=run_set.gauss_markov,
+    )
+    weight = np.where(np.isfinite(question.sigmas), 1.0 / question.sigmas, 0.0)
+    transient = math.ceil(LEAST_TRANSIENT / run_set.dt)
+    pieces = max(1, round((steps - transient) * run_set.dt / WINDOW))
+    length = (steps - transient) // pieces
+    weights = np.tile(weight, (trials * pieces, length, 1))
+    windows = Windows(
+        np.repeat(np.arange(trials), pieces),
+        np.tile(transient + length * np.arange(pieces), trials),
+        np.full(trials * pieces, length - 1),
+        np.zeros_like(weights),
+        weights,
+        0,
+        length,
+    )
+    problem = Shooting(planned, np.broadcast_to(weight, planned.measured.shape), np.inf, windows)
+    problem.substeps = max(1, math.ceil(run_set.dt / SUBSTEP - 1e-9))
+    return problem
+
+
+def _response(problem: Shooting, one: Explanation, states: Array, seen: NDArray[np.bool_]) -> _Response:
+    """From the states (V, 6) at the windows' starts; what is not `seen` (V, T) has no derivative."""
+    base = problem.predict(one.hypothesis, one.x[None], states[None])[0]
+    by_state = problem.state_jacobian(one.hypothesis, one.x, states, base)
+    by_x = problem.parameter_jacobian(one.hypothesis, one.x, states, base)
+    channels = np.repeat(seen, base.shape[2], axis=1) & np.isfinite(by_state).all(axis=2)
+    return _Response(base, by_state * channels[..., None], by_x * channels[..., None], channels)
+
+
+def _apart(problem: Shooting, true: _Response, fitted: _Response) -> Array:
+    """(V, M) what one explanation predicts less what another does, in standard deviations of the noise."""
+    apart = true.base - fitted.base
+    apart[..., 2] = wrap(apart[..., 2])
+    return problem.standardised(apart)
+
+
+def _distance(residual: Array, fitted: _Response, one: Explanation, trials: int) -> Array:
+    """(W,) squared residuals (V, M) that remain once an explanation is fitted to each trial."""
+    normal = normal_equations(fitted.by_state, fitted.by_x, residual)
+    left = _by_trial(normal.profile_chi2, trials)
+    gradients = _by_trial(normal.gradient, trials)
+    for trial, added in enumerate(_by_trial(normal.information, trials)):
+        left[trial] -= gradients[trial] @ inverse(one.precision + added) @ gradients[trial]
+    return np.maximum(np.nan_to_num(left), 0.0)
+
+
+def _information(response: _Response, one: Explanation, column: int, trials: int) -> Array:
+    """(W,) what the trials add to the information about a parameter, as a multiple of what is known."""
+    none = np.zeros(response.seen.shape)
+    added = _by_trial(normal_equations(response.by_state, response.by_x, none).information, trials)
+    before = inverse(one.precision)[column, column]
+    after = np.array([inverse(one.precision + own)[column, column] for own in added])
+    return np.maximum(np.nan_to_num(before / after - 1.0), 0.0)
+
+
+def _by_trial(values: Array, trials: int) -> Array:
+    """(W, ...) sums over the windows of each trial of values (V, ...)."""
+    return np.asarray(values.reshape(trials, -1, *values.shape[1:]).sum(axis=1))

@@ -1,0 +1,101 @@
+"""The next trial in words and as a figure: what it is to show, the tracks to be expected, the commands."""
+
+import html
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.inference.next_trial import Designed
+from swamp_rl.criticism.report.tables import table
+from swamp_rl.criticism.report.words import manoeuvre_words, readable, rounded
+from swamp_rl.criticism.result import Diagnosis, NextTrial
+from swamp_rl.figure_style import sheet
+
+LISTED = 3  # fixed manoeuvres beside the trial
+
+
+def next_trial_sentences(trial: NextTrial) -> list[str]:
+    """What the trial is, what it is expected to decide, and how much better it is than a fixed manoeuvre."""
+    north, east = trial.start_m
+    said = [
+        f"{trial.file}: {trial.duration_s:.0f} s within {trial.area_m[0]:g} x {trial.area_m[1]:g} m (north x "
+        f"east), up to {trial.top_speed:.2g} m/s; start at rest, bow to the north, {north:.1f} m north and "
+        f"{east:.1f} m east of the south-west corner"
+    ]
+    if trial.separates:
+        closest = trial.separates[0]
+        of = " or more between any two, the least" if len(trial.separates) > 1 else ""
+        said.append(
+            f"{closest.separation:.3g} standard errors expected{of} between {readable(closest.effects[0])} "
+            f"and {readable(closest.effects[1])}"
+        )
+    if one := trial.narrows:
+        unit = f" {one.unit}" if one.unit != "1" else ""
+        said.append(
+            f"narrows {one.parameter.replace('_', ' ')} of {readable(one.effect)}: a standard error of "
+            f"{rounded(one.after)}{unit} expected, {rounded(one.before)}{unit} now"
+        )
+    if trial.of_list and trial.of_list[0].evidence > 0.0:
+        best = trial.of_list[0]
+        said.append(
+            f"{trial.evidence / best.evidence:.3g} times the evidence of the best fixed manoeuvre within the "
+            f"same limits ({best.manoeuvre})"
+        )
+    return said
+
+
+def next_trial_section(found: Diagnosis, boat: Boat, images: Mapping[str, str]) -> str:
+    """The trial as a part of the page; empty where none was designed."""
+    trial = found.next_trial
+    if trial is None:
+        return ""
+    listed = "".join(f"<li>{html.escape(said)}</li>" for said in next_trial_sentences(trial))
+    rows = [("this trial", f"{trial.evidence:.3g}", f"{trial.duration_s:.0f}")]
+    rows += [
+        (manoeuvre_words(one.manoeuvre, boat), f"{one.evidence:.3g}", f"{one.duration_s:.0f}")
+        for one in trial.of_list[:LISTED]
+    ]
+    unit = "information, in multiples of the present" if trial.narrows else "evidence [χ²]"
+    picture = (
+        f'<div class="wide"><img alt="Next trial" src="data:image/png;base64,{images["next_trial"]}"></div>'
+        if "next_trial" in images
+        else ""
+    )
+    return (
+        f"<h2>The next trial</h2><ul>{listed}</ul>{picture}<p>Evidence is twice the expected difference of "
+        "log likelihood between the two explanations that are separated least, their parameters and the "
+        "initial states fitted anew. A manoeuvre ends where it exceeds a limit.</p>"
+        + table(("manoeuvre", unit, "duration [s]"), rows, numbers=(1, 2))
+    )
+
+
+def draw_next_trial(path: Path, trial: Designed, boat: Boat, dt: float) -> Path:
+    """Save tracks and commands as PNG; returns `path`."""
+    with sheet(path, 10.5, 4.4) as figure:
+        left, right = figure.subfigures(1, 2, width_ratios=(1, 1.4))
+        _draw_tracks(left.subplots(), trial)
+        angles, levels = right.subplots(2, 1, sharex=True)
+        time, count = dt * np.arange(len(trial.commands)), len(boat.thrusters)
+        for k, name in enumerate(boat.thruster_names):
+            turned = np.degrees(trial.commands[:, k])
+            angles.step(time, turned, where="post", lw=1.2, label=name)
+            levels.step(time, trial.commands[:, count + k], where="post", lw=1.2)
+        angles.set(ylabel="angle [°]")
+        levels.set(ylabel="throttle", xlabel="time [s]")
+        angles.legend(ncols=count, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    return path
+
+
+def _draw_tracks(axes: Any, trial: Designed) -> None:
+    """The tracks under each explanation, in the area."""
+    north, east = trial.told.area_m
+    axes.plot([0, east, east, 0, 0], [0, 0, north, north, 0], color="#5b6874", lw=1.0)
+    for name, track in zip(trial.names, trial.tracks, strict=True):
+        axes.plot(track[:, 1], track[:, 0], lw=1.3, label=readable(name))
+    axes.plot(*trial.told.start_m[::-1], "o", color="#222222", ms=4)
+    axes.set(xlabel="east [m]", ylabel="north [m]")
+    axes.set_aspect("equal")
+    axes.legend(fontsize=7, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=1)

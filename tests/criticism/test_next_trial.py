@@ -1,0 +1,223 @@
+"""The designed trial: its limits, its expected evidence, and what it decides."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.data.measurement_noise import noise_levels
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference import next_trial
+from swamp_rl.criticism.inference.next_trial import Designed, design_trial, question_of, write_trial
+from swamp_rl.criticism.inference.trial_evidence import Explanation, Question, rate
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import fit
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.model.manoeuvres import manoeuvres
+from swamp_rl.criticism.model.trial_limits import UNLIMITED, rows_within, trial_limits
+from swamp_rl.criticism.result import Narrowed
+from swamp_rl.effects import apply_effects, parse_effects
+from swamp_rl.errors import UserError
+from swamp_rl.runs import read_run
+from swamp_rl.simulator import initial_state, parameters, simulate, tank
+from swamp_rl.simulator.replay import replay
+from tests.support.criticism import DT, SECONDS, SIGMA, driven, select_effects
+
+BOAT = load_boat("swamp")
+ZIG_ZAG = manoeuvres(BOAT, DT, SECONDS)["zig-zag, 80 %"]
+TRUTHS = {"thrust_scale": ("scale", 0.9), "resistance": ("scale", 1.2)}
+
+
+def explained(name: str, value: float, deviation: float) -> Explanation:
+    """An effect of one parameter, known to a standard deviation."""
+    hypothesis = Hypothesis((by_label(candidates(BOAT, SECONDS))[name],))
+    return Explanation(name, hypothesis, np.array([value]), np.array([[deviation**-2.0]]))
+
+
+def runs_of(commands: np.ndarray) -> RunSet:
+    """Runs under commands (R, T, 8) without measurements."""
+    count, rows = commands.shape[:2]
+    names = tuple(map(str, range(count)))
+    return RunSet(BOAT, DT, names, commands, np.zeros((count, rows, 6)), np.full(count, rows))
+
+
+def question(*names: str, column: int | None = None) -> Question:
+    """Which of the effects is true, each known to one percent."""
+    every = tuple(explained(name, TRUTHS[name][1], 0.01) for name in names)
+    return Question(runs_of(ZIG_ZAG[None]), SIGMA, every, column)
+
+
+NARROWS = Narrowed(effect="resistance", parameter="scale", unit="1", before=0.01, after=0.01)
+
+
+@pytest.fixture
+def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A search that ends early."""
+    monkeypatch.setattr(next_trial, "BUDGET", 500_000)
+
+
+def designed(asked: Question, area: str = "15x20", seed: int = 0, **more: Any) -> Designed:
+    """A trial of 30 s."""
+    limits = trial_limits(area, BOAT, 30.0, **more)
+    narrows = NARROWS if asked.column is not None else None
+    return design_trial(asked, narrows, limits, np.random.default_rng(seed))
+
+
+def sailed(commands: np.ndarray, effects: Sequence[dict[str, Any]]) -> np.ndarray:
+    """(T, S) states from rest at the origin, of a boat with those effects."""
+    record = parameters(BOAT)
+    apply_effects(record, parse_effects(list(effects), "test", BOAT.thruster_names), BOAT.thruster_names)
+    start = initial_state(record, np.zeros((1, 3)))
+    return np.asarray(
+        simulate(record, tank(BOAT), start, commands[None, :-1].copy(), np.zeros(1, np.uint64), DT, 2)[0]
+    )
+
+
+@pytest.mark.usefixtures("brief")
+def test_the_boat_keeps_the_area_and_the_limits_under_every_hypothesis() -> None:
+    found = designed(question(*TRUTHS), speed=0.9, throttle=0.7)
+    assert np.abs(found.commands[:, 4:]).max() <= 0.7
+    for name, (parameter, value) in TRUTHS.items():
+        states = sailed(found.commands, [{"effect": name, parameter: value}])
+        places = states[:, :2] + found.told.start_m
+        assert places.min() > 0.95 * 0.1 * 15.0
+        assert (places < np.array([15.0, 20.0]) - 0.95 * 0.1 * 15.0).all()
+        assert np.hypot(states[:, 3], states[:, 4]).max() < 0.91
+
+
+@pytest.mark.usefixtures("brief")
+@pytest.mark.parametrize(("names", "column"), [(tuple(TRUTHS), None), (("resistance",), 0)])
+def test_the_trial_has_more_evidence_than_the_best_fixed_manoeuvre(
+    names: tuple[str, ...], column: int | None
+) -> None:
+    told = designed(question(*names, column=column)).told
+    assert told.of_list[0].evidence == max(one.evidence for one in told.of_list) > 0.0
+    assert told.evidence > told.of_list[0].evidence
+
+
+@pytest.mark.usefixtures("brief")
+def test_commands_are_held_for_two_seconds_or_more() -> None:
+    commands = designed(question(*TRUTHS)).commands
+    changes = np.flatnonzero(np.abs(np.diff(commands, axis=0)).max(axis=1) > 0.0) + 1
+    assert len(changes) > 0
+    assert (np.diff([0, *changes]) * DT >= 2.0 - 1e-9).all()
+
+
+@pytest.mark.usefixtures("brief")
+def test_the_same_seed_gives_the_same_commands_and_another_one_others() -> None:
+    once, again, other = (designed(question(*TRUTHS), seed=seed).commands for seed in (1, 1, 2))
+    assert np.array_equal(once, again)
+    assert once.shape != other.shape or not np.array_equal(once, other)
+
+
+def test_expected_evidence_is_what_a_nonlinear_refit_of_noise_free_data_leaves() -> None:
+    every = [explained(name, value, 1e3) for name, (_, value) in TRUTHS.items()]
+    expected = rate(Question(runs_of(ZIG_ZAG[None]), SIGMA, tuple(every)), ZIG_ZAG[None], UNLIMITED)
+    track = sailed(ZIG_ZAG, [{"effect": "thrust_scale", "scale": 0.9}])[:, :6]
+    problem = Shooting(
+        replace(runs_of(ZIG_ZAG[None]), measured=track[None]), np.tile(1 / SIGMA, (1, len(track), 1)), 20.0
+    )
+    states = track[problem.windows.first]
+    left = fit(problem, every[1].hypothesis, every[1].x, states).chi2
+    assert expected.least[0] == pytest.approx(expected.evidence[0, 1, 0], rel=0.3)
+    assert expected.evidence[0, 1, 0] == pytest.approx(left, rel=0.3)
+
+
+def test_the_expected_interval_is_that_of_a_fit_of_the_trial() -> None:
+    asked = question("resistance", column=0)
+    rated = rate(asked, ZIG_ZAG[None], UNLIMITED)
+    track = sailed(ZIG_ZAG, [{"effect": "resistance", "scale": 1.2}])[:, :6]
+    weight = np.tile(1 / SIGMA, (1, len(track), 1))
+    problem = Shooting(replace(runs_of(ZIG_ZAG[None]), measured=track[None]), weight, 20.0)
+    made = fit(problem, asked.explanations[0].hypothesis, np.array([1.2]), track[problem.windows.first])
+    together = 1.0 / (0.01**-2 + 1.0 / made.covariance[0, 0])
+    assert 0.01**2 / (1.0 + rated.least[0]) == pytest.approx(together, rel=0.3)
+
+
+def test_a_trial_ends_where_any_track_exceeds_a_limit() -> None:
+    tracks = np.zeros((2, 1, 100, 6))
+    tracks[1, 0, :, 1] = np.arange(100) * 0.1  # to the east
+    limits = trial_limits("20x8", BOAT)
+    reach = 8.0 - 2.0 * BOAT.length
+    assert rows_within(limits, tracks, BOAT.length)[0] == int(reach / 0.1) + 1
+    tracks[0, 0, 7:, 3] = 2.0
+    assert rows_within(replace(limits, speed=1.5), tracks, BOAT.length)[0] == 7
+
+
+@pytest.mark.parametrize("area", ["40x40ft", "40", "-3x40", "40 m x 40 m", "1x1", "nanx40", "40x1e9"])
+def test_what_is_no_area_that_the_boat_can_move_in_is_refused(area: str) -> None:
+    with pytest.raises(UserError, match=r"--next .*area"):
+        trial_limits(area, BOAT)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"seconds": 5.0}, "--seconds 5"),
+        ({"speed": 0.0}, "--top-speed 0"),
+        ({"throttle": 1.5}, "--throttle 1.5"),
+    ],
+)
+def test_limits_out_of_range_are_refused(given: dict[str, float], said: str) -> None:
+    with pytest.raises(UserError, match=said):
+        trial_limits("40x40", BOAT, **given)
+
+
+def test_limits_without_any_evidence_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(next_trial, "BUDGET", 1)
+    with pytest.raises(UserError, match="keep the boat within the limits for 12 s"):
+        designed(question(*TRUTHS), throttle=1e-4)
+
+
+@pytest.mark.usefixtures("brief")
+def test_the_file_replays_to_the_motion_that_it_holds(tmp_path: Path) -> None:
+    found = designed(question(*TRUTHS))
+    write_trial(tmp_path, found, BOAT, DT)
+    run = read_run(tmp_path / found.told.file)
+    truth = sailed(found.commands, [{"effect": "thrust_scale", "scale": 0.9}])
+    assert run.pose[:, :2] == pytest.approx(truth[:, :2] + found.told.start_m, abs=0.05)
+    assert np.array_equal(run.commands(BOAT.thruster_names), found.commands)
+    assert replay(BOAT, run).duration == run.duration
+
+
+@pytest.mark.slow
+@pytest.mark.numerical
+@pytest.mark.usefixtures("brief")
+def test_one_run_of_the_trial_makes_a_confounded_diagnosis_unique() -> None:
+    truth = [{"effect": "linear_drag", "coefficient": 6.0}]
+    possible = ("linear_drag", "thrust_scale", "resistance", "advance_thrust_loss")
+    straight = np.zeros((3, round(SECONDS / DT), 8))
+    straight[..., 4:] = 0.7
+    steady = driven(truth, straight, 0.8, seed=9)
+    found = select_effects(steady, *possible)
+    assert found.rivals
+    sigmas = noise_levels(steady)
+    problem = Shooting(steady, np.ones_like(steady.measured), 20.0)
+    asked = question_of(steady, sigmas, problem, found.winner, found.rivals)
+    trial = design_trial(*asked, trial_limits("30x30", BOAT, SECONDS), np.random.default_rng(0))
+    rows = np.concatenate([trial.commands, np.repeat(trial.commands[-1:], 400, axis=0)])[:400]
+    more = driven(truth, rows[None], 0.0, seed=10)
+    both = replace(
+        steady,
+        names=("a", "b", "c", "next"),
+        commands=np.concatenate([steady.commands, more.commands]),
+        measured=np.concatenate([steady.measured, more.measured]),
+        lengths=np.concatenate([steady.lengths, more.lengths]),
+    )
+    settled = select_effects(both, *possible)
+    assert settled.winner.hypothesis.label == "linear_drag"
+    assert not settled.rivals
+
+
+@pytest.mark.slow
+@pytest.mark.numerical
+def test_without_rivals_and_causes_there_is_no_trial_to_design() -> None:
+    clean = driven([], ZIG_ZAG[None].repeat(3, axis=0), 0.0, seed=3)
+    problem = Shooting(clean, np.tile(1 / SIGMA, (3, len(ZIG_ZAG), 1)), 20.0)
+    nothing = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states())
+    with pytest.raises(UserError, match="no trial to design"):
+        question_of(clean, SIGMA, problem, nothing, [])
