@@ -1,6 +1,8 @@
 """`swamp-rl diagnose` and `simulate --window`: a simulated boat against measured runs."""
 
+import os
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -30,6 +32,19 @@ def diagnose(
         list[str] | None,
         typer.Option(help="Leave out what the runs measured: wind or depth; may be repeated."),
     ] = None,
+    self_trial: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=0, max=1000, help="Twins of the answer that are diagnosed, 0 for none [20]."
+        ),
+    ] = None,
+    search_twins: Annotated[
+        bool, typer.Option("--search-twins", help="Diagnose each twin by a search of its own; takes long.")
+    ] = False,
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, max=1024, help="Of --search-twins: processes, by default one a processor."),
+    ] = None,
 ) -> None:
     """Find the causes of a model's error in measured runs, extend the boat by them, and measure the gain."""
     given = ", ".join(map(str, dataset))
@@ -41,13 +56,22 @@ def diagnose(
     figures = [one for one in dataset if is_figures_file(one)]
     if figures and len(dataset) > 1:
         raise UserError(f"{figures[0]}: printed figures are diagnosed alone; leave the other inputs out")
+    if figures and (self_trial is not None or search_twins or workers):
+        raise UserError(f"--self-trial: {figures[0]} holds printed figures, which have none; leave it out")
+    if workers and not search_twins:
+        raise UserError("--workers: only the searches of twins are divided; add --search-twins")
+    if search_twins and self_trial == 0:
+        raise UserError("--search-twins: --self-trial 0 asks for no twins; leave one of them out")
     if figures:
         _diagnose_figures(figures[0], boat, out, holdout, fit)
         return
     if fit:
         raise UserError(f"--fit: {given} holds runs, which have no groups; leave it out")
 
+    from swamp_rl.experiments.sweep.local import each_in_processes
+
     from swamp_rl.criticism.diagnose import diagnose as examine
+    from swamp_rl.criticism.inference.self_trial import TWINS, Method
     from swamp_rl.criticism.progress import LOG
     from swamp_rl.criticism.report.evidence import (
         carry_over_sentence,
@@ -57,10 +81,14 @@ def diagnose(
         smoothed_sentence,
     )
     from swamp_rl.criticism.report.extension import extension_sentence, is_extended
+    from swamp_rl.criticism.report.self_trial import self_trial_sentence
     from swamp_rl.criticism.report.words import label_of, parameter_sets, spread_sets
 
+    twins = TWINS if self_trial is None else self_trial
+    method: Method = "search" if search_twins else "linearised"
+    each = partial(each_in_processes, workers=workers or os.cpu_count() or 1)
     with progress(LOG):
-        found = examine(dataset, boat, out, holdout, ignore=ignore or [])
+        found = examine(dataset, boat, out, holdout, 0, ignore or [], twins, method, each)
     typer.echo(f"verdict: {found.verdict}")
     for said in (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found)):
         if said:
@@ -82,6 +110,8 @@ def diagnose(
         typer.echo(
             f"  separating manoeuvre: {trial.manoeuvre} ({trial.separation:.1f} standard errors apart)"
         )
+    if said := self_trial_sentence(found):
+        typer.echo(f"  {said}")
     for left in found.leftover[:1]:
         typer.echo(
             f"  unexplained: {left.force}, a function of {left.variable} "

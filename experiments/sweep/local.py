@@ -4,9 +4,12 @@ import json
 import os
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
 from multiprocessing import connection, get_context, parent_process
 from typing import Any
+
+from swamp_rl.errors import UserError
 
 Work = Callable[[str], str]
 """A trial: what it is told, and what it answers. Found by its name in the process that does it."""
@@ -64,6 +67,24 @@ class LocalCrew:
                 os.environ.pop(name) if value is None else os.environ.update({name: value})
         theirs.close()
         return ours, process
+
+
+def each_in_processes(work: Work, jobs: Sequence[str], workers: int) -> Iterator[str]:
+    """The answer to every job, in their order; UserError where one fails."""
+    waiting = iter(enumerate(jobs))
+    done: dict[int, str] = {}
+    with LocalCrew(work, min(workers, len(jobs))) as crew:
+        for number, job in islice(waiting, crew.places):
+            crew.give(number, job)
+        for wanted in range(len(jobs)):
+            while wanted not in done:
+                number, answer, error = crew.take()
+                if answer is None:
+                    raise UserError(f"job {number + 1} of {len(jobs)} failed: {error}")
+                done[number] = answer
+                for number, job in islice(waiting, 1):
+                    crew.give(number, job)
+            yield done.pop(wanted)
 
 
 def attempt(work: Work, job: str) -> tuple[str | None, str]:
