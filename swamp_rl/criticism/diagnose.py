@@ -100,7 +100,9 @@ def diagnose(
     with folder_beside(out, RESULT) as folder:
         finding = examine(run_set, other, np.random.default_rng(seed))
         if twins:
+            began = time.perf_counter()
             finding.diagnosis.self_trial = self_trial(run_set, finding, twins, method, seed, each)
+            finding.diagnosis.elapsed_s += time.perf_counter() - began
         write_extended(folder, boat, *finding.written_effects, finding.run_set.names, finding.written_curves)
         LOG.info("drawing the report")
         write_report(folder, finding)

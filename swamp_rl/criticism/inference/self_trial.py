@@ -51,7 +51,8 @@ class Twins:
 def noise_of(logged: RunSet, noise: SensorNoise, seed: int, number: int) -> Array:
     """(R, T, 6) noise of a twin of the measured runs, from a generator of its own."""
     rng = np.random.default_rng([seed, number])
-    return noise.drawn(rng, *logged.measured.shape[:2], logged.dt)
+    runs, rows, _ = logged.measured.shape
+    return noise.drawn(rng, runs, rows, logged.dt)
 
 
 def serially(work: Work, jobs: Sequence[str]) -> list[str]:
