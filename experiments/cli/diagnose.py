@@ -1,6 +1,7 @@
 """`swamp-rl diagnose` and `simulate --window`: a simulated boat against measured runs."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -42,6 +43,19 @@ def diagnose(
     throttle: Annotated[
         float | None, typer.Option(help="Greatest share of full throttle of the next trial; 1 by default.")
     ] = None,
+    self_trial: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=0, max=1000, help="Twins of the answer that are diagnosed, 0 for none [20]."
+        ),
+    ] = None,
+    search_twins: Annotated[
+        bool, typer.Option("--search-twins", help="Diagnose each twin by a search of its own; takes long.")
+    ] = False,
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, max=1024, help="Of --search-twins: processes, by default one a processor."),
+    ] = None,
 ) -> None:
     """Find the causes of a model's error in measured runs, extend the boat by them, and measure the gain."""
     given = ", ".join(map(str, dataset))
@@ -56,6 +70,12 @@ def diagnose(
     limits = _limits_of(next, boat, {"seconds": seconds, "speed": top_speed, "throttle": throttle})
     if figures and limits:
         raise UserError(f"--next: {figures[0]} holds printed figures, not runs; leave it out")
+    if figures and (self_trial is not None or search_twins or workers):
+        raise UserError(f"--self-trial: {figures[0]} holds printed figures, which have none; leave it out")
+    if workers and not search_twins:
+        raise UserError("--workers: only the searches of twins are divided; add --search-twins")
+    if search_twins and self_trial == 0:
+        raise UserError("--search-twins: --self-trial 0 asks for no twins; leave one of them out")
     if figures:
         _diagnose_figures(figures[0], boat, out, holdout, fit)
         return
@@ -63,6 +83,7 @@ def diagnose(
         raise UserError(f"--fit: {given} holds runs, which have no groups; leave it out")
 
     from swamp_rl.criticism.diagnose import diagnose as examine
+    from swamp_rl.criticism.inference.self_trial import TWINS, Method
     from swamp_rl.criticism.progress import LOG
     from swamp_rl.criticism.report.evidence import (
         carry_over_sentence,
@@ -73,10 +94,15 @@ def diagnose(
     )
     from swamp_rl.criticism.report.extension import extension_sentence, is_extended
     from swamp_rl.criticism.report.next_trial import next_trial_sentences
+    from swamp_rl.criticism.report.self_trial import self_trial_sentence
     from swamp_rl.criticism.report.words import label_of, parameter_sets, spread_sets
+    from swamp_rl.workers import answers
 
+    twins = TWINS if self_trial is None else self_trial
+    method: Method = "search" if search_twins else "linearised"
+    each = partial(answers, workers=workers)
     with progress(LOG):
-        found = examine(dataset, boat, out, holdout, ignore=ignore or [], limits=limits)
+        found = examine(dataset, boat, out, holdout, 0, ignore or [], twins, method, each, limits)
     typer.echo(f"verdict: {found.verdict}")
     for said in (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found)):
         if said:
@@ -100,6 +126,8 @@ def diagnose(
         )
     if found.next_trial:
         typer.echo("  next trial: " + "\n    ".join(next_trial_sentences(found.next_trial)))
+    if said := self_trial_sentence(found):
+        typer.echo(f"  {said}")
     for left in found.leftover[:1]:
         typer.echo(
             f"  unexplained: {left.force}, a function of {left.variable} "

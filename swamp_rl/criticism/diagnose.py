@@ -28,17 +28,17 @@ from swamp_rl.criticism.inference.force_regression import (
 from swamp_rl.criticism.inference.identifiability import contrast, separating_manoeuvre
 from swamp_rl.criticism.inference.next_trial import design_trial, question_of, write_trial
 from swamp_rl.criticism.inference.residual_force import residual_forces
+from swamp_rl.criticism.inference.self_trial import TWINS, Each, Method, self_trial, serially
 from swamp_rl.criticism.inference.trivial_predictors import trivial_predictors
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import gains
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
+from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.model.trial_limits import TrialLimits
 from swamp_rl.criticism.nuisance.model_error import in_noise_units
-from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import (
     Candidate,
@@ -53,6 +53,7 @@ from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.hidden_effects import hidden_effects
 from swamp_rl.criticism.selection.model_selection import select_model
+from swamp_rl.criticism.selection.preparation import prepared
 from swamp_rl.one_thread import one_thread
 from swamp_rl.unfinished import folder_beside
 
@@ -71,15 +72,18 @@ def diagnose(
     holdout: Path | str | None = None,
     seed: int = 0,
     ignore: Sequence[str] = (),
+    twins: int = TWINS,
+    method: Method = "linearised",
+    each: Each = serially,
     limits: TrialLimits | None = None,
 ) -> Diagnosis:
     """Diagnose a boat file against a folder of runs, or several; writes diagnosis.json, extended_boat.yaml,
     report.html and, where weather was found, conditions.yaml into `out`.
 
     holdout: a folder of runs that the gain is measured on; without it, each run in turn (leave-one-run-out);
-    ignore: measured weather that is left out (`wind`, `depth`); limits: of the next trial, which is designed
-    and written as next_trial.csv where they are given. UserError for data that no diagnosis is possible from,
-    and where there is no trial to design.
+    ignore: measured weather that is left out (`wind`, `depth`); twins, method, each: of the self-trial, none
+    with 0 twins; limits: of the next trial, which is designed and written as next_trial.csv where they are
+    given. UserError for data that no diagnosis is possible from, and where there is no trial to design.
     """
     every = [Path(dataset)] if isinstance(dataset, Path | str) else list(dataset)
     label = ", ".join(map(str, every))
@@ -99,6 +103,10 @@ def diagnose(
 
     with folder_beside(out, RESULT) as folder:
         finding = examine(run_set, other, np.random.default_rng(seed), limits)
+        if twins:
+            began = time.perf_counter()
+            finding.diagnosis.self_trial = self_trial(run_set, finding, twins, method, seed, each)
+            finding.diagnosis.elapsed_s += time.perf_counter() - began
         write_extended(folder, boat, *finding.written_effects, finding.run_set.names, finding.written_curves)
         if finding.next_trial:
             write_trial(folder, finding.next_trial, model, run_set.dt)
@@ -119,14 +127,14 @@ def examine(
         len(run_set.lengths),
         run_set.lengths.sum() * run_set.dt / 60,
     )
-    smoothed = smoothed_channels(run_set)
-    sigmas = raised(noise_levels(run_set), smoothed)
-    weight = weights(run_set, sigmas)
-    duration = float(run_set.lengths.max() * run_set.dt)
-    every = [
-        one for one in candidates(run_set.boat, duration, run_set.groups) if not _is_measured(one, run_set)
-    ]
-    hull = hull_nuisance(run_set.boat)
+    known = prepared(run_set)
+    smoothed, sigmas, weight, every, hull = (
+        known.smoothed,
+        known.sigmas,
+        known.weight,
+        known.instances,
+        known.hull,
+    )
     with_noise, continuation, found = select_model(run_set, weight, every, hull)
     run_set = replace(run_set, commands=with_noise.commands)  # reconstructed
     LOG.info("the best hypothesis is %s; adequacy and missing forces", found.winner.hypothesis.label)
@@ -205,12 +213,6 @@ def examine(
         trial = design_trial(*asked, limits, rng)
         diagnosis.next_trial = trial.told
     return Finding(diagnosis, run_set, weight, continuation, found, forces, written, extension, trial)
-
-
-def _is_measured(instance: EffectInstance, run_set: RunSet) -> bool:
-    """Whether an effect moves only what the runs measure."""
-    fields = {parameter.field for parameter in instance.effect.parameters}
-    return bool(fields) and fields <= run_set.measured_fields
 
 
 def _models(winner: Fit) -> list[tuple[Hypothesis, Array]]:

@@ -95,6 +95,12 @@ class Cause(Part):
     share: list[Share] = []
     carries_over: bool = True
 
+    @property
+    def label(self) -> str:
+        """Effect, thrusters and what it differs by, as of the effect instance that was fitted."""
+        on = [self.thruster] if isinstance(self.thruster, str) else list(self.thruster or ())
+        return " ".join([self.effect, *on, *([f"by_{self.scope}"] if self.groups else [])])
+
 
 class Candidate(Part):
     """A set of effects that was fitted, on the shortest windows.
@@ -277,6 +283,23 @@ class SmoothedNoise(Part):
     time_constant_s: float
 
 
+class SelfTrial(Part):
+    """How often the diagnosis finds its own answer in twins: runs simulated from the answer, with the same
+    commands, lengths, sampling and noise, diagnosed from the boat file again.
+
+    named: twins of which the same causes were the best explanation, minor ones aside; of: how many twins
+    there were; confused_with: how often which other answer was given; method: whether each twin had the
+    whole search, or the linearised criterion of the answer and its competitors; omitted: why there are no
+    twins.
+    """
+
+    named: int
+    of: int
+    confused_with: dict[str, int] = {}
+    method: Literal["linearised", "search"] = "linearised"
+    omitted: str | None = None
+
+
 class Diagnosis(Part):
     """The diagnosis.
 
@@ -285,10 +308,11 @@ class Diagnosis(Part):
     leaves out. hypotheses: how many sets of effects were fitted; discrete: those of them that have no
     number, as a swap of channels. nuisance: the hull's linear derivatives where they had to be fitted beside
     a cause; correlation: of the errors of the parameters of `causes`, then of `nuisance`, in their order;
-    extension: the force that no named effect explains; noise: standard deviation by channel (SI, rad);
-    wandering: Gauss-Markov part of the noise by channel; smoothed: channels that a filter smoothed; unseen:
-    effects that are not identifiable from the data; hidden: those that are, but not beside the model's own
-    error; missing_motion: what to record so that they would be; gain_on: the runs that the gain is measured
+    extension: the force that no named effect explains; self_trial: how often the diagnosis finds its own
+    answer again, none where it was not asked; noise: standard deviation by channel (SI, rad); wandering:
+    Gauss-Markov part of the noise by channel; smoothed: channels that a filter smoothed; unseen: effects that
+    are not identifiable from the data; hidden: those that are, but not beside the model's own error;
+    missing_motion: what to record so that they would be; gain_on: the runs that the gain is measured
     on: each in turn, its parameters from the others, other runs that were given, or the very run that the
     parameters are from.
     """
@@ -311,6 +335,7 @@ class Diagnosis(Part):
     unseen: list[str]
     hidden: list[str] = []
     missing_motion: list[str] = []
+    self_trial: SelfTrial | None = None
     gain: list[Gain]
     gain_on: GainOn = "each_run_in_turn"
     noise: dict[str, float]

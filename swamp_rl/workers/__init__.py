@@ -1,5 +1,5 @@
 """Jobs done by worker processes of this machine or of a cluster."""
 
-from swamp_rl.workers.pool import Ended, Pool, completed, open_pool
+from swamp_rl.workers.pool import Ended, Pool, answers, completed, open_pool
 
-__all__ = ["Ended", "Pool", "completed", "open_pool"]
+__all__ = ["Ended", "Pool", "answers", "completed", "open_pool"]

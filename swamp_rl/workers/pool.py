@@ -3,11 +3,12 @@
 import os
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Protocol
 
+from swamp_rl.errors import UserError
 from swamp_rl.workers.attempt import Work
 
 
@@ -69,3 +70,17 @@ def completed(numbers: Iterable[int], job: Callable[[int], str], pool: Pool, ret
             waiting.append(number)
         else:
             yield Ended(number, answer, error, attempts[number], time.perf_counter() - began[number])
+
+
+def answers(work: Work, jobs: Sequence[str], workers: int | None = None) -> Iterator[str]:
+    """The answer to every job, in their order, by processes; UserError where one fails."""
+    done: dict[int, str] = {}
+    wanted = 0
+    with open_pool(work, min(workers or os.cpu_count() or 1, max(len(jobs), 1)), None) as pool:
+        for ended in completed(range(len(jobs)), lambda number: jobs[number], pool, retries=0):
+            if ended.answer is None:
+                raise UserError(f"job {ended.number + 1} of {len(jobs)} failed: {ended.error}")
+            done[ended.number] = ended.answer
+            while wanted in done:
+                yield done.pop(wanted)
+                wanted += 1

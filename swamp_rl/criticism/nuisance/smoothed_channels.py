@@ -89,7 +89,7 @@ def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothi
     measured = {stride: one[0] for stride in STRIDES if (one := variance[stride]) is not None}
     pole = _pole(measured)
     longest = max(measured)
-    power = measured[longest] / _third_difference(pole, longest)
+    power = measured[longest] / third_difference_variance(pole, longest)
     low = power * (1.0 + pole) / (1.0 - pole)
     seconds = -dt / math.log(pole)
     if lags and exponent < ONE_POLE:
@@ -116,7 +116,7 @@ def _variance(values: Array, activity: Array, stride: int, dt: float) -> tuple[f
     return (float(np.mean(near**2)), len(near)) if len(near) else None
 
 
-def _third_difference(pole: float, stride: int) -> float:
+def third_difference_variance(pole: float, stride: int) -> float:
     """Variance of third differences of first-order noise of unit variance: autocorrelation pole^|lag|."""
     share = pole**stride
     return 2.0 * (10.0 - 15.0 * share + 6.0 * share**2 - share**3)
@@ -126,7 +126,7 @@ def _pole(measured: Mapping[int, float]) -> float:
     """The pole whose variances over all strides have the measured ratios best (least squares of logs)."""
     logs = np.log([measured[stride] for stride in measured])
     apart = [
-        float(np.var(logs - np.log([_third_difference(float(pole), stride) for stride in measured])))
+        float(np.var(logs - np.log([third_difference_variance(float(pole), stride) for stride in measured])))
         for pole in POLES
     ]
     return float(POLES[int(np.argmin(apart))])

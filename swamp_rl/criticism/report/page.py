@@ -17,6 +17,7 @@ from swamp_rl.criticism.report.evidence import (
 from swamp_rl.criticism.report.extension import extension_section, is_extended
 from swamp_rl.criticism.report.figures import DEGREES, SHOWN
 from swamp_rl.criticism.report.next_trial import next_trial_section
+from swamp_rl.criticism.report.self_trial import self_trial_section
 from swamp_rl.criticism.report.tables import table
 from swamp_rl.criticism.report.words import (
     GAINED_ON,
@@ -76,6 +77,7 @@ def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str]) -> str:
         causes_section(found, run_set),
         identifiability_section(found, run_set),
         next_trial_section(found, run_set.boat, images),
+        self_trial_section(found),
         residual_section(found, images),
         extension_section(found),
         gain_section(found),

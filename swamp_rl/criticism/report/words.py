@@ -29,8 +29,7 @@ def readable(label: str) -> str:
 
 def label_of(cause: Cause) -> str:
     """Effect and thrusters of a cause."""
-    on = [cause.thruster] if isinstance(cause.thruster, str) else list(cause.thruster or ())
-    return " ".join([cause.effect, *on, *([f"by_{cause.scope}"] if cause.groups else [])])
+    return cause.label
 
 
 def causes(found: Diagnosis) -> str:

@@ -1,0 +1,1 @@
+"""Calibration of the self-trial of `swamp-rl diagnose`."""

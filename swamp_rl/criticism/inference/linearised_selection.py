@@ -1,0 +1,249 @@
+"""Model selection on many twins at once: the criterion of the answer and of its competitors, linearised about
+fits to the runs without noise.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.likelihood.cross_validation import folds_of
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, window_data
+from swamp_rl.criticism.likelihood.output_error import (
+    Fit,
+    bounded_step,
+    fit,
+    inverse,
+    normal_equations,
+    prior_penalty,
+)
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.selection.backward_elimination import Selection
+from swamp_rl.criticism.selection.continuation import Continuation
+from swamp_rl.criticism.selection.information_criterion import InformationCriterion
+from swamp_rl.criticism.selection.score_test import at_neutral_values, score_tests
+from swamp_rl.criticism.selection.small_effects import is_small
+
+Array = NDArray[np.float64]
+
+# difference of the criterion from which a hypothesis is out of reach: noise changes a difference d by a
+# standard deviation of 2 sqrt(d), of which this is five
+OUT_OF_REACH = 100.0
+WITHIN_REACH = 40.0  # the same of an expected criterion, which a fit only lowers
+MOST_FITTED = 6  # score tests beside a simpler hypothesis whose hypotheses are fitted
+STEPS = 4  # Jacobians of a fit to runs without noise
+
+
+@dataclass(frozen=True)
+class Competitor:
+    """A hypothesis on N twins, to second order.
+
+    information: (W, p, p) of each window, initial states eliminated; gradient: (W, p, N); profile_chi2:
+    (W, N) at x (p,).
+    """
+
+    hypothesis: Hypothesis
+    x: Array
+    information: Array
+    gradient: Array
+    profile_chi2: Array
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether the boat did not diverge."""
+        parts = (self.information, self.gradient, self.profile_chi2)
+        return all(bool(np.isfinite(part).all()) for part in parts)
+
+    def chi2(self) -> Array:
+        """(N,) least chi2 within the bounds, prior included."""
+        mean, precision = self.hypothesis.prior()
+        H = self.information.sum(axis=0) + np.diag(precision)
+        found = self.profile_chi2.sum(axis=0) + prior_penalty(self.hypothesis, self.x)
+        bounds = self.hypothesis.bounds()
+        for twin in range(len(found)):
+            g = self.gradient[..., twin].sum(axis=0) - precision * (self.x - mean)
+            step = bounded_step(H, g, self.x, *bounds)
+            found[twin] += float(step @ H @ step - 2.0 * g @ step)
+        return found
+
+    def held_out_chi2(self, folds: NDArray[np.int64]) -> Array:
+        """(N,) of every fold under the parameters of the others, see `heldout_loss`; folds: (W,)."""
+        mean, precision = self.hypothesis.prior()
+        found = self.profile_chi2.sum(axis=0)
+        for fold in np.unique(folds):
+            mine = folds == fold
+            H, g = self.information[mine].sum(axis=0), self.gradient[mine].sum(axis=0)
+            others = self.information[~mine].sum(axis=0) + np.diag(precision)
+            pull = self.gradient[~mine].sum(axis=0) - (precision * (self.x - mean))[:, None]
+            step = inverse(others) @ pull
+            found += np.einsum("pn,pq,qn->n", step, H, step) - 2.0 * (g * step).sum(axis=0)
+        return found
+
+
+def linearised_answers(
+    continuation: Continuation,
+    found: Selection,
+    noises: Sequence[Array],
+    instances: Sequence[EffectInstance],
+) -> list[Hypothesis]:
+    """The hypothesis that each twin selects. noises: (R, T, 6) of each twin; instances: all candidates."""
+    winner = found.winner
+    problem = _without_noise(continuation.problem(found.stage, winner.hypothesis), winner)
+    noise = np.stack([_standardised(problem, one) for one in noises], axis=2)
+    at = fit(problem, winner.hypothesis, winner.x, winner.states, STEPS, fresh=True)
+    fits = [at, *_competing_fits(problem, continuation, found, at, instances)]
+    made = [_competitor(problem, one.hypothesis, one.x, one.states, at, noise) for one in fits]
+    made += _with_one_more(problem, at, instances, noise)
+    competitors = {one.hypothesis.label: one for one in made if one.is_finite}
+    return _selected(competitors, folds_of(problem.windows), continuation.criterion)
+
+
+def _without_noise(judged: Shooting, answer: Fit) -> Shooting:
+    """The windows of a problem with the answer's prediction as their measurements."""
+    track = judged.predict(answer.hypothesis, answer.x[None], answer.states[None])[0]
+    return Shooting(judged.run_set, judged.weight, judged.seconds, replace(judged.windows, measured=track))
+
+
+def _standardised(problem: Shooting, noise: Array) -> Array:
+    """(W, M) noise (R, T, 6) in the windows, in standard deviations, as the likelihood sees it."""
+    win = problem.windows
+    noisy = replace(problem.run_set, measured=noise)
+    cut, _ = window_data(noisy, problem.weight, win.run, win.first, win.steps, win.pad)
+    return problem.standardised(cut)
+
+
+def _competing_fits(
+    problem: Shooting,
+    continuation: Continuation,
+    found: Selection,
+    at: Fit,
+    instances: Sequence[EffectInstance],
+) -> list[Fit]:
+    """Fits of the hypotheses within reach to the runs without noise: the answer less each effect, with
+    another in its place, the rivals, and what the search fitted.
+    """
+    criterion, winner = continuation.criterion, found.winner
+    short = continuation.fits.get((0, winner.hypothesis.label))
+    limit = -np.inf if short is None else criterion(short) + OUT_OF_REACH
+    near = [one for one in found.tried if criterion(one) < limit]
+    starts = {one.hypothesis.label: one for one in [*near, *found.rivals]}
+    made: dict[str, Fit] = {}
+    for instance in winner.hypothesis.instances:
+        less = winner.hypothesis.without(instance.label)
+        if _is_out_of_reach(continuation, winner.hypothesis, less):
+            continue
+        kept = [own for one, own in at.hypothesis.parts(at.x) if one.label != instance.label]
+        x = np.concatenate([np.zeros(0), *kept])
+        simpler = made[less.label] = fit(problem, less, x, at.states, STEPS, fresh=True)
+        made |= _replacements(problem, criterion, simpler, criterion(at), instances)
+    for label, one in starts.items():
+        if label not in made and label != at.hypothesis.label:
+            made[label] = fit(problem, one.hypothesis, one.x, at.states, STEPS, fresh=True)
+    return list(made.values())
+
+
+def _is_out_of_reach(continuation: Continuation, whole: Hypothesis, less: Hypothesis) -> bool:
+    """Whether the measured runs refuse `less` beside `whole` beyond what noise could change, at any stage
+    at which both were fitted.
+    """
+    stages = {stage for stage, label in continuation.fits if label == whole.label}
+    return any(
+        continuation.criterion(continuation.fits[stage, less.label])
+        > continuation.criterion(continuation.fits[stage, whole.label]) + OUT_OF_REACH
+        for stage in stages
+        if (stage, less.label) in continuation.fits
+    )
+
+
+def _replacements(
+    problem: Shooting,
+    criterion: InformationCriterion,
+    simpler: Fit,
+    best: float,
+    instances: Sequence[EffectInstance],
+) -> dict[str, Fit]:
+    """Fits of `simpler` with one effect more, of those within reach of the criterion `best` by score tests
+    from the neutral values.
+    """
+    begun = [at_neutral_values(one, problem.boat) for one in instances if _is_gradual(one)]
+    scores = sorted(
+        score_tests(problem, simpler, begun),
+        key=lambda one: one.expected_chi2 + criterion.charge(one.hypothesis),
+    )
+    return {
+        one.hypothesis.label: fit(problem, one.hypothesis, one.x, one.states, STEPS, fresh=True)
+        for one in scores[:MOST_FITTED]
+        if one.expected_chi2 + criterion.charge(one.hypothesis) < best + WITHIN_REACH
+    }
+
+
+def _is_gradual(instance: EffectInstance) -> bool:
+    """Whether an effect grows from its neutral values, as one of an instant or a frequency does not."""
+    return is_small(instance) and instance.effect.begin != "spectral"
+
+
+def _with_one_more(
+    problem: Shooting, at: Fit, instances: Sequence[EffectInstance], noise: Array
+) -> list[Competitor]:
+    """The answer with each further effect, begun from its neutral values; noise: (W, M, N)."""
+    kept = {one.label for one in at.hypothesis.instances}
+    found = []
+    for instance in instances:
+        if instance.label in kept or not _is_gradual(instance):
+            continue
+        more = at.hypothesis.with_instance(instance)
+        (neutral,) = at_neutral_values(instance, problem.boat).starts
+        own = {a.label: x for a, x in at.hypothesis.parts(at.x)} | {
+            instance.label: np.array(neutral * instance.count)
+        }
+        x = np.concatenate([own[one.label] for one in more.instances])
+        found.append(_competitor(problem, more, x, at.states, at, noise))
+    return found
+
+
+def _competitor(
+    problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, at: Fit, noise: Array
+) -> Competitor:
+    base = problem.predict(hypothesis, x[None], states[None])[0]
+    by_state = (
+        at.states_jacobian
+        if np.array_equal(states, at.states)
+        else problem.state_jacobian(hypothesis, x, states, base)
+    )
+    by_x = problem.parameter_jacobian(hypothesis, x, states, base)
+    residual = problem.residuals(base)
+    normal = normal_equations(
+        by_state, np.concatenate([by_x, residual[..., None] + noise], axis=2), np.zeros_like(residual)
+    )
+    size = hypothesis.size
+    squares = np.einsum("wnn->wn", normal.information[:, size:, size:])
+    return Competitor(
+        hypothesis, x, normal.information[:, :size, :size], normal.information[:, :size, size:], squares
+    )
+
+
+def _selected(
+    competitors: Mapping[str, Competitor], folds: NDArray[np.int64], criterion: InformationCriterion
+) -> list[Hypothesis]:
+    """Of each twin the hypothesis of least criterion, less the effects that held-out runs do not confirm."""
+    held_out = {label: one.held_out_chi2(folds) for label, one in competitors.items()}
+    values = {label: one.chi2() + criterion.charge(one.hypothesis) for label, one in competitors.items()}
+    labels = list(values)
+    best = np.argmin([values[label] for label in labels], axis=0)
+    return [
+        _confirmed(competitors[labels[place]].hypothesis, {k: v[twin] for k, v in held_out.items()})
+        for twin, place in enumerate(best)
+    ]
+
+
+def _confirmed(hypothesis: Hypothesis, held_out: Mapping[str, float]) -> Hypothesis:
+    """The hypothesis less the effects without which held-out runs are predicted as well; what differs between
+    runs, no other run can confirm.
+    """
+    for instance in hypothesis.instances:
+        less = hypothesis.without(instance.label)
+        known = less.label in held_out and not instance.groups
+        if known and held_out[less.label] <= held_out[hypothesis.label]:
+            return _confirmed(less, held_out)
+    return hypothesis
