@@ -46,7 +46,7 @@ FLOORS = (
     {"experiments.cli"},
 )
 CRITICISM = (
-    {"result", "progress"},
+    {"result", "progress", "options"},
     {"model"},
     {"data"},
     {"likelihood"},

@@ -37,6 +37,7 @@ from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, cand
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.nuisance.model_error import in_noise_units
 from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import (
     Candidate,
@@ -58,7 +59,6 @@ Array = NDArray[np.float64]
 
 RESULT = "diagnosis.json"
 NONE = np.zeros(0)
-LISTED = 20  # candidates in the report
 
 
 @one_thread()
@@ -251,7 +251,7 @@ def _candidates(continuation: Continuation, found: Selection, rng: np.random.Gen
                 gain_ci=(low, high),
             )
         )
-    return sorted(listed, key=lambda one: one.held_out_score)[:LISTED]
+    return sorted(listed, key=lambda one: one.held_out_score)[: options().listed]
 
 
 def _gains(

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.inference.cause_share import HORIZONS, JUDGED, Witness
+from swamp_rl.criticism.inference.cause_share import JUDGED, Witness
 from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.inference.force_curves import Function, curve_instances, formula_instances
 from swamp_rl.criticism.likelihood.cross_validation import (
@@ -35,6 +35,7 @@ from swamp_rl.criticism.likelihood.prediction_error import (
 from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.likelihood.state_fit import fit_states
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Extension, ForceCurve, HeldOut, ResidualForce, Share
 from swamp_rl.criticism.selection.information_criterion import information_criterion
@@ -43,10 +44,6 @@ from swamp_rl.effects.curve import Curve
 from swamp_rl.effects.entries import entry_mapping
 
 Array = NDArray[np.float64]
-
-SECONDS = 10.0  # of a window, as in the regression of the residual force
-ROUNDS, STEPS = 12, 6  # iterations of the initial states; Jacobians of a fit
-MOST = 2  # functions together; one of both position coordinates counts as one
 
 
 @dataclass(frozen=True)
@@ -87,13 +84,13 @@ def extend_by_force(
     leftover: the functions, and what they were estimated beside. weight: (R, T, 6). judged: runs that the
     prediction error is of.
     """
-    problem = Shooting(run_set, weight, SECONDS)
+    problem = Shooting(run_set, weight, options().extension_window)
     named = base.hypothesis if leftover and leftover[0].beside else Hypothesis()
     less = _fitted(problem, named, base.x[: named.size])
     at, waiting = less, curve_instances(run_set, leftover) if leftover else []
     comparisons = max(1, len(waiting))
     before = held_out_losses(problem, at)
-    for _ in range(min(MOST, len(waiting))):
+    for _ in range(min(options().most_functions, len(waiting))):
         fits = [_with(problem, at, one) for one in waiting]
         losses = [held_out_losses(problem, one) for one in fits]
         best = min(range(len(fits)), key=lambda k: float(losses[k].sum()))
@@ -143,7 +140,9 @@ def held_out_losses(problem: Shooting, at: Fit) -> Array:
             mine = fold == number
             if not mine.any():
                 continue
-            residual = fit_states(problem.part(mine), at.hypothesis, x, at.states[mine], ROUNDS)[2]
+            residual = fit_states(
+                problem.part(mine), at.hypothesis, x, at.states[mine], options().extension_rounds
+            )[2]
             loss[mine] = (residual**2).sum(axis=1)
     seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)) / problem.correlation_samples, 1.0)
     return np.asarray(seen * np.log1p(np.maximum(loss, 0.0) / seen))
@@ -160,8 +159,8 @@ def halves(problem: Shooting) -> NDArray[np.int64]:
 
 def _fitted(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array | None = None) -> Fit:
     start = problem.initial_states() if states is None else states
-    states, _, _ = fit_states(problem, hypothesis, x, start, ROUNDS)
-    return fit(problem, hypothesis, x, states, STEPS, fresh=True)
+    states, _, _ = fit_states(problem, hypothesis, x, start, options().extension_rounds)
+    return fit(problem, hypothesis, x, states, options().extension_steps, fresh=True)
 
 
 def _with(problem: Shooting, at: Fit, function: Function) -> Fit:
@@ -213,7 +212,7 @@ def prediction_shares(
 ) -> list[Share]:
     """Prediction errors without the force and with it, on other runs or on held-out halves of the same."""
     shares = []
-    for horizon in HORIZONS:
+    for horizon in options().judged_horizons:
         before, after = (_errors(problem, one, judged, horizon) for one in (less, whole))
         block, _ = blocks_of(before, horizon)
         for name in JUDGED:

@@ -9,7 +9,8 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, inverse, normal_equations
 from swamp_rl.criticism.likelihood.sandwich_covariance import sensitivities
-from swamp_rl.criticism.model.manoeuvres import LENGTH, manoeuvres
+from swamp_rl.criticism.model.manoeuvres import manoeuvres
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Contrast, Manoeuvre
 
 Array = NDArray[np.float64]
@@ -68,7 +69,9 @@ def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: li
     problem.windows = replace(problem.windows, measured=truth)
     apart = np.min([_separations(problem, rival, at_rest) for rival in rivals], axis=0)
     best = int(apart.argmax())
-    return Manoeuvre(manoeuvre=names[best], separation=float(apart[best]), duration_s=LENGTH)
+    return Manoeuvre(
+        manoeuvre=names[best], separation=float(apart[best]), duration_s=options().manoeuvre_length
+    )
 
 
 def _separations(problem: Shooting, rival: Fit, states: Array) -> Array:

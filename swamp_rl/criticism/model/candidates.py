@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, PropellerRudder, Thruster
+from swamp_rl.criticism.options import options
 from swamp_rl.effects import LIBRARY, Effect, EffectEntry, Parameter, Reference, apply_effects
 from swamp_rl.effects.curve import Curve
 from swamp_rl.simulator import parameters
@@ -20,9 +21,6 @@ from swamp_rl.simulator.reference import reference_of
 Array = NDArray[np.float64]
 Values = dict[str, Any]
 
-DIRECTIONS = 8  # of a vector's grid
-MOST_BY_GROUP = 2  # parameters of an effect that may differ between groups
-MOST_GROUPS = 24  # beyond which the normal equations grow too large
 ONE_RUN = np.zeros(1, dtype=np.int64)
 
 
@@ -238,14 +236,18 @@ def candidates(
         differing(one, by, of_runs)
         for by, of_runs in (groups or {}).items()
         for one in shared
-        if may_differ(one.effect, by) and 0 < max(of_runs) < MOST_GROUPS
+        if may_differ(one.effect, by) and 0 < max(of_runs) < options().most_groups
     ]
 
 
 def may_differ(effect: Effect, by: str) -> bool:
     """Whether an effect may have other parameters in each group; `by`: `day` or `run`."""
     narrow = effect.scope in ("day", "run") if by == "day" else effect.scope == "run"
-    return narrow and effect.begin in ("score", "grid") and len(effect.parameters) <= MOST_BY_GROUP
+    return (
+        narrow
+        and effect.begin in ("score", "grid")
+        and len(effect.parameters) <= options().most_group_parameters
+    )
 
 
 def differing(instance: EffectInstance, by: str, groups: tuple[int, ...]) -> EffectInstance:
@@ -262,7 +264,7 @@ def instances_of(effect: Effect, boat: Boat, duration: float = 60.0) -> list[Eff
         points = tuple(
             (size * math.cos(angle), size * math.sin(angle))
             for size in specs[0].starts
-            for angle in np.arange(DIRECTIONS) * 2.0 * math.pi / DIRECTIONS
+            for angle in np.arange(options().grid_directions) * 2.0 * math.pi / options().grid_directions
         )
     starts = points if effect.begin == "score" else ()
     grid = points if effect.begin == "grid" else ()

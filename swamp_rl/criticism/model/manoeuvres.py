@@ -6,23 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.options import options
 from swamp_rl.simulator import parameters
 
 Array = NDArray[np.float64]
 
-LENGTH = 60.0  # s
-PERIOD = 12.0  # s of a zig-zag
-
 
 def manoeuvres(boat: Boat, dt: float) -> dict[str, Array]:
     """Commands (T, 2K) by name, for the boat's thrusters within their azimuth limits."""
-    time = np.arange(round(LENGTH / dt)) * dt
+    time = np.arange(round(options().manoeuvre_length / dt)) * dt
     record = parameters(boat)[0]
     low, high = record["azimuth_min"], record["azimuth_max"]
     side = np.sign([thruster.x for thruster in boat.thrusters])
     starboard = np.sign([thruster.y for thruster in boat.thrusters])
     count = len(boat.thrusters)
-    square_wave = np.where(np.sin(2 * math.pi * time / PERIOD) >= 0, 1.0, -1.0)
+    square_wave = np.where(np.sin(2 * math.pi * time / options().zig_zag_period) >= 0, 1.0, -1.0)
 
     def of(angles: Array, throttles: Array) -> Array:
         rows = np.zeros((len(time), 2 * count))
@@ -34,7 +32,7 @@ def manoeuvres(boat: Boat, dt: float) -> dict[str, Array]:
     found = {
         "straight ahead, 60 %": of(zeros, 0.6 * ones),
         "straight ahead, 100 %": of(zeros, ones),
-        "straight ahead, then stopped": of(zeros, np.outer(time < LENGTH / 2, ones)),
+        "straight ahead, then stopped": of(zeros, np.outer(time < options().manoeuvre_length / 2, ones)),
         "turning circle to starboard, 60 %": of(0.5 * side, 0.6 * ones),
         "turning circle to port, 60 %": of(-0.5 * side, 0.6 * ones),
         "zig-zag, 80 %": of(np.outer(square_wave, 0.5 * side), 0.8 * ones),

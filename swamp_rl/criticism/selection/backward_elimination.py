@@ -16,19 +16,9 @@ from swamp_rl.criticism.likelihood.cross_validation import (
 )
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.continuation import CORRECTED, LAST, Continuation
 from swamp_rl.criticism.selection.score_test import ScoreTest
-
-MIN_SEPARATION = 9.0  # of the information criterion, below which two hypotheses are indistinguishable
-CLOSE_GENERAL = 3.0  # the same, of a generalisation of the best: chance brings one nearer in 1 % of cases
-NEAR = 40.0  # the same on shorter windows, above which longer ones are not compared
-CLEARLY = 50.0  # of the information criterion, more than longer windows change a comparison by
-OVERWHELMING = 500.0  # the same, more than the error of a fit that has not converged
-DIVERGED = 10.0  # chi2 a sample, of whole runs that diverged
-# standard deviations of a derivative's prior beyond which another effect is tried in its place
-NUISANCE_LIMIT = 1.8
-MOST_RIVALS = 4
-STAGES_TESTED = 3  # window lengths on which a cause may be confirmed
 
 
 @dataclass(frozen=True)
@@ -132,10 +122,10 @@ def _best_and_rivals(
         one
         for one in rivals
         if not nested(best.hypothesis, one.hypothesis)
-        or continuation.criterion(one) < continuation.criterion(best) + CLOSE_GENERAL
+        or continuation.criterion(one) < continuation.criterion(best) + options().separation_general
         or any(one.hypothesis.label == other.hypothesis.label for other in special)
     ]
-    return best, rivals[:MOST_RIVALS], deepest, confirmed | new
+    return best, rivals[: options().most_rivals], deepest, confirmed | new
 
 
 def without_unconfirmed(
@@ -158,14 +148,14 @@ def without(continuation: Continuation, best: Fit, label: str, stage: int) -> Fi
     if known is not None and not less.instances:
         return known
     x = np.concatenate([np.zeros(0), *(own for a, own in best.hypothesis.parts(best.x) if a.label != label)])
-    if known is not None and known.chi2 > best.chi2 + OVERWHELMING:
+    if known is not None and known.chi2 > best.chi2 + options().overwhelming:
         glance = fit(
             continuation.problem(stage, less), less, x, best.states, 2
         )  # the known fit may not have converged
-        if glance.chi2 > best.chi2 + OVERWHELMING:
+        if glance.chi2 > best.chi2 + options().overwhelming:
             return known
     before = continuation.problem(stage, less)
-    made = continuation.fit_from(stage, less, x, best.states, 8, fresh=True)
+    made = continuation.fit_from(stage, less, x, best.states, options().fit_steps, fresh=True)
     if known is None or made.chi2 < known.chi2:
         return made
     continuation.keep(stage, before, known)
@@ -184,13 +174,13 @@ def pruned(continuation: Continuation, best: Fit, stage: int) -> Fit:
 
 
 def indispensable(continuation: Continuation, best: Fit, label: str, stage: int) -> bool:
-    """Whether the removal of an effect raises the criterion by CLEARLY on shorter windows already: a bound
+    """Whether the removal of an effect raises the criterion by `clearly` on shorter windows already: a bound
     that makes the fit to longer ones unnecessary.
     """
     for shorter in range(stage):
         whole = continuation.fit(shorter, best.hypothesis, best.x)
         less = without(continuation, whole, label, shorter)
-        if continuation.criterion(less) > continuation.criterion(best) + CLEARLY:
+        if continuation.criterion(less) > continuation.criterion(best) + options().clearly:
             return True
     return False
 
@@ -206,7 +196,7 @@ def confirmations(
         for stage in (0, 1, LAST):
             whole = continuation.fit(stage, best.hypothesis, best.x)
             less = without(continuation, whole, instance.label, stage)
-            one = confirmed_on(continuation, stage, whole, less, STAGES_TESTED * comparisons)
+            one = confirmed_on(continuation, stage, whole, less, options().stages_tested * comparisons)
             known = found.get(instance.label)
             if known is None or (one.gains, one.low) > (known.gains, known.low):
                 found[instance.label] = one
@@ -279,7 +269,7 @@ def alternatives_to_nuisance(
         for nuisance, own in best.hypothesis.parts(best.x)
         if not nuisance.groups
         for parameter, spec, value in zip(nuisance.effect.parameters, nuisance.specs, own, strict=True)
-        if spec.prior is not None and abs(value - 1.0) > NUISANCE_LIMIT * spec.prior
+        if spec.prior is not None and abs(value - 1.0) > options().nuisance_limit * spec.prior
     }
     if not far:
         return []
@@ -326,19 +316,21 @@ def compare(
     Where whole runs of a close one diverged, all are compared on the middle windows.
     """
     criterion = continuation.criterion
-    near = criterion(continuation.fit(1, best.hypothesis, best.x)) + NEAR
-    here = criterion(continuation.fit(0, best.hypothesis, best.x)) + NEAR
+    near = criterion(continuation.fit(1, best.hypothesis, best.x)) + options().compared
+    here = criterion(continuation.fit(0, best.hypothesis, best.x)) + options().compared
     every = [best]
     for one in tried:
         if one.hypothesis.label == best.hypothesis.label or criterion(one) > here:
             continue
         if criterion(fit_by_continuation(continuation, one.hypothesis, one.x)) <= near:
             every.append(continuation.fit(stage, one.hypothesis, one.x))
-    if stage > 1 and any(one.chi2 > DIVERGED * continuation.problems[stage].samples for one in every):
+    if stage > 1 and any(
+        one.chi2 > options().diverged * continuation.problems[stage].samples for one in every
+    ):
         stage = 1
         every = [continuation.fit(stage, one.hypothesis, one.x) for one in every]
     every.sort(key=criterion)
-    close = [one for one in every[1:] if criterion(one) < criterion(every[0]) + MIN_SEPARATION]
+    close = [one for one in every[1:] if criterion(one) < criterion(every[0]) + options().separation]
     apart = {one.hypothesis.cause_label: one for one in reversed(close)}
     apart.pop(every[0].hypothesis.cause_label, None)
     return every[0], sorted(apart.values(), key=criterion), stage
