@@ -241,7 +241,7 @@ def _candidates(continuation: Continuation, found: Selection, rng: np.random.Gen
     for one in fits:
         loss = heldout_loss(problem, one)
         gains = nothing.loss - loss
-        low, high = bootstrap_interval(gains, 0.95, rng)
+        low, high = bootstrap_interval(gains, 1.0 - 2.0 * options().tail, rng)
         per_sample = float(loss.sum()) / problem.samples
         listed.append(
             Candidate(

@@ -69,6 +69,7 @@ class Options:
     grid_directions: int = 8  # of a vector's grid: 45 degrees apart
     most_group_parameters: int = 2  # parameters of an effect that may differ between groups
     most_groups: int = 24  # beyond which the normal equations grow too large
+    duration: float = 60.0  # s of a run where none is given: bound of the instant of a failure
     # The manoeuvre that is proposed
     manoeuvre_length: float = 60.0  # s
     zig_zag_period: float = 12.0  # s of a zig-zag
@@ -86,6 +87,7 @@ class Options:
     loss_resamples: int = 2000  # bootstrap samples of the intervals in the report's list of hypotheses
     enough_runs: int = 4  # runs that are folds and blocks; with fewer, parts of runs are
     largest_tilt: float = -1e3  # of the bootstrap's saddlepoint, beyond which the sum is its least
+    least_tilt: float = -1e-3  # of it, where the sum is its mean
     held_out_stretch: float = 20.0  # s of a block of a long window: longer than the boat's memory
     held_out_rounds: int = 8  # iterations of the initial states of a held-out window
     tail: float = 0.025  # probability below an interval: 95 %
@@ -118,6 +120,7 @@ class Options:
     dampings: tuple[float, ...] = (0.0, 1.0, 4.0, 16.0, 64.0)
     stray_window: float = 1.35  # times the median loss of a window whose initial state is refitted
     stray_rounds: int = 4  # iterations of that
+    strays_one_in: int = 3  # windows, at most: where more are stray, it is the hypothesis that is wrong
     gain_ratio: float = 0.6  # below which a new Jacobian is taken
     gain_ratio_far: float = 0.9  # the same where a step gains more than `close_gain`
     close_gain: float = 30.0  # chi2 of such a step
@@ -130,6 +133,9 @@ class Options:
     no_information: float = 1e42  # variance of a parameter that nothing depends on
     farthest_state: float = 4.0  # reaches: largest step of a window's state
     fit_steps: int = 8  # Jacobians of a fit
+    check_steps: int = 4  # the same where only chi2 is asked for
+    glance_steps: int = 2  # the same of a fit that is expected to be worse by far
+    part_steps: int = 1  # the same on a part of the windows, before score tests
     # Prediction error
     horizons: tuple[float, ...] = (1.0, 5.0, 10.0, 30.0)  # s
     restart: float = 5.0  # s between restarts, at least
@@ -145,6 +151,8 @@ class Options:
     noise_chi2: float = 1.1  # chi2 a sample that counts as noise there
     last_damping: float = 1.0  # of Marquardt's, above which a window that did not improve is left
     first_damping: float = 0.01  # the first after a step that fails
+    damping_factor: float = 10.0  # from one step to the next
+    window_decrease: float = 0.03  # chi2 that a step of a window must promise: a tenth of `least_decrease`
     # Commands during lost rows
     around_gap: float = 5.0  # s to either side of a gap that are compared
     # chi2 between the latest and the earliest change, below which a gap is ignored
@@ -280,7 +288,6 @@ class Options:
     # Stepwise selection under model error
     most_exchanges: int = 3  # single effects tried in place of each effect at the end
     screening_samples: int = 8000  # of score tests
-    exchange_steps: int = 6  # Jacobians of a fit that begins near its end
     weather_level: float = 1e-3  # of the Wald test of weather, whose sandwich covariance is from few blocks
     # Share of the prediction error
     judged_horizons: tuple[float, ...] = (10.0, 30.0)  # s that causes are judged at
@@ -293,6 +300,7 @@ class Options:
     # of the last interval, by which knots reach beyond those of an unmeasured variable
     curve_wider: float = 0.25
     knot_share: float = 0.01  # of the samples about an angle's knot, below which its value is zero
+    round_angle: float = 1e-3  # rad by which knots that go round an angle may be unevenly spaced
     curve_scale: float = 0.1  # of the boat's thrust: standard deviation of the prior of the values
     curve_bound: float = 1e3  # typical sizes
     formula_grid: int = 25  # thresholds that a formula's fit may start from
@@ -339,6 +347,7 @@ class Options:
     figure_sets: int = 4  # sets that are extended by a further effect
     figure_effects: int = 3  # effects in a stage
     figure_evaluations: int = 30  # of a fit
+    figure_step: float = 1e-4  # of a number, finite difference
     figure_far: float = 1e4  # errors: misfit of a figure that a boat cannot give
     figures_listed: int = 15  # candidates
     # Posterior

@@ -121,7 +121,7 @@ def _heading_and_yaw_rate(measured: list[Array], dt: float, folder: str) -> None
     every = np.concatenate(turned), np.concatenate(measured_rate)
     as_it_is = explained(*every)
     if as_it_is < options().reading_poor:
-        readings = {"look like degrees a second": math.pi / 180.0, "look positive to port": -1.0}
+        readings = {"look like degrees a second": math.pi / 180, "look positive to port": -1.0}
         for reading, factor in readings.items():
             if explained(every[0], factor * every[1]) > options().reading_good:
                 raise UserError(f"{folder}: yaw_rate {reading}: the heading says so; correct the column")

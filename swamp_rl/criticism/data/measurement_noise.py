@@ -12,6 +12,7 @@ from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
+NORMAL_OF_MAD = 1.4826  # standard deviation over median absolute value, of a normal distribution
 GAIN_OF_THIRD_DIFFERENCE = np.sqrt(20.0)  # of the standard deviation of white noise: 1 + 9 + 9 + 1
 
 
@@ -28,7 +29,7 @@ def noise_levels(run_set: RunSet) -> Array:
         differences = differences[np.isfinite(differences)]
         if len(differences) == 0:
             continue
-        rough = 1.4826 * np.median(np.abs(differences))
+        rough = NORMAL_OF_MAD * np.median(np.abs(differences))
         near = differences[np.abs(differences) <= options().difference_clip * max(rough, 1e-12)]
         sigma = np.sqrt(np.mean(near**2)) / GAIN_OF_THIRD_DIFFERENCE if len(near) else 0.0
         sigmas[channel] = max(float(sigma), least[channel])

@@ -136,7 +136,7 @@ class Problem:
                 x,
                 bounds=(low, high),
                 x_scale=scale,
-                diff_step=1e-4,
+                diff_step=options().figure_step,
                 max_nfev=options().figure_evaluations,
             )
             if best is None or found.cost < best.cost:
@@ -150,7 +150,7 @@ class Problem:
             np.linalg.pinv(information),
             chi2,
             2.0 * float(best.cost) + laplace_term(information, deviation, high - low) + charge,
-            (best.x - low < 10.0 * inside) | (high - best.x < 10.0 * inside),
+            (best.x - low < 10 * inside) | (high - best.x < 10 * inside),
         )
 
 

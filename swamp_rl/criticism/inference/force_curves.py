@@ -106,7 +106,9 @@ def _round_an_angle(boat: Boat, one: ResidualForce, values: Array) -> tuple[Effe
 def _goes_round(points: Sequence[CurvePoint]) -> bool:
     """Whether knots are evenly spaced over a full turn."""
     at = np.array([point.at for point in points])
-    return bool(np.allclose(np.diff(np.unique(np.round(at, 6))), 2.0 * np.pi / len(at), atol=1e-3))
+    return bool(
+        np.allclose(np.diff(np.unique(np.round(at, 6))), 2.0 * np.pi / len(at), atol=options().round_angle)
+    )
 
 
 def _names(boat: Boat, one: ResidualForce) -> tuple[str, str, str | None]:

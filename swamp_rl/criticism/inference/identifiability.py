@@ -43,7 +43,7 @@ def refit(problem: Shooting, truth: Fit, other: Fit) -> float:
     synthetic = Shooting(
         problem.run_set, problem.weight, problem.seconds, replace(problem.windows, measured=track)
     )
-    return float(fit(synthetic, other.hypothesis, other.x, other.states, 4).loss.sum())
+    return float(fit(synthetic, other.hypothesis, other.x, other.states, options().check_steps).loss.sum())
 
 
 def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: list[Fit]) -> Manoeuvre:

@@ -154,7 +154,7 @@ def bootstrap_quantile(gains: Array, tail: float) -> float:
         last *= 2.0
         if last < options().largest_tilt:
             return count * float(gains.min())
-    found = brentq(lambda t: at(t)[1] - tail, last, -1e-3, xtol=1e-9)
+    found = brentq(lambda t: at(t)[1] - tail, last, options().least_tilt, xtol=1e-9)
     return count * mean + scale * at(float(found))[0]
 
 

@@ -140,11 +140,12 @@ class Shooting:
         state.
         """
         if windows.pad > 0:
-            noise = 1.0 / np.maximum(self.weight.max(axis=(0, 1)), 1e-6)
+            best = self.weight.max(axis=(0, 1))
+            noise = np.where(best > 0.0, 1.0 / np.maximum(best, 1e-300), 0.0)  # 0 where nothing was measured
             windows.measured[:, 0] = self.initial_states(windows)
             windows.weight[:, 0] = 1.0 / np.maximum(
                 np.array(options().start_sd) * self.scale,
-                np.where(noise < 1e6, options().start_sd_in_noise * noise, 0.0),
+                options().start_sd_in_noise * noise,
             )
         return windows
 

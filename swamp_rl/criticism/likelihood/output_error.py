@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.likelihood.levenberg_marquardt import losses
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.state_fit import fit_states, losses, min_decrease
+from swamp_rl.criticism.likelihood.state_fit import fit_states, min_decrease
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 
@@ -27,6 +28,16 @@ class Normal:
     information: Array
     gradient: Array
     profile_chi2: Array
+
+    @property
+    def joint(self) -> tuple[Array, Array]:
+        """Information (W, 6 + p, 6 + p) and gradient (W, 6 + p) of initial states and parameters together."""
+        S, C = self.states_information, self.cross
+        across = np.swapaxes(C, 1, 2)
+        solved = np.linalg.solve(S, np.concatenate([C, self.states_gradient[..., None]], axis=2))
+        information = np.block([[S, C], [across, self.information + across @ solved[..., :-1]]])
+        gradient = self.gradient + (across @ solved[..., -1:])[..., 0]
+        return information, np.concatenate([self.states_gradient, gradient], axis=1)
 
     def shift(self, step: Array) -> Array:
         """(W, 6) change of the initial states that goes with a step (p,) of the parameters."""
@@ -131,7 +142,7 @@ def stray_windows(problem: Shooting, residual: Array) -> NDArray[np.bool_]:
     seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)), 1)
     share = (residual**2).sum(axis=1) / seen
     stray = share > options().stray_window * np.median(share)
-    return stray if stray.sum() <= len(stray) // 3 else np.zeros_like(stray)
+    return stray if stray.sum() <= len(stray) // options().strays_one_in else np.zeros_like(stray)
 
 
 @dataclass
@@ -288,7 +299,7 @@ def _moved(
     loss = losses(residual)
     far = np.abs(shift) > options().farthest_state * state_reach(problem)
     off = (loss > at.loss + options().window_increase) | far.any(axis=1)
-    if not 0 < off.sum() <= len(off) // 3:
+    if not 0 < off.sum() <= len(off) // options().strays_one_in:
         off = np.zeros_like(off)
     better = loss.sum() < at.chi2
     if first and better:

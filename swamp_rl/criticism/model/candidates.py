@@ -255,9 +255,9 @@ def differing(instance: EffectInstance, by: str, groups: tuple[int, ...]) -> Eff
     return replace(instance, specs=instance.specs * (max(groups) + 1), groups=groups, by=by)
 
 
-def instances_of(effect: Effect, boat: Boat, duration: float = 60.0) -> list[EffectInstance]:
+def instances_of(effect: Effect, boat: Boat, duration: float | None = None) -> list[EffectInstance]:
     """An effect on each choice of thrusters, its `search` scaled by the boat's reference quantities."""
-    reference = replace(reference_of(boat), run=duration)
+    reference = replace(reference_of(boat), run=options().duration if duration is None else duration)
     specs = tuple(spec_of(effect, parameter, boat, reference) for parameter in effect.parameters)
     points = tuple(itertools.product(*(spec.starts for spec in specs)))
     if effect.vector and effect.begin == "grid":

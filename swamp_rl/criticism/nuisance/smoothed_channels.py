@@ -13,12 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.data.measurement_noise import repeated_samples
+from swamp_rl.criticism.data.measurement_noise import NORMAL_OF_MAD, repeated_samples
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
+# times 1 / n: variance of a variance of n third differences, correlated as (20, -15, 6, -1) / 20
+OF_A_VARIANCE = 4.6
 LAGGING = slice(2, 6)  # channels whose lag no effect of the library is
 
 
@@ -73,8 +75,7 @@ def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothi
     fine, coarse = variance[1], variance[options().judged_stride]
     if fine is None or coarse is None or fine[0] <= 0.0:
         return None
-    # variance of a variance of n third differences, correlated as (20, -15, 6, -1) / 20: 4.6 / n
-    error = math.sqrt(4.6 / fine[1] + 4.6 / coarse[1])
+    error = math.sqrt(OF_A_VARIANCE / fine[1] + OF_A_VARIANCE / coarse[1])
     ratio = coarse[0] / fine[0]
     exponent = math.log(max(ratio, 1e-12)) / math.log(options().judged_stride)
     if (
@@ -91,7 +92,7 @@ def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothi
     seconds = -dt / math.log(pole)
     if lags and exponent < options().first_order_exponent:
         low += _lag_power(values, seconds, dt)
-    return Smoothing(math.sqrt(fine[0] / 20.0), math.sqrt(low), seconds)
+    return Smoothing(math.sqrt(fine[0] / 20), math.sqrt(low), seconds)
 
 
 def _variance(values: Array, activity: Array, stride: int, dt: float) -> tuple[float, int] | None:
@@ -102,7 +103,7 @@ def _variance(values: Array, activity: Array, stride: int, dt: float) -> tuple[f
     if values.shape[1] <= span + before:
         return None
     differences = values[:, 3 * stride :] - values[:, : -3 * stride]
-    differences = differences - 3.0 * (values[:, 2 * stride : -stride] - values[:, stride : -2 * stride])
+    differences = differences - 3 * (values[:, 2 * stride : -stride] - values[:, stride : -2 * stride])
     differences, moved = differences[:, before:], activity[:, span + before :] - activity[:, : -span - before]
     good = np.isfinite(differences)
     quiet = good & (moved <= np.median(moved[good])) if good.any() else good
@@ -110,7 +111,7 @@ def _variance(values: Array, activity: Array, stride: int, dt: float) -> tuple[f
     if len(kept) < options().fewest_differences:
         return None
     near = kept[
-        np.abs(kept) <= options().difference_clip * max(1.4826 * float(np.median(np.abs(kept))), 1e-12)
+        np.abs(kept) <= options().difference_clip * max(NORMAL_OF_MAD * float(np.median(np.abs(kept))), 1e-12)
     ]
     return (float(np.mean(near**2)), len(near)) if len(near) else None
 
@@ -118,7 +119,7 @@ def _variance(values: Array, activity: Array, stride: int, dt: float) -> tuple[f
 def _third_difference(pole: float, stride: int) -> float:
     """Variance of third differences of first-order noise of unit variance: autocorrelation pole^|lag|."""
     share = pole**stride
-    return 2.0 * (10.0 - 15.0 * share + 6.0 * share**2 - share**3)
+    return 2 * (10 - 15 * share + 6 * share**2 - share**3)
 
 
 def _pole(measured: Mapping[int, float]) -> float:

@@ -150,7 +150,7 @@ def without(continuation: Continuation, best: Fit, label: str, stage: int) -> Fi
     x = np.concatenate([np.zeros(0), *(own for a, own in best.hypothesis.parts(best.x) if a.label != label)])
     if known is not None and known.chi2 > best.chi2 + options().overwhelming:
         glance = fit(
-            continuation.problem(stage, less), less, x, best.states, 2
+            continuation.problem(stage, less), less, x, best.states, options().glance_steps
         )  # the known fit may not have converged
         if glance.chi2 > best.chi2 + options().overwhelming:
             return known

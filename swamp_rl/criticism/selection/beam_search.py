@@ -139,11 +139,10 @@ def _is_significant(
     problem = continuation.problem(stage, here.hypothesis)
     for one in score_tests(problem, here, instances):
         least = continuation.criterion.required_gain(here.hypothesis, one.instance)
-        if (
-            here.chi2 - one.expected_chi2 > least
-            and here.chi2 - fit(problem, one.hypothesis, one.x, here.states, 4).chi2 > least
-        ):
-            return True
+        if here.chi2 - one.expected_chi2 > least:
+            made = fit(problem, one.hypothesis, one.x, here.states, options().check_steps)
+            if here.chi2 - made.chi2 > least:
+                return True
     return False
 
 

@@ -132,7 +132,7 @@ def least_of_parabola(start: float, middle: float, end: float) -> float:
     bend = start - 2.0 * middle + end
     if bend <= 0.0:
         return 0.0 if start < end else 1.0
-    return float(np.clip(0.5 + 0.25 * (start - end) / bend, 0.0, 1.0))
+    return float(np.clip(0.5 + (start - end) / (4 * bend), 0.0, 1.0))
 
 
 def _refit(problem: Shooting, run_set: RunSet, at: Fit, fresh: bool = False) -> Fit:

@@ -156,7 +156,8 @@ def _screened(continuation: Continuation, at: Fit, instances: Sequence[EffectIns
     every = max(1, problem.samples // (problem.weight.shape[2] * options().screening_samples))
     chosen = np.arange(problem.windows.count) % every == 0
     part = problem.part(chosen)
-    return score_tests(part, fit(part, at.hypothesis, at.x, at.states[chosen], 1), instances)
+    made = fit(part, at.hypothesis, at.x, at.states[chosen], options().part_steps)
+    return score_tests(part, made, instances)
 
 
 def _exchanged(continuation: Continuation, best: Fit, singles: Sequence[Fit]) -> tuple[Fit, list[Fit]]:
