@@ -12,7 +12,7 @@ from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES, blocks_of, change, errors_at
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.result import Judged, Share
+from swamp_rl.criticism.result import Judged, Share, Wind
 from swamp_rl.criticism.selection.backward_elimination import without
 from swamp_rl.criticism.selection.continuation import Continuation
 
@@ -33,6 +33,11 @@ class Witness:
     weight: Array
     others: bool
     measured_wind: bool = False
+
+    @property
+    def wind(self) -> Wind:
+        """The wind that its predictions are made in."""
+        return "measured" if self.measured_wind else "fitted"
 
     def judges(self, instance: EffectInstance) -> bool:
         """Whether an effect instance is one that predictions here depend on: not what other runs had of their
@@ -89,17 +94,22 @@ def cause_shares(
             share
             for (i, horizon), after in whole.items()
             if on[i].judges(instance)
-            for share in _compared(
-                on[i].errors(continuation, stage, less, horizon), after, horizon, on[i], rng
+            for share in shares_of(
+                on[i].errors(continuation, stage, less, horizon)[0], *after, horizon, rng, on[i].wind
             )
         ]
     return shares
 
 
-def _compared(
-    before: Predicted, after: Predicted, horizon: float, on: Witness, rng: np.random.Generator
+def shares_of(
+    before: Array,
+    after: Array,
+    block: NDArray[np.int64],
+    horizon: float,
+    rng: np.random.Generator,
+    wind: Wind = "fitted",
 ) -> list[Share]:
-    """The shares of one cause at one horizon, from the errors without it and with it."""
+    """The shares of one cause at one horizon, from errors (n, 6) without it and with it in blocks (n,)."""
     return [
         Share(
             horizon_s=horizon,
@@ -107,16 +117,11 @@ def _compared(
             without=paired.before,
             with_cause=paired.after,
             ci95=paired.ci95,
-            wind="measured" if on.measured_wind else "fitted",
+            wind=wind,
         )
         for name in JUDGED
-        if (paired := change(*_columns(name, before[0], after[0]), after[1], rng))
+        if (paired := change(before[:, QUANTITIES[name]], after[:, QUANTITIES[name]], block, rng))
     ]
-
-
-def _columns(name: str, before: Array, after: Array) -> tuple[Array, Array]:
-    columns = QUANTITIES[name]
-    return before[:, columns], after[:, columns]
 
 
 def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:

@@ -21,12 +21,10 @@ def causes_of(problem: Shooting, at: Fit) -> list[Cause]:
     """Every named effect of a fit as a cause."""
     covariance = sandwich_covariance(problem, at)
     causes = []
-    start = 0
     for instance, own in at.hypothesis.parts(at.x):
-        block = covariance[start : start + instance.size, start : start + instance.size]
+        mine = at.hypothesis.columns(instance.label)
         if not instance.curve:
-            causes.append(_cause(instance, own, block, problem.run_set))
-        start += instance.size
+            causes.append(_cause(instance, own, covariance[np.ix_(mine, mine)], problem.run_set))
     return causes
 
 

@@ -15,26 +15,22 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.inference.cause_share import JUDGED, Witness
+from swamp_rl.criticism.inference.cause_share import Witness, shares_of
 from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.inference.force_curves import Function, curve_instances, formula_instances
 from swamp_rl.criticism.likelihood.cross_validation import (
     Confirmation,
     confirmed_at,
     judged_numbers,
+    numbers_without,
+    saturated,
 )
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, fit, inverse
-from swamp_rl.criticism.likelihood.prediction_error import (
-    QUANTITIES,
-    Errors,
-    blocks_of,
-    change,
-    errors_at,
-)
+from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.likelihood.prediction_error import Errors, blocks_of, errors_at
 from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.likelihood.state_fit import fit_states
-from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Extension, ForceCurve, HeldOut, ResidualForce, Share
@@ -58,8 +54,7 @@ class ForceExtension:
     @property
     def others(self) -> tuple[Hypothesis, Array]:
         """What was fitted beside the force, and its parameters."""
-        kept = [(instance, x) for instance, x in self.fit.hypothesis.parts(self.fit.x) if not instance.curve]
-        return Hypothesis(tuple(one for one, _ in kept)), np.concatenate([np.zeros(0), *(x for _, x in kept)])
+        return joined((one, x) for one, x in self.fit.hypothesis.parts(self.fit.x) if not one.curve)
 
     @property
     def entries(self) -> list[dict[str, Any]]:
@@ -117,26 +112,13 @@ def is_better(shares: Sequence[Share]) -> bool:
     )
 
 
-def numbers_of_folds(problem: Shooting, at: Fit, fold: NDArray[np.int64]) -> Array:
-    """(2 R, p) parameters fitted to all windows but each fold's, by one Newton step; fold: see `halves`."""
-    mean, precision = at.hypothesis.prior()
-    low, high = at.hypothesis.bounds()
-    numbers = np.empty((2 * len(problem.run_set.lengths), at.hypothesis.size))
-    for number in range(len(numbers)):
-        others = fold != number
-        H = at.normal.information[others].sum(axis=0) + np.diag(precision)
-        g = at.normal.gradient[others].sum(axis=0) - precision * (at.x - mean)
-        numbers[number] = np.clip(at.x + inverse(H) @ g, low, high)
-    return numbers
-
-
 def held_out_losses(problem: Shooting, at: Fit) -> Array:
     """(W,) saturated chi2 of each window, n ln(1 + chi2 / n), under the parameters fitted to all but the half
     of its run that it is in; only the initial state is refitted.
     """
     loss, fold = at.loss.copy(), halves(problem)
     if at.hypothesis.size:
-        for number, x in enumerate(numbers_of_folds(problem, at, fold)):
+        for number, x in enumerate(numbers_without(at, fold, 2 * len(problem.run_set.lengths))):
             mine = fold == number
             if not mine.any():
                 continue
@@ -144,8 +126,7 @@ def held_out_losses(problem: Shooting, at: Fit) -> Array:
                 problem.part(mine), at.hypothesis, x, at.states[mine], options().extension_rounds
             )[2]
             loss[mine] = (residual**2).sum(axis=1)
-    seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)) / problem.correlation_samples, 1.0)
-    return np.asarray(seen * np.log1p(np.maximum(loss, 0.0) / seen))
+    return saturated(problem, loss)
 
 
 def halves(problem: Shooting) -> NDArray[np.int64]:
@@ -165,10 +146,8 @@ def _fitted(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array |
 
 def _with(problem: Shooting, at: Fit, function: Function) -> Fit:
     """The fit of one more function."""
-    parts = [*at.hypothesis.parts(at.x), *zip(function.instances, function.starts, strict=True)]
-    parts.sort(key=lambda one: one[0].label)
-    hypothesis = Hypothesis(tuple(instance for instance, _ in parts))
-    return _fitted(problem, hypothesis, np.concatenate([x for _, x in parts]), at.states)
+    more = zip(function.instances, function.starts, strict=True)
+    return _fitted(problem, *joined([*at.hypothesis.parts(at.x), *more]), at.states)
 
 
 def _with_formulas(problem: Shooting, at: Fit, boat: Boat) -> Fit:
@@ -181,26 +160,14 @@ def _with_formulas(problem: Shooting, at: Fit, boat: Boat) -> Fit:
     criterion = information_criterion(problem.run_set, float(problem.samples))
     for instance in [one for one in at.hypothesis.instances if one.curve]:
         parts = at.hypothesis.parts(at.x)
-        own = next(x for one, x in parts if one.label == instance.label)
-        block = _block(at, instance.label)
-        error = np.sqrt(np.maximum(np.diag(sandwich_covariance(problem, at))[block], 1e-30))
+        own = at.hypothesis.columns(instance.label)
+        error = np.sqrt(np.maximum(np.diag(sandwich_covariance(problem, at))[own], 1e-30))
         tried = [at]
-        for formula, start in formula_instances(boat, instance, own, error):
+        for formula, start in formula_instances(boat, instance, at.x[own], error):
             swapped = [(formula, start) if one.label == instance.label else (one, x) for one, x in parts]
-            hypothesis = Hypothesis(tuple(one for one, _ in swapped))
-            tried.append(_fitted(problem, hypothesis, np.concatenate([x for _, x in swapped]), at.states))
+            tried.append(_fitted(problem, *joined(swapped), at.states))
         at = min(tried, key=lambda one: one.chi2 / excess + criterion.charge(one.hypothesis))
     return at
-
-
-def _block(at: Fit, label: str) -> slice:
-    """Columns of one effect instance."""
-    start = 0
-    for instance in at.hypothesis.instances:
-        if instance.label == label:
-            return slice(start, start + instance.size)
-        start += instance.size
-    raise KeyError(label)
 
 
 def prediction_shares(
@@ -215,11 +182,7 @@ def prediction_shares(
     for horizon in options().judged_horizons:
         before, after = (_errors(problem, one, judged, horizon) for one in (less, whole))
         block, _ = blocks_of(before, horizon)
-        for name in JUDGED:
-            columns = QUANTITIES[name]
-            if paired := change(before.error[:, columns], after.error[:, columns], block, rng):
-                told = {"without": paired.before, "with_cause": paired.after, "ci95": paired.ci95}
-                shares.append(Share(horizon_s=horizon, quantity=name, **told))  # type: ignore[arg-type]
+        shares += shares_of(before.error, after.error, block, horizon, rng)
     return shares
 
 
@@ -230,7 +193,7 @@ def _errors(problem: Shooting, at: Fit, judged: Witness, horizon: float) -> Erro
     if judged.others:
         return errors_at(run_set, weight, horizon, *judged_numbers(problem, at, runs, judged.others))
     fold = halves(problem)
-    numbers = numbers_of_folds(problem, at, fold)
+    numbers = numbers_without(at, fold, 2 * runs)
     found = []
     for half in range(2):
         low, high = np.full(runs, np.inf), np.full(runs, -np.inf)
@@ -277,7 +240,7 @@ def _curves(problem: Shooting, at: Fit) -> list[tuple[Curve, str | None, dict[st
     for instance, x in at.hypothesis.parts(at.x):
         if instance.curve:
             names = instance.curve.value_names
-            doubt = dict(zip(names, error[_block(at, instance.label)], strict=True))
+            doubt = dict(zip(names, error[at.hypothesis.columns(instance.label)], strict=True))
             curve = replace(instance.curve, standard_errors=tuple(instance.curve.listed(doubt)))
             values = {name: float(value) for name, value in zip(names, x, strict=True)}
             found.append((curve, instance.selectors[0] if instance.selectors else None, values))

@@ -24,14 +24,11 @@ def heldout_loss(problem: Shooting, at: Fit) -> Array:
     if at.hypothesis.size == 0:
         return at.loss
     runs = folds_of(problem.windows, at.hypothesis.differs)
-    _, precision = at.hypothesis.prior()
-    mean, _ = at.hypothesis.prior()
     H, g = at.normal.information, at.normal.gradient
     loss = at.loss.copy()
     for run in np.unique(runs):
         mine = runs == run
-        rest = H[~mine].sum(axis=0) + np.diag(precision)
-        step = inverse(rest) @ (g[~mine].sum(axis=0) - precision * (at.x - mean))
+        step = _newton_step(at, ~mine)
         loss[mine] += -2.0 * g[mine] @ step + np.einsum("wij,i,j->w", H[mine], step, step)
     return loss
 
@@ -58,15 +55,23 @@ def heldout_numbers(problem: Shooting, at: Fit) -> Array:
     runs = len(problem.run_set.lengths)
     if runs == 1 or at.hypothesis.size == 0:
         return np.repeat(at.x[None], runs, axis=0)
-    mean, precision = at.hypothesis.prior()
-    numbers = np.empty((runs, at.hypothesis.size))
+    return numbers_without(at, windows, runs)
+
+
+def numbers_without(at: Fit, fold: NDArray[np.int64], folds: int) -> Array:
+    """(folds, p) parameters fitted to all windows but those of each fold, by one Newton step; fold: (W,)."""
     low, high = at.hypothesis.bounds()
-    for run in range(runs):
-        others = windows != run
-        H = at.normal.information[others].sum(axis=0) + np.diag(precision)
-        g = at.normal.gradient[others].sum(axis=0) - precision * (at.x - mean)
-        numbers[run] = np.clip(at.x + inverse(H) @ g, low, high)
+    numbers = np.empty((folds, at.hypothesis.size))
+    for number in range(folds):
+        numbers[number] = np.clip(at.x + _newton_step(at, fold != number), low, high)
     return numbers
+
+
+def _newton_step(at: Fit, chosen: NDArray[np.bool_]) -> Array:
+    """(p,) from a fit towards that to the chosen windows (W,) alone."""
+    mean, precision = at.hypothesis.prior()
+    H = at.normal.information[chosen].sum(axis=0) + np.diag(precision)
+    return np.asarray(inverse(H) @ (at.normal.gradient[chosen].sum(axis=0) - precision * (at.x - mean)))
 
 
 def judged_numbers(problem: Shooting, at: Fit, runs: int, others: bool) -> tuple[Hypothesis, Array]:
@@ -179,9 +184,14 @@ def stretch_losses(problem: Shooting, at: Fit) -> Array:
 
 
 def saturated_loss(problem: Shooting, at: Fit) -> Array:
-    """(W,) n ln(1 + chi2 / n) of each window's held-out chi2, n being its effective number of samples."""
+    """(W,) saturated held-out chi2 of each window."""
+    return saturated(problem, heldout_loss(problem, at))
+
+
+def saturated(problem: Shooting, loss: Array) -> Array:
+    """(W,) n ln(1 + chi2 / n) of each window's chi2 (W,), n being its effective number of samples."""
     seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)) / problem.correlation_samples, 1.0)
-    return np.asarray(seen * np.log1p(np.maximum(heldout_loss(problem, at), 0.0) / seen))
+    return np.asarray(seen * np.log1p(np.maximum(loss, 0.0) / seen))
 
 
 def bootstrap_interval(gains: Array, share: float, rng: np.random.Generator) -> tuple[float, float]:

@@ -4,7 +4,7 @@ estimates.
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -155,10 +155,7 @@ class Hypothesis:
 
     def shared(self, x: Array) -> tuple["Hypothesis", Array]:
         """What all runs share, and its parameters from x (p,)."""
-        kept = [(instance, own) for instance, own in self.parts(x) if not instance.groups]
-        return Hypothesis(tuple(one for one, _ in kept)), np.concatenate(
-            [np.zeros(0), *(own for _, own in kept)]
-        )
+        return joined((instance, own) for instance, own in self.parts(x) if not instance.groups)
 
     @property
     def moves_actuators(self) -> bool:
@@ -191,6 +188,10 @@ class Hypothesis:
         ends = list(itertools.accumulate((instance.size for instance in self.instances), initial=0))
         return [(instance, x[..., ends[i] : ends[i + 1]]) for i, instance in enumerate(self.instances)]
 
+    def columns(self, label: str) -> NDArray[np.bool_]:
+        """(p,) whether a parameter is of the effect of that label."""
+        return np.array([one.label == label for one in self.instances for _ in one.specs], dtype=bool)
+
     def entries(self, x: Array) -> list[EffectEntry]:
         """The effects with their parameters; x: (p,) or (V, p) for V boats."""
         return [entry for instance, own in self.parts(x) for entry in entries_of(instance, own)]
@@ -214,6 +215,12 @@ class Hypothesis:
             entries += entries_of(instance.of_one, rows)
         apply_effects(made, entries, boat.thruster_names)
         return made
+
+
+def joined(parts: Iterable[tuple[EffectInstance, Array]]) -> tuple[Hypothesis, Array]:
+    """The hypothesis of some effects, sorted by label, and their parameters (p,) in that order."""
+    every = sorted(parts, key=lambda one: one[0].label)
+    return Hypothesis(tuple(one for one, _ in every)), np.concatenate([np.zeros(0), *(x for _, x in every)])
 
 
 def entries_of(instance: EffectInstance, x: Array) -> list[EffectEntry]:

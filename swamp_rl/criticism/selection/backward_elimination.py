@@ -15,7 +15,7 @@ from swamp_rl.criticism.likelihood.cross_validation import (
     stretch_losses,
 )
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.continuation import CORRECTED, LAST, Continuation
 from swamp_rl.criticism.selection.score_test import ScoreTest
@@ -147,7 +147,7 @@ def without(continuation: Continuation, best: Fit, label: str, stage: int) -> Fi
     known = continuation.fits.get((stage, less.label))
     if known is not None and not less.instances:
         return known
-    x = np.concatenate([np.zeros(0), *(own for a, own in best.hypothesis.parts(best.x) if a.label != label)])
+    _, x = joined((one, own) for one, own in best.hypothesis.parts(best.x) if one.label != label)
     if known is not None and known.chi2 > best.chi2 + options().overwhelming:
         glance = fit(
             continuation.problem(stage, less), less, x, best.states, options().glance_steps
@@ -243,19 +243,12 @@ def _with_special(
     continuation: Continuation, best: Fit, instance: EffectInstance, special: EffectInstance, stage: int
 ) -> Fit:
     """The best fit with a special case in place of one effect, started from the best fit."""
-    shared = instance.by_group(_own(best, instance)).mean(axis=0)
+    shared = instance.by_group(best.x[best.hypothesis.columns(instance.label)]).mean(axis=0)
     numbers = {p.field: x for p, x in zip(instance.effect.parameters, shared, strict=True)}
-    own = {a.label: x for a, x in best.hypothesis.parts(best.x)}
     begin = zip(special.effect.parameters, (special.starts or special.grid)[0], strict=True)
-    own[special.label] = np.array([numbers.get(p.field, start) for p, start in begin])
-    less = best.hypothesis.without(instance.label).with_instance(special)
-    return continuation.fit(
-        stage, less, np.concatenate([own[one.label] for one in less.instances]), best.states
-    )
-
-
-def _own(best: Fit, instance: EffectInstance) -> np.ndarray:
-    return next(x for a, x in best.hypothesis.parts(best.x) if a.label == instance.label)
+    own = np.array([numbers.get(p.field, start) for p, start in begin])
+    kept = [(one, x) for one, x in best.hypothesis.parts(best.x) if one.label != instance.label]
+    return continuation.fit(stage, *joined([*kept, (special, own)]), best.states)
 
 
 def alternatives_to_nuisance(
@@ -277,12 +270,9 @@ def alternatives_to_nuisance(
     for instance in instances:
         moves = {parameter.field for parameter in instance.effect.parameters}
         if not instance.effect.nuisance and moves & far and instance not in best.hypothesis.instances:
-            more = best.hypothesis.with_instance(instance)
-            values = {a.label: own for a, own in best.hypothesis.parts(best.x)}
-            values[instance.label] = np.array(instance.starts[0])
-            start = np.concatenate([values[one.label] for one in more.instances])
+            own = (instance, np.array(instance.starts[0]))
             states = continuation.fit(0, best.hypothesis, best.x).states
-            found.append(continuation.fit(0, more, start, states))
+            found.append(continuation.fit(0, *joined([*best.hypothesis.parts(best.x), own]), states))
     return found
 
 

@@ -9,15 +9,13 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, min_decrease
-from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.candidates import joined
 from swamp_rl.criticism.nuisance.switching_times import command_changes, fit_shares, interpolated_at
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
 
 Array = NDArray[np.float64]
-
-NONE = np.zeros(0)
 
 
 def interpolated(run_set: RunSet, share: float) -> RunSet:
@@ -64,14 +62,8 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     parts = [(instance, own) for instance, own in at.hypothesis.parts(at.x) if not instance.moves_actuators]
     if len(parts) == len(at.hypothesis.instances):
         return None
-    less = Hypothesis(tuple(instance for instance, _ in parts))
-    plain = fit(
-        problem,
-        less,
-        np.concatenate([NONE, *(own for _, own in parts)]),
-        at.states,
-        options().reconstruction_steps,
-    )
+    less, x = joined(parts)
+    plain = fit(problem, less, x, at.states, options().reconstruction_steps)
     most = continuation.criterion(at) + options().separation - continuation.criterion.charge(less)
     share, shared = fit_common_share(problem, plain, logged)
     if shared.chi2 < most and adequacy(problem, shared).adequate:

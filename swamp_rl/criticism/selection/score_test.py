@@ -45,7 +45,7 @@ def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance])
 
 def _score_test(problem: Shooting, at: Fit, instance: EffectInstance, by_x: Array) -> ScoreTest:
     hypothesis = at.hypothesis.with_instance(instance)
-    place = _columns_of(hypothesis, instance)
+    place = hypothesis.columns(instance.label)
     starts: list[tuple[float, ...]] = [start * instance.count for start in instance.starts]
     if instance.effect.begin == "spectral":
         starts = [tuple(start) for start in wave_starts(problem, at, by_x)]
@@ -82,13 +82,6 @@ def at_neutral_values(instance: EffectInstance, boat: Boat) -> EffectInstance:
     return replace(instance, starts=(start,), grid=())
 
 
-def _columns_of(hypothesis: Hypothesis, instance: EffectInstance) -> NDArray[np.bool_]:
-    """(p,) whether a parameter is the instance's."""
-    return np.array(
-        [one.label == instance.label for one in hypothesis.instances for _ in one.specs], dtype=bool
-    )
-
-
 def _joint(place: NDArray[np.bool_], old: Array, new: Array) -> Array:
     """(V, p) from the old parameters (p_old,) and the instance's (V, p_instance)."""
     x = np.empty((len(new), len(place)))
@@ -103,7 +96,7 @@ def failure_starts(
     """The best instant of a failure among the windows' starts, from one simulation: windows that begin before
     it keep the thruster, the others never had it.
     """
-    place = _columns_of(hypothesis, instance)
+    place = hypothesis.columns(instance.label)
     dead = problem.residuals(
         problem.predict(hypothesis, _joint(place, at.x, np.zeros((1, 1))), at.states[None])[0]
     )

@@ -13,7 +13,7 @@ from swamp_rl.criticism.likelihood.cross_validation import Confirmation, confirm
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, may_differ
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined, may_differ
 from swamp_rl.criticism.nuisance.model_error import ModelError, model_error
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection, nested, without
@@ -118,7 +118,7 @@ def wald_statistic(problem: Shooting, at: Fit, instance: EffectInstance) -> floa
     """Squared distance of an effect's parameters from neutral, in the sandwich covariance: chi-square, with
     as many degrees of freedom, where there is no effect.
     """
-    own = np.array([one.label == instance.label for one in at.hypothesis.instances for _ in one.specs])
+    own = at.hypothesis.columns(instance.label)
     (neutral,) = at_neutral_values(instance, problem.boat).starts
     away = at.x[own] - np.tile(neutral, instance.count)
     covariance = sandwich_covariance(problem, at)[np.ix_(own, own)]
@@ -169,10 +169,8 @@ def _exchanged(continuation: Continuation, best: Fit, singles: Sequence[Fit]) ->
         for other in [one for one in singles if _is_other(one.hypothesis, best.hypothesis, instance)][
             : options().most_exchanges
         ]:
-            numbers = {a.label: own for a, own in best.hypothesis.parts(best.x)}
-            numbers[other.hypothesis.label] = other.x
-            exchanged = best.hypothesis.without(instance.label).with_instance(other.hypothesis.instances[0])
-            start = np.concatenate([numbers[a.label] for a in exchanged.instances])
+            kept = [(one, own) for one, own in best.hypothesis.parts(best.x) if one.label != instance.label]
+            exchanged, start = joined([*kept, *other.hypothesis.parts(other.x)])
             tried.append(continuation.fit(0, exchanged, start, best.states))
     better = min([best, *tried], key=lambda one: _held_out_loss(continuation, one))
     return better, [one for one in [best, *tried] if one is not better]
