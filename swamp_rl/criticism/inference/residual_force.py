@@ -87,7 +87,7 @@ class ForceFit:
 
 def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceGrid) -> ForceFit:
     """The forces, constant in each interval, at least chi2 together with the initial states."""
-    rounds, thrust = options().force_rounds, options().force_reach * float(np.max(problem.boat_thrust))
+    thrust = options().force_reach * float(np.max(problem.boat_thrust))
     prior = np.tile(1.0 / np.array([thrust, thrust, thrust * problem.boat.length]), grid.count) ** 2
 
     def parts_of(u: Array) -> tuple[Array, Array]:
@@ -106,9 +106,9 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
         gradient[:, STATES:] -= prior * u[:, STATES:]
         return information, gradient
 
-    states = fit_states(problem, hypothesis, x, problem.initial_states(), rounds)[0]
+    states = fit_states(problem, hypothesis, x, problem.initial_states(), options().force_begin)[0]
     at_none = np.concatenate([states, np.zeros((len(states), len(prior)))], axis=1)
-    found = minimise_by_window(problem, at_none, evaluate, linearise, rounds)
+    found = minimise_by_window(problem, at_none, evaluate, linearise, options().force_rounds)
     states, force = parts_of(found.u)
     covariance = np.linalg.inv(found.information)[:, STATES:, STATES:]
     return ForceFit(states, found.prediction, force, np.asarray(covariance))

@@ -27,13 +27,19 @@ class WindowFit:
 
 
 def minimise_by_window(
-    problem: Shooting, u: Array, evaluate: Evaluate, linearise: Linearise, rounds: int
+    problem: Shooting,
+    u: Array,
+    evaluate: Evaluate,
+    linearise: Linearise,
+    rounds: int,
+    last_damping: float = np.inf,
 ) -> WindowFit:
     """The fit from u (W, q) with at most `rounds` steps.
 
     evaluate: prediction of some windows at their u; linearise: information (n, q, q) and gradient (n, q) of
-    some windows at their u, prediction and residual, a Gaussian prior included. Converged windows are not
-    simulated again; a linearisation is kept until its window moves.
+    some windows at their u, prediction and residual, a Gaussian prior included; last_damping: that above
+    which a window that did not improve is left. Converged windows are not simulated again; a linearisation
+    is kept until its window moves.
     """
     count, size = u.shape
     u = u.copy()
@@ -42,13 +48,14 @@ def minimise_by_window(
     damping = np.zeros(count)
     A, b = np.zeros((count, size, size)), np.zeros((count, size))
     active = moved = np.ones(count, dtype=bool)
-    of = options()
+    least, factor = options().window_decrease, options().damping_factor
+    first = options().first_damping
     for _ in range(rounds):
         if moved.any():
             part = _chosen(problem, moved)
             A[moved], b[moved] = linearise(part, u[moved], prediction[moved], residual[moved])
         step = np.linalg.solve(_ridged(A, damping), b[..., None])[..., 0]
-        active &= (step * b).sum(axis=1) > of.window_decrease
+        active &= (step * b).sum(axis=1) > least
         if not active.any():
             break
         part, tried = _chosen(problem, active), u[active] + step[active]
@@ -59,9 +66,9 @@ def minimise_by_window(
         won, lost = place[better], place[~better]
         u[won], prediction[won], residual[won] = tried[better], reached[better], left[better]
         active = active.copy()
-        active[lost[damping[lost] > of.last_damping]] = False
-        damping[won] = np.where(damping[won] < of.first_damping, 0.0, damping[won] / of.damping_factor)
-        damping[lost] = of.damping_factor * damping[lost] + of.first_damping
+        active[lost[damping[lost] > last_damping]] = False
+        damping[won] = np.where(damping[won] < first, 0.0, damping[won] / factor)
+        damping[lost] = factor * damping[lost] + first
         moved = np.zeros(count, dtype=bool)
         moved[won] = True
     return WindowFit(u, prediction, residual, A)

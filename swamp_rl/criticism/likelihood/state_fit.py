@@ -24,7 +24,7 @@ def fit_states(
         transposed = np.swapaxes(slopes, 1, 2)
         return transposed @ slopes, (transposed @ residual[..., None])[..., 0]
 
-    found = minimise_by_window(problem, states, evaluate, linearise, rounds)
+    found = minimise_by_window(problem, states, evaluate, linearise, rounds, options().last_damping)
     return found.u, found.prediction, found.residual
 
 
