@@ -335,8 +335,8 @@ class Options:
     force_window_poses: float = 10.0  # s of a window where velocities were not measured
     force_piece_poses: float = 5.0  # s of constant force there
     force_measured: float = 0.25  # of the positions in an interval, below which its force is not estimated
-    force_begin: int = 6  # iterations of the initial states before
-    force_rounds: int = 100  # iterations: a moored boat's windows take tens, most others a few
+    force_rounds: int = 6  # iterations
+    force_damping: float = 0.1  # the first after a step that fails
     force_reach: float = 3.0  # standard deviation of the forces' prior, in thrusts of the strongest thruster
     # ---- Candidates in the report
     listed: int = 20  # hypotheses that were fitted

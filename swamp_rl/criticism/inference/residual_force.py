@@ -14,15 +14,12 @@ from swamp_rl.criticism.likelihood.force_sensitivity import (
     force_grid,
     force_normal_equations,
 )
-from swamp_rl.criticism.likelihood.levenberg_marquardt import minimise_by_window
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, wrap
-from swamp_rl.criticism.likelihood.state_fit import fit_states
+from swamp_rl.criticism.likelihood.output_error import fit_states
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-
-STATES = 6  # of a window
 
 
 @dataclass(frozen=True)
@@ -86,32 +83,43 @@ class ForceFit:
 
 
 def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceGrid) -> ForceFit:
-    """The forces, constant in each interval, at least chi2 together with the initial states."""
-    thrust = options().force_reach * float(np.max(problem.boat_thrust))
-    prior = np.tile(1.0 / np.array([thrust, thrust, thrust * problem.boat.length]), grid.count) ** 2
-
-    def parts_of(u: Array) -> tuple[Array, Array]:
-        return u[:, :STATES], u[:, STATES:].reshape(-1, grid.count, AXES)
-
-    def evaluate(part: Shooting, u: Array) -> Array:
-        states, force = parts_of(u)
-        return part.predict(hypothesis, x[None], states[None], force / grid.inertia, grid.block)[0]
-
-    def linearise(part: Shooting, u: Array, track: Array, residual: Array) -> tuple[Array, Array]:
-        states, force = parts_of(u)
-        by_state = part.state_jacobian(hypothesis, x, states, track, force / grid.inertia, grid.block)
-        where = (part, hypothesis, x, states, grid, (0, 1, 2))
-        information, gradient = force_normal_equations(*where, by_state, residual, force).joint
-        information[:, STATES:, STATES:] += np.diag(prior)
-        gradient[:, STATES:] -= prior * u[:, STATES:]
-        return information, gradient
-
-    states = fit_states(problem, hypothesis, x, problem.initial_states(), options().force_begin)[0]
-    at_none = np.concatenate([states, np.zeros((len(states), len(prior)))], axis=1)
-    found = minimise_by_window(problem, at_none, evaluate, linearise, options().force_rounds)
-    states, force = parts_of(found.u)
-    covariance = np.linalg.inv(found.information)[:, STATES:, STATES:]
-    return ForceFit(states, found.prediction, force, np.asarray(covariance))
+    """The forces, constant in each interval, at least chi2."""
+    states, track, residual = fit_states(
+        problem, hypothesis, x, problem.initial_states(), options().force_rounds
+    )
+    shape = (problem.windows.count, grid.count, AXES)
+    reach = options().force_reach * float(np.max(problem.boat_thrust))
+    prior = np.tile(1.0 / np.array([reach, reach, reach * problem.boat.length]), grid.count) ** 2
+    force = np.zeros(shape)
+    damping = np.zeros(shape[0])
+    first, factor = options().force_damping, options().damping_factor
+    covariance = np.zeros((shape[0], AXES * shape[1], AXES * shape[1]))
+    for _ in range(options().force_rounds):
+        acting = force.reshape(-1, grid.count, AXES)
+        acceleration: Array = acting / grid.inertia
+        by_state = problem.state_jacobian(hypothesis, x, states, track, acceleration, grid.block)
+        normal = force_normal_equations(
+            problem, hypothesis, x, states, grid, (0, 1, 2), by_state, residual, acting, damping=damping
+        )
+        H = normal.information + np.diag(prior)
+        covariance = np.asarray(np.linalg.inv(H))
+        H = H + (damping[:, None] * np.einsum("wii->wi", H))[..., None] * np.eye(H.shape[1])
+        g = normal.gradient - prior * force.reshape(shape[0], -1)
+        step = np.asarray(np.linalg.solve(H, g[..., None])[..., 0])
+        shift = np.linalg.solve(
+            normal.states_information,
+            (normal.states_gradient - (normal.cross @ step[..., None])[..., 0])[..., None],
+        )[..., 0]
+        tried: Array = force + step.reshape(shape)
+        acceleration = np.asarray(tried / grid.inertia)
+        moved = problem.predict(hypothesis, x[None], (states + shift)[None], acceleration, grid.block)[0]
+        left = problem.residuals(moved)
+        better = (left**2).sum(axis=1) < (residual**2).sum(axis=1)
+        states[better] += shift[better]
+        force[better], track[better], residual[better] = tried[better], moved[better], left[better]
+        less = np.where(damping < first, 0.0, damping / factor)
+        damping = np.where(better, less, factor * damping + first)
+    return ForceFit(states, track, force, covariance)
 
 
 def motion_variables(time: Array, at: Array) -> dict[str, Array]:

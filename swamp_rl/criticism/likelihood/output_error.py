@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.likelihood.levenberg_marquardt import losses
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.state_fit import fit_states, min_decrease
+from swamp_rl.criticism.likelihood.state_fit import fit_states, losses, min_decrease
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 
@@ -28,16 +27,6 @@ class Normal:
     information: Array
     gradient: Array
     profile_chi2: Array
-
-    @property
-    def joint(self) -> tuple[Array, Array]:
-        """Information (W, 6 + p, 6 + p) and gradient (W, 6 + p) of initial states and parameters together."""
-        S, C = self.states_information, self.cross
-        across = np.swapaxes(C, 1, 2)
-        solved = np.linalg.solve(S, np.concatenate([C, self.states_gradient[..., None]], axis=2))
-        information = np.block([[S, C], [across, self.information + across @ solved[..., :-1]]])
-        gradient = self.gradient + (across @ solved[..., -1:])[..., 0]
-        return information, np.concatenate([self.states_gradient, gradient], axis=1)
 
     def shift(self, step: Array) -> Array:
         """(W, 6) change of the initial states that goes with a step (p,) of the parameters."""
