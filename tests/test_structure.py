@@ -47,7 +47,7 @@ FLOORS = (
     {"experiments.cli"},
 )
 CRITICISM = (
-    {"result", "progress"},
+    {"result", "progress", "options"},
     {"model"},
     {"data"},
     {"likelihood"},

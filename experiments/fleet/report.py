@@ -5,7 +5,7 @@ from urllib.parse import quote
 
 from swamp_rl.experiments.fleet.result import Fleet
 
-from swamp_rl.criticism.report.page import STYLE
+from swamp_rl.criticism.report.page import document
 from swamp_rl.criticism.report.tables import table
 from swamp_rl.criticism.report.words import minus
 
@@ -13,9 +13,7 @@ from swamp_rl.criticism.report.words import minus
 def page(fleet: Fleet) -> str:
     """The whole page."""
     parts = [_opening(fleet), _shared(fleet), _drifts(fleet), _members(fleet), _findings(fleet)]
-    head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
-    head += f"<title>Diagnosis of a fleet</title><style>{STYLE}</style>"
-    return f'<!doctype html><html lang="en"><head>{head}</head><body>{"".join(parts)}</body></html>\n'
+    return document("Diagnosis of a fleet", parts)
 
 
 def _opening(fleet: Fleet) -> str:

@@ -64,7 +64,8 @@ def carry_on(sweep: Sweep, store: Store, pool: Pool, job: Callable[[Values], str
         ended = store.trials()
         values = propose(sweep, numbers, ended)
         left = [number for number in numbers if number not in ended]
-        for done in completed(left, lambda number, of=values: job(of[number]), pool, sweep.retries):
+        jobs = {number: job(values[number]) for number in left}
+        for done in completed(jobs, jobs.__getitem__, pool, sweep.retries):
             trial = _ended(values[done.number], done)
             store.add(trial)
             tell(trial, total)

@@ -39,6 +39,7 @@ from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.model.trial_limits import TrialLimits
 from swamp_rl.criticism.nuisance.model_error import in_noise_units
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import (
     Candidate,
@@ -61,7 +62,6 @@ Array = NDArray[np.float64]
 
 RESULT = "diagnosis.json"
 NONE = np.zeros(0)
-LISTED = 20  # candidates in the report
 
 
 @one_thread()
@@ -257,7 +257,7 @@ def _candidates(continuation: Continuation, found: Selection, rng: np.random.Gen
     for one in fits:
         loss = heldout_loss(problem, one)
         gains = nothing.loss - loss
-        low, high = bootstrap_interval(gains, 0.95, rng)
+        low, high = bootstrap_interval(gains, 1.0 - 2.0 * options().tail, rng)
         per_sample = float(loss.sum()) / problem.samples
         listed.append(
             Candidate(
@@ -267,7 +267,7 @@ def _candidates(continuation: Continuation, found: Selection, rng: np.random.Gen
                 gain_ci=(low, high),
             )
         )
-    return sorted(listed, key=lambda one: one.held_out_score)[:LISTED]
+    return sorted(listed, key=lambda one: one.held_out_score)[: options().listed]
 
 
 def _gains(

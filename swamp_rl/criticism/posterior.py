@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from swamp_rl.criticism.figures.result import FiguresDiagnosis
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.effects.correlated import factor_of
 from swamp_rl.effects.declare import LIBRARY, Parameter
@@ -16,7 +17,6 @@ from swamp_rl.explain import nearest
 from swamp_rl.files import find_config, read_yaml, write_yaml
 from swamp_rl.ordinary import MOST_JSON, contents
 
-REACH = 5.0
 "Standard errors to either side beyond which nothing is drawn."
 
 
@@ -105,7 +105,8 @@ def _between_runs(cause: Cause, size: str, direction: str) -> dict[str, Any]:
         mean = length.value * part(angle.value)
         of_mean = math.hypot(along * part(angle.value), across * other(angle.value))
         deviation = math.hypot(of_mean, cause.spread[name].value)
-        ends = [mean - REACH * deviation, mean + REACH * deviation]
+        reach = options().posterior_reach * deviation
+        ends = [mean - reach, mean + reach]
         drawn[name] = {"normal": [mean, deviation, *ends]} if deviation > 0.0 else mean
     return drawn
 
@@ -131,5 +132,6 @@ def _drawn(parameter: Parameter, found: Estimate) -> float | dict[str, list[floa
     if found.at_bound or not doubt > 0.0:
         return value
     lowest = math.nextafter(parameter.low, math.inf) if parameter.above_low else parameter.low
-    low, high = max(value - REACH * doubt, lowest), min(value + REACH * doubt, parameter.high)
+    reach = options().posterior_reach * doubt
+    low, high = max(value - reach, lowest), min(value + reach, parameter.high)
     return {"normal": [value, doubt, low, high]}

@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict
 GainOn = Literal["each_run_in_turn", "other_runs", "same_run"]
 Judged = Literal["position_rmse_m", "heading_rmse_rad"]
 Limit = Literal["at_least", "at_most"]
+Wind = Literal["fitted", "measured"]
 Verdict = Literal["nothing_wrong", "cause", "indistinguishable", "unexplained"]
 
 
@@ -59,7 +60,7 @@ class Share(Part):
     without: float
     with_cause: float
     ci95: tuple[float, float]
-    wind: Literal["fitted", "measured"] = "fitted"
+    wind: Wind = "fitted"
 
 
 class Predictors(Part):

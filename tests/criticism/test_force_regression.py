@@ -8,7 +8,6 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.inference.force_regression import (
-    CORRELATION_TIME,
     ForceLikelihood,
     MarginalLikelihood,
     Pair,
@@ -20,6 +19,7 @@ from swamp_rl.criticism.inference.force_regression import (
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import force_scale
 from swamp_rl.criticism.nuisance.process_noise import random_forces
+from swamp_rl.criticism.options import options
 from tests.support.unmodelled_forces import DEAD_ZONE, MOORING, SECTOR, sailed
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
@@ -98,5 +98,7 @@ def test_the_marginal_likelihood_is_that_of_the_whole_covariance() -> None:
     found = ForceLikelihood(float((seen**2).sum()), information, gradient, (), 10, 0.1, {}, {}, SCALE)
     away = seen - (slopes @ known[..., None])[..., 0]
     marginal = (across @ away[..., None])[..., 0]
-    expected = (away**2).sum() - random_forces(information, marginal, 1.0, CORRELATION_TIME, SCALE).gain
+    expected = (away**2).sum() - random_forces(
+        information, marginal, 1.0, options().regression_time, SCALE
+    ).gain
     assert marginal_likelihood(found, known).left == pytest.approx(expected)

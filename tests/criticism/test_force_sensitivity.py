@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.likelihood import force_sensitivity
 from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_jacobian, force_normal_equations
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import normal_equations
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import using
 from tests.support.criticism import simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
@@ -18,7 +18,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 AXES = (0, 1, 2)
 
 
-def test_chunks_give_the_equations_of_all_windows_in_less_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_chunks_give_the_equations_of_all_windows_in_less_memory() -> None:
     found = simulated_runs([])
     problem = Shooting(found, weights(found, noise_levels(found)), 5.0)
     states, nothing, at_rest = problem.initial_states(), Hypothesis(), np.zeros(0)
@@ -35,9 +35,9 @@ def test_chunks_give_the_equations_of_all_windows_in_less_memory(monkeypatch: py
     at_once = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     del slopes
-    monkeypatch.setattr(force_sensitivity, "CHUNK", 2**18)
     tracemalloc.start()
-    parts = force_normal_equations(*where, by_state, residual)
+    with using(chunk_bytes=2**18):
+        parts = force_normal_equations(*where, by_state, residual)
     in_chunks = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
 

@@ -6,8 +6,8 @@ import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.model import rollout
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.options import using
 from tests.support.criticism import SECONDS, simulated_runs
 
 
@@ -22,7 +22,7 @@ def test_windows_divided_among_threads_are_simulated_to_the_same_bits(
     alone = problem.predict(Hypothesis((instance,)), x, np.repeat(states[None], len(x), axis=0))
     problem.histories.clear()
     monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 3)
-    monkeypatch.setattr(rollout, "LEAST_STEPS", 1)
-    divided = problem.predict(Hypothesis((instance,)), x, np.repeat(states[None], len(x), axis=0))
+    with using(thread_steps=1):
+        divided = problem.predict(Hypothesis((instance,)), x, np.repeat(states[None], len(x), axis=0))
     assert np.isfinite(alone).all()
     np.testing.assert_array_equal(divided, alone)

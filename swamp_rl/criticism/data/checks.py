@@ -8,18 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from swamp_rl.runs.dataset import META, boat_of, read_meta
 
 Array = NDArray[np.float64]
-
-SHORTEST = 10.0  # s of a run
-LEAST = 20.0  # s of all runs together
-COARSEST = 1.0  # s between samples, the shortest horizon of prediction errors
-RUNNING = 0.02  # of full throttle, from which a thruster runs
-MEAN_OVER = 5.0  # s of the means that suppress noise
-STILL, UNTURNED = 0.806, 0.5  # lengths and rad, below which a boat stands still
 
 
 def refuse_disorder(run: Run, folder: str) -> None:
@@ -40,23 +34,23 @@ def refuse_disorder(run: Run, folder: str) -> None:
 
 def refuse_too_short(runs: list[Run], folder: str) -> None:
     """UserError where the usable runs are too short together."""
-    total = sum(run.duration for run in runs if run.duration >= SHORTEST)
-    if total >= LEAST:
+    total = sum(run.duration for run in runs if run.duration >= options().shortest_run)
+    if total >= options().least_data:
         return
-    longest = max((run.duration for run in runs), default=0.0)
+    longest, least = max((run.duration for run in runs), default=0.0), options()
     raise UserError(
-        f"{folder}: too short: {total:.3g} s in runs of at least {SHORTEST:.0f} s (the longest lasts "
-        f"{longest:.3g} s); a diagnosis needs {LEAST:.0f} s or more, better five runs of a minute with turns "
-        "both ways and several speeds; record more"
+        f"{folder}: too short: {total:.3g} s in runs of at least {least.shortest_run:.0f} s (the longest "
+        f"lasts {longest:.3g} s); a diagnosis needs {least.least_data:.0f} s or more, better five runs of a "
+        "minute with turns both ways and several speeds; record more"
     )
 
 
 def refuse_too_coarse(dt: float, folder: str) -> None:
     """UserError where the sample step dt [s] exceeds the shortest horizon."""
-    if dt > 1.05 * COARSEST:
+    if dt > options().step_slack * options().coarsest_step:
         raise UserError(
-            f"{folder}: a sample every {dt:.3g} s; a diagnosis needs one every {COARSEST:g} s or more often "
-            "(10 a second serve well); record at a higher rate"
+            f"{folder}: a sample every {dt:.3g} s; a diagnosis needs one every {options().coarsest_step:g} s "
+            "or more often (10 a second serve well); record at a higher rate"
         )
 
 
@@ -72,7 +66,8 @@ def refuse_other_boat(run: Run, boat: Boat, folder: str) -> None:
     driven = [
         name
         for name, values in run.columns.items()
-        if name.startswith(("throttle_", "propeller_")) and (np.abs(values) > RUNNING).any()
+        if name.startswith(("throttle_", "propeller_"))
+        and (np.abs(values) > options().running_throttle).any()
     ]
     unknown = [name for name in driven if name not in commanded]
     if unknown:
@@ -135,14 +130,14 @@ def refuse_unexciting(commands: list[Array], tracks: list[Array], dt: float, boa
     never moved. Of each run the commands (T, 2K) and the measured track (T, 3), samples dt [s] apart.
     """
     thrusters = commands[0].shape[1] // 2
-    if not any((np.abs(command[:, thrusters:]) > RUNNING).any() for command in commands):
+    if not any((np.abs(command[:, thrusters:]) > options().running_throttle).any() for command in commands):
         raise UserError(
             f"{folder}: no thruster ever runs; a drifting boat gives no information on thrust and steering: "
             "record runs under thrust, at two speeds and with turns to both sides"
         )
     reaches = [reach_of(track, dt) for track in tracks]
     travelled, turned = (max(reach[i] for reach in reaches) for i in (0, 1))
-    if travelled < STILL * boat.length and turned < UNTURNED:
+    if travelled < options().still_lengths * boat.length and turned < options().still_turn:
         raise UserError(
             f"{folder}: the boat moves {travelled:.2f} m and turns {np.degrees(turned):.0f} degrees at most; "
             "record runs ahead at two speeds and turns to both sides"
@@ -151,7 +146,7 @@ def refuse_unexciting(commands: list[Array], tracks: list[Array], dt: float, boa
 
 def reach_of(track: Array, dt: float) -> tuple[float, float]:
     """Range of position [m] and heading [rad] of a track (T, 3), by means over MEAN_OVER."""
-    rows = max(1, round(MEAN_OVER / dt))
+    rows = max(1, round(options().track_mean / dt))
     parts = [track[first : first + rows] for first in range(0, len(track), rows)]
     finite = [part[np.isfinite(part).all(axis=1)] for part in parts]
     means = [part.mean(axis=0) for part in finite if 2 * len(part) >= max(map(len, finite))]

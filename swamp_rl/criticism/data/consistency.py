@@ -6,15 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
+from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
 
-SPAN, LONG_SPAN, LONGEST_LAG = 0.5, 2.0, 2.0  # s
-ROUGH = 0.121  # lengths of scatter between samples from which positions are compared over LONG_SPAN
-POOR, GOOD = 0.3, 0.7  # shares explained as it stands, and otherwise, at which a column is refused
-OUT_OF_STEP = 0.3  # s
-MOVED = (0.5, 4.03)  # rad and lengths: range from which a constant sensor is refused
 NORTH, EAST, HEADING, SURGE, SWAY, YAW_RATE = range(6)
 
 
@@ -56,11 +52,11 @@ def refuse_dead(measured: list[Array], dt: float, length: float, folder: str) ->
     went = furthest([NORTH, EAST])
     if dead([NORTH, EAST]):
         raise UserError(f"{folder}: north and east are the same in every row; record where the boat is")
-    if dead([HEADING]) and swung > MOVED[0]:
+    if dead([HEADING]) and swung > options().moved_turn:
         raise UserError(f"{folder}: heading is the same in every row though yaw_rate is not 0; record it")
     for columns, stands, name in (
-        ([YAW_RATE], turned > MOVED[0], "yaw_rate is"),
-        ([SURGE, SWAY], went > MOVED[1] * length, "surge and sway are"),
+        ([YAW_RATE], turned > options().moved_turn, "yaw_rate is"),
+        ([SURGE, SWAY], went > options().moved_lengths * length, "surge and sway are"),
     ):
         if stands and dead(columns) and not any(run.any() for run in finite_rows(columns)):
             raise UserError(
@@ -83,7 +79,8 @@ def explained(truth: Array, prediction: Array) -> float:
 
 def _positions_and_velocities(measured: list[Array], dt: float, length: float, folder: str) -> None:
     scatter = np.nanmedian(np.abs(np.concatenate([np.diff(run[:, :2], 2, axis=0) for run in measured])))
-    reach = max(1, round((LONG_SPAN if scatter > ROUGH * length else SPAN) / dt))
+    rough = scatter > options().rough_positions * length
+    reach = max(1, round((options().slope_span_rough if rough else options().slope_span) / dt))
     long = [run for run in measured if len(run) > 4 * reach]
     if not long:
         return
@@ -95,7 +92,7 @@ def _positions_and_velocities(measured: list[Array], dt: float, length: float, f
         cos, sin = np.cos(angle), np.sin(angle)
         return np.stack([ahead * cos - starboard * sin, ahead * sin + starboard * cos], axis=1)
 
-    if explained(moved, over_ground(psi, u, v)) > POOR:
+    if explained(moved, over_ground(psi, u, v)) > options().reading_poor:
         return
     readings = {
         "north and east look swapped": over_ground(psi, u, v)[:, ::-1],
@@ -107,15 +104,15 @@ def _positions_and_velocities(measured: list[Array], dt: float, length: float, f
         "sway looks positive to port": over_ground(psi, u, -v),
     }
     best = max(readings, key=lambda reading: explained(moved, readings[reading]))
-    if explained(moved, readings[best]) > GOOD:
+    if explained(moved, readings[best]) > options().reading_good:
         raise UserError(
             f"{folder}: {best}: positions do not follow heading, surge and sway; correct the columns"
         )
 
 
 def _heading_and_yaw_rate(measured: list[Array], dt: float, folder: str) -> None:
-    reach = max(1, round(SPAN / dt))
-    lag = round(LONGEST_LAG / dt)
+    reach = max(1, round(options().slope_span / dt))
+    lag = round(options().longest_lag / dt)
     long = [run for run in measured if len(run) > 4 * (reach + lag)]
     if not long:
         return
@@ -123,15 +120,16 @@ def _heading_and_yaw_rate(measured: list[Array], dt: float, folder: str) -> None
     measured_rate = [run[reach:-reach, [YAW_RATE]] for run in long]
     every = np.concatenate(turned), np.concatenate(measured_rate)
     as_it_is = explained(*every)
-    if as_it_is < POOR:
-        readings = {"look like degrees a second": math.pi / 180.0, "look positive to port": -1.0}
+    if as_it_is < options().reading_poor:
+        readings = {"look like degrees a second": math.pi / 180, "look positive to port": -1.0}
         for reading, factor in readings.items():
-            if explained(every[0], factor * every[1]) > GOOD:
+            if explained(every[0], factor * every[1]) > options().reading_good:
                 raise UserError(f"{folder}: yaw_rate {reading}: the heading says so; correct the column")
-    shifts = [shift for shift in range(-lag, lag + 1) if abs(shift) * dt >= OUT_OF_STEP]
+    shifts = [shift for shift in range(-lag, lag + 1) if abs(shift) * dt >= options().out_of_step]
     shares = [explained(*_shifted(turned, measured_rate, shift)) for shift in shifts]
     best = int(np.argmax(shares))
-    if shares[best] > GOOD and 1.0 - shares[best] < 0.5 * (1.0 - as_it_is):
+    left = (1.0 - shares[best]) / max(1.0 - as_it_is, 1e-12)
+    if shares[best] > options().reading_good and left < options().lag_improvement:
         raise UserError(
             f"{folder}: yaw_rate is {abs(shifts[best]) * dt:.1f} s {'late' if shifts[best] > 0 else 'early'} "
             f"against heading; bring the columns ({', '.join(CHANNELS)}) to one clock"

@@ -3,20 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.data.checks import SHORTEST, STILL, UNTURNED, reach_of
+from swamp_rl.criticism.data.checks import reach_of
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.options import options
 from swamp_rl.simulator.reference import reference_of
 
 Array = NDArray[np.float64]
 
-SPAN = 2.0  # s of the differences that give speed and turning rate
-MOVING = 0.0722  # top speeds, least speed of a boat under way
-SPEEDS_APART = 1.4  # ratio of two speeds that count as different
-TURNING = 0.0447  # U/L
-SHARE = 0.05  # of the time, least duration of a motion
-RUNNING = 0.02  # of the largest command of any thruster
-TURNED = 0.1  # rad, least range of an azimuth or a rudder
-QUADRANTS = 4  # of the compass
 FULL_TURN = 2.0 * np.pi  # rad
 
 
@@ -27,7 +20,7 @@ def missing_motion(run_set: RunSet, held_out: bool = False) -> list[str]:
     """
     speed, turn, heading = (np.concatenate(parts) for parts in zip(*_read(run_set), strict=True))
     of = reference_of(run_set.boat)
-    moving, turning = speed > MOVING * of.speed, TURNING * of.rate
+    moving, turning = speed > options().least_way * of.speed, options().least_turning * of.rate
     lacks = []
     if not _often(moving):
         lacks.append("way through the water: the boat hardly moves; run ahead at two speeds")
@@ -44,12 +37,14 @@ def missing_motion(run_set: RunSet, held_out: bool = False) -> list[str]:
         lacks.append(f"turns to {' and to '.join(sides)}: sail circles or zig-zags")
     if np.ptp(turn) < turning and not sides:
         lacks.append("turns of another rate: sail circles of two sizes")
-    if not _full_circle(run_set) and len(_quadrants(heading[moving])) < QUADRANTS:
+    if not _full_circle(run_set) and len(_quadrants(heading[moving])) < options().quadrants:
         lacks.append("courses all round the compass, without which wind, current and a heading bias hide")
     lacks += _idle(run_set)
     lacks += _standing(run_set)
     if run_set.too_short:
-        lacks.append(f"length in {', '.join(run_set.too_short)}: shorter than {SHORTEST:g} s, left out")
+        lacks.append(
+            f"length in {', '.join(run_set.too_short)}: shorter than {options().shortest_run:g} s, left out"
+        )
     if len(run_set.lengths) == 1 and not held_out:
         lacks.append("a second run, to hold out: with one, nothing is held out")
     return lacks
@@ -59,7 +54,7 @@ def _read(run_set: RunSet) -> list[tuple[Array, Array, Array]]:
     """Speed over ground [m/s], turning rate [rad/s] and heading [rad] of each run, by differences over
     SPAN.
     """
-    reach = max(1, round(SPAN / run_set.dt))
+    reach = max(1, round(options().speed_span / run_set.dt))
     found = []
     for run, length in enumerate(run_set.lengths):
         track = run_set.measured[run, :length, :3]
@@ -72,22 +67,22 @@ def _read(run_set: RunSet) -> list[tuple[Array, Array, Array]]:
 
 
 def _often(flags: NDArray[np.bool_]) -> bool:
-    return bool(flags.mean() >= SHARE)
+    return bool(flags.mean() >= options().least_share)
 
 
 def _two_speeds(speed: Array) -> bool:
-    low, high = np.quantile(speed, [SHARE, 1.0 - SHARE])
-    return bool(high > SPEEDS_APART * low)
+    low, high = np.quantile(speed, [options().least_share, 1.0 - options().least_share])
+    return bool(high > options().speeds_apart * low)
 
 
 def _quadrants(heading: Array) -> set[int]:
-    places = np.floor(np.mod(heading, 2.0 * np.pi) / (2.0 * np.pi / QUADRANTS)).astype(int)
+    places = np.floor(np.mod(heading, 2.0 * np.pi) / (2.0 * np.pi / options().quadrants)).astype(int)
     return {int(place) for place in np.unique(places) if _often(places == place)}
 
 
 def _full_circle(run_set: RunSet) -> bool:
     """Whether the heading of one run covers a full turn under way."""
-    least = MOVING * reference_of(run_set.boat).speed
+    least = options().least_way * reference_of(run_set.boat).speed
     return any(
         bool(np.ptp(heading[speed > least]) >= FULL_TURN)
         for speed, _, heading in _read(run_set)
@@ -101,7 +96,8 @@ def _standing(run_set: RunSet) -> list[str]:
     still = [
         run_set.names[run]
         for run, length in enumerate(run_set.lengths)
-        if _often(levels[run, :length] > RUNNING * max(float(levels.max()), 1e-9)) and _is_still(run_set, run)
+        if _often(levels[run, :length] > options().running_command * max(float(levels.max()), 1e-9))
+        and _is_still(run_set, run)
     ]
     if not still:
         return []
@@ -113,7 +109,7 @@ def _standing(run_set: RunSet) -> list[str]:
 
 def _is_still(run_set: RunSet, run: int) -> bool:
     travelled, turned = reach_of(run_set.measured[run, : run_set.lengths[run], :3], run_set.dt)
-    return travelled < STILL * run_set.boat.length and turned < UNTURNED
+    return travelled < options().still_lengths * run_set.boat.length and turned < options().still_turn
 
 
 def _idle(run_set: RunSet) -> list[str]:
@@ -121,14 +117,19 @@ def _idle(run_set: RunSet) -> list[str]:
     names = run_set.boat.thruster_names
     commands = np.concatenate([run_set.commands[run, :length] for run, length in enumerate(run_set.lengths)])
     angles, levels = commands[:, : len(names)], np.abs(commands[:, len(names) :])
-    running = levels > RUNNING * max(float(levels.max()), 1e-9)
+    running = levels > options().running_command * max(float(levels.max()), 1e-9)
     stopped = [name for k, name in enumerate(names) if not _often(running[:, k])]
     works = [k for k, name in enumerate(names) if name not in stopped]
     fixed = [
-        names[k] for k in works if np.ptp(angles[:, k]) < TURNED and run_set.boat.thrusters[k].kind != "fixed"
+        names[k]
+        for k in works
+        if np.ptp(angles[:, k]) < options().least_steering and run_set.boat.thrusters[k].kind != "fixed"
     ]
+    ends = [options().least_share, 1 - options().least_share]
     steady = [
-        names[k] for k in works if np.ptp(np.quantile(levels[:, k], [SHARE, 1 - SHARE])) < 0.1 * levels.max()
+        names[k]
+        for k in works
+        if np.ptp(np.quantile(levels[:, k], ends)) < options().least_throttle_range * levels.max()
     ]
     lacks = []
     if stopped:

@@ -8,22 +8,19 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.model.scales import state_scale
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
-# least sigma of a channel, in `state_scale`: the error of the integration
-FLOOR = np.array([1.613e-3, 1.613e-3, 5e-4, 7.217e-4, 7.217e-4, 4.475e-4])
+NORMAL_OF_MAD = 1.4826  # standard deviation over median absolute value, of a normal distribution
 GAIN_OF_THIRD_DIFFERENCE = np.sqrt(20.0)  # of the standard deviation of white noise: 1 + 9 + 9 + 1
-CLIP = 4.0  # sigmas beyond which a third difference is excluded from the root mean square
-OUTLIER = 6.0  # sigmas from the median of its neighbours
-NEIGHBOURS = 7
 
 
 def noise_levels(run_set: RunSet) -> Array:
     """(6,) standard deviation of each channel's white noise, NaN for a channel that no run has.
 
     From third differences, in which the motion of a boat sampled at 10 Hz is negligible: a median (MAD)
-    first, then the root mean square of the differences within CLIP of it.
+    first, then the root mean square of the differences within `difference_clip` of it.
     """
     sigmas, least = np.full(len(CHANNELS), np.nan), noise_floor(run_set.boat)
     fresh = np.where(repeated_samples(run_set.measured), np.nan, run_set.measured)
@@ -32,8 +29,8 @@ def noise_levels(run_set: RunSet) -> Array:
         differences = differences[np.isfinite(differences)]
         if len(differences) == 0:
             continue
-        rough = 1.4826 * np.median(np.abs(differences))
-        near = differences[np.abs(differences) <= CLIP * max(rough, 1e-12)]
+        rough = NORMAL_OF_MAD * np.median(np.abs(differences))
+        near = differences[np.abs(differences) <= options().difference_clip * max(rough, 1e-12)]
         sigma = np.sqrt(np.mean(near**2)) / GAIN_OF_THIRD_DIFFERENCE if len(near) else 0.0
         sigmas[channel] = max(float(sigma), least[channel])
     return sigmas
@@ -41,12 +38,12 @@ def noise_levels(run_set: RunSet) -> Array:
 
 def noise_floor(boat: Boat) -> Array:
     """(6,) least standard deviation of each channel."""
-    return np.asarray(FLOOR * state_scale(boat))
+    return np.asarray(np.array(options().noise_floor) * state_scale(boat))
 
 
 def third_differences(values: Array) -> Array:
     """Of consecutive samples (T,); of the finite samples alone where a sensor is slower than the grid."""
-    if np.isfinite(values).mean() < 0.6:
+    if np.isfinite(values).mean() < options().slow_sensor:
         values = values[np.isfinite(values)]
     return np.diff(values, 3)
 
@@ -68,13 +65,13 @@ def repeated_samples(measured: Array) -> NDArray[np.bool_]:
 
 
 def outliers(measured: Array, sigmas: Array) -> NDArray[np.bool_]:
-    """(R, T, 6) samples more than OUTLIER sigmas from the median of NEIGHBOURS samples about them (Hampel
-    filter).
+    """(R, T, 6) samples more than `outlier` sigmas from the median of `outlier_neighbours` samples about
+    them (Hampel filter).
     """
-    half = NEIGHBOURS // 2
+    half = options().outlier_neighbours // 2
     padded = np.pad(measured, ((0, 0), (half, half), (0, 0)), constant_values=np.nan)
-    views = np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS, axis=1)
+    views = np.lib.stride_tricks.sliding_window_view(padded, options().outlier_neighbours, axis=1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of windows without any sample
         middle = np.nanmedian(views, axis=-1)
-    return np.abs(measured - middle) > OUTLIER * sigmas
+    return np.abs(measured - middle) > options().outlier * sigmas

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.checks import (
-    SHORTEST,
     dataset_name,
     refuse_disorder,
     refuse_mixed,
@@ -21,6 +20,7 @@ from swamp_rl.criticism.data.checks import (
     refuse_unexciting,
 )
 from swamp_rl.criticism.model.actuator_history import first_compared
+from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, inspect_dataset
 from swamp_rl.simulator.replay import fixed_thrusters, sample_step
@@ -30,7 +30,6 @@ Array = NDArray[np.float64]
 
 CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
 UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
-GRID_TOLERANCE = 0.3  # of a sample step, largest distance of a row from the grid
 
 
 @dataclass(frozen=True)
@@ -176,7 +175,7 @@ def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] 
     for run in every:
         refuse_disorder(run, folder)
     refuse_too_short(every, folder)
-    runs = [run for run in every if run.duration >= SHORTEST]
+    runs = [run for run in every if run.duration >= options().shortest_run]
     for run in runs:
         refuse_other_boat(run, boat, folder)
     dt = float(np.median([sample_step(run) for run in runs]))
@@ -195,7 +194,7 @@ def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] 
     lengths = np.array([len(track) for _, track, _ in placed])
     gaps = tuple(Gap(index, *lost) for index, (_, _, every) in enumerate(placed) for lost in every)
     names = tuple(run.name for run in runs)
-    short = tuple(run.name for run in every if run.duration < SHORTEST)
+    short = tuple(run.name for run in every if run.duration < options().shortest_run)
     days = tuple(run.meta.group or run.name for run in runs)
     run_set = RunSet(
         boat,
@@ -220,7 +219,7 @@ def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array
     place = (run.time - run.time[0]) / dt
     index = np.rint(place).astype(int)
     off = np.abs(place - index)
-    if off.max() > GRID_TOLERANCE or (np.diff(index) <= 0).any():
+    if off.max() > options().grid_tolerance or (np.diff(index) <= 0).any():
         row = int(off.argmax()) + 1
         raise UserError(
             f"{folder}: run {run.name}, row {row}: time {run.time[row - 1]:.3f} s does not fit the sample "

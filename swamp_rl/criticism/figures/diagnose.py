@@ -23,7 +23,6 @@ from swamp_rl.criticism.figures.result import (
 from swamp_rl.criticism.figures.schema import Figure, FiguresFile, group_faults, read_figures
 from swamp_rl.criticism.figures.select import (
     NOWHERE,
-    STRONG_EVIDENCE,
     Fitted,
     Problem,
     Stage,
@@ -34,12 +33,12 @@ from swamp_rl.criticism.figures.select import (
 )
 from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
 from swamp_rl.criticism.model.extended_boat import write_extended
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, Estimate, Verdict
 from swamp_rl.errors import UserError
 from swamp_rl.unfinished import folder_beside
 
 RESULT = "diagnosis.json"
-LISTED = 15
 NOTHING = Fitted(Hypothesis(), NOWHERE, np.zeros((0, 0)), 0.0, 0.0, np.zeros(0, bool))
 
 Groups = Sequence[Sequence[str]]
@@ -179,7 +178,7 @@ def _stage(study: Study, stage: Stage, judging: Sequence[str]) -> StageFound:
                 evidence=one.evidence - least,
                 held_out_chi2=held_out,
                 of_the_first=of_first,
-                told_apart=one.evidence - least + held_out - of_first >= STRONG_EVIDENCE,
+                told_apart=one.evidence - least + held_out - of_first >= options().strong_evidence,
             )
         )
     plain = [stage.plain[0], *rivals_of(stage.plain)]
@@ -200,7 +199,7 @@ def _stage(study: Study, stage: Stage, judging: Sequence[str]) -> StageFound:
                 chi2=one.chi2,
                 evidence=one.evidence - least,
             )
-            for one in stage.fits[:LISTED]
+            for one in stage.fits[: options().figures_listed]
         ],
         unseen=list(stage.unseen),
     )

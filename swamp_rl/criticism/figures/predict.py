@@ -12,10 +12,10 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.criticism.figures.manoeuvres import READERS, Loaded, Test
 from swamp_rl.criticism.figures.schema import Figure, FiguresFile, Load
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
 from swamp_rl.effects import EffectEntry, apply_effects
 
 Array = NDArray[np.float64]
-FAR = 1e4  # errors: misfit of a figure that a boat cannot give
 
 
 @dataclass(frozen=True)
@@ -76,10 +76,10 @@ def test_of(figure: Figure, at: Loaded, entries: tuple[EffectEntry, ...], record
 
 
 def misfits(figures: Sequence[Figure], values: Array) -> Array:
-    """(n,) values less what is printed, in errors; 0 within a limit, FAR where a value is not finite."""
+    """(n,) values less what is printed, in errors; 0 within a limit, `figure_far` where one is not finite."""
     printed, errors = np.array([(figure.value, figure.error) for figure in figures]).T
     off = (values - printed) / errors
     for limit, beyond in (("at_most", np.maximum), ("at_least", np.minimum)):
         limited = np.array([figure.limit == limit for figure in figures])
         off[limited] = beyond(off[limited], 0.0)
-    return np.clip(np.nan_to_num(off, nan=FAR), -FAR, FAR)
+    return np.clip(np.nan_to_num(off, nan=options().figure_far), -options().figure_far, options().figure_far)

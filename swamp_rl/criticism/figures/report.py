@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.figures.result import FiguresDiagnosis, GroupFound, StageFound
 from swamp_rl.criticism.figures.schema import FiguresFile
-from swamp_rl.criticism.report.page import STYLE, table
+from swamp_rl.criticism.report.page import document, table
 from swamp_rl.criticism.report.words import cause_rows, minus, readable, rounded
 from swamp_rl.criticism.result import Cause
 
@@ -34,9 +34,7 @@ def page(found: FiguresDiagnosis, file: FiguresFile, boat: Boat) -> str:
         _exchange(found, boat),
         _particulars(file),
     ]
-    head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
-    head += f"<title>{html.escape(title)}</title><style>{STYLE}</style>"
-    return f'<!doctype html><html lang="en"><head>{head}</head><body>{"".join(parts)}</body></html>\n'
+    return document(title, parts)
 
 
 def _numbers(causes: Sequence[Cause], boat: Boat) -> str:

@@ -13,17 +13,11 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.figures.predict import Fleet, misfits, predicted
 from swamp_rl.criticism.figures.schema import Figure, Particular
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
 STATED = ("mass",)  # given with every figure
-STRONG_EVIDENCE = 6.0  # of −2 log marginal likelihood (Kass and Raftery 1995)
-LEVEL = 0.95  # of chi2, below which a model is adequate
-MIN_CHANGE = 0.01  # errors by which a candidate must change some figure to be identifiable
-STARTS = 2
-KEPT = 4  # sets that are extended by a further effect
-MOST_ADDED = 3  # effects in a stage
-EVALUATIONS = 30
 NOWHERE = np.zeros(0)
 
 Priors = Mapping[tuple[str, str], Particular]
@@ -142,8 +136,8 @@ class Problem:
                 x,
                 bounds=(low, high),
                 x_scale=scale,
-                diff_step=1e-4,
-                max_nfev=EVALUATIONS,
+                diff_step=options().figure_step,
+                max_nfev=options().figure_evaluations,
             )
             if best is None or found.cost < best.cost:
                 best = found
@@ -156,7 +150,7 @@ class Problem:
             np.linalg.pinv(information),
             chi2,
             2.0 * float(best.cost) + laplace_term(information, deviation, high - low) + charge,
-            (best.x - low < 10.0 * inside) | (high - best.x < 10.0 * inside),
+            (best.x - low < 10 * inside) | (high - best.x < 10 * inside),
         )
 
 
@@ -210,7 +204,7 @@ def identifiable_in(
                 own = start + step * np.array([spec.scale for spec in instance.specs])
                 x = placed(together, base, {instance.label: own})
                 moved = max(moved, float(np.abs(problem.misfits(together, x) - plain).max()))
-        if moved > MIN_CHANGE:
+        if moved > options().least_change:
             seen.append(instance)
         else:
             unseen.append(instance.label)
@@ -219,10 +213,10 @@ def identifiable_in(
 
 def fits_by_evidence(problem: Problem, before: Fitted, instances: Sequence[EffectInstance]) -> list[Fitted]:
     """`before` and its extensions by one of the instances, the most likely first; further instances beside
-    the KEPT most likely sets, up to MOST_ADDED, until one is adequate.
+    the `figure_sets` most likely sets, up to `figure_effects`, until one is adequate.
     """
     fits, sets = [before], [before]
-    for size in range(1, MOST_ADDED + 1):
+    for size in range(1, options().figure_effects + 1):
         larger: dict[Hypothesis, Fitted] = {}
         for one in sets:
             for instance in instances:
@@ -232,7 +226,7 @@ def fits_by_evidence(problem: Problem, before: Fitted, instances: Sequence[Effec
         fits += larger.values()
         if any(one.chi2 <= enough(problem, one) for one in fits):
             break
-        sets = sorted(larger.values(), key=lambda one: one.evidence)[:KEPT]
+        sets = sorted(larger.values(), key=lambda one: one.evidence)[: options().figure_sets]
     return sorted(fits, key=lambda one: one.evidence)
 
 
@@ -241,7 +235,7 @@ def added(problem: Problem, before: Fitted, instance: EffectInstance, size: int,
     (extended BIC).
     """
     hypothesis = before.hypothesis.with_instance(instance)
-    starts = starts_of(instance)[: STARTS if size == 1 else 1]
+    starts = starts_of(instance)[: options().figure_starts if size == 1 else 1]
     charge = 2.0 * math.log(math.comb(count, size))
     return problem.fit(
         hypothesis, [placed(hypothesis, before, {instance.label: own}) for own in starts], charge
@@ -260,19 +254,20 @@ def placed(hypothesis: Hypothesis, before: Fitted, own: Mapping[str, Array]) -> 
 
 
 def enough(problem: Problem, one: Fitted) -> float:
-    """Quantile LEVEL of chi2 with the degrees of freedom that this fit leaves."""
+    """Quantile `figures_level` of chi2 with the degrees of freedom that this fit leaves."""
     from scipy.stats import chi2
 
     free = int(np.isinf(problem.prior(one.hypothesis)[1]).sum())
-    return float(chi2.ppf(LEVEL, max(len(problem.figures) - free, 1)))
+    return float(chi2.ppf(options().figures_level, max(len(problem.figures) - free, 1)))
 
 
 def rivals_of(fits: Sequence[Fitted]) -> list[Fitted]:
-    """Fits within STRONG_EVIDENCE of the first, except extensions of it."""
+    """Fits within `strong_evidence` of the first, except extensions of it."""
     first = fits[0]
     mine = set(first.hypothesis.instances)
     return [
         one
         for one in fits[1:]
-        if one.evidence - first.evidence < STRONG_EVIDENCE and not mine < set(one.hypothesis.instances)
+        if one.evidence - first.evidence < options().strong_evidence
+        and not mine < set(one.hypothesis.instances)
     ]

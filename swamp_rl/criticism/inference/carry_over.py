@@ -5,10 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from swamp_rl.criticism.inference.cause_share import HORIZONS, Witness, cause_shares
+from swamp_rl.criticism.inference.cause_share import Witness, cause_shares
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES, change
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Share
 from swamp_rl.criticism.selection.backward_elimination import without
 from swamp_rl.criticism.selection.continuation import Continuation
@@ -55,7 +56,7 @@ def is_worse(
     """Whether a position error at any horizon is larger than the boat file's beyond chance."""
     nothing = continuation.fit(stage, Hypothesis(), np.zeros(0))
     for one in on:
-        for horizon in HORIZONS:
+        for horizon in options().judged_horizons:
             before, _ = one.errors(continuation, stage, nothing, horizon)
             after, block = one.errors(continuation, stage, written, horizon)
             paired = change(before[:, POSITIONS], after[:, POSITIONS], block, rng)

@@ -11,16 +11,15 @@ from swamp_rl.criticism.likelihood.cross_validation import judged_numbers
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES, blocks_of, change, errors_at
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
-from swamp_rl.criticism.result import Judged, Share
+from swamp_rl.criticism.options import options
+from swamp_rl.criticism.result import Judged, Share, Wind
 from swamp_rl.criticism.selection.backward_elimination import without
 from swamp_rl.criticism.selection.continuation import Continuation
 
 Array = NDArray[np.float64]
 Predicted = tuple[Array, NDArray[np.int64]]  # errors (n, 6) and the block of each (n,)
 
-HORIZONS = (10.0, 30.0)  # s
 JUDGED: tuple[Judged, ...] = ("position_rmse_m", "heading_rmse_rad")
-MINOR = 0.02  # of the error without the cause, below which it is minor if it is below the sensor's noise too
 
 
 @dataclass(frozen=True)
@@ -34,6 +33,11 @@ class Witness:
     weight: Array
     others: bool
     measured_wind: bool = False
+
+    @property
+    def wind(self) -> Wind:
+        """The wind that its predictions are made in."""
+        return "measured" if self.measured_wind else "fitted"
 
     def judges(self, instance: EffectInstance) -> bool:
         """Whether an effect instance is one that predictions here depend on: not what other runs had of their
@@ -63,7 +67,7 @@ def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
     blown = on.run_set.in_ignored_wind
     if blown is None:
         return [on]
-    horizon, none = HORIZONS[-1], np.zeros((len(blown.lengths), 0))
+    horizon, none = options().judged_horizons[-1], np.zeros((len(blown.lengths), 0))
     calm, windy = (errors_at(one, on.weight, horizon, Hypothesis(), none) for one in (on.run_set, blown))
     positions = QUANTITIES[JUDGED[0]]
     paired = change(calm.error[:, positions], windy.error[:, positions], blocks_of(calm, horizon)[0], rng)
@@ -82,7 +86,7 @@ def cause_shares(
     whole = {
         (i, horizon): one.errors(continuation, stage, of, horizon)
         for i, one in enumerate(on)
-        for horizon in HORIZONS
+        for horizon in options().judged_horizons
     }
     for instance in of.hypothesis.instances:
         less = without(continuation, of, instance.label, stage)
@@ -90,17 +94,22 @@ def cause_shares(
             share
             for (i, horizon), after in whole.items()
             if on[i].judges(instance)
-            for share in _compared(
-                on[i].errors(continuation, stage, less, horizon), after, horizon, on[i], rng
+            for share in shares_of(
+                on[i].errors(continuation, stage, less, horizon)[0], *after, horizon, rng, on[i].wind
             )
         ]
     return shares
 
 
-def _compared(
-    before: Predicted, after: Predicted, horizon: float, on: Witness, rng: np.random.Generator
+def shares_of(
+    before: Array,
+    after: Array,
+    block: NDArray[np.int64],
+    horizon: float,
+    rng: np.random.Generator,
+    wind: Wind = "fitted",
 ) -> list[Share]:
-    """The shares of one cause at one horizon, from the errors without it and with it."""
+    """The shares of one cause at one horizon, from errors (n, 6) without it and with it in blocks (n,)."""
     return [
         Share(
             horizon_s=horizon,
@@ -108,20 +117,15 @@ def _compared(
             without=paired.before,
             with_cause=paired.after,
             ci95=paired.ci95,
-            wind="measured" if on.measured_wind else "fitted",
+            wind=wind,
         )
         for name in JUDGED
-        if (paired := change(*_columns(name, before[0], after[0]), after[1], rng))
+        if (paired := change(before[:, QUANTITIES[name]], after[:, QUANTITIES[name]], block, rng))
     ]
 
 
-def _columns(name: str, before: Array, after: Array) -> tuple[Array, Array]:
-    columns = QUANTITIES[name]
-    return before[:, columns], after[:, columns]
-
-
 def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
-    """Whether a cause changes every error by less than MINOR of it and by less than the sensor's noise.
+    """Whether a cause changes every error by less than `minor` of it and by less than the sensor's noise.
 
     noise: standard deviation by channel (SI, rad). False where no error could be measured.
     """
@@ -130,5 +134,6 @@ def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
         "heading_rmse_rad": noise.get("heading", 0.0),
     }
     return bool(shares) and all(
-        abs(one.without - one.with_cause) < min(MINOR * one.without, sizes[one.quantity]) for one in shares
+        abs(one.without - one.with_cause) < min(options().minor * one.without, sizes[one.quantity])
+        for one in shares
     )

@@ -18,15 +18,13 @@ def correlation(problem: Shooting, at: Fit, causes: Sequence[Cause]) -> list[lis
     """
     covariance = sandwich_covariance(problem, at)
     slopes: dict[tuple[str, str], np.ndarray] = {}
-    start = 0
     for instance, own in at.hypothesis.parts(at.x):
         mean = instance.by_group(own).mean(axis=0)
         selector = entries_of(instance.of_one, mean)[0].thruster
         for name, slope in slopes_of(instance.of_one, mean).items():
             row = np.zeros(at.hypothesis.size)
-            row[start : start + instance.size] = np.tile(slope, instance.count) / instance.count
+            row[at.hypothesis.columns(instance.label)] = np.tile(slope, instance.count) / instance.count
             slopes[f"{instance.effect.name} {_listed(selector)}", name] = row
-        start += instance.size
     rows = [slopes[f"{cause.effect} {cause.thruster}", name] for cause in causes for name in cause.parameters]
     if not rows:
         return []

@@ -11,23 +11,20 @@ from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.model.candidates import EffectInstance, entries_of
 from swamp_rl.criticism.nuisance.random_effect import random_effect
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, Estimate, Limit, Spread
 
 Array = NDArray[np.float64]
-
-AT_BOUND = 1e-3  # of a parameter's typical size: its distance from a bound that it is at
 
 
 def causes_of(problem: Shooting, at: Fit) -> list[Cause]:
     """Every named effect of a fit as a cause."""
     covariance = sandwich_covariance(problem, at)
     causes = []
-    start = 0
     for instance, own in at.hypothesis.parts(at.x):
-        block = covariance[start : start + instance.size, start : start + instance.size]
+        mine = at.hypothesis.columns(instance.label)
         if not instance.curve:
-            causes.append(_cause(instance, own, block, problem.run_set))
-        start += instance.size
+            causes.append(_cause(instance, own, covariance[np.ix_(mine, mine)], problem.run_set))
     return causes
 
 
@@ -94,7 +91,7 @@ def _estimates(instance: EffectInstance, x: Array, covariance: Array) -> dict[st
 
 def sides_of(instance: EffectInstance, x: Array) -> Array:
     """(p,) -1 for each parameter at its lower bound, 1 at its upper one, 0 in between."""
-    room = AT_BOUND * np.array([spec.scale for spec in instance.specs])
+    room = options().at_bound * np.array([spec.scale for spec in instance.specs])
     low, high = np.array([s.low for s in instance.specs]), np.array([s.high for s in instance.specs])
     return np.asarray((x >= high - room).astype(float) - (x <= low + room))
 

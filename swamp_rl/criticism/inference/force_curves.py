@@ -10,6 +10,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.model.candidates import EffectInstance, Spec
 from swamp_rl.criticism.model.scales import force_scale
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import CurvePoint, ResidualForce
 from swamp_rl.effects import LIBRARY
 from swamp_rl.effects.curve import ANGLES, Curve, formulas_of
@@ -19,14 +20,7 @@ Array = NDArray[np.float64]
 
 THRUST = "thrust of "
 PLACE = (("north", "position north"), ("east", "position east"))
-TAILS = 0.001  # of a noisy channel's samples to each side, which may be outliers
-WIDER = 0.25  # of the last interval, by which knots reach beyond those of an unmeasured variable
-LEAST_SHARE = 0.01  # of the samples about an angle's knot, below which its value is zero
-SCALE = 0.1  # of the boat's thrust: a typical force, and the standard deviation of the values' prior
-BOUND = 1e3  # typical sizes
 POWER = {"proportional": 1, "dead_zone": 1, "square": 2, "cube": 3}
-GRID = 25  # thresholds that a formula's fit may start from
-JUMP = 0.02  # of the range: finite difference of a threshold at which the force jumps
 
 
 @dataclass(frozen=True)
@@ -55,7 +49,9 @@ def curve_instances(run_set: RunSet, leftover: Sequence[ResidualForce]) -> list[
 
 def _zero(run_set: RunSet, force: str, variable: str) -> ResidualForce:
     """A function that is zero over the data's range."""
-    ends = np.quantile(variable_values(run_set, variable), [TAILS, 1.0 - TAILS])
+    ends = np.quantile(
+        variable_values(run_set, variable), [options().curve_tails, 1.0 - options().curve_tails]
+    )
     curve = [CurvePoint(at=float(end), force=0.0, standard_error=0.0) for end in ends]
     return ResidualForce(force=force, variable=variable, explained=0.0, curve=curve)
 
@@ -67,10 +63,10 @@ def _by_knots(run_set: RunSet, one: ResidualForce) -> tuple[EffectInstance, Arra
     if covariate in ANGLES and _goes_round(one.curve):
         return _round_an_angle(run_set.boat, one, values)
     at = np.array([point.at for point in one.curve])
-    at[0] -= WIDER * (at[1] - at[0])
-    at[-1] += WIDER * (at[-1] - at[-2])
+    at[0] -= options().curve_wider * (at[1] - at[0])
+    at[-1] += options().curve_wider * (at[-1] - at[-2])
     if len(values):
-        tail = 0.0 if covariate in ("throttle", "azimuth", "time") else TAILS
+        tail = 0.0 if covariate in ("throttle", "azimuth", "time") else options().curve_tails
         ends = np.quantile(values, [tail, 1.0 - tail])
         margin = 1e-6 * float(np.ptp(ends))
         at[0], at[-1] = min(ends[0] - margin, at[1] - margin), max(ends[1] + margin, at[-2] + margin)
@@ -99,7 +95,7 @@ def _round_an_angle(boat: Boat, one: ResidualForce, values: Array) -> tuple[Effe
         np.arange(count + 1) - count // 2
     ) % count  # from half a turn to port to half a turn to starboard
     near = np.round(values / apart).astype(int) % count
-    known = np.array([(near == number).mean() >= LEAST_SHARE for number in range(count)])
+    known = np.array([(near == number).mean() >= options().knot_share for number in range(count)])
     place = np.where(known, np.cumsum(known) - 1, -1)
     knots = apart * (np.arange(count + 1) - count // 2)
     knots[0], knots[-1] = -np.pi - 1e-9, np.pi + 1e-9
@@ -110,7 +106,9 @@ def _round_an_angle(boat: Boat, one: ResidualForce, values: Array) -> tuple[Effe
 def _goes_round(points: Sequence[CurvePoint]) -> bool:
     """Whether knots are evenly spaced over a full turn."""
     at = np.array([point.at for point in points])
-    return bool(np.allclose(np.diff(np.unique(np.round(at, 6))), 2.0 * np.pi / len(at), atol=1e-3))
+    return bool(
+        np.allclose(np.diff(np.unique(np.round(at, 6))), 2.0 * np.pi / len(at), atol=options().round_angle)
+    )
 
 
 def _names(boat: Boat, one: ResidualForce) -> tuple[str, str, str | None]:
@@ -154,20 +152,20 @@ def _half_turns(angles: Array) -> Array:
 
 
 def _instance(boat: Boat, curve: Curve, thruster: str | None) -> EffectInstance:
-    """A curve as an effect instance, its values within BOUND typical sizes."""
-    size = SCALE * float(force_scale(boat)[2 if curve.component == "yaw" else 0])
+    """A curve as an effect instance, its values within `curve_bound` typical sizes."""
+    size = options().curve_scale * float(force_scale(boat)[2 if curve.component == "yaw" else 0])
     reach = max(abs(curve.knots[0]), abs(curve.knots[-1]))
     scales = [size] * curve.size
-    limits = [(-BOUND * size, BOUND * size)] * curve.size
+    limits = [(-options().curve_bound * size, options().curve_bound * size)] * curve.size
     differences = [1e-6 * size] * curve.size
     if curve.formula:
         scales[0] = size / reach ** POWER.get(curve.formula, 0)
-        limits[0] = (-BOUND * scales[0], BOUND * scales[0])
+        limits[0] = (-options().curve_bound * scales[0], options().curve_bound * scales[0])
         differences[0] = 1e-6 * scales[0]
     if curve.formula and curve.size > 1:
-        scales[1] = 0.1 * reach
+        scales[1] = options().threshold_scale * reach
         limits[1] = (-2.0 * np.pi, 2.0 * np.pi) if curve.formula == "sine" else (0.0, reach)
-        differences[1] = (JUMP if curve.formula == "outside_radius" else 1e-6) * reach
+        differences[1] = (options().jump_step if curve.formula == "outside_radius" else 1e-6) * reach
     specs = tuple(
         Spec(scale, low, high, (), step, None if curve.formula else size, 0.0)
         for scale, (low, high), step in zip(scales, limits, differences, strict=True)
@@ -208,7 +206,7 @@ def nearest_coefficients(name: str, at: Array, force: Array, weight: Array) -> A
         shapes = [(None, np.sign(at) * size ** POWER[name])]
     else:
         shapes = []
-        for threshold in np.linspace(0.0, 0.95 * reach, GRID):
+        for threshold in np.linspace(0.0, options().formula_reach * reach, options().formula_grid):
             beyond = np.maximum(size - threshold, 0.0) if name == "dead_zone" else size > threshold
             shapes.append((threshold, np.sign(at) * beyond))
     best, least = np.zeros(1), np.inf

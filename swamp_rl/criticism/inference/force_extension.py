@@ -15,26 +15,23 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.inference.cause_share import HORIZONS, JUDGED, Witness
+from swamp_rl.criticism.inference.cause_share import Witness, shares_of
 from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.inference.force_curves import Function, curve_instances, formula_instances
 from swamp_rl.criticism.likelihood.cross_validation import (
     Confirmation,
     confirmed_at,
     judged_numbers,
+    numbers_without,
+    saturated,
 )
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, fit, inverse
-from swamp_rl.criticism.likelihood.prediction_error import (
-    QUANTITIES,
-    Errors,
-    blocks_of,
-    change,
-    errors_at,
-)
+from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.likelihood.prediction_error import Errors, blocks_of, errors_at
 from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.likelihood.state_fit import fit_states
-from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.candidates import Hypothesis, joined
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Extension, ForceCurve, HeldOut, ResidualForce, Share
 from swamp_rl.criticism.selection.information_criterion import information_criterion
@@ -43,10 +40,6 @@ from swamp_rl.effects.curve import Curve
 from swamp_rl.effects.entries import entry_mapping
 
 Array = NDArray[np.float64]
-
-SECONDS = 10.0  # of a window, as in the regression of the residual force
-ROUNDS, STEPS = 12, 6  # iterations of the initial states; Jacobians of a fit
-MOST = 2  # functions together; one of both position coordinates counts as one
 
 
 @dataclass(frozen=True)
@@ -61,8 +54,7 @@ class ForceExtension:
     @property
     def others(self) -> tuple[Hypothesis, Array]:
         """What was fitted beside the force, and its parameters."""
-        kept = [(instance, x) for instance, x in self.fit.hypothesis.parts(self.fit.x) if not instance.curve]
-        return Hypothesis(tuple(one for one, _ in kept)), np.concatenate([np.zeros(0), *(x for _, x in kept)])
+        return joined((one, x) for one, x in self.fit.hypothesis.parts(self.fit.x) if not one.curve)
 
     @property
     def entries(self) -> list[dict[str, Any]]:
@@ -87,13 +79,13 @@ def extend_by_force(
     leftover: the functions, and what they were estimated beside. weight: (R, T, 6). judged: runs that the
     prediction error is of.
     """
-    problem = Shooting(run_set, weight, SECONDS)
+    problem = Shooting(run_set, weight, options().extension_window)
     named = base.hypothesis if leftover and leftover[0].beside else Hypothesis()
     less = _fitted(problem, named, base.x[: named.size])
     at, waiting = less, curve_instances(run_set, leftover) if leftover else []
     comparisons = max(1, len(waiting))
     before = held_out_losses(problem, at)
-    for _ in range(min(MOST, len(waiting))):
+    for _ in range(min(options().most_functions, len(waiting))):
         fits = [_with(problem, at, one) for one in waiting]
         losses = [held_out_losses(problem, one) for one in fits]
         best = min(range(len(fits)), key=lambda k: float(losses[k].sum()))
@@ -120,33 +112,21 @@ def is_better(shares: Sequence[Share]) -> bool:
     )
 
 
-def numbers_of_folds(problem: Shooting, at: Fit, fold: NDArray[np.int64]) -> Array:
-    """(2 R, p) parameters fitted to all windows but each fold's, by one Newton step; fold: see `halves`."""
-    mean, precision = at.hypothesis.prior()
-    low, high = at.hypothesis.bounds()
-    numbers = np.empty((2 * len(problem.run_set.lengths), at.hypothesis.size))
-    for number in range(len(numbers)):
-        others = fold != number
-        H = at.normal.information[others].sum(axis=0) + np.diag(precision)
-        g = at.normal.gradient[others].sum(axis=0) - precision * (at.x - mean)
-        numbers[number] = np.clip(at.x + inverse(H) @ g, low, high)
-    return numbers
-
-
 def held_out_losses(problem: Shooting, at: Fit) -> Array:
     """(W,) saturated chi2 of each window, n ln(1 + chi2 / n), under the parameters fitted to all but the half
     of its run that it is in; only the initial state is refitted.
     """
     loss, fold = at.loss.copy(), halves(problem)
     if at.hypothesis.size:
-        for number, x in enumerate(numbers_of_folds(problem, at, fold)):
+        for number, x in enumerate(numbers_without(at, fold, 2 * len(problem.run_set.lengths))):
             mine = fold == number
             if not mine.any():
                 continue
-            residual = fit_states(problem.part(mine), at.hypothesis, x, at.states[mine], ROUNDS)[2]
+            residual = fit_states(
+                problem.part(mine), at.hypothesis, x, at.states[mine], options().extension_rounds
+            )[2]
             loss[mine] = (residual**2).sum(axis=1)
-    seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)) / problem.correlation_samples, 1.0)
-    return np.asarray(seen * np.log1p(np.maximum(loss, 0.0) / seen))
+    return saturated(problem, loss)
 
 
 def halves(problem: Shooting) -> NDArray[np.int64]:
@@ -160,16 +140,14 @@ def halves(problem: Shooting) -> NDArray[np.int64]:
 
 def _fitted(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array | None = None) -> Fit:
     start = problem.initial_states() if states is None else states
-    states, _, _ = fit_states(problem, hypothesis, x, start, ROUNDS)
-    return fit(problem, hypothesis, x, states, STEPS, fresh=True)
+    states, _, _ = fit_states(problem, hypothesis, x, start, options().extension_rounds)
+    return fit(problem, hypothesis, x, states, options().extension_steps, fresh=True)
 
 
 def _with(problem: Shooting, at: Fit, function: Function) -> Fit:
     """The fit of one more function."""
-    parts = [*at.hypothesis.parts(at.x), *zip(function.instances, function.starts, strict=True)]
-    parts.sort(key=lambda one: one[0].label)
-    hypothesis = Hypothesis(tuple(instance for instance, _ in parts))
-    return _fitted(problem, hypothesis, np.concatenate([x for _, x in parts]), at.states)
+    more = zip(function.instances, function.starts, strict=True)
+    return _fitted(problem, *joined([*at.hypothesis.parts(at.x), *more]), at.states)
 
 
 def _with_formulas(problem: Shooting, at: Fit, boat: Boat) -> Fit:
@@ -182,26 +160,14 @@ def _with_formulas(problem: Shooting, at: Fit, boat: Boat) -> Fit:
     criterion = information_criterion(problem.run_set, float(problem.samples))
     for instance in [one for one in at.hypothesis.instances if one.curve]:
         parts = at.hypothesis.parts(at.x)
-        own = next(x for one, x in parts if one.label == instance.label)
-        block = _block(at, instance.label)
-        error = np.sqrt(np.maximum(np.diag(sandwich_covariance(problem, at))[block], 1e-30))
+        own = at.hypothesis.columns(instance.label)
+        error = np.sqrt(np.maximum(np.diag(sandwich_covariance(problem, at))[own], 1e-30))
         tried = [at]
-        for formula, start in formula_instances(boat, instance, own, error):
+        for formula, start in formula_instances(boat, instance, at.x[own], error):
             swapped = [(formula, start) if one.label == instance.label else (one, x) for one, x in parts]
-            hypothesis = Hypothesis(tuple(one for one, _ in swapped))
-            tried.append(_fitted(problem, hypothesis, np.concatenate([x for _, x in swapped]), at.states))
+            tried.append(_fitted(problem, *joined(swapped), at.states))
         at = min(tried, key=lambda one: one.chi2 / excess + criterion.charge(one.hypothesis))
     return at
-
-
-def _block(at: Fit, label: str) -> slice:
-    """Columns of one effect instance."""
-    start = 0
-    for instance in at.hypothesis.instances:
-        if instance.label == label:
-            return slice(start, start + instance.size)
-        start += instance.size
-    raise KeyError(label)
 
 
 def prediction_shares(
@@ -213,14 +179,10 @@ def prediction_shares(
 ) -> list[Share]:
     """Prediction errors without the force and with it, on other runs or on held-out halves of the same."""
     shares = []
-    for horizon in HORIZONS:
+    for horizon in options().judged_horizons:
         before, after = (_errors(problem, one, judged, horizon) for one in (less, whole))
         block, _ = blocks_of(before, horizon)
-        for name in JUDGED:
-            columns = QUANTITIES[name]
-            if paired := change(before.error[:, columns], after.error[:, columns], block, rng):
-                told = {"without": paired.before, "with_cause": paired.after, "ci95": paired.ci95}
-                shares.append(Share(horizon_s=horizon, quantity=name, **told))  # type: ignore[arg-type]
+        shares += shares_of(before.error, after.error, block, horizon, rng)
     return shares
 
 
@@ -231,7 +193,7 @@ def _errors(problem: Shooting, at: Fit, judged: Witness, horizon: float) -> Erro
     if judged.others:
         return errors_at(run_set, weight, horizon, *judged_numbers(problem, at, runs, judged.others))
     fold = halves(problem)
-    numbers = numbers_of_folds(problem, at, fold)
+    numbers = numbers_without(at, fold, 2 * runs)
     found = []
     for half in range(2):
         low, high = np.full(runs, np.inf), np.full(runs, -np.inf)
@@ -278,7 +240,7 @@ def _curves(problem: Shooting, at: Fit) -> list[tuple[Curve, str | None, dict[st
     for instance, x in at.hypothesis.parts(at.x):
         if instance.curve:
             names = instance.curve.value_names
-            doubt = dict(zip(names, error[_block(at, instance.label)], strict=True))
+            doubt = dict(zip(names, error[at.hypothesis.columns(instance.label)], strict=True))
             curve = replace(instance.curve, standard_errors=tuple(instance.curve.listed(doubt)))
             values = {name: float(value) for name, value in zip(names, x, strict=True)}
             found.append((curve, instance.selectors[0] if instance.selectors else None, values))

@@ -25,22 +25,13 @@ from swamp_rl.criticism.model.actuator_history import actuator_history
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import force_scale
 from swamp_rl.criticism.nuisance.process_noise import random_forces
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import CurvePoint, ResidualForce
 from swamp_rl.criticism.selection.information_criterion import information_criterion
 from swamp_rl.criticism.selection.model_selection import OTHERS
 
 Array = NDArray[np.float64]
 
-# s of a window and of the coarse intervals of constant force; number of fine intervals in a coarse one
-SPANS, SPANS_WITHOUT_VELOCITY = (10.0, 2.5, 4), (10.0, 5.0, 5)
-MOST_WINDOWS = 240  # evaluated; of more, evenly spaced ones
-KNOTS, KNOTS_OF_ANGLE = 6, 8  # of a function of a variable, and of an angle
-PRIOR_DEVIATIONS = (0.0205, 0.102, 0.512)  # thrusts, of the weights; the best is taken
-FOLDS = 8  # most folds
-CORRELATION_TIME = 4.0  # s of the process noise
-MIN_GAIN = 15.0  # chi2 on held-out folds that a further pair must save
-TIE = 0.7  # share of the first one's gain from which another is listed with it
-LISTED = 4
 THRUST, EARTH, PLACE = "thrust of ", "north and east", "position"
 AXES_OF = {"surge": (0,), "sway": (1,), "yaw": (2,), "north": (0, 1), "east": (0, 1), EARTH: (0, 1)}
 
@@ -93,11 +84,15 @@ class MarginalLikelihood:
 
 def force_likelihood(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: Array) -> ForceLikelihood:
     """Of the windows of runs, under a hypothesis with parameters x (p,); weight: (R, T, 6)."""
-    seconds, piece, finer = SPANS if "surge" in run_set.present else SPANS_WITHOUT_VELOCITY
+    seconds, piece, finer = (
+        options().regression_spans if "surge" in run_set.present else options().regression_spans_poses
+    )
     problem = Shooting(run_set, weight, seconds, before=run_set.dt)
-    if problem.windows.count > MOST_WINDOWS:
+    if problem.windows.count > options().regression_windows:
         chosen = np.zeros(problem.windows.count, dtype=bool)
-        chosen[np.linspace(0, problem.windows.count - 1, MOST_WINDOWS).round().astype(int)] = True
+        chosen[
+            np.linspace(0, problem.windows.count - 1, options().regression_windows).round().astype(int)
+        ] = True
         problem = problem.part(chosen)
     coarse = force_grid(problem, piece)
     block = -(-coarse.block // finer)
@@ -119,7 +114,7 @@ def force_likelihood(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: 
         float(normal.profile_chi2.sum() + (f * (2.0 * normal.gradient + bent)).sum()),
         normal.information,
         normal.gradient + bent,
-        (_folds(win.run, win.first), np.arange(win.count) % FOLDS),
+        (_folds(win.run, win.first), np.arange(win.count) % options().folds),
         block,
         run_set.dt,
         rows,
@@ -132,8 +127,8 @@ def _folds(run: NDArray[np.int64], first: NDArray[np.int64]) -> NDArray[np.int64
     """(W,) whole runs where there are several, else stretches of the one."""
     every = np.unique(run)
     if len(every) > 1:
-        return np.searchsorted(every, run) % FOLDS
-    return np.argsort(np.argsort(first)) * min(FOLDS, len(first)) // len(first)
+        return np.searchsorted(every, run) % options().folds
+    return np.argsort(np.argsort(first)) * min(options().folds, len(first)) // len(first)
 
 
 def _variables_and_directions(
@@ -175,18 +170,23 @@ def is_angle(name: str, values: Array) -> bool:
 def knots_of(name: str, values: Array) -> Array:
     """(K,) knots of a function of a variable: at quantiles, or evenly round an angle."""
     if is_angle(name, values):
-        return wrap(2.0 * np.pi / KNOTS_OF_ANGLE * np.arange(KNOTS_OF_ANGLE, dtype=np.float64))
-    low, high = np.quantile(values, [0.02, 0.98])
-    knots = np.unique(np.concatenate([np.quantile(values, np.linspace(0.02, 0.98, KNOTS)), [low, high]]))
-    return np.asarray(knots[np.concatenate([[True], np.diff(knots) > 1e-3 * max(high - low, 1e-9)])])
+        return wrap(
+            2.0 * np.pi / options().knots_of_angle * np.arange(options().knots_of_angle, dtype=np.float64)
+        )
+    tail = options().knot_tail
+    low, high = np.quantile(values, [tail, 1.0 - tail])
+    inner = np.quantile(values, np.linspace(tail, 1.0 - tail, options().knots))
+    knots = np.unique(np.concatenate([inner, [low, high]]))
+    least = options().knots_apart * max(high - low, 1e-9)
+    return np.asarray(knots[np.concatenate([[True], np.diff(knots) > least])])
 
 
 def functions(name: str, values: Array) -> Array:
     """(..., K) hat functions of a variable, one at each of its knots; their sum is one."""
     knots = knots_of(name, values)
     if is_angle(name, values):
-        turn = KNOTS_OF_ANGLE * (values[..., None] - knots) / (2.0 * np.pi)
-        away = np.abs(turn - KNOTS_OF_ANGLE * np.round(turn / KNOTS_OF_ANGLE))
+        turn = options().knots_of_angle * (values[..., None] - knots) / (2.0 * np.pi)
+        away = np.abs(turn - options().knots_of_angle * np.round(turn / options().knots_of_angle))
         return np.asarray(np.maximum(1.0 - away, 0.0))
     return np.stack([np.interp(values, knots, row) for row in np.eye(len(knots))], axis=-1)
 
@@ -221,7 +221,7 @@ def marginal_likelihood(found: ForceLikelihood, known: Array) -> MarginalLikelih
     """Beside known forces (W, 3 B); the variance of the process noise at maximum likelihood."""
     H = found.information
     g = found.gradient - (H @ known[..., None])[..., 0]
-    made = random_forces(H, g, found.block * found.dt, CORRELATION_TIME, found.scale)
+    made = random_forces(H, g, found.block * found.dt, options().regression_time, found.scale)
     acceleration = (made.prior @ made.force[..., None])[..., 0]
     left = found.chi2 - float((known * (found.gradient + g)).sum()) - made.gain
     return MarginalLikelihood(
@@ -249,7 +249,7 @@ def held_out_gain(
     across = np.swapaxes(pair.design, 1, 2)
     H, g = across @ marginal.information @ pair.design, (across @ marginal.gradient[..., None])[..., 0]
     best = HeldOutGain(-np.inf, np.zeros(marginal.gradient.shape), 0.0)
-    for fold, deviation in itertools.product(folds, np.multiply(thrust, PRIOR_DEVIATIONS)):
+    for fold, deviation in itertools.product(folds, np.multiply(thrust, options().regression_priors)):
         weights = np.empty(g.shape)
         prior = np.eye(g.shape[1]) / deviation**2
         for part in np.unique(fold):
@@ -287,16 +287,16 @@ def select_functions(found: ForceLikelihood) -> tuple[float, list[ResidualForce]
     known = np.zeros(found.gradient.shape)
     marginal = first = marginal_likelihood(found, known)
     listed = list[ResidualForce]()
-    while len(listed) < LISTED and every:
+    while len(listed) < options().listed_functions and every:
         judged = [(held_out_gain(pair, marginal, found.folds, float(found.scale[0])), pair) for pair in every]
         judged.sort(key=lambda one: -one[0].gain)
         most, best = judged[0]
-        if most.gain < MIN_GAIN:
+        if most.gain < options().regression_gain:
             break
         known = known + most.predicted_force
         marginal = marginal_likelihood(found, known)
         back = marginal.gradient + (marginal.information @ most.predicted_force[..., None])[..., 0]
-        least = most.gain - 1e-9 if listed else TIE * most.gain
+        least = most.gain - 1e-9 if listed else options().regression_tie * most.gain
         every = [one for one in every if one is not best]
         for one, pair in [one for one in judged if one[0].gain > least]:
             share = power_share(pair, one.predicted_force, marginal, first)
@@ -309,7 +309,9 @@ def select_functions(found: ForceLikelihood) -> tuple[float, list[ResidualForce]
     apart: dict[tuple[str, str], ResidualForce] = {}
     for function in listed:
         apart.setdefault((function.force, function.variable), function)
-    return marginal.left, sorted(list(apart.values())[:LISTED], key=lambda one: -one.explained)
+    return marginal.left, sorted(
+        list(apart.values())[: options().listed_functions], key=lambda one: -one.explained
+    )
 
 
 def power_share(

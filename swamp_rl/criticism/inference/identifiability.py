@@ -10,8 +10,9 @@ from swamp_rl.criticism.inference.trial_evidence import Question, explanation_of
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.likelihood.sandwich_covariance import sensitivities
-from swamp_rl.criticism.model.manoeuvres import LENGTH, manoeuvres
+from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.trial_limits import UNLIMITED
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Contrast, Manoeuvre
 
 Array = NDArray[np.float64]
@@ -44,7 +45,7 @@ def refit(problem: Shooting, truth: Fit, other: Fit) -> float:
     synthetic = Shooting(
         problem.run_set, problem.weight, problem.seconds, replace(problem.windows, measured=track)
     )
-    return float(fit(synthetic, other.hypothesis, other.x, other.states, 4).loss.sum())
+    return float(fit(synthetic, other.hypothesis, other.x, other.states, options().check_steps).loss.sum())
 
 
 def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: list[Fit]) -> Manoeuvre:
@@ -56,4 +57,6 @@ def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: li
     rated = rate(Question(run_set, sigmas, explanations), np.array(commands), UNLIMITED)
     apart = np.sqrt(rated.least)
     best = int(apart.argmax())
-    return Manoeuvre(manoeuvre=names[best], separation=float(apart[best]), duration_s=LENGTH)
+    return Manoeuvre(
+        manoeuvre=names[best], separation=float(apart[best]), duration_s=options().manoeuvre_length
+    )

@@ -19,6 +19,7 @@ from swamp_rl.criticism.likelihood.output_error import (
     prior_penalty,
 )
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.information_criterion import InformationCriterion
@@ -29,10 +30,6 @@ Array = NDArray[np.float64]
 
 # difference of the criterion from which a hypothesis is out of reach: noise changes a difference d by a
 # standard deviation of 2 sqrt(d), of which this is five
-OUT_OF_REACH = 100.0
-WITHIN_REACH = 40.0  # the same of an expected criterion, which a fit only lowers
-MOST_FITTED = 6  # score tests beside a simpler hypothesis whose hypotheses are fitted
-STEPS = 4  # Jacobians of a fit to runs without noise
 
 
 @dataclass(frozen=True)
@@ -91,7 +88,7 @@ def linearised_answers(
     winner = found.winner
     problem = _without_noise(continuation.problem(found.stage, winner.hypothesis), winner)
     noise = np.stack([_standardised(problem, one) for one in noises], axis=2)
-    at = fit(problem, winner.hypothesis, winner.x, winner.states, STEPS, fresh=True)
+    at = fit(problem, winner.hypothesis, winner.x, winner.states, options().twin_steps, fresh=True)
     fits = [at, *_competing_fits(problem, continuation, found, at, instances)]
     made = [_competitor(problem, one.hypothesis, one.x, one.states, at, noise) for one in fits]
     made += _with_one_more(problem, at, instances, noise)
@@ -125,7 +122,7 @@ def _competing_fits(
     """
     criterion, winner = continuation.criterion, found.winner
     short = continuation.fits.get((0, winner.hypothesis.label))
-    limit = -np.inf if short is None else criterion(short) + OUT_OF_REACH
+    limit = -np.inf if short is None else criterion(short) + options().twin_out_of_reach
     near = [one for one in found.tried if criterion(one) < limit]
     starts = {one.hypothesis.label: one for one in [*near, *found.rivals]}
     made: dict[str, Fit] = {}
@@ -135,11 +132,11 @@ def _competing_fits(
             continue
         kept = [own for one, own in at.hypothesis.parts(at.x) if one.label != instance.label]
         x = np.concatenate([np.zeros(0), *kept])
-        simpler = made[less.label] = fit(problem, less, x, at.states, STEPS, fresh=True)
+        simpler = made[less.label] = fit(problem, less, x, at.states, options().twin_steps, fresh=True)
         made |= _replacements(problem, criterion, simpler, criterion(at), instances)
     for label, one in starts.items():
         if label not in made and label != at.hypothesis.label:
-            made[label] = fit(problem, one.hypothesis, one.x, at.states, STEPS, fresh=True)
+            made[label] = fit(problem, one.hypothesis, one.x, at.states, options().twin_steps, fresh=True)
     return list(made.values())
 
 
@@ -150,7 +147,7 @@ def _is_out_of_reach(continuation: Continuation, whole: Hypothesis, less: Hypoth
     stages = {stage for stage, label in continuation.fits if label == whole.label}
     return any(
         continuation.criterion(continuation.fits[stage, less.label])
-        > continuation.criterion(continuation.fits[stage, whole.label]) + OUT_OF_REACH
+        > continuation.criterion(continuation.fits[stage, whole.label]) + options().twin_out_of_reach
         for stage in stages
         if (stage, less.label) in continuation.fits
     )
@@ -172,9 +169,11 @@ def _replacements(
         key=lambda one: one.expected_chi2 + criterion.charge(one.hypothesis),
     )
     return {
-        one.hypothesis.label: fit(problem, one.hypothesis, one.x, one.states, STEPS, fresh=True)
-        for one in scores[:MOST_FITTED]
-        if one.expected_chi2 + criterion.charge(one.hypothesis) < best + WITHIN_REACH
+        one.hypothesis.label: fit(
+            problem, one.hypothesis, one.x, one.states, options().twin_steps, fresh=True
+        )
+        for one in scores[: options().twin_fits]
+        if one.expected_chi2 + criterion.charge(one.hypothesis) < best + options().twin_within_reach
     }
 
 

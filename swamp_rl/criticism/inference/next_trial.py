@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.data.checks import SHORTEST
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.estimate import components, sides_of
 from swamp_rl.criticism.inference.trial_evidence import Question, Rated, explanation_of, rate
@@ -20,6 +19,7 @@ from swamp_rl.criticism.model.candidates import EffectInstance
 from swamp_rl.criticism.model.command_family import CommandFamily, command_family
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.trial_limits import TrialLimits, start_in
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Narrowed, NextTrial, RatedManoeuvre, Separated
 from swamp_rl.errors import UserError
@@ -29,11 +29,6 @@ from swamp_rl.runs import Run, write_run
 Array = NDArray[np.float64]
 
 FILE = "next_trial.csv"
-LEAST = SHORTEST + 2.0  # s of a trial: what a diagnosis takes as a run, and a margin
-LEAST_EVIDENCE = 0.01  # below which a trial decides nothing
-RANDOM, PARENTS, CHILDREN = 32, 4, 24  # random sequences at first; kept of a round; tried in one
-BUDGET = 16_000_000  # boat steps of a design, about 15 s of a processor
-PATIENCE, WORTH = 15, 0.01  # rounds in a row that gain less than this share, which end the search
 
 
 @dataclass(frozen=True)
@@ -96,9 +91,9 @@ def design_trial(
     """The best trial that was found, never worse than the best fixed manoeuvre within the same limits.
 
     The search begins from the fixed manoeuvres and random sequences of their commands, and replaces blocks of
-    commands at random: an evolution strategy (PARENTS + CHILDREN), a stochastic form of the exchange
+    commands at random: an evolution strategy (μ + λ), a stochastic form of the exchange
     algorithms of optimal design (Fedorov 1972). A trial ends where a limit is exceeded, and its evidence with
-    it. UserError where none lasts for LEAST.
+    it. UserError where none is long enough for a diagnosis.
     """
     boat, dt = question.run_set.boat, question.run_set.dt
     family = command_family(boat, dt, limits.seconds, limits.throttle)
@@ -110,10 +105,10 @@ def design_trial(
     rated = rate(question, both, limits)
     best = int(_merit(rated, dt).argmax())
     rows = int(rated.rows[best])
-    if rows * dt < LEAST or rated.least[best] < LEAST_EVIDENCE:
+    if rows * dt < _shortest() or rated.least[best] < options().least_trial_evidence:
         raise UserError(
-            f"--next: no commands that were tried keep the boat within the limits for {LEAST:g} s and have "
-            "any evidence; give a larger area or a greater --top-speed, or leave --next out"
+            f"--next: no commands that were tried keep the boat within the limits for {_shortest():g} s and "
+            "have any evidence; give a larger area or a greater --top-speed, or leave --next out"
         )
     tracks = rated.tracks[:, best, :rows].copy()
     start = start_in(limits, tracks)
@@ -156,26 +151,28 @@ def _searched(
     question: Question, family: CommandFamily, limits: TrialLimits, listed: Array, rng: np.random.Generator
 ) -> Array:
     """(T, 2K) the best commands of the family that were found."""
-    tried = np.concatenate([family.sampled(listed), family.random(rng, RANDOM)])
+    tried = np.concatenate([family.sampled(listed), family.random(rng, options().trial_random)])
     kept, merit = tried[:0], np.zeros(0)
     used, quiet, best = 0, 0, 0.0
-    while used < BUDGET and quiet < PATIENCE:
+    while used < options().trial_budget and quiet < options().trial_patience:
         rated = rate(question, family.rows(tried), limits)
         used += rated.steps
         kept = np.concatenate([kept, tried])
         merit = np.concatenate([merit, _merit(rated, question.run_set.dt)])
-        order = np.argsort(-merit, kind="stable")[:PARENTS]
+        order = np.argsort(-merit, kind="stable")[: options().trial_parents]
         kept, merit = kept[order], merit[order]
-        quiet = 0 if merit[0] > (1.0 + WORTH) * best else quiet + 1
+        quiet = 0 if merit[0] > (1.0 + options().trial_worth) * best else quiet + 1
         best = max(best, float(merit[0]))
         LOG.debug("next trial: evidence %.4g after %d boat steps", best, used)
-        tried = np.stack([family.exchanged(kept[n % len(kept)], rng) for n in range(CHILDREN)])
+        tried = np.stack(
+            [family.exchanged(kept[n % len(kept)], rng) for n in range(options().trial_children)]
+        )
     return family.rows(kept[:1])[0]
 
 
 def _merit(rated: Rated, dt: float) -> Array:
     """(W,) least evidence, below zero where a trial ends too early."""
-    return np.where(rated.rows * dt >= LEAST, rated.least, -1.0 / np.maximum(rated.rows, 1))
+    return np.where(rated.rows * dt >= _shortest(), rated.least, -1.0 / np.maximum(rated.rows, 1))
 
 
 def _separated(question: Question, rated: Rated, trial: int) -> list[Separated]:
@@ -190,3 +187,8 @@ def _separated(question: Question, rated: Rated, trial: int) -> list[Separated]:
         for b in range(a + 1, len(names))
     ]
     return sorted(pairs, key=lambda one: one.separation)
+
+
+def _shortest() -> float:
+    """Seconds of a trial that a diagnosis takes as a run."""
+    return options().shortest_run + options().trial_beyond

@@ -17,15 +17,9 @@ from swamp_rl.criticism.likelihood.force_sensitivity import (
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, wrap
 from swamp_rl.criticism.likelihood.output_error import fit_states
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-
-# s of a window, and of the intervals of constant force
-WINDOW, PIECE = 5.0, 2.5
-WINDOW_WITHOUT_VELOCITY, PIECE_WITHOUT_VELOCITY = 10.0, 5.0
-MIN_SHARE_MEASURED = 0.25  # of the positions in an interval, below which its force is not estimated
-ROUNDS = 6  # iterations
-REACH = 3.0  # standard deviation of the forces' prior, in thrusts of the strongest thruster
 
 
 @dataclass(frozen=True)
@@ -46,9 +40,9 @@ def residual_forces(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: A
     """Surge and sway force and yaw moment, constant in each interval, that reproduce the measured motion;
     fitted by least squares together with the initial states. x: (p,) of the hypothesis.
     """
-    seconds, piece = WINDOW, PIECE
+    seconds, piece = options().force_window, options().force_piece
     if "surge" not in run_set.present:
-        seconds, piece = WINDOW_WITHOUT_VELOCITY, PIECE_WITHOUT_VELOCITY
+        seconds, piece = options().force_window_poses, options().force_piece_poses
     problem = Shooting(run_set, weight, seconds, before=run_set.dt)
     grid = force_grid(problem, piece)
     made = fit_forces(problem, hypothesis, x, grid)
@@ -60,7 +54,7 @@ def residual_forces(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: A
     for w, b in np.ndindex(force.shape[:2]):
         middle = round((b + 0.5) * grid.block)
         seen = held[w, b * grid.block : (b + 1) * grid.block]
-        if middle <= win.steps[w] and seen.sum() >= max(1.0, MIN_SHARE_MEASURED * share * grid.block):
+        if middle <= win.steps[w] and seen.sum() >= max(1.0, options().force_measured * share * grid.block):
             found.append((w, b, middle))
     w, b, middle = np.array(found, dtype=int).reshape(-1, 3).T
     at, body = track[w, middle], force[w, b]
@@ -90,14 +84,17 @@ class ForceFit:
 
 def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceGrid) -> ForceFit:
     """The forces, constant in each interval, at least chi2."""
-    states, track, residual = fit_states(problem, hypothesis, x, problem.initial_states(), ROUNDS)
+    states, track, residual = fit_states(
+        problem, hypothesis, x, problem.initial_states(), options().force_rounds
+    )
     shape = (problem.windows.count, grid.count, AXES)
-    reach = REACH * float(np.max(problem.boat_thrust))
+    reach = options().force_reach * float(np.max(problem.boat_thrust))
     prior = np.tile(1.0 / np.array([reach, reach, reach * problem.boat.length]), grid.count) ** 2
     force = np.zeros(shape)
     damping = np.zeros(shape[0])
+    first, factor = options().force_damping, options().damping_factor
     covariance = np.zeros((shape[0], AXES * shape[1], AXES * shape[1]))
-    for _ in range(ROUNDS):
+    for _ in range(options().force_rounds):
         acting = force.reshape(-1, grid.count, AXES)
         acceleration: Array = acting / grid.inertia
         by_state = problem.state_jacobian(hypothesis, x, states, track, acceleration, grid.block)
@@ -120,7 +117,8 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
         better = (left**2).sum(axis=1) < (residual**2).sum(axis=1)
         states[better] += shift[better]
         force[better], track[better], residual[better] = tried[better], moved[better], left[better]
-        damping = np.where(better, np.where(damping < 0.1, 0.0, damping / 10.0), 10.0 * damping + 0.1)
+        less = np.where(damping < first, 0.0, damping / factor)
+        damping = np.where(better, less, factor * damping + first)
     return ForceFit(states, track, force, covariance)
 
 

@@ -13,6 +13,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.finding import Finding
 from swamp_rl.criticism.inference.linearised_selection import linearised_answers
 from swamp_rl.criticism.inference.twins import SensorNoise, sensor_noise, with_noise, without_noise
+from swamp_rl.criticism.options import DEFAULT
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import SelfTrial
 from swamp_rl.criticism.selection.backward_elimination import Selection
@@ -28,7 +29,7 @@ Method = Literal["linearised", "search"]
 Each = Callable[[Work, Sequence[str]], Iterable[str]]
 """Does a work on every job, perhaps in other processes, and returns the results in the jobs' order."""
 
-TWINS = 20
+TWINS = DEFAULT.twins
 NOTHING, UNEXPLAINED = "nothing", "unexplained"
 OMITTED = "No set of effects explains the runs, so there is no answer to simulate twins from."
 

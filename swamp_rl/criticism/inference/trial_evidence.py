@@ -9,19 +9,17 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.data.windows import Windows
-from swamp_rl.criticism.likelihood.multiple_shooting import SUBSTEP, Shooting, wrap
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, wrap
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse, normal_equations
-from swamp_rl.criticism.model.actuator_history import LEAST_TRANSIENT
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.trial_limits import TrialLimits, rows_within
+from swamp_rl.criticism.options import options
 from swamp_rl.simulator import initial_state, simulate, tank
 from swamp_rl.simulator.state import ACTUATORS
 from swamp_rl.simulator.step import substeps_of
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
-
-WINDOW = 20.0  # s, as the middle stage of a search has
 
 
 @dataclass(frozen=True)
@@ -90,8 +88,8 @@ def rate(question: Question, commands: Array, limits: TrialLimits) -> Rated:
     expected difference of log likelihood (T-optimality: Atkinson and Fedorov, Biometrika 62, 1975). About a
     parameter: what the trial adds to its information, as a multiple of what is known, the other parameters
     and the initial states eliminated (D_s-optimality). Every explanation starts from the motion under the
-    first one at the beginning of each window of about WINDOW, since over a longer time an unstable boat
-    magnifies differences beyond what is linear.
+    first one at the beginning of each window of about `trial_window`, since over a longer time an unstable
+    boat magnifies differences beyond what is linear.
     """
     tracks = np.stack([_track(question.run_set, one, commands) for one in question.explanations])
     rows = rows_within(limits, tracks, question.run_set.boat.length)
@@ -148,8 +146,8 @@ def _problem(question: Question, commands: Array) -> Shooting:
         gauss_markov=run_set.gauss_markov,
     )
     weight = np.where(np.isfinite(question.sigmas), 1.0 / question.sigmas, 0.0)
-    transient = math.ceil(LEAST_TRANSIENT / run_set.dt)
-    pieces = max(1, round((steps - transient) * run_set.dt / WINDOW))
+    transient = math.ceil(options().least_transient / run_set.dt)
+    pieces = max(1, round((steps - transient) * run_set.dt / options().trial_window))
     length = (steps - transient) // pieces
     weights = np.tile(weight, (trials * pieces, length, 1))
     windows = Windows(
@@ -162,7 +160,7 @@ def _problem(question: Question, commands: Array) -> Shooting:
         length,
     )
     problem = Shooting(planned, np.broadcast_to(weight, planned.measured.shape), np.inf, windows)
-    problem.substeps = max(1, math.ceil(run_set.dt / SUBSTEP - 1e-9))
+    problem.substeps = max(1, math.ceil(run_set.dt / options().substep - 1e-9))
     return problem
 
 

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.likelihood.prediction_error import HORIZONS, Errors, Restarts, errors_at, errors_of
+from swamp_rl.criticism.likelihood.prediction_error import Errors, Restarts, errors_at, errors_of
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Predictors
 
 Array = NDArray[np.float64]
@@ -19,7 +20,7 @@ def trivial_predictors(run_set: RunSet, weight: Array) -> list[Predictors]:
     weight: (R, T, 6).
     """
     found = []
-    for horizon in HORIZONS:
+    for horizon in options().horizons:
         own = _of_boat_file(run_set, weight, horizon)
         if not np.isfinite(own.error[:, :2]).all(axis=1).any():
             continue

@@ -67,7 +67,7 @@ def sensor_noise(
         if name in smoothed:
             one = smoothed[name]
             pole = math.exp(-dt / one.time_constant)
-            power = 20.0 * one.sample_noise**2 / third_difference_variance(pole, 1)
+            power = 20 * one.sample_noise**2 / third_difference_variance(pole, 1)
             white[channel], filtered[channel] = 0.0, (math.sqrt(power), one.time_constant)
     parts = [filtered] if smoothed else []
     return SensorNoise(

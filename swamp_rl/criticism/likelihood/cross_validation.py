@@ -10,14 +10,9 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
 from swamp_rl.criticism.likelihood.state_fit import fit_states
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-
-RESAMPLES = 2000
-ENOUGH_RUNS = 4  # from which whole runs are held out
-LARGEST_TILT = -1e3  # of the bootstrap's saddlepoint, beyond which the sum is its least
-STRETCH = 20.0  # s of a block of a long window
-ROUNDS = 8  # iterations of the initial states of a held-out window
 
 
 def heldout_loss(problem: Shooting, at: Fit) -> Array:
@@ -29,24 +24,21 @@ def heldout_loss(problem: Shooting, at: Fit) -> Array:
     if at.hypothesis.size == 0:
         return at.loss
     runs = folds_of(problem.windows, at.hypothesis.differs)
-    _, precision = at.hypothesis.prior()
-    mean, _ = at.hypothesis.prior()
     H, g = at.normal.information, at.normal.gradient
     loss = at.loss.copy()
     for run in np.unique(runs):
         mine = runs == run
-        rest = H[~mine].sum(axis=0) + np.diag(precision)
-        step = inverse(rest) @ (g[~mine].sum(axis=0) - precision * (at.x - mean))
+        step = _newton_step(at, ~mine)
         loss[mine] += -2.0 * g[mine] @ step + np.einsum("wij,i,j->w", H[mine], step, step)
     return loss
 
 
 def folds_of(windows: Windows, halves: bool = False) -> NDArray[np.int64]:
-    """(W,) fold of each window: its run where there are ENOUGH_RUNS, else half a run; of a single run each
+    """(W,) fold of each window: its run where there are `enough_runs`, else half a run; of a single run each
     window. halves: half a run in any case, for parameters that each run has its own of.
     """
     every = np.unique(windows.run)
-    if len(every) >= ENOUGH_RUNS and not halves:
+    if len(every) >= options().enough_runs and not halves:
         return windows.run
     if len(every) == 1:
         return np.arange(windows.count)
@@ -63,15 +55,23 @@ def heldout_numbers(problem: Shooting, at: Fit) -> Array:
     runs = len(problem.run_set.lengths)
     if runs == 1 or at.hypothesis.size == 0:
         return np.repeat(at.x[None], runs, axis=0)
-    mean, precision = at.hypothesis.prior()
-    numbers = np.empty((runs, at.hypothesis.size))
+    return numbers_without(at, windows, runs)
+
+
+def numbers_without(at: Fit, fold: NDArray[np.int64], folds: int) -> Array:
+    """(folds, p) parameters fitted to all windows but those of each fold, by one Newton step; fold: (W,)."""
     low, high = at.hypothesis.bounds()
-    for run in range(runs):
-        others = windows != run
-        H = at.normal.information[others].sum(axis=0) + np.diag(precision)
-        g = at.normal.gradient[others].sum(axis=0) - precision * (at.x - mean)
-        numbers[run] = np.clip(at.x + inverse(H) @ g, low, high)
+    numbers = np.empty((folds, at.hypothesis.size))
+    for number in range(folds):
+        numbers[number] = np.clip(at.x + _newton_step(at, fold != number), low, high)
     return numbers
+
+
+def _newton_step(at: Fit, chosen: NDArray[np.bool_]) -> Array:
+    """(p,) from a fit towards that to the chosen windows (W,) alone."""
+    mean, precision = at.hypothesis.prior()
+    H = at.normal.information[chosen].sum(axis=0) + np.diag(precision)
+    return np.asarray(inverse(H) @ (at.normal.gradient[chosen].sum(axis=0) - precision * (at.x - mean)))
 
 
 def judged_numbers(problem: Shooting, at: Fit, runs: int, others: bool) -> tuple[Hypothesis, Array]:
@@ -120,7 +120,7 @@ def confirmation(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> 
 
 def confirmed_at(gains: Array, comparisons: int) -> Confirmation:
     """Of the gains of blocks (B,): their sum and the lower end of its bootstrap interval."""
-    tail = 0.025 / comparisons
+    tail = options().tail / comparisons
     return Confirmation(float(gains.sum()), bootstrap_quantile(gains, tail), 1.0 - 2.0 * tail)
 
 
@@ -157,9 +157,9 @@ def bootstrap_quantile(gains: Array, tail: float) -> float:
     last = -1.0
     while at(last)[1] > tail:
         last *= 2.0
-        if last < LARGEST_TILT:
+        if last < options().largest_tilt:
             return count * float(gains.min())
-    found = brentq(lambda t: at(t)[1] - tail, last, -1e-3, xtol=1e-9)
+    found = brentq(lambda t: at(t)[1] - tail, last, options().least_tilt, xtol=1e-9)
     return count * mean + scale * at(float(found))[0]
 
 
@@ -171,8 +171,10 @@ def stretch_losses(problem: Shooting, at: Fit) -> Array:
             mine = problem.windows.run == run
             if mine.any():
                 states = at.states[mine]
-                residual[mine] = fit_states(problem.part(mine), at.hypothesis, x, states, ROUNDS)[2]
-    rows = max(1, round(STRETCH / problem.dt))
+                residual[mine] = fit_states(
+                    problem.part(mine), at.hypothesis, x, states, options().held_out_rounds
+                )[2]
+    rows = max(1, round(options().held_out_stretch / problem.dt))
     squares = (residual**2).reshape(len(residual), -1, problem.windows.weight.shape[2]).sum(axis=2)
     starts = np.arange(0, squares.shape[1], rows)
     chi2 = np.add.reduceat(squares, starts, axis=1)
@@ -182,14 +184,19 @@ def stretch_losses(problem: Shooting, at: Fit) -> Array:
 
 
 def saturated_loss(problem: Shooting, at: Fit) -> Array:
-    """(W,) n ln(1 + chi2 / n) of each window's held-out chi2, n being its effective number of samples."""
+    """(W,) saturated held-out chi2 of each window."""
+    return saturated(problem, heldout_loss(problem, at))
+
+
+def saturated(problem: Shooting, loss: Array) -> Array:
+    """(W,) n ln(1 + chi2 / n) of each window's chi2 (W,), n being its effective number of samples."""
     seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)) / problem.correlation_samples, 1.0)
-    return np.asarray(seen * np.log1p(np.maximum(heldout_loss(problem, at), 0.0) / seen))
+    return np.asarray(seen * np.log1p(np.maximum(loss, 0.0) / seen))
 
 
 def bootstrap_interval(gains: Array, share: float, rng: np.random.Generator) -> tuple[float, float]:
     """Interval of the sum of per-block gains (B,), each end leaving out half of 1 - share."""
-    picks = rng.integers(0, len(gains), (RESAMPLES, len(gains)))
+    picks = rng.integers(0, len(gains), (options().loss_resamples, len(gains)))
     sums = gains[picks].sum(axis=1)
     tail = 100.0 * (1.0 - share) / 2.0
     low, high = np.percentile(sums, [tail, 100.0 - tail])

@@ -8,16 +8,15 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import STATE_REACH, Normal, normal_equations
+from swamp_rl.criticism.likelihood.output_error import Normal, normal_equations, state_reach
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import acceleration_scale
+from swamp_rl.criticism.options import options
 from swamp_rl.simulator import parameters
 
 Array = NDArray[np.float64]
 
-STEP = np.array([0.00646, 0.00646, 0.00801])  # in `acceleration_scale`, of the finite difference
 AXES = 3  # surge, sway, yaw
-CHUNK = 2**26  # bytes of Jacobians or tracks that are computed at once
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ def force_normal_equations(
     """
     windows = problem.windows.count
     size = grid.count * len(axes) * residual.shape[1] * residual.itemsize
-    together = max(1, CHUNK // max(1, size))
+    together = max(1, options().chunk_bytes // max(1, size))
     parts = []
     for start in range(0, windows, together):
         rows = slice(start, start + together)
@@ -82,7 +81,7 @@ def force_normal_equations(
         slopes = force_jacobian(part, hypothesis, x, states[rows], grid, axes, acting)
         if beside is not None and beside.shape[2]:
             slopes = np.concatenate([beside[rows], slopes], axis=2)
-        damped = 0.0 if damping is None else damping[rows, None] / (STATE_REACH * problem.scale)
+        damped = 0.0 if damping is None else damping[rows, None] / state_reach(problem)
         parts.append(normal_equations(by_state[rows], slopes, residual[rows], damped))
     return Normal(
         *(np.concatenate(field) for field in zip(*(vars(one).values() for one in parts), strict=True))
@@ -105,7 +104,8 @@ def force_jacobian(
     acting = np.zeros((windows, count, AXES)) if forces is None else forces / grid.inertia
     base = problem.predict(hypothesis, x[None], states[None], acting, grid.block)[0]
     slopes = np.empty((count, len(axes), windows, base[0].size))
-    together, step = max(1, CHUNK // base.nbytes), STEP * acceleration_scale(problem.boat)
+    together = max(1, options().chunk_bytes // base.nbytes)
+    step = np.array(options().acceleration_step) * acceleration_scale(problem.boat)
     for (column, axis), start in itertools.product(enumerate(axes), range(0, count, together)):
         pieces = np.arange(start, min(start + together, count))
         variants = len(pieces)

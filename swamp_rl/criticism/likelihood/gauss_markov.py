@@ -8,12 +8,9 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.data.run_set import CHANNELS
 from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.model.rollout import filter_gains, whiten
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-
-TIMES = (1.0, 3.0, 10.0, 30.0, 100.0)  # s, time constants tried
-SIZES = 0.15 * 2.0 ** np.arange(12)  # standard deviations tried, in those of the white noise
-MIN_GAIN = 25.0  # of 2 log likelihood
 
 
 @dataclass(frozen=True)
@@ -61,9 +58,9 @@ def fit_gauss_markov(windows: Windows, difference: Array, dt: float) -> Array:
     unit = 1.0 / np.maximum(windows.weight[:, windows.pad :].max(axis=(0, 1)), 1e-12)
     best = np.zeros((len(CHANNELS), 2))
     white = _minus_two_log_likelihood(windows, difference, np.zeros((len(CHANNELS), 2)), dt)
-    least = white - MIN_GAIN
-    for time in TIMES:
-        for size in SIZES:
+    least = white - options().wander_gain
+    for time in options().wander_times:
+        for size in np.array(options().wander_sizes):
             process = np.column_stack([size * unit, np.full(len(CHANNELS), time)])
             found = _minus_two_log_likelihood(windows, difference, process, dt)
             better = found < least

@@ -5,11 +5,9 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.data.windows import Windows
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-
-SPAN, LONGEST_SPAN = 1.0, 2.0  # s to either side that a initial_states is smoothed over
-CLEAN_POSITION = 0.0806  # lengths of noise up to which SPAN is used
 
 
 def smoothed_states(run_set: RunSet, weight: Array, windows: Windows) -> Array:
@@ -20,7 +18,11 @@ def smoothed_states(run_set: RunSet, weight: Array, windows: Windows) -> Array:
     """
     # longer for noisier positions: the error of a slope is proportional to span^(-3/2)
     noise = 1.0 / np.maximum(weight[:, :, 0].max(axis=1), 1e-6)
-    seconds = np.clip(SPAN * (noise / (CLEAN_POSITION * run_set.boat.length)) ** (2 / 3), SPAN, LONGEST_SPAN)
+    seconds = np.clip(
+        options().smoothing_span * (noise / (options().clean_position * run_set.boat.length)) ** (2 / 3),
+        options().smoothing_span,
+        options().smoothing_span_rough,
+    )
     spans = np.maximum(2, np.rint(seconds / run_set.dt).astype(int))[windows.run]
     states = np.empty((windows.count, 6))
     for span in np.unique(spans):

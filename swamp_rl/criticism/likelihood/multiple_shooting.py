@@ -16,6 +16,7 @@ from swamp_rl.criticism.likelihood.initial_states import smoothed_states
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.model.rollout import roll, roll_actuators
 from swamp_rl.criticism.model.scales import state_scale
+from swamp_rl.criticism.options import options
 from swamp_rl.simulator import initial_state, parameters, tank
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.sensors import observe, rows_ahead
@@ -23,25 +24,17 @@ from swamp_rl.simulator.state import ACTUATORS, TIME
 
 Array = NDArray[np.float64]
 
-SUBSTEP, SUBSTEP_OF_RUNS = 0.1, 0.05  # s, the longest Runge-Kutta step; whole runs magnify its error
-PAD = 1.0  # s simulated before a window's first sample, so that delays see what went before
-SHORTEST = 1.5  # s of a window between gaps, below which it is not compared
-# standard deviations of a smoothed state, at least, in `state_scale` and in those of the noise
-START_SD, START_SD_IN_NOISE = np.array([0.403, 0.403, 0.15, 0.361, 0.361, 0.268]), 3.0
-MOST_HISTORIES = 12  # actuator histories that are kept
 NO_ACCELERATION = np.zeros((0, 1, 3))
-# of finite differences; small, since a boat that is unstable on course magnifies them
-STATE_STEP = np.array([8e-6, 8e-6, 1e-6, 7.2e-7, 7.2e-7, 8.9e-7])  # in `state_scale`
 
 
-def cut(run_set: RunSet, weight: Array, seconds: float, before: float = PAD) -> Windows:
+def cut(run_set: RunSet, weight: Array, seconds: float, before: float | None = None) -> Windows:
     """Windows of about `seconds` without overlap, inf: one window a run; simulated from `before` [s]
     earlier.
 
     A run is cut in a power of two, so that longer windows start where shorter ones do, and at every gap.
     """
-    pad = math.ceil(before / run_set.dt)
-    shortest = math.ceil(SHORTEST / run_set.dt)
+    pad = math.ceil((options().pad if before is None else before) / run_set.dt)
+    shortest = math.ceil(options().shortest_window / run_set.dt)
     rows: list[tuple[int, int, int]] = []
     for run, length in enumerate(run_set.lengths):
         transient = max(pad, int(run_set.first_compared[run]))
@@ -114,7 +107,7 @@ class Shooting:
         weight: Array,
         seconds: float,
         windows: Windows | None = None,
-        before: float = PAD,
+        before: float | None = None,
     ) -> None:
         self.run_set = run_set
         self.boat = run_set.boat
@@ -128,7 +121,11 @@ class Shooting:
             self._with_start_prior(cut(run_set, weight, seconds, before)) if windows is None else windows
         )
         self.substeps = max(
-            1, math.ceil(run_set.dt / (SUBSTEP if math.isfinite(seconds) else SUBSTEP_OF_RUNS) - 1e-9)
+            1,
+            math.ceil(
+                run_set.dt / (options().substep if math.isfinite(seconds) else options().substep_of_runs)
+                - 1e-9
+            ),
         )
         self.samples = int((self.windows.weight[:, self.windows.pad :] > 0).sum())
         process = run_set.gauss_markov
@@ -145,10 +142,12 @@ class Shooting:
         state.
         """
         if windows.pad > 0:
-            noise = 1.0 / np.maximum(self.weight.max(axis=(0, 1)), 1e-6)
+            best = self.weight.max(axis=(0, 1))
+            noise = np.where(best > 0.0, 1.0 / np.maximum(best, 1e-300), 0.0)  # 0 where nothing was measured
             windows.measured[:, 0] = self.initial_states(windows)
             windows.weight[:, 0] = 1.0 / np.maximum(
-                START_SD * self.scale, np.where(noise < 1e6, START_SD_IN_NOISE * noise, 0.0)
+                np.array(options().start_sd) * self.scale,
+                options().start_sd_in_noise * noise,
             )
         return windows
 
@@ -205,7 +204,7 @@ class Shooting:
             start[:, ACTUATORS:] = self._first_actuators(start.shape[1] - ACTUATORS)
             states = np.empty((runs, self.last, start.shape[1] - 6))
             roll_actuators(records, start, self.run_set.commands, np.arange(runs), self.dt, states)
-            if len(self.histories) >= MOST_HISTORIES:
+            if len(self.histories) >= options().most_histories:
                 del self.histories[next(iter(self.histories))]
             self.histories[key] = states
         return self.histories[key]
@@ -305,7 +304,7 @@ class Shooting:
         """(W, M, 6) derivative of the standardised prediction by the initial states; by positions
         analytically. acceleration: (W or 0, B, 3).
         """
-        moved, step = np.repeat(states[None], 4, axis=0), STATE_STEP * self.scale
+        moved, step = np.repeat(states[None], 4, axis=0), np.array(options().state_step) * self.scale
         for i, column in enumerate((2, 3, 4, 5)):
             moved[i, :, column] += step[column]
         four = np.repeat(x[None], 4, axis=0)

@@ -8,19 +8,9 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.state_fit import fit_states, losses, min_decrease
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-
-DAMPINGS = (0.0, 1.0, 4.0, 16.0, 64.0)  # tried in turn, relative to the reach of a parameter or state
-STRAY, ROUNDS = 1.35, 4  # times the median loss of a stray window; iterations of its initial state
-# gain ratios below which a new Jacobian is taken, where a step gains less than CLOSE and more
-MIN_GAIN_RATIO, MIN_GAIN_RATIO_FAR, CLOSE = 0.6, 0.9, 30.0
-MAX_INCREASE = 10.0  # chi2 by which a window may become worse before its initial state is refitted
-STATE_REACH = np.array([0.403, 0.403, 0.2, 0.144, 0.144, 0.179])  # in `state_scale`
-MIN_STATE_GAIN = 2.0  # chi2 that refitting an initial state must promise at the end of a fit
-MOST_REFITS = 3  # continuations of a fit after that
-NO_INFORMATION = 1e42  # variance of a parameter that nothing depends on
-FAR = 4.0  # reaches: largest step of a window's state
 
 
 @dataclass(frozen=True)
@@ -91,6 +81,11 @@ class Fit:
         return inverse(self.normal.information.sum(axis=0) + np.diag(precision))
 
 
+def state_reach(problem: Shooting) -> Array:
+    """(6,) a large step of an initial state."""
+    return np.asarray(np.array(options().state_reach) * problem.scale)
+
+
 def inverse(H: Array) -> Array:
     """Inverse of an information matrix (p, p), scaled; directions without information get a huge variance,
     and parameters without any no covariance with others.
@@ -101,7 +96,7 @@ def inverse(H: Array) -> Array:
     inner = H[np.ix_(known, known)]
     scale = np.sqrt(np.maximum(np.diag(inner), 1e-30))
     values, vectors = np.linalg.eigh(inner / np.outer(scale, scale))
-    found = np.diag(np.where(known, 0.0, NO_INFORMATION))
+    found = np.diag(np.where(known, 0.0, options().no_information))
     found[np.ix_(known, known)] = (vectors / np.maximum(values, 1e-12)) @ vectors.T / np.outer(scale, scale)
     return found
 
@@ -135,8 +130,8 @@ def stray_windows(problem: Shooting, residual: Array) -> NDArray[np.bool_]:
     """(W,) windows that fit far worse than the others: their initial state has not converged."""
     seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)), 1)
     share = (residual**2).sum(axis=1) / seen
-    stray = share > STRAY * np.median(share)
-    return stray if stray.sum() <= len(stray) // 3 else np.zeros_like(stray)
+    stray = share > options().stray_window * np.median(share)
+    return stray if stray.sum() <= len(stray) // options().strays_one_in else np.zeros_like(stray)
 
 
 @dataclass
@@ -164,18 +159,28 @@ Jacobians = tuple[Array, Array]
 
 
 def fit(
-    problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, steps: int = 8, fresh: bool = False
+    problem: Shooting,
+    hypothesis: Hypothesis,
+    x: Array,
+    states: Array,
+    steps: int | None = None,
+    fresh: bool = False,
 ) -> Fit:
     """The hypothesis fitted from x (p,) and states (W, 6) by Levenberg-Marquardt, with at most `steps`
     Jacobians.
 
     A Jacobian is kept while the gain ratio is high. fresh: the last Jacobian is taken at the solution.
     """
+    steps = options().fit_steps if steps is None else steps
     x, states = np.array(x, dtype=float), np.array(states, dtype=float)
     base = problem.predict(hypothesis, x[None], states[None])[0]
     at = Iterate(x, states, base, problem.residuals(base), prior_penalty(hypothesis, x))
     refitted = _with_states_refitted(
-        problem, hypothesis, at, problem.state_jacobian(hypothesis, x, states, base), MAX_INCREASE
+        problem,
+        hypothesis,
+        at,
+        problem.state_jacobian(hypothesis, x, states, base),
+        options().window_increase,
     )
     at = refitted or at
     slopes, start, used = jacobians_at(problem, hypothesis, at), 0, 1
@@ -186,12 +191,14 @@ def fit(
         gain = at.chi2 - moved.chi2
         at, newest = moved, newest and gain == 0.0
         least = min_decrease(problem, at.chi2)
-        if gain > least and gain_ratio > (MIN_GAIN_RATIO if gain < CLOSE else MIN_GAIN_RATIO_FAR):
+        if gain > least and gain_ratio > (
+            options().gain_ratio if gain < options().close_gain else options().gain_ratio_far
+        ):
             continue
-        if newest or used >= steps or (gain_ratio > MIN_GAIN_RATIO and not fresh):
+        if newest or used >= steps or (gain_ratio > options().gain_ratio and not fresh):
             refitted = (
-                _with_states_refitted(problem, hypothesis, at, slopes[0], max(MIN_STATE_GAIN, least))
-                if refits < MOST_REFITS
+                _with_states_refitted(problem, hypothesis, at, slopes[0], max(options().state_gain, least))
+                if refits < options().most_refits
                 else None
             )
             if refitted is None:
@@ -230,9 +237,9 @@ def _step(
     mean, precision = hypothesis.prior()
     low, high = hypothesis.bounds()
     reach = np.array([spec.scale for spec in hypothesis.specs])
-    for number in range(start, len(DAMPINGS)):
-        damping = DAMPINGS[number]
-        normal = normal_equations(*slopes, at.residual, damping / (STATE_REACH * problem.scale))
+    for number in range(start, len(options().dampings)):
+        damping = options().dampings[number]
+        normal = normal_equations(*slopes, at.residual, damping / state_reach(problem))
         H = normal.information.sum(axis=0) + np.diag(precision + len(at.states) * (damping / reach) ** 2)
         g = normal.gradient.sum(axis=0) - precision * (at.x - mean)
         step = bounded_step(H, g, at.x, low, high)
@@ -244,7 +251,7 @@ def _step(
         moved = _moved(problem, hypothesis, at, step, normal.shift(step), first)
         if moved.chi2 < at.chi2:
             return moved, max(0, number - 2), (at.chi2 - moved.chi2) / max(predicted_gain, 1e-12)
-    return at, max(0, len(DAMPINGS) - 2), 0.0
+    return at, max(0, len(options().dampings) - 2), 0.0
 
 
 def _with_states_refitted(
@@ -261,7 +268,7 @@ def _with_states_refitted(
     part, held = problem.part(could), problem.windows.measured[could, 0]
     starts = [states[could]] if problem.windows.pad == 0 else [states[could], held]
     for start in starts:  # the current states, and the measured ones
-        found = fit_states(part, hypothesis, at.x, start, 2 * ROUNDS)
+        found = fit_states(part, hypothesis, at.x, start, 2 * options().stray_rounds)
         better = losses(found[2]) < losses(residual[could])
         place = np.flatnonzero(could)[better]
         states[place], base[place], residual[place] = (one[better] for one in found)
@@ -279,13 +286,14 @@ def _moved(
     base = problem.predict(hypothesis, x[None], states[None])[0]
     residual = problem.residuals(base)
     loss = losses(residual)
-    off = (loss > at.loss + MAX_INCREASE) | (np.abs(shift) > FAR * STATE_REACH * problem.scale).any(axis=1)
-    if not 0 < off.sum() <= len(off) // 3:
+    far = np.abs(shift) > options().farthest_state * state_reach(problem)
+    off = (loss > at.loss + options().window_increase) | far.any(axis=1)
+    if not 0 < off.sum() <= len(off) // options().strays_one_in:
         off = np.zeros_like(off)
     better = loss.sum() < at.chi2
     if first and better:
         off |= stray_windows(problem, residual)
     if off.any() and (better or loss[~off].sum() < at.loss[~off].sum()):
-        found = fit_states(problem.part(off), hypothesis, x, at.states[off], ROUNDS)
+        found = fit_states(problem.part(off), hypothesis, x, at.states[off], options().stray_rounds)
         states[off], base[off], residual[off] = found
     return Iterate(x, states, base, residual, prior_penalty(hypothesis, x))

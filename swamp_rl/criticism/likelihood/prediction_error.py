@@ -10,16 +10,12 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, Windows, wrap
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Gain, Paired
 from swamp_rl.simulator.sensors import true_motion
 
 Array = NDArray[np.float64]
 
-HORIZONS = (1.0, 5.0, 10.0, 30.0)  # s
-RESTART = 5.0  # s between restarts, at least
-RESAMPLES = 4000
-ENOUGH_RUNS = 4  # runs that are the blocks; with fewer, runs are cut in stretches
-STRETCH = 20.0  # s of a stretch, or two horizons where that is longer
 QUANTITIES = {
     "position_rmse_m": [0, 1],
     "heading_rmse_rad": [2],
@@ -49,7 +45,7 @@ def gains(
     """
     none = np.zeros((len(run_set.lengths), 0))
     found = []
-    for horizon in HORIZONS:
+    for horizon in options().horizons:
         before = errors_at(run_set, weight, horizon, Hypothesis(), none)
         after = errors_at(run_set, weight, horizon, hypothesis, numbers)
         block, called = blocks_of(before, horizon)
@@ -123,7 +119,7 @@ def restarts(run_set: RunSet, weight: Array, run: int, horizon: float) -> Restar
 
 def _restarts(run_set: RunSet, horizon: float, begin: int) -> Windows | None:
     steps = round(horizon / run_set.dt)
-    every = max(1, round(max(horizon, RESTART) / run_set.dt))
+    every = max(1, round(max(horizon, options().restart) / run_set.dt))
     first = np.arange(begin, int(run_set.lengths[0]) - steps, every)
     if len(first) == 0:
         return None
@@ -136,12 +132,12 @@ def _restarts(run_set: RunSet, horizon: float, begin: int) -> Windows | None:
 def blocks_of(errors: Errors, horizon: float) -> tuple[NDArray[np.int64], str]:
     """(n,) block of each restart, and the name of the blocks.
 
-    Neighbouring restarts are correlated. Whole runs are resampled where there are ENOUGH_RUNS, else stretches
-    of a run.
+    Neighbouring restarts are correlated. Whole runs are resampled where there are `enough_runs`, else
+    stretches of a run.
     """
-    if len(np.unique(errors.run)) >= ENOUGH_RUNS:
+    if len(np.unique(errors.run)) >= options().enough_runs:
         return errors.run, "runs"
-    seconds = max(STRETCH, 2.0 * horizon)
+    seconds = max(options().error_stretch, 2.0 * horizon)
     place = np.stack([errors.run, (errors.end // seconds).astype(int)], axis=1)
     _, block = np.unique(place, axis=0, return_inverse=True)
     return np.asarray(block.reshape(-1), dtype=int), f"stretches of {seconds:g} s"
@@ -163,7 +159,7 @@ def change(before: Array, after: Array, block: NDArray[np.int64], rng: np.random
     np.add.at(sums[0], place, (before[good] ** 2).sum(axis=1))
     np.add.at(sums[1], place, (after[good] ** 2).sum(axis=1))
     np.add.at(sums[2], place, 1.0)
-    picked = sums @ rng.multinomial(count, np.full(count, 1.0 / count), RESAMPLES).T
+    picked = sums @ rng.multinomial(count, np.full(count, 1.0 / count), options().error_resamples).T
     roots = np.sqrt(picked[:2] / picked[2])
     tail = 100.0 * expanded_tail(count)
     low, high = np.percentile(roots[0] - roots[1], [tail, 100.0 - tail])
@@ -171,8 +167,8 @@ def change(before: Array, after: Array, block: NDArray[np.int64], rng: np.random
     return Paired(before=float(whole[0]), after=float(whole[1]), ci95=(float(low), float(high)))
 
 
-def expanded_tail(count: int, tail: float = 0.025) -> float:
+def expanded_tail(count: int) -> float:
     """Probability cut from each end of a percentile bootstrap of `count` blocks."""
     from scipy.special import ndtr, stdtrit
 
-    return float(ndtr(math.sqrt(count / (count - 1)) * stdtrit(count - 1, tail)))
+    return float(ndtr(math.sqrt(count / (count - 1)) * stdtrit(count - 1, options().tail)))

@@ -5,20 +5,19 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, moved_together
 from swamp_rl.criticism.likelihood.output_error import Fit
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
-STRETCH = 8.0  # s of a run whose scores are summed to one block
-FEWEST = 8  # blocks from which the scatter is estimated
 Z95 = 1.959964
 
 
 def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
     """(p, p) sandwich covariance (Huber-White) of x.
 
-    The inverse Fisher information, widened where the scores of STRETCH-long blocks scatter more than white
-    noise of the estimated variance would, and by Student's t for their number. The same parameter of several
-    groups of runs is widened alike, since a group alone has few blocks.
+    The inverse Fisher information, widened where the scores of blocks of `score_stretch` scatter more than
+    white noise of the estimated variance would, and by Student's t for their number. The same parameter of
+    several groups of runs is widened alike, since a group alone has few blocks.
     """
     from scipy.special import stdtrit
 
@@ -28,18 +27,22 @@ def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
     win = problem.windows
     slopes = sensitivities(problem, at).reshape(win.count, win.rows, -1, at.hypothesis.size)
     scores = np.einsum("wtc,wtcp->wtp", at.residual.reshape(win.count, win.rows, -1), slopes)[:, win.pad :]
-    rows = max(1, round(STRETCH / problem.dt)) if problem.correlation_samples == 1.0 else win.rows
+    rows = (
+        max(1, round(options().score_stretch / problem.dt))
+        if problem.correlation_samples == 1.0
+        else win.rows
+    )
     starts = np.arange(0, scores.shape[1], rows)
     blocks = np.add.reduceat(scores, starts, axis=1).reshape(-1, at.hypothesis.size)
     blocks = blocks[(blocks != 0.0).any(axis=1)]
-    if len(blocks) < FEWEST:
+    if len(blocks) < options().fewest_blocks:
         return covariance
     away = blocks - blocks.mean(axis=0)
     spread = away.T @ away * len(blocks) / (len(blocks) - 1)
     ratio = np.diag(covariance @ spread @ covariance) / np.maximum(np.diag(covariance), 1e-300)
     for columns, _ in moved_together(at.hypothesis):
         ratio[columns] = ratio[columns].mean()
-    wider = np.sqrt(np.maximum(ratio, 1.0)) * stdtrit(len(blocks) - 1, 0.975) / Z95
+    wider = np.sqrt(np.maximum(ratio, 1.0)) * stdtrit(len(blocks) - 1, 1.0 - options().tail) / Z95
     return np.asarray(covariance * np.outer(wider, wider))
 
 

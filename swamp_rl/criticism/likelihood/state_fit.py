@@ -5,12 +5,9 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-
-MIN_DECREASE = 0.3  # chi2: a step that lowers it by less ends a fit
-HOPELESS_SHARE = 5e-3  # of chi2 above noise: the same for a hypothesis that is far from the data
-LAST_DAMPING = 1.0  # above which a window that did not improve is left
 
 
 def fit_states(
@@ -33,7 +30,7 @@ def fit_states(
             transposed = np.swapaxes(slopes, 1, 2)
             A[moved], b[moved] = transposed @ slopes, (transposed @ residual[moved, :, None])[..., 0]
         step = np.linalg.solve(_ridged(A, damping), b[..., None])[..., 0]
-        active &= (step * b).sum(axis=1) > 0.1 * MIN_DECREASE
+        active &= (step * b).sum(axis=1) > options().window_decrease
         if not active.any():
             break
         part, tried = _chosen(problem, active), states[active] + step[active]
@@ -45,9 +42,11 @@ def fit_states(
         won, lost = place[better], place[~better]
         states[won], base[won], residual[won] = tried[better], prediction[better], left[better]
         active = active.copy()
-        active[lost[damping[lost] > LAST_DAMPING]] = False
-        damping[won] = np.where(damping[won] < 0.01, 0.0, damping[won] / 10.0)
-        damping[lost] = 10.0 * damping[lost] + 0.01
+        active[lost[damping[lost] > options().last_damping]] = False
+        damping[won] = np.where(
+            damping[won] < options().first_damping, 0.0, damping[won] / options().damping_factor
+        )
+        damping[lost] = options().damping_factor * damping[lost] + options().first_damping
         moved = np.zeros(count, dtype=bool)
         moved[won] = True
     return states, base, residual
@@ -61,7 +60,10 @@ def losses(residual: Array) -> Array:
 
 def min_decrease(problem: Shooting, chi2: float) -> float:
     """Fall of chi2 below which a fit ends; larger where the fit is far from the data."""
-    return max(MIN_DECREASE, HOPELESS_SHARE * (chi2 - 1.1 * problem.samples))
+    return max(
+        options().least_decrease,
+        options().least_decrease_share * (chi2 - options().noise_chi2 * problem.samples),
+    )
 
 
 def _chosen(problem: Shooting, chosen: NDArray[np.bool_]) -> Shooting:

@@ -7,13 +7,12 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.model.rollout import roll_actuators
+from swamp_rl.criticism.options import options
 from swamp_rl.simulator import initial_state, parameters
 from swamp_rl.simulator.state import ACTUATORS
 
 Array = NDArray[np.float64]
 
-LEAST_TRANSIENT = 3.0  # s at a run's start that are not compared: the actuators' state there is not recorded
-CONVERGED = 0.01  # rad of azimuth and share of throttle by which two histories may differ
 FIRST_ACTUATOR = ACTUATORS - 6  # of a row of `roll_actuators`, which begins with the time
 
 
@@ -42,6 +41,8 @@ def first_compared(boat: Boat, commands: Array, lengths: NDArray[np.int64], dt: 
     apart = actuator_history(boat, commands, dt) - actuator_history(boat, commands, dt, False)
     azimuths = apart[..., : apart.shape[2] // 2]
     azimuths -= 2.0 * np.pi * np.rint(azimuths / (2.0 * np.pi))  # whole turns are one direction
-    differ = (np.abs(apart) > CONVERGED).any(axis=2) & (np.arange(commands.shape[1]) < lengths[:, None])
+    differ = (np.abs(apart) > options().actuators_converged).any(axis=2) & (
+        np.arange(commands.shape[1]) < lengths[:, None]
+    )
     last = np.where(differ.any(axis=1), differ.shape[1] - np.argmax(differ[:, ::-1], axis=1), 0)
-    return np.maximum(math.ceil(LEAST_TRANSIENT / dt), np.minimum(last, lengths // 2))
+    return np.maximum(math.ceil(options().least_transient / dt), np.minimum(last, lengths // 2))

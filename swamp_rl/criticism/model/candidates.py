@@ -4,7 +4,7 @@ estimates.
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat.applicable import able
+from swamp_rl.criticism.options import options
 from swamp_rl.effects import LIBRARY, Effect, EffectEntry, Parameter, Reference, apply_effects
 from swamp_rl.effects.curve import Curve
 from swamp_rl.simulator import parameters
@@ -21,9 +22,6 @@ from swamp_rl.simulator.reference import reference_of
 Array = NDArray[np.float64]
 Values = dict[str, Any]
 
-DIRECTIONS = 8  # of a vector's grid
-MOST_BY_GROUP = 2  # parameters of an effect that may differ between groups
-MOST_GROUPS = 24  # beyond which the normal equations grow too large
 ONE_RUN = np.zeros(1, dtype=np.int64)
 
 
@@ -158,10 +156,7 @@ class Hypothesis:
 
     def shared(self, x: Array) -> tuple["Hypothesis", Array]:
         """What all runs share, and its parameters from x (p,)."""
-        kept = [(instance, own) for instance, own in self.parts(x) if not instance.groups]
-        return Hypothesis(tuple(one for one, _ in kept)), np.concatenate(
-            [np.zeros(0), *(own for _, own in kept)]
-        )
+        return joined((instance, own) for instance, own in self.parts(x) if not instance.groups)
 
     @property
     def moves_actuators(self) -> bool:
@@ -194,6 +189,10 @@ class Hypothesis:
         ends = list(itertools.accumulate((instance.size for instance in self.instances), initial=0))
         return [(instance, x[..., ends[i] : ends[i + 1]]) for i, instance in enumerate(self.instances)]
 
+    def columns(self, label: str) -> NDArray[np.bool_]:
+        """(p,) whether a parameter is of the effect of that label."""
+        return np.array([one.label == label for one in self.instances for _ in one.specs], dtype=bool)
+
     def entries(self, x: Array) -> list[EffectEntry]:
         """The effects with their parameters; x: (p,) or (V, p) for V boats."""
         return [entry for instance, own in self.parts(x) for entry in entries_of(instance, own)]
@@ -219,6 +218,12 @@ class Hypothesis:
         return made
 
 
+def joined(parts: Iterable[tuple[EffectInstance, Array]]) -> tuple[Hypothesis, Array]:
+    """The hypothesis of some effects, sorted by label, and their parameters (p,) in that order."""
+    every = sorted(parts, key=lambda one: one[0].label)
+    return Hypothesis(tuple(one for one, _ in every)), np.concatenate([np.zeros(0), *(x for _, x in every)])
+
+
 def entries_of(instance: EffectInstance, x: Array) -> list[EffectEntry]:
     """Effect entries of one effect instance; x: (..., p)."""
     thruster = (
@@ -239,14 +244,18 @@ def candidates(
         differing(one, by, of_runs)
         for by, of_runs in (groups or {}).items()
         for one in shared
-        if may_differ(one.effect, by) and 0 < max(of_runs) < MOST_GROUPS
+        if may_differ(one.effect, by) and 0 < max(of_runs) < options().most_groups
     ]
 
 
 def may_differ(effect: Effect, by: str) -> bool:
     """Whether an effect may have other parameters in each group; `by`: `day` or `run`."""
     narrow = effect.scope in ("day", "run") if by == "day" else effect.scope == "run"
-    return narrow and effect.begin in ("score", "grid") and len(effect.parameters) <= MOST_BY_GROUP
+    return (
+        narrow
+        and effect.begin in ("score", "grid")
+        and len(effect.parameters) <= options().most_group_parameters
+    )
 
 
 def differing(instance: EffectInstance, by: str, groups: tuple[int, ...]) -> EffectInstance:
@@ -254,19 +263,19 @@ def differing(instance: EffectInstance, by: str, groups: tuple[int, ...]) -> Eff
     return replace(instance, specs=instance.specs * (max(groups) + 1), groups=groups, by=by)
 
 
-def instances_of(effect: Effect, boat: Boat, duration: float = 60.0) -> list[EffectInstance]:
+def instances_of(effect: Effect, boat: Boat, duration: float | None = None) -> list[EffectInstance]:
     """An effect on each choice of thrusters, its `search` scaled by the boat's reference quantities."""
     chosen = selectors(effect, boat)
     if not chosen:
         return []
-    reference = replace(reference_of(boat), run=duration)
+    reference = replace(reference_of(boat), run=options().duration if duration is None else duration)
     specs = tuple(spec_of(effect, parameter, boat, reference) for parameter in effect.parameters)
     points = tuple(itertools.product(*(spec.starts for spec in specs)))
     if effect.vector and effect.begin == "grid":
         points = tuple(
             (size * math.cos(angle), size * math.sin(angle))
             for size in specs[0].starts
-            for angle in np.arange(DIRECTIONS) * 2.0 * math.pi / DIRECTIONS
+            for angle in np.arange(options().grid_directions) * 2.0 * math.pi / options().grid_directions
         )
     starts = points if effect.begin == "score" else ()
     grid = points if effect.begin == "grid" else ()

@@ -8,15 +8,10 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
+from swamp_rl.criticism.options import options
 from swamp_rl.simulator import parameters
 
 Array = NDArray[np.float64]
-
-HOLD = 2.0  # s, the shortest time that a command is held
-LONGEST_BLOCK = 6  # commands that an exchange replaces
-LEVELS = (0.0, 0.3, 0.6, 0.8, 1.0)  # of the greatest throttle
-ANGLE_STEP = math.pi / 6  # rad between azimuths that are tried
-WHOLE_BOAT = 0.6  # share of the exchanges that command all thrusters, as a fixed manoeuvre does
 
 
 @dataclass(frozen=True)
@@ -60,7 +55,7 @@ class CommandFamily:
         for one in made:
             place = 0
             while place < self.count:
-                size = int(rng.integers(1, LONGEST_BLOCK + 1))
+                size = int(rng.integers(1, options().trial_block + 1))
                 one[place : place + size] = self._of_palette(rng)
                 place += size
         return made
@@ -68,19 +63,19 @@ class CommandFamily:
     def exchanged(self, sequence: Array, rng: np.random.Generator) -> Array:
         """(n, 2K) the sequence with one block of commands replaced, of all thrusters or of one."""
         made = sequence.copy()
-        size = int(rng.integers(1, LONGEST_BLOCK + 1))
+        size = int(rng.integers(1, options().trial_block + 1))
         place = int(rng.integers(0, max(1, self.count - size + 1)))
         block = made[place : place + size]
-        if rng.random() < WHOLE_BOAT:
+        if rng.random() < options().trial_whole_boat:
             block[:] = self._of_palette(rng)
             return made
         thrusters = len(self.low) // 2
         one = int(rng.integers(thrusters))
-        turns = round(2.0 * math.pi / ANGLE_STEP)
-        angle = ANGLE_STEP * (int(rng.integers(turns)) - turns // 2)
-        level = rng.choice(LEVELS) * self.high[thrusters + one]
+        turns = round(2.0 * math.pi / options().trial_angle_step)
+        angle = options().trial_angle_step * (int(rng.integers(turns)) - turns // 2)
+        level = rng.choice(options().trial_levels) * self.high[thrusters + one]
         if self.low[thrusters + one] < 0.0 and rng.random() < 0.5:
-            level = rng.choice(LEVELS) * self.low[thrusters + one]
+            level = rng.choice(options().trial_levels) * self.low[thrusters + one]
         if rng.random() < 0.5:
             block[:, one] = np.clip(angle, self.low[one], self.high[one])
         else:
@@ -93,15 +88,15 @@ class CommandFamily:
         row = self.palette[rng.integers(len(self.palette))].copy()
         largest = np.abs(row[thrusters:]).max()
         if largest > 0.0:
-            row[thrusters:] *= rng.choice(LEVELS) * self.high[thrusters:].max() / largest
+            row[thrusters:] *= rng.choice(options().trial_levels) * self.high[thrusters:].max() / largest
         return np.clip(row, self.low, self.high)
 
 
 def command_family(boat: Boat, dt: float, seconds: float, throttle: float) -> CommandFamily:
     """For a trial of so many seconds, a row each dt [s]; throttle: greatest share of full [1].
 
-    A command is held for HOLD or more, and for as long as the slowest actuator takes from one end to the
-    other (half a turn of an azimuth without ends), so that the boat follows it.
+    A command is held for `trial_hold` or more, and for as long as the slowest actuator takes from one end to
+    the other (half a turn of an azimuth without ends), so that the boat follows it.
     """
     record, count = parameters(boat)[0], len(boat.thrusters)
     angles = [np.clip(record[name], -math.pi, math.pi) for name in ("azimuth_min", "azimuth_max")]
@@ -113,5 +108,5 @@ def command_family(boat: Boat, dt: float, seconds: float, throttle: float) -> Co
     rows = np.concatenate(list(manoeuvres(boat, dt, seconds).values()))
     mirrored = rows * np.concatenate([-np.ones(count), np.ones(count)])
     palette = np.unique(np.round(np.concatenate([rows, mirrored]), 9), axis=0)
-    hold = math.ceil(max(HOLD, slowest) / dt - 1e-9)
+    hold = math.ceil(max(options().trial_hold, slowest) / dt - 1e-9)
     return CommandFamily(hold, round(seconds / dt), palette, low, high)

@@ -6,23 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.options import options
 from swamp_rl.simulator import parameters
 
 Array = NDArray[np.float64]
 
-LENGTH = 60.0  # s
-PERIOD = 12.0  # s of a zig-zag
 
-
-def manoeuvres(boat: Boat, dt: float, seconds: float = LENGTH) -> dict[str, Array]:
+def manoeuvres(boat: Boat, dt: float, seconds: float | None = None) -> dict[str, Array]:
     """Commands (T, 2K) by name, for the boat's thrusters within their azimuth limits."""
+    seconds = options().manoeuvre_length if seconds is None else seconds
     time = np.arange(round(seconds / dt)) * dt
     record = parameters(boat)[0]
     low, high = record["azimuth_min"], record["azimuth_max"]
     side = np.sign([thruster.x for thruster in boat.thrusters])
     starboard = np.sign([thruster.y for thruster in boat.thrusters])
     count = len(boat.thrusters)
-    square_wave = np.where(np.sin(2 * math.pi * time / PERIOD) >= 0, 1.0, -1.0)
+    square_wave = np.where(np.sin(2 * math.pi * time / options().zig_zag_period) >= 0, 1.0, -1.0)
 
     def of(angles: Array, throttles: Array) -> Array:
         rows = np.zeros((len(time), 2 * count))

@@ -7,15 +7,13 @@ from typing import Any
 import numba
 import numpy as np
 
+from swamp_rl.criticism.options import options
 from swamp_rl.physics.compile import compiled, uncounted
 from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.motion import constants_of
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import SURGE, TIME
 from swamp_rl.simulator.step import continue_boat, forget_outputs, move_actuators, take_weather
-
-LEAST_STEPS = 10_000  # boat steps that are worth a thread: about 5 ms
-ACTUATOR_SHARE = 5  # steps of actuators alone that take as long as one of a boat
 
 
 def roll(
@@ -57,14 +55,14 @@ def roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, 
     def part(mine: slice) -> None:
         _roll_actuators(params[mine], start[mine], commands, run[mine], dt, states[mine])
 
-    _divided(part, len(start), states.shape[0] * states.shape[1] // ACTUATOR_SHARE)
+    _divided(part, len(start), states.shape[0] * states.shape[1] // options().actuator_share)
 
 
 def _divided(part: Callable[[slice], None], boats: int, steps: int) -> None:
-    """Call `part` with slices of the boats, on a thread for each LEAST_STEPS boat steps, at most numba's
+    """Call `part` with slices of the boats, on a thread for each `thread_steps` boat steps, at most numba's
     number of them: to start threads takes as long as many of the small simulations of a fit.
     """
-    count = min(numba.config.NUMBA_NUM_THREADS, boats, steps // LEAST_STEPS)
+    count = min(numba.config.NUMBA_NUM_THREADS, boats, steps // options().thread_steps)
     if count < 2:
         part(slice(None))
         return

@@ -8,14 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.options import DEFAULT, options
 from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
 
 # between every predicted track and the edge of the area: lengths, or a share of the shorter side
-MARGIN, MARGIN_OF_SIDE = 1.0, 0.1
-LEAST_ROOM = 2.0  # lengths that remain for the tracks
-SECONDS = (20.0, 600.0)  # s, shortest and longest trial
 NUMBER = r"(\d+(?:\.\d+)?)"
 
 
@@ -33,14 +31,19 @@ class TrialLimits:
 
     def margin(self, length: float) -> float:
         """Distance [m] that every predicted track keeps from the edge; length: of the boat [m]."""
-        return max(MARGIN * length, MARGIN_OF_SIDE * min(self.north, self.east))
+        lengths, share = options().area_margin_lengths, options().area_margin_side
+        return max(lengths * length, share * min(self.north, self.east))
 
 
 UNLIMITED = TrialLimits(math.inf, math.inf, math.inf)
 
 
 def trial_limits(
-    area: str, boat: Boat, seconds: float = 60.0, speed: float | None = None, throttle: float = 1.0
+    area: str,
+    boat: Boat,
+    seconds: float = DEFAULT.trial_seconds,
+    speed: float | None = None,
+    throttle: float = 1.0,
 ) -> TrialLimits:
     """The limits from an area as `40x30`, metres to the north and to the east.
 
@@ -50,14 +53,15 @@ def trial_limits(
     if found is None:
         raise UserError(f"--next {area}: no area; give metres north and east as 40x40, without a unit")
     north, east = float(found[1]), float(found[2])
-    least = (2.0 * MARGIN + LEAST_ROOM) * boat.length
-    if not least <= min(north, east) <= max(north, east) <= 1e5:
+    least = (2.0 * options().area_margin_lengths + options().least_area) * boat.length
+    if not least <= min(north, east) <= max(north, east) <= 100_000:
         raise UserError(
             f"--next {area}: boat {boat.name} needs {least:.3g} m each way, four lengths, and at most "
             "100000 m; give another area"
         )
-    if not SECONDS[0] <= seconds <= SECONDS[1]:
-        raise UserError(f"--seconds {seconds:g}: a trial lasts {SECONDS[0]:g} to {SECONDS[1]:g} s")
+    shortest, longest = options().trial_durations
+    if not shortest <= seconds <= longest:
+        raise UserError(f"--seconds {seconds:g}: a trial lasts {shortest:g} to {longest:g} s")
     if speed is not None and not 0.0 < speed < math.inf:
         raise UserError(f"--top-speed {speed:g}: give a speed above 0 m/s")
     if not 0.0 < throttle <= 1.0:
@@ -74,7 +78,7 @@ def rows_within(limits: TrialLimits, tracks: Array, length: float) -> NDArray[np
     north, east, surge, sway = (tracks[..., column] for column in (0, 1, 3, 4))
     margin = 0.0 if limits == UNLIMITED else limits.margin(length)  # infinity less infinity is no number
     room = [side - 2.0 * margin for side in (limits.north, limits.east)]
-    inside = np.isfinite(tracks).all(axis=(0, 3))
+    inside: NDArray[np.bool_] = np.asarray(np.isfinite(tracks).all(axis=(0, 3)))
     inside &= (np.hypot(surge, sway) <= limits.speed).all(axis=0)
     with np.errstate(invalid="ignore"):
         for place, side in zip((north, east), room, strict=True):

@@ -11,31 +11,22 @@ from swamp_rl.criticism.data.run_set import Gap, RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, Windows, window_data
 from swamp_rl.criticism.likelihood.output_error import Fit, fit_states, normal_equations
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-
-AROUND = 5.0  # s to either side of a gap that are compared
-NEGLIGIBLE = 2.0  # chi2 between the latest and the earliest change below which a gap is ignored
-MIN_GAIN = 1.0  # chi2 by which another command must be better
-OTHER_SHARES, EXTRA_CHI2 = (
-    (0.5, -1.0, 2.0),
-    9.0,
-)  # shares of the change, and the chi2 that such a command must save
-LONGEST = 5  # rows: commands of longer gaps are not estimated
-ROUNDS = 5  # iterations for the initial state of each window
 
 
 def with_relevant_gaps(run_set: RunSet, weight: Array) -> RunSet:
     """The runs with those gaps only in which the unknown command matters to the prediction."""
-    short = [gap for gap in run_set.gaps if gap.rows <= LONGEST]
-    kept = [gap for gap in run_set.gaps if gap.rows > LONGEST]
+    short = [gap for gap in run_set.gaps if gap.rows <= options().longest_gap]
+    kept = [gap for gap in run_set.gaps if gap.rows > options().longest_gap]
     if short:
         problem, _ = _windows_of_each(run_set, weight, short, ends_alone=True)
         states = np.repeat(problem.initial_states()[::2], 2, axis=0)
         tracks = problem.predict(Hypothesis(), np.zeros((1, 0)), states[None])[0]
         apart = problem.part(np.arange(len(tracks)) % 2 == 0).standardised(tracks[1::2] - tracks[::2])
         power = (apart**2).sum(axis=1)
-        kept += [gap for gap, much in zip(short, power, strict=True) if much > NEGLIGIBLE]
+        kept += [gap for gap, much in zip(short, power, strict=True) if much > options().negligible_gap]
     return replace(run_set, gaps=tuple(kept))
 
 
@@ -43,7 +34,7 @@ def with_best_commands(
     run_set: RunSet, weight: Array, every: Sequence[Gap], hypothesis: Hypothesis, x: Array
 ) -> RunSet:
     """The runs with the best-fitting commands in each short gap of `every`, under a hypothesis at x (p,)."""
-    short = [gap for gap in every if gap.rows <= LONGEST and stepwise(run_set, gap.run)]
+    short = [gap for gap in every if gap.rows <= options().longest_gap and stepwise(run_set, gap.run)]
     if not short:
         return run_set
     kept = tuple(gap for gap in run_set.gaps if gap not in short)
@@ -52,7 +43,7 @@ def with_best_commands(
         return run_set if kept == run_set.gaps else replace(run_set, gaps=kept)
     commands = run_set.commands.copy()
     problem, group = _windows_of_each(run_set, weight, short)
-    _, _, residual = fit_states(problem, hypothesis, x, problem.initial_states(), ROUNDS)
+    _, _, residual = fit_states(problem, hypothesis, x, problem.initial_states(), options().gap_rounds)
     loss = (residual**2).sum(axis=1)
     loss += [needed for gap in short for _, needed in possible_commands(run_set, gap)]
     for number, gap in enumerate(short):
@@ -83,10 +74,10 @@ def possible_commands(run_set: RunSet, gap: Gap) -> list[tuple[Array, float]]:
     before, after = commands[gap.row - 1], commands[gap.row + gap.rows]
     late = np.arange(gap.rows)[:, None]
     found = [(np.where(late < keeps, before, after), 0.0) for keeps in range(gap.rows, -1, -1)]
-    for share in OTHER_SHARES:
+    for share in options().other_shares:
         held = before + share * (after - before)
         held[len(held) // 2 :] = np.clip(held[len(held) // 2 :], -1.0, 1.0)
-        found.append((np.repeat(held[None], gap.rows, axis=0), EXTRA_CHI2))
+        found.append((np.repeat(held[None], gap.rows, axis=0), options().other_share_gain))
     return found
 
 
@@ -96,7 +87,7 @@ def with_commands_refined(problem: Shooting, at: Fit, every: Sequence[Gap]) -> R
     commands = run_set.commands.copy()
     for gap in every:
         window = np.flatnonzero(problem.windows.run == gap.run)
-        unknown = gap.rows <= LONGEST and changes_in(run_set, gap)
+        unknown = gap.rows <= options().longest_gap and changes_in(run_set, gap)
         if not unknown or len(window) != 1 or not stepwise(run_set, gap.run):
             continue
         one = problem.part(problem.windows.run == gap.run)
@@ -112,7 +103,7 @@ def with_commands_refined(problem: Shooting, at: Fit, every: Sequence[Gap]) -> R
             normal = normal_equations(at.states_jacobian[window], none, one.residuals(track))
             losses.append(needed + float(normal.profile_chi2.sum()))
         best = int(np.argmin(losses))
-        if losses[best] < losses[0] - MIN_GAIN:
+        if losses[best] < losses[0] - options().other_command_gain:
             commands[gap.run, rows] = readings[best][0]
     return replace(run_set, commands=commands)
 
@@ -133,7 +124,7 @@ def _windows_of_each(
     group = np.array([number for number, _ in rows])
     runs = np.array([gaps[number].run for number in group])
     commands = run_set.commands[runs]
-    around = math.ceil(AROUND / run_set.dt)
+    around = math.ceil(options().around_gap / run_set.dt)
     first = np.array([max(0, gaps[number].row - around) for number in group])
     last = np.array([gaps[number].row + gaps[number].rows + around for number in group])
     for i, (number, reading) in enumerate(rows):
@@ -145,4 +136,4 @@ def _windows_of_each(
     own = np.arange(len(rows))
     measured, seen = window_data(several, weight[runs], own, first, steps, 0)
     windows = Windows(own, first, steps, measured, seen, 0, int(steps.max()) + 1)
-    return Shooting(several, weight[runs], AROUND, windows), group
+    return Shooting(several, weight[runs], options().around_gap, windows), group

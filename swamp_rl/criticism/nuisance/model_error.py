@@ -9,14 +9,10 @@ from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, fit_states
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
-LONGEST_WINDOW = 30.0  # s
-FEWEST = 12  # windows of all runs together
-ROUNDS = 3  # repetitions of fit and estimate of the model error
-STEPS = 4  # Jacobians of such a fit
-BEGIN = 12  # iterations of the first initial states
 POSITIONS = slice(0, 2)
 
 
@@ -41,29 +37,39 @@ class ModelError:
 def model_error(
     run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: Array, states: Array | None = None
 ) -> ModelError:
-    """Windows of LONGEST_WINDOW, or shorter where the runs give too few, weighted by the standard deviation
-    of each channel's residual; north and east have a common one, so that no direction is weighted less.
+    """Windows of `model_error_window`, or shorter where the runs give too few, weighted by the standard
+    deviation of each channel's residual; north and east have a common one, so that no direction is weighted
+    less.
 
     Weights are divided by the root of the residual's integrated autocorrelation time, so that chi2 counts
     independent samples. weight: (R, T, 6); x: (p,); states: (W, 6) to begin with.
     """
-    seconds = min(LONGEST_WINDOW, float(run_set.lengths.sum() * run_set.dt) / FEWEST)
+    seconds = min(
+        options().model_error_window,
+        float(run_set.lengths.sum() * run_set.dt) / options().model_error_windows,
+    )
     seen = weight > 0
     sigma = 1.0 / np.where(seen.any(axis=(0, 1)), weight.max(axis=(0, 1)), 1.0)
     problem = Shooting(run_set, seen / sigma, seconds)
     if states is None:
-        states = fit_states(problem, hypothesis, x, problem.initial_states(), BEGIN)[0]
-    for _ in range(ROUNDS):
-        made = fit(problem, hypothesis, x, states, STEPS)
+        states = fit_states(problem, hypothesis, x, problem.initial_states(), options().model_error_begin)[0]
+    for _ in range(options().model_error_rounds):
+        made = fit(problem, hypothesis, x, states, options().model_error_steps)
         x, states = made.x, made.states
         sigma = sigma * residual_rms(problem, made)
         problem = Shooting(run_set, seen / sigma, seconds)
-    samples = correlation_samples(standardised_residual(problem, fit(problem, hypothesis, x, states, STEPS)))
+    samples = correlation_samples(
+        standardised_residual(problem, fit(problem, hypothesis, x, states, options().model_error_steps))
+    )
     problem = Shooting(run_set, seen / (sigma * np.sqrt(samples)), seconds)
     problem.correlation_samples = samples
     sizes = np.where(seen.any(axis=(0, 1)), sigma, 0.0)
     times = np.full(len(CHANNELS), 0.5 * samples * run_set.dt)
-    return ModelError(problem, fit(problem, hypothesis, x, states, STEPS), np.column_stack([sizes, times]))
+    return ModelError(
+        problem,
+        fit(problem, hypothesis, x, states, options().model_error_steps),
+        np.column_stack([sizes, times]),
+    )
 
 
 def in_noise_units(at: Fit, problem: Shooting, weight: Array) -> Fit:

@@ -9,13 +9,9 @@ from swamp_rl.criticism.likelihood.force_sensitivity import AXES, force_grid, fo
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.scales import force_scale
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-
-# sizes of forces at first and at least, in `force_scale`; iterations of expectation-maximisation
-REACH, LEAST, ROUNDS = np.array([0.102, 0.102, 0.0826]), np.array([2.05e-4, 2.05e-4, 1.65e-4]), 12
-PIECE, MOST_PIECES = 2.0, 60  # s that a force is constant in, and how many of them a window has at most
-CORRELATION_TIMES = (2.0, 8.0, 32.0)  # s, of which the most likely is taken
 
 
 @dataclass(frozen=True)
@@ -44,13 +40,18 @@ def random_forces(
     windows, pieces = len(gradient), gradient.shape[1] // AXES
     apart = np.abs(np.subtract.outer(np.arange(pieces), np.arange(pieces))) * piece
     alike = np.linalg.inv(np.exp(-apart / correlation_time))
-    power: Array = (REACH * scale) ** 2
-    for _ in range(ROUNDS):
+    power: Array = (np.array(options().process_reach) * scale) ** 2
+    for _ in range(options().process_rounds):
         prior = np.kron(alike, np.diag(1.0 / power))
         spread = np.linalg.inv(information + prior)
         force = (spread @ gradient[..., None])[..., 0]
         squares: Array = force**2 + np.einsum("wii->wi", spread)
-        power_before, power = power, np.maximum(squares.reshape(-1, AXES).mean(axis=0), (LEAST * scale) ** 2)
+        power_before, power = (
+            power,
+            np.maximum(
+                squares.reshape(-1, AXES).mean(axis=0), (np.array(options().process_least) * scale) ** 2
+            ),
+        )
     volume = np.linalg.slogdet(spread)[1].sum() + windows * np.linalg.slogdet(prior)[1]
     return RandomForces(
         np.asarray(prior), spread, force, power_before, float((gradient * force).sum() + volume)
@@ -59,13 +60,16 @@ def random_forces(
 
 def process_noise_gain(problem: Shooting, at: Fit) -> float:
     """2 log likelihood ratio of Gauss-Markov forces beside a fit, its parameters fixed."""
-    grid = force_grid(problem, max(PIECE, (problem.windows.rows - 1) * problem.dt / MOST_PIECES))
+    grid = force_grid(
+        problem,
+        max(options().process_piece, (problem.windows.rows - 1) * problem.dt / options().process_pieces),
+    )
     where = (problem, at.hypothesis, at.x, at.states, grid, (0, 1, 2))
     normal = force_normal_equations(*where, at.states_jacobian, at.residual)
     piece, scale = grid.block * problem.dt, force_scale(problem.boat)
     return max(
         random_forces(normal.information, normal.gradient, piece, correlation_time, scale).gain
-        for correlation_time in CORRELATION_TIMES
+        for correlation_time in options().process_times
     )
 
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.options import options
+
 Array = NDArray[np.float64]
 
 CHI2_95, Z95 = 3.841459, 1.959964  # of one degree of freedom, and its root
-LEAST, LARGEST, TRIED = 1e-4, 1e2, 121  # of the spread, in typical sizes; values tried
 
 
 @dataclass(frozen=True)
@@ -39,10 +40,12 @@ def random_effect(values: Array, covariance: Array, scale: Array) -> RandomEffec
     def loss(log_spread: float) -> float:
         return _restricted(y, noise, float(np.exp(log_spread)), len(scale))[0]
 
-    tried = np.linspace(np.log(LEAST), np.log(LARGEST), TRIED)
+    tried = np.linspace(
+        np.log(options().least_spread), np.log(options().largest_spread), options().spreads_tried
+    )
     losses = np.array([loss(one) for one in tried])
     at = int(np.argmin(losses))
-    ends = tried[max(at - 1, 0)], tried[min(at + 1, TRIED - 1)]
+    ends = tried[max(at - 1, 0)], tried[min(at + 1, options().spreads_tried - 1)]
     best = float(minimize_scalar(loss, bounds=ends, method="bounded").x) if at > 0 else float(tried[0])
     least = min(loss(best), float(losses[at]))
 
@@ -50,11 +53,13 @@ def random_effect(values: Array, covariance: Array, scale: Array) -> RandomEffec
         return loss(log_spread) - least - CHI2_95
 
     low = float(np.exp(brentq(above, tried[0], best))) if above(tried[0]) > 0.0 else 0.0
-    high = float(np.exp(brentq(above, best, tried[-1]))) if above(tried[-1]) > 0.0 else LARGEST
+    high = (
+        float(np.exp(brentq(above, best, tried[-1]))) if above(tried[-1]) > 0.0 else options().largest_spread
+    )
     spread = float(np.exp(best)) if at > 0 else 0.0
     _, mean, of_mean = _restricted(y, noise, spread, len(scale))
     if spread > 0.0:
-        of_mean = of_mean * (stdtrit(len(y) - len(scale), 0.975) / Z95) ** 2
+        of_mean = of_mean * (stdtrit(len(y) - len(scale), 1.0 - options().tail) / Z95) ** 2
     return RandomEffect(mean * scale, of_mean * np.outer(scale, scale), spread, low, high)
 
 

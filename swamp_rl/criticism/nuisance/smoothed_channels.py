@@ -13,22 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.data.measurement_noise import CLIP, repeated_samples
+from swamp_rl.criticism.data.measurement_noise import NORMAL_OF_MAD, repeated_samples
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
-from swamp_rl.criticism.likelihood.adequacy import SCALES
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
-SLOWEST = 0.2  # s between samples, above which the motion itself fills the strides
-STRIDES, JUDGED = (1, 2, 4, 8), 3  # of the fit; of the recognition
-RATIO = 1.6  # least ratio of variances over JUDGED samples and over one: a pole of 0.35 or more
-STEEPEST = 4.0  # exponent of that ratio from which it is the motion (6) and no filter's noise (1 to 3)
-ONE_POLE = 1.2  # exponent up to which the filter is of first order, and lags behind the motion
-SURELY = 6.0  # standard errors of the ratio beside that
-FEWEST = 100  # third differences
-DENSE = 0.9  # share of rows with a sample of their own
-SETTLED = 0.5  # s after a change of commands
-POLES = np.linspace(0.2, 0.98, 79)
+# times 1 / n: variance of a variance of n third differences, correlated as (20, -15, 6, -1) / 20
+OF_A_VARIANCE = 4.6
 LAGGING = slice(2, 6)  # channels whose lag no effect of the library is
 
 
@@ -45,7 +37,7 @@ class Smoothing:
 
 def smoothed_channels(run_set: RunSet) -> dict[str, Smoothing]:
     """The smoothed channels by name."""
-    if run_set.dt > SLOWEST:
+    if run_set.dt > options().smoothed_step:
         return {}
     own = np.where(repeated_samples(run_set.measured), np.nan, run_set.measured)
     inside = np.arange(own.shape[1]) < run_set.lengths[:, None]
@@ -53,7 +45,7 @@ def smoothed_channels(run_set: RunSet) -> dict[str, Smoothing]:
     found = {}
     for index, name in enumerate(CHANNELS):
         values = own[..., index]
-        if np.isfinite(values[inside]).mean() < DENSE:
+        if np.isfinite(values[inside]).mean() < options().own_samples:
             continue
         made = _smoothing(values, activity, run_set.dt, lags=index >= LAGGING.start)
         if made is not None:
@@ -76,66 +68,75 @@ def command_activity(run_set: RunSet) -> Array:
 
 def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothing | None:
     """Of one channel (R, T), None where its noise is white."""
-    variance = {stride: _variance(values, activity, stride, dt) for stride in {*STRIDES, JUDGED}}
-    fine, coarse = variance[1], variance[JUDGED]
+    variance = {
+        stride: _variance(values, activity, stride, dt)
+        for stride in {*options().strides, options().judged_stride}
+    }
+    fine, coarse = variance[1], variance[options().judged_stride]
     if fine is None or coarse is None or fine[0] <= 0.0:
         return None
-    # variance of a variance of n third differences, correlated as (20, -15, 6, -1) / 20: 4.6 / n
-    error = math.sqrt(4.6 / fine[1] + 4.6 / coarse[1])
+    error = math.sqrt(OF_A_VARIANCE / fine[1] + OF_A_VARIANCE / coarse[1])
     ratio = coarse[0] / fine[0]
-    exponent = math.log(max(ratio, 1e-12)) / math.log(JUDGED)
-    if ratio < RATIO or ratio - 1.0 < SURELY * error or exponent > STEEPEST:
+    exponent = math.log(max(ratio, 1e-12)) / math.log(options().judged_stride)
+    if (
+        ratio < options().smoothed_ratio
+        or ratio - 1.0 < options().smoothed_certainty * error
+        or exponent > options().motion_exponent
+    ):
         return None
-    measured = {stride: one[0] for stride in STRIDES if (one := variance[stride]) is not None}
+    measured = {stride: one[0] for stride in options().strides if (one := variance[stride]) is not None}
     pole = _pole(measured)
     longest = max(measured)
     power = measured[longest] / third_difference_variance(pole, longest)
     low = power * (1.0 + pole) / (1.0 - pole)
     seconds = -dt / math.log(pole)
-    if lags and exponent < ONE_POLE:
+    if lags and exponent < options().first_order_exponent:
         low += _lag_power(values, seconds, dt)
-    return Smoothing(math.sqrt(fine[0] / 20.0), math.sqrt(low), seconds)
+    return Smoothing(math.sqrt(fine[0] / 20), math.sqrt(low), seconds)
 
 
 def _variance(values: Array, activity: Array, stride: int, dt: float) -> tuple[float, int] | None:
     """Variance of the third differences over a stride, of the half during which commands changed least, those
-    beyond CLIP left out; and their number.
+    beyond `difference_clip` left out; and their number.
     """
-    span, before = 3 * stride, math.ceil(SETTLED / dt)
+    span, before = 3 * stride, math.ceil(options().settled / dt)
     if values.shape[1] <= span + before:
         return None
     differences = values[:, 3 * stride :] - values[:, : -3 * stride]
-    differences = differences - 3.0 * (values[:, 2 * stride : -stride] - values[:, stride : -2 * stride])
+    differences = differences - 3 * (values[:, 2 * stride : -stride] - values[:, stride : -2 * stride])
     differences, moved = differences[:, before:], activity[:, span + before :] - activity[:, : -span - before]
     good = np.isfinite(differences)
     quiet = good & (moved <= np.median(moved[good])) if good.any() else good
     kept = differences[quiet]
-    if len(kept) < FEWEST:
+    if len(kept) < options().fewest_differences:
         return None
-    near = kept[np.abs(kept) <= CLIP * max(1.4826 * float(np.median(np.abs(kept))), 1e-12)]
+    near = kept[
+        np.abs(kept) <= options().difference_clip * max(NORMAL_OF_MAD * float(np.median(np.abs(kept))), 1e-12)
+    ]
     return (float(np.mean(near**2)), len(near)) if len(near) else None
 
 
 def third_difference_variance(pole: float, stride: int) -> float:
     """Variance of third differences of first-order noise of unit variance: autocorrelation pole^|lag|."""
     share = pole**stride
-    return 2.0 * (10.0 - 15.0 * share + 6.0 * share**2 - share**3)
+    return 2 * (10 - 15 * share + 6 * share**2 - share**3)
 
 
 def _pole(measured: Mapping[int, float]) -> float:
     """The pole whose variances over all strides have the measured ratios best (least squares of logs)."""
+    poles = np.linspace(*options().poles)
     logs = np.log([measured[stride] for stride in measured])
     apart = [
         float(np.var(logs - np.log([third_difference_variance(float(pole), stride) for stride in measured])))
-        for pole in POLES
+        for pole in poles
     ]
-    return float(POLES[int(np.argmin(apart))])
+    return float(poles[int(np.argmin(apart))])
 
 
 def _lag_power(values: Array, seconds: float, dt: float) -> float:
-    """Variance of white noise whose means over SCALES are as large as those of a lag by that time."""
+    """Variance of white noise whose means over `whiteness_scales` are as large as those of such a lag."""
     found = [0.0]
-    for scale, run in itertools.product(SCALES, values):
+    for scale, run in itertools.product(options().whiteness_scales, values):
         rows = max(2, round(scale / dt))
         changes = (run[rows:] - run[:-rows])[np.isfinite(run[rows:] - run[:-rows])]
         if len(changes):

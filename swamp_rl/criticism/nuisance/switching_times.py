@@ -9,14 +9,11 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, normal_equations
 from swamp_rl.criticism.nuisance.command_sensitivity import command_sensitivity
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
-STEP = 0.25  # of a share, of the finite difference
 SPREAD = 12.0**-0.5  # standard deviation of a uniform distribution between two rows
-# of a window, those of the largest steps
-MOST_INSTANTS = 60
-SMALLEST_CHANGE = 0.02  # rad or of full throttle: smaller steps are not fitted
 
 
 def command_changes(run_set: RunSet) -> Array:
@@ -46,7 +43,9 @@ def fit_shares(
         run, first = int(win.run[window]), int(win.first[window])
         size = np.abs(change[run, first : first + int(win.steps[window])]).max(axis=1)
         rows = first + np.sort(
-            np.argsort(-size, kind="stable")[: min(MOST_INSTANTS, int((size > SMALLEST_CHANGE).sum()))]
+            np.argsort(-size, kind="stable")[
+                : min(options().most_instants, int((size > options().smallest_change).sum()))
+            ]
         )
         if len(rows) == 0:
             continue
@@ -66,5 +65,5 @@ def fit_shares(
 def _sensitivity(problem: Shooting, at: Fit, window: int, rows: NDArray[np.int64], change: Array) -> Array:
     """(M, n) derivative of a window's weighted prediction by the shares of n rows."""
     command_changes = np.zeros((len(rows), *change.shape))
-    command_changes[np.arange(len(rows)), rows] = STEP * change[rows]
-    return np.moveaxis(command_sensitivity(problem, at, window, command_changes) / STEP, 0, 1)
+    command_changes[np.arange(len(rows)), rows] = options().share_step * change[rows]
+    return np.moveaxis(command_sensitivity(problem, at, window, command_changes) / options().share_step, 0, 1)

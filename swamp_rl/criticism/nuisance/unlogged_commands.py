@@ -9,13 +9,9 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, normal_equations
 from swamp_rl.criticism.nuisance.command_sensitivity import command_sensitivity
+from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-
-STEP = 0.1  # rad or of full throttle, of the finite difference
-REACH_OF_ANGLE, REACH_OF_THROTTLE = 1.5, 0.5  # rad, 1: standard deviation of the prior of a change
-MIN_GAIN = 40.0  # chi2 that a change must save: a run has tens of lost rows to choose from
-MOST_ROWS = 60  # lost rows of a run beyond which none is tried
 
 
 def with_unlogged_commands(problem: Shooting, at: Fit) -> RunSet | None:
@@ -41,11 +37,11 @@ def _best_change(problem: Shooting, at: Fit, window: int, run: int) -> tuple[int
     lost = lost_rows(run_set, run)
     given = run_set.commands[run, : run_set.lengths[run]]
     channels = np.flatnonzero(np.ptp(given, axis=0) > 0)
-    if not len(lost) or len(lost) > MOST_ROWS or not len(channels):
+    if not len(lost) or len(lost) > options().most_lost_rows or not len(channels):
         return None
     slopes = _sensitivity(problem, at, window, lost, channels)
     thrusters = given.shape[1] // 2
-    reach = np.where(channels < thrusters, REACH_OF_ANGLE, REACH_OF_THROTTLE)
+    reach = np.where(channels < thrusters, options().angle_reach, options().throttle_reach)
     gains, changes = [], []
     for response in slopes:
         normal = normal_equations(at.states_jacobian[window][None], response[None], at.residual[window][None])
@@ -53,10 +49,12 @@ def _best_change(problem: Shooting, at: Fit, window: int, run: int) -> tuple[int
         gains.append(float(change @ normal.gradient[0]))
         changes.append(change)
     best = int(np.argmax(gains))
-    if gains[best] < MIN_GAIN:
+    if gains[best] < options().unlogged_gain:
         return None
     whole = np.zeros(given.shape[1])
-    whole[channels] = np.clip(changes[best], -2.0 * reach, 2.0 * reach)
+    whole[channels] = np.clip(
+        changes[best], -options().unlogged_limit * reach, options().unlogged_limit * reach
+    )
     return int(lost[best]), whole
 
 
@@ -71,6 +69,8 @@ def _sensitivity(
     """(rows, M, channels) derivative of the standardised prediction of a run by each command in each row."""
     count = len(rows) * len(channels)
     changes = np.zeros((count, *problem.run_set.commands.shape[1:]))
-    changes[np.arange(count), np.repeat(rows, len(channels)), np.tile(channels, len(rows))] = STEP
-    slopes = command_sensitivity(problem, at, window, changes) / STEP
+    changes[np.arange(count), np.repeat(rows, len(channels)), np.tile(channels, len(rows))] = (
+        options().command_step
+    )
+    slopes = command_sensitivity(problem, at, window, changes) / options().command_step
     return np.moveaxis(slopes.reshape(len(rows), len(channels), -1), 1, 2)

@@ -2,8 +2,7 @@
 
 import math
 
-from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
-from swamp_rl.criticism.report.words import label_of, minus, readable
+from swamp_rl.criticism.report.words import label_of, minus, readable, shown_unit
 from swamp_rl.criticism.result import Cause, Diagnosis, Predictors, Share
 
 TRIVIAL = {
@@ -82,8 +81,7 @@ def smoothed_sentence(found: Diagnosis) -> str:
         return ""
     parts = []
     for name, one in found.smoothed.items():
-        unit = dict(zip(CHANNELS, UNITS, strict=True))[name]
-        factor, shown = (180.0 / math.pi, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
+        factor, shown = shown_unit(name)
         parts.append(
             f"{name.replace('_', ' ')} {factor * one.sample_noise:.2g} {shown}, weighted with "
             f"{factor * one.standard_deviation:.2g} {shown} (time constant {one.time_constant_s:.2g} s)"

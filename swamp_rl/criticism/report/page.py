@@ -1,10 +1,10 @@
 """The report as one HTML page: sentences, tables and figures."""
 
 import html
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from swamp_rl.criticism.data.measurement_noise import noise_floor
-from swamp_rl.criticism.data.run_set import CHANNELS, UNITS, RunSet
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES
 from swamp_rl.criticism.report.evidence import (
     carry_over_sentence,
@@ -37,6 +37,7 @@ from swamp_rl.criticism.report.words import (
     rest_sentence,
     rounded,
     shape_sentence,
+    shown_unit,
 )
 from swamp_rl.criticism.result import Diagnosis, Gain
 
@@ -84,7 +85,11 @@ def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str]) -> str:
         limits_section(found, run_set),
         details(found, run_set),
     ]
-    title = f"Diagnosis of the model of {run_set.boat.name}"
+    return document(f"Diagnosis of the model of {run_set.boat.name}", parts)
+
+
+def document(title: str, parts: Sequence[str]) -> str:
+    """A whole HTML document; parts: of its body."""
     head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
     head += f"<title>{html.escape(title)}</title><style>{STYLE}</style>"
     return f'<!doctype html><html lang="en"><head>{head}</head><body>{"".join(parts)}</body></html>\n'
@@ -330,9 +335,9 @@ def limits_section(found: Diagnosis, run_set: RunSet) -> str:
 def details(found: Diagnosis, run_set: RunSet) -> str:
     """Measurement noise, and the hypotheses that were fitted."""
     rows = []
-    for name, unit in zip(CHANNELS, UNITS, strict=True):
+    for name in CHANNELS:
         if name in found.noise:
-            factor, shown = (DEGREES, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
+            factor, shown = shown_unit(name)
             level, least = found.noise[name], noise_floor(run_set.boat)[CHANNELS.index(name)]
             below = "below " if level <= least else ""
             rows.append((name.replace("_", " "), below + rounded(factor * max(level, least)), shown))

@@ -175,8 +175,7 @@ def noise_sentence(found: Diagnosis) -> str:
         return ""
     parts = []
     for name, one in found.wandering.items():
-        unit = dict(zip(CHANNELS, UNITS, strict=True))[name]
-        factor, shown = (180.0 / math.pi, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
+        factor, shown = shown_unit(name)
         parts.append(f"{name.replace('_', ' ')} {rounded(factor * one.standard_deviation)} {shown}")
     seconds = max(one.time_constant_s for one in found.wandering.values())
     whose = (
@@ -185,6 +184,12 @@ def noise_sentence(found: Diagnosis) -> str:
         else "In addition the model has errors that are correlated in time"
     )
     return f"{whose} (standard deviation): {', '.join(parts)}; time constant {seconds:.2g} s."
+
+
+def shown_unit(channel: str) -> tuple[float, str]:
+    """Factor from SI and unit that a channel is shown in."""
+    unit = UNITS[CHANNELS.index(channel)]
+    return (180.0 / math.pi, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
 
 
 def closeness(verdict: str) -> str:

@@ -15,20 +15,10 @@ from swamp_rl.criticism.likelihood.cross_validation import (
     stretch_losses,
 )
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.continuation import CORRECTED, LAST, Continuation
 from swamp_rl.criticism.selection.score_test import ScoreTest
-
-MIN_SEPARATION = 9.0  # of the information criterion, below which two hypotheses are indistinguishable
-CLOSE_GENERAL = 3.0  # the same, of a generalisation of the best: chance brings one nearer in 1 % of cases
-NEAR = 40.0  # the same on shorter windows, above which longer ones are not compared
-CLEARLY = 50.0  # of the information criterion, more than longer windows change a comparison by
-OVERWHELMING = 500.0  # the same, more than the error of a fit that has not converged
-DIVERGED = 10.0  # chi2 a sample, of whole runs that diverged
-# standard deviations of a derivative's prior beyond which another effect is tried in its place
-NUISANCE_LIMIT = 1.8
-MOST_RIVALS = 4
-STAGES_TESTED = 3  # window lengths on which a cause may be confirmed
 
 
 @dataclass(frozen=True)
@@ -132,10 +122,10 @@ def _best_and_rivals(
         one
         for one in rivals
         if not nested(best.hypothesis, one.hypothesis)
-        or continuation.criterion(one) < continuation.criterion(best) + CLOSE_GENERAL
+        or continuation.criterion(one) < continuation.criterion(best) + options().separation_general
         or any(one.hypothesis.label == other.hypothesis.label for other in special)
     ]
-    return best, rivals[:MOST_RIVALS], deepest, confirmed | new
+    return best, rivals[: options().most_rivals], deepest, confirmed | new
 
 
 def without_unconfirmed(
@@ -157,15 +147,15 @@ def without(continuation: Continuation, best: Fit, label: str, stage: int) -> Fi
     known = continuation.fits.get((stage, less.label))
     if known is not None and not less.instances:
         return known
-    x = np.concatenate([np.zeros(0), *(own for a, own in best.hypothesis.parts(best.x) if a.label != label)])
-    if known is not None and known.chi2 > best.chi2 + OVERWHELMING:
+    _, x = joined((one, own) for one, own in best.hypothesis.parts(best.x) if one.label != label)
+    if known is not None and known.chi2 > best.chi2 + options().overwhelming:
         glance = fit(
-            continuation.problem(stage, less), less, x, best.states, 2
+            continuation.problem(stage, less), less, x, best.states, options().glance_steps
         )  # the known fit may not have converged
-        if glance.chi2 > best.chi2 + OVERWHELMING:
+        if glance.chi2 > best.chi2 + options().overwhelming:
             return known
     before = continuation.problem(stage, less)
-    made = continuation.fit_from(stage, less, x, best.states, 8, fresh=True)
+    made = continuation.fit_from(stage, less, x, best.states, options().fit_steps, fresh=True)
     if known is None or made.chi2 < known.chi2:
         return made
     continuation.keep(stage, before, known)
@@ -184,13 +174,13 @@ def pruned(continuation: Continuation, best: Fit, stage: int) -> Fit:
 
 
 def indispensable(continuation: Continuation, best: Fit, label: str, stage: int) -> bool:
-    """Whether the removal of an effect raises the criterion by CLEARLY on shorter windows already: a bound
+    """Whether the removal of an effect raises the criterion by `clearly` on shorter windows already: a bound
     that makes the fit to longer ones unnecessary.
     """
     for shorter in range(stage):
         whole = continuation.fit(shorter, best.hypothesis, best.x)
         less = without(continuation, whole, label, shorter)
-        if continuation.criterion(less) > continuation.criterion(best) + CLEARLY:
+        if continuation.criterion(less) > continuation.criterion(best) + options().clearly:
             return True
     return False
 
@@ -206,7 +196,7 @@ def confirmations(
         for stage in (0, 1, LAST):
             whole = continuation.fit(stage, best.hypothesis, best.x)
             less = without(continuation, whole, instance.label, stage)
-            one = confirmed_on(continuation, stage, whole, less, STAGES_TESTED * comparisons)
+            one = confirmed_on(continuation, stage, whole, less, options().stages_tested * comparisons)
             known = found.get(instance.label)
             if known is None or (one.gains, one.low) > (known.gains, known.low):
                 found[instance.label] = one
@@ -253,19 +243,12 @@ def _with_special(
     continuation: Continuation, best: Fit, instance: EffectInstance, special: EffectInstance, stage: int
 ) -> Fit:
     """The best fit with a special case in place of one effect, started from the best fit."""
-    shared = instance.by_group(_own(best, instance)).mean(axis=0)
+    shared = instance.by_group(best.x[best.hypothesis.columns(instance.label)]).mean(axis=0)
     numbers = {p.field: x for p, x in zip(instance.effect.parameters, shared, strict=True)}
-    own = {a.label: x for a, x in best.hypothesis.parts(best.x)}
     begin = zip(special.effect.parameters, (special.starts or special.grid)[0], strict=True)
-    own[special.label] = np.array([numbers.get(p.field, start) for p, start in begin])
-    less = best.hypothesis.without(instance.label).with_instance(special)
-    return continuation.fit(
-        stage, less, np.concatenate([own[one.label] for one in less.instances]), best.states
-    )
-
-
-def _own(best: Fit, instance: EffectInstance) -> np.ndarray:
-    return next(x for a, x in best.hypothesis.parts(best.x) if a.label == instance.label)
+    own = np.array([numbers.get(p.field, start) for p, start in begin])
+    kept = [(one, x) for one, x in best.hypothesis.parts(best.x) if one.label != instance.label]
+    return continuation.fit(stage, *joined([*kept, (special, own)]), best.states)
 
 
 def alternatives_to_nuisance(
@@ -279,7 +262,7 @@ def alternatives_to_nuisance(
         for nuisance, own in best.hypothesis.parts(best.x)
         if not nuisance.groups
         for parameter, spec, value in zip(nuisance.effect.parameters, nuisance.specs, own, strict=True)
-        if spec.prior is not None and abs(value - 1.0) > NUISANCE_LIMIT * spec.prior
+        if spec.prior is not None and abs(value - 1.0) > options().nuisance_limit * spec.prior
     }
     if not far:
         return []
@@ -287,12 +270,9 @@ def alternatives_to_nuisance(
     for instance in instances:
         moves = {parameter.field for parameter in instance.effect.parameters}
         if not instance.effect.nuisance and moves & far and instance not in best.hypothesis.instances:
-            more = best.hypothesis.with_instance(instance)
-            values = {a.label: own for a, own in best.hypothesis.parts(best.x)}
-            values[instance.label] = np.array(instance.starts[0])
-            start = np.concatenate([values[one.label] for one in more.instances])
+            own = (instance, np.array(instance.starts[0]))
             states = continuation.fit(0, best.hypothesis, best.x).states
-            found.append(continuation.fit(0, more, start, states))
+            found.append(continuation.fit(0, *joined([*best.hypothesis.parts(best.x), own]), states))
     return found
 
 
@@ -326,19 +306,21 @@ def compare(
     Where whole runs of a close one diverged, all are compared on the middle windows.
     """
     criterion = continuation.criterion
-    near = criterion(continuation.fit(1, best.hypothesis, best.x)) + NEAR
-    here = criterion(continuation.fit(0, best.hypothesis, best.x)) + NEAR
+    near = criterion(continuation.fit(1, best.hypothesis, best.x)) + options().compared
+    here = criterion(continuation.fit(0, best.hypothesis, best.x)) + options().compared
     every = [best]
     for one in tried:
         if one.hypothesis.label == best.hypothesis.label or criterion(one) > here:
             continue
         if criterion(fit_by_continuation(continuation, one.hypothesis, one.x)) <= near:
             every.append(continuation.fit(stage, one.hypothesis, one.x))
-    if stage > 1 and any(one.chi2 > DIVERGED * continuation.problems[stage].samples for one in every):
+    if stage > 1 and any(
+        one.chi2 > options().diverged * continuation.problems[stage].samples for one in every
+    ):
         stage = 1
         every = [continuation.fit(stage, one.hypothesis, one.x) for one in every]
     every.sort(key=criterion)
-    close = [one for one in every[1:] if criterion(one) < criterion(every[0]) + MIN_SEPARATION]
+    close = [one for one in every[1:] if criterion(one) < criterion(every[0]) + options().separation]
     apart = {one.hypothesis.cause_label: one for one in reversed(close)}
     apart.pop(every[0].hypothesis.cause_label, None)
     return every[0], sorted(apart.values(), key=criterion), stage

@@ -7,6 +7,7 @@ import numpy as np
 from swamp_rl.criticism.likelihood.adequacy import adequacy, near
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.selection.backward_elimination import (
     Selection,
@@ -18,32 +19,23 @@ from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
 from swamp_rl.criticism.selection.small_effects import with_small_effects
 
-STEP_BUDGET = 1.5e7  # steps of a boat, about twenty seconds
-MOST = 3  # effects together, the hull's derivatives counted as one
-BEAM = 5  # sets that are expanded
-SHORTLIST = 8  # sets that are fitted at each depth
-FIRST = 3  # of them, those fitted in any case, unless the residual of one is noise
-MOST_FOLLOWED = 4  # of them, those that are fitted to longer windows
-MIN_INFORMATION = 10.0  # least information about an effect, squared typical size over variance
-PART, FEWEST = 4, 16  # windows of which one is fitted first for an effect without parameters; windows in all
-GAIN_SHARE = 0.2  # of the best gain by which another may be worse and still be followed
-
 
 def beam_search(
     continuation: Continuation,
     instances: Sequence[EffectInstance],
     hull: EffectInstance | None,
-    step_budget: float = STEP_BUDGET,
+    step_budget: float | None = None,
     sufficient_reconstruction: Callable[[Continuation, Fit], object] | None = None,
     previous: Sequence[Fit] = (),
 ) -> Selection:
-    """Search from no effect to `MOST` effects, until the residual is noise and no score test is
+    """Search from no effect to `most_effects` effects, until the residual is noise and no score test is
     significant.
 
     step_budget: boat steps after which no further depth is begun; sufficient_reconstruction: whether the best
     of the first depth needs reconstructed commands and no further effect; previous: the result of a search
     under other noise, at the shortest windows and the middle ones, which is tried too.
     """
+    step_budget = options().step_budget if step_budget is None else step_budget
     criterion = continuation.criterion
     every = [*instances, *([hull] if hull else [])]
     best = fit_by_continuation(continuation, Hypothesis(), np.zeros(0))
@@ -53,7 +45,7 @@ def beam_search(
     at_start = continuation.fit(stage or 0, Hypothesis(), np.zeros(0))
     first = score_tests(continuation.problem(stage or 0, Hypothesis()), at_start, every)
     if stage is not None:
-        small = with_small_effects(continuation, best, _identifiable(every, first), MOST)
+        small = with_small_effects(continuation, best, _identifiable(every, first), options().most_effects)
         if not _is_significant(continuation, stage, small.best, every):
             return conclude(continuation, small.best, small.tried, first, _unidentifiable(first), every)
         first = score_tests(continuation.problems[0], continuation.fit(0, Hypothesis(), np.zeros(0)), every)
@@ -63,7 +55,7 @@ def beam_search(
     if best.hypothesis.instances:
         tried[best.hypothesis.label] = continuation.fit(0, best.hypothesis, best.x)
     beam = [continuation.fit(0, Hypothesis(), np.zeros(0))]
-    for depth in range(MOST):
+    for depth in range(options().most_effects):
         LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
         if continuation.boat_steps > step_budget or (depth > 0 and _is_sufficient(continuation, best, every)):
             break
@@ -78,13 +70,17 @@ def beam_search(
             beam,
             every,
             first if depth == 0 else None,
-            step_budget if depth == MOST - 1 else np.inf,
+            step_budget if depth == options().most_effects - 1 else np.inf,
         )
         if not fitted:
             break
         tried |= {one.hypothesis.label: one for one in fitted}
-        limit = criterion(fitted[0]) + 200.0 + GAIN_SHARE * (beam[0].chi2 - fitted[0].chi2)
-        beam = [one for one in fitted[:BEAM] if criterion(one) < limit]
+        limit = (
+            criterion(fitted[0])
+            + options().follow_beam
+            + options().follow_share * (beam[0].chi2 - fitted[0].chi2)
+        )
+        beam = [one for one in fitted[: options().beam] if criterion(one) < limit]
         followed = [one for one in _followed(continuation, fitted) if near(continuation.problems[0], one)]
         for one in followed:
             best = min(best, fit_by_continuation(continuation, one.hypothesis, one.x), key=criterion)
@@ -92,7 +88,7 @@ def beam_search(
         closest = min(tried.values(), key=criterion)
         best = min(best, fit_by_continuation(continuation, closest.hypothesis, closest.x), key=criterion)
     if near(continuation.problems[1], best):
-        small = with_small_effects(continuation, best, every, MOST)
+        small = with_small_effects(continuation, best, every, options().most_effects)
         best = small.best
         tried |= {one.hypothesis.label: one for one in small.tried}
     return conclude(continuation, best, list(tried.values()), first, unidentifiable, every)
@@ -116,8 +112,10 @@ def _refit_previous(continuation: Continuation, previous: Sequence[Fit]) -> Fit:
 def _followed(continuation: Continuation, fitted: list[Fit]) -> list[Fit]:
     criterion = continuation.criterion
     best = criterion(fitted[0])
-    room = 100.0 if adequacy(continuation.problems[0], fitted[0]).adequate else 0.5 * best + 100.0
-    return [one for one in fitted[:MOST_FOLLOWED] if criterion(one) < best + room]
+    room = options().follow_adequate
+    if not adequacy(continuation.problems[0], fitted[0]).adequate:
+        room += options().follow_inadequate * best
+    return [one for one in fitted[: options().followed] if criterion(one) < best + room]
 
 
 def _is_sufficient(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> bool:
@@ -130,7 +128,7 @@ def _is_sufficient(continuation: Continuation, at: Fit, instances: Sequence[Effe
 
 def _unidentifiable(scores: Sequence[ScoreTest]) -> list[str]:
     """Labels of those with too little information in the data."""
-    return [one.instance.label for one in scores if one.information < MIN_INFORMATION]
+    return [one.instance.label for one in scores if one.information < options().least_information]
 
 
 def _is_significant(
@@ -141,11 +139,10 @@ def _is_significant(
     problem = continuation.problem(stage, here.hypothesis)
     for one in score_tests(problem, here, instances):
         least = continuation.criterion.required_gain(here.hypothesis, one.instance)
-        if (
-            here.chi2 - one.expected_chi2 > least
-            and here.chi2 - fit(problem, one.hypothesis, one.x, here.states, 4).chi2 > least
-        ):
-            return True
+        if here.chi2 - one.expected_chi2 > least:
+            made = fit(problem, one.hypothesis, one.x, here.states, options().check_steps)
+            if here.chi2 - made.chi2 > least:
+                return True
     return False
 
 
@@ -162,9 +159,9 @@ def _expand(
 ) -> list[Fit]:
     """Fits to the shortest windows of the sets of least expected criterion with one more effect, best first.
 
-    Sets whose expected criterion is far above that of the first FIRST are not fitted, effects without
-    parameters excepted as long as nothing is adequate and a part of the windows does not refute them; once
-    the step budget is spent, only the first are.
+    Sets whose expected criterion is far above that of the first `always_fitted` are not fitted, effects
+    without parameters excepted as long as nothing is adequate and a part of the windows does not refute
+    them; once the step budget is spent, only the first are.
     """
     if not beam:
         return []
@@ -174,19 +171,21 @@ def _expand(
         scores = known if known is not None else score_tests(continuation.problems[0], at, instances)
         for one in scores:
             label = one.hypothesis.label
-            if one.information >= MIN_INFORMATION and (
+            if one.information >= options().least_information and (
                 label not in found or one.expected_chi2 < found[label].expected_chi2
             ):
                 found[label] = one
     ranked = sorted(found.values(), key=lambda one: one.expected_chi2 + criterion.charge(one.hypothesis))
     # The score of an effect without parameters, such as a swap of channels, is no guide: it is a jump.
     base = min(beam, key=criterion).hypothesis.label
-    discrete = [one for one in ranked[SHORTLIST:] if not one.instance.size and _base(one).label == base]
-    chosen = [*ranked[:SHORTLIST], *discrete]
+    discrete = [
+        one for one in ranked[options().shortlist :] if not one.instance.size and _base(one).label == base
+    ]
+    chosen = [*ranked[: options().shortlist], *discrete]
     fitted: list[Fit] = []
     limit, enough = np.inf, False
     for number, one in enumerate(chosen):
-        if number >= FIRST and continuation.boat_steps > step_budget:
+        if number >= options().always_fitted and continuation.boat_steps > step_budget:
             break
         expected = one.expected_chi2 + criterion.charge(one.hypothesis)  # which may overflow
         jump = not (one.instance.size or enough) and not _is_hopeless(continuation, one, beam)
@@ -200,20 +199,24 @@ def _expand(
             )
         best = min(fitted, key=criterion)
         enough = adequacy(continuation.problems[0], best).adequate
-        if enough or number + 1 >= FIRST:
+        if enough or number + 1 >= options().always_fitted:
             gained = max(at.chi2 - best.chi2 for at in beam)
-            limit = criterion(best) + 300.0 + (1 if enough else 2) * GAIN_SHARE * gained
+            limit = (
+                criterion(best)
+                + options().follow_fit
+                + (1 if enough else 2) * options().follow_share * gained
+            )
     return sorted(fitted, key=criterion)
 
 
 def _is_hopeless(continuation: Continuation, one: ScoreTest, beam: Sequence[Fit]) -> bool:
-    """Whether an effect, fitted in full to one window in PART, has a greater chi2 on these windows than the
-    hypothesis without it. The part stands for all windows: a fit to all of them could differ.
+    """Whether an effect, fitted in full to one window in `jump_part`, has a greater chi2 on these windows
+    than the hypothesis without it. The part stands for all windows: a fit to all of them could differ.
     """
     problem = continuation.problems[0]
-    if problem.windows.count < FEWEST:
+    if problem.windows.count < options().jump_windows:
         return False
-    chosen = np.arange(problem.windows.count) % PART == 0
+    chosen = np.arange(problem.windows.count) % options().jump_part == 0
     made = fit(problem.part(chosen), one.hypothesis, one.x, one.states[chosen])
     before = next(at for at in beam if at.hypothesis.label == _base(one).label)
     return float(made.loss.sum()) > float(before.loss[chosen].sum())

@@ -9,24 +9,13 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, min_decrease
-from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.candidates import joined
 from swamp_rl.criticism.nuisance.switching_times import command_changes, fit_shares, interpolated_at
-from swamp_rl.criticism.selection.backward_elimination import MIN_SEPARATION, Selection
+from swamp_rl.criticism.options import options
+from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
 
 Array = NDArray[np.float64]
-
-NONE = np.zeros(0)
-SHARES = (0.5, 1.0)  # of a step that are tried: linear interpolation, and the next row's command
-MIN_GAIN = 40.0  # chi2 that a reconstruction must save
-# of the chi2 above noise that it must save: a missing force is not explained by commands
-MIN_GAIN_SHARE = 0.2
-NOISE = 1.06  # chi2 a sample of noise, whose variance is estimated slightly too small
-FAR_ABOVE = 3.0  # chi2 a sample above which no reconstruction is accepted
-TOO_FAR = 30.0  # chi2 a sample above which none is tried
-STEPS = 6  # Jacobians of a fit with reconstructed commands
-ROUNDS = 4  # repetitions of the fit of all switching times
-CHI2_OF_AN_INSTANT = 1.0  # chi2 that every fitted instant must save in addition
 
 
 def interpolated(run_set: RunSet, share: float) -> RunSet:
@@ -46,17 +35,22 @@ def better_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -
     as a delay; where the residual then exceeds noise, one share for each step.
     """
     problem = continuation.problems[MIDDLE]
-    if at.chi2 > TOO_FAR * problem.samples:
+    if at.chi2 > options().reconstruction_hopeless * problem.samples:
         return None
-    least = max(MIN_GAIN, MIN_GAIN_SHARE * (at.chi2 - NOISE * problem.samples))
+    least = max(
+        options().reconstruction_gain,
+        options().reconstruction_share * (at.chi2 - options().variance_bias * problem.samples),
+    )
     best = None
     share, shared = fit_common_share(problem, at, logged)
-    if shared.chi2 < min(at.chi2 - least, FAR_ABOVE * problem.samples):
+    if shared.chi2 < min(at.chi2 - least, options().reconstruction_most * problem.samples):
         best = interpolated(logged, share)
     if adequacy(problem, shared if best else at).adequate:
         return best
     each, made, count = fit_switching_times(problem, shared, logged, share)
-    saves = made.chi2 < min(at.chi2 - least - CHI2_OF_AN_INSTANT * count, FAR_ABOVE * problem.samples)
+    saves = made.chi2 < min(
+        at.chi2 - least - options().instant_gain * count, options().reconstruction_most * problem.samples
+    )
     return each if saves else best
 
 
@@ -68,22 +62,27 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     parts = [(instance, own) for instance, own in at.hypothesis.parts(at.x) if not instance.moves_actuators]
     if len(parts) == len(at.hypothesis.instances):
         return None
-    less = Hypothesis(tuple(instance for instance, _ in parts))
-    plain = fit(problem, less, np.concatenate([NONE, *(own for _, own in parts)]), at.states, STEPS)
-    most = continuation.criterion(at) + MIN_SEPARATION - continuation.criterion.charge(less)
+    less, x = joined(parts)
+    plain = fit(problem, less, x, at.states, options().reconstruction_steps)
+    most = continuation.criterion(at) + options().separation - continuation.criterion.charge(less)
     share, shared = fit_common_share(problem, plain, logged)
     if shared.chi2 < most and adequacy(problem, shared).adequate:
         return interpolated(logged, share)
     each, made, count = fit_switching_times(problem, shared, logged, share)
     return (
-        each if made.chi2 + CHI2_OF_AN_INSTANT * count < most and adequacy(problem, made).adequate else None
+        each
+        if made.chi2 + options().instant_gain * count < most and adequacy(problem, made).adequate
+        else None
     )
 
 
 def fit_common_share(problem: Shooting, at: Fit, logged: RunSet) -> tuple[float, Fit]:
     """The share of a step, common to all commands, at least chi2 under a hypothesis, and the fit with it."""
     as_logged = at if logged.commands is problem.run_set.commands else _refit(problem, logged, at)
-    fits = [as_logged, *(_refit(problem, interpolated(logged, share), at) for share in SHARES)]
+    fits = [
+        as_logged,
+        *(_refit(problem, interpolated(logged, share), at) for share in options().reconstruction_shares),
+    ]
     share = least_of_parabola(*(one.chi2 for one in fits))
     return share, _refit(problem, interpolated(logged, share), min(fits, key=lambda one: one.chi2))
 
@@ -108,7 +107,7 @@ def fit_switching_times(problem: Shooting, at: Fit, logged: RunSet, share: float
     best = interpolated_at(logged, change, shares)
     made = least = _refit(problem, best, at, fresh=True)
     count = 0
-    for _ in range(ROUNDS):
+    for _ in range(options().reconstruction_rounds):
         shares, share, count = fit_shares(_problem(problem, best), least, change, shares, share)
         run_set = interpolated_at(logged, change, shares)
         made = _refit(problem, run_set, least, fresh=True)
@@ -125,12 +124,14 @@ def least_of_parabola(start: float, middle: float, end: float) -> float:
     bend = start - 2.0 * middle + end
     if bend <= 0.0:
         return 0.0 if start < end else 1.0
-    return float(np.clip(0.5 + 0.25 * (start - end) / bend, 0.0, 1.0))
+    return float(np.clip(0.5 + (start - end) / (4 * bend), 0.0, 1.0))
 
 
 def _refit(problem: Shooting, run_set: RunSet, at: Fit, fresh: bool = False) -> Fit:
     """The fit repeated on the same windows with other commands."""
-    return fit(_problem(problem, run_set), at.hypothesis, at.x, at.states, STEPS, fresh)
+    return fit(
+        _problem(problem, run_set), at.hypothesis, at.x, at.states, options().reconstruction_steps, fresh
+    )
 
 
 def _problem(problem: Shooting, run_set: RunSet) -> Shooting:
@@ -145,7 +146,8 @@ def is_better(before: Continuation, found: Selection, after: Continuation, again
         return continuation.criterion(continuation.fit(MIDDLE, one.winner.hypothesis, one.winner.x))
 
     return again.adequate > found.adequate or (
-        again.adequate == found.adequate and reached(after, again) < reached(before, found) - MIN_GAIN
+        again.adequate == found.adequate
+        and reached(after, again) < reached(before, found) - options().reconstruction_gain
     )
 
 
@@ -158,5 +160,5 @@ def is_simpler(before: Continuation, found: Selection, after: Continuation, agai
     return (
         again.adequate
         and len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)
-        and after.criterion(other) < before.criterion(one) + MIN_SEPARATION
+        and after.criterion(other) < before.criterion(one) + options().separation
     )

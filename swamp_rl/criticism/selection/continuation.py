@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import Gap, RunSet
-from swamp_rl.criticism.likelihood.adequacy import NEARLY, adequacy
+from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, fit_states
 from swamp_rl.criticism.model.candidates import Hypothesis
@@ -18,23 +18,16 @@ from swamp_rl.criticism.nuisance.lost_rows import (
     with_commands_refined,
     with_relevant_gaps,
 )
-from swamp_rl.criticism.nuisance.unlogged_commands import MIN_GAIN, with_unlogged_commands
+from swamp_rl.criticism.nuisance.unlogged_commands import with_unlogged_commands
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.selection.information_criterion import InformationCriterion, information_criterion
 
 Array = NDArray[np.float64]
 
-WINDOW_LENGTHS = (5.0, 20.0, np.inf)  # s
 MIDDLE = 1
-LAST = len(WINDOW_LENGTHS) - 1  # whole runs, every hypothesis with its own best-fitting commands in gaps
+LAST = 2  # whole runs, every hypothesis with its own best-fitting commands in gaps
 CORRECTED = LAST + 1  # the same, also with commands that only stood in lost rows, each of them charged
-STEPS = (8, 10, 10, 10)  # Jacobians of a fit, by stage
-ROUNDS = 12  # iterations of the first initial states
-STEPS_WHEN_CLOSE = 16  # Jacobians of a fit whose shorter windows fit well
-MOST_CORRECTIONS = 4  # repetitions of the search for unlogged commands
-FAR = 10.0  # chi2 a sample of a fit that is far from the data
-MIN_GAIN_RATIO = 0.25  # gain ratio below which a fit has not converged
-CLOSE = 1.1  # chi2 a sample of a fit that is close to the data
 
 
 @dataclass
@@ -70,9 +63,14 @@ class Continuation:
         if below is not None:
             x = below.x
             states = self.carried(below, stage)
-        good = below is not None and below.chi2 < CLOSE * self.problems[stage - 1].samples
+        good = below is not None and below.chi2 < options().close_to_data * self.problems[stage - 1].samples
         return self.fit_from(
-            stage, hypothesis, x, states, STEPS_WHEN_CLOSE if good else STEPS[stage], stage >= LAST
+            stage,
+            hypothesis,
+            x,
+            states,
+            options().steps_when_close if good else options().stage_steps[stage],
+            stage >= LAST,
         )
 
     def fit_from(
@@ -91,13 +89,17 @@ class Continuation:
             return self._corrected(self.fit_from(LAST, hypothesis, x, states, steps))
         problem = self.problems[stage]
         if states is None:
-            states, _, _ = fit_states(problem, hypothesis, x, self.initial_states[stage], ROUNDS)
+            states, _, _ = fit_states(
+                problem, hypothesis, x, self.initial_states[stage], options().first_rounds
+            )
         if stage == LAST:
             problem, made = fit_whole_runs(problem, self.gaps, hypothesis, x, states, steps)
         else:
             made = fit(problem, hypothesis, x, states, steps, fresh)
         self.keep(stage, problem, made)
-        LOG.debug("segments of %g s: %s, chi2 %.0f", WINDOW_LENGTHS[stage], hypothesis.label, made.chi2)
+        LOG.debug(
+            "segments of %g s: %s, chi2 %.0f", options().window_lengths[stage], hypothesis.label, made.chi2
+        )
         return made
 
     def _corrected(self, below: Fit) -> Fit:
@@ -115,9 +117,8 @@ class Continuation:
         """Whether a fit to the shortest windows, far from the data, kept little of the expected fall of chi2
         from `before`.
         """
-        return made.chi2 > FAR * self.problems[0].samples and before - made.chi2 < MIN_GAIN_RATIO * (
-            before - expected_chi2
-        )
+        far = made.chi2 > options().far_from_data * self.problems[0].samples
+        return far and before - made.chi2 < options().converged_share * (before - expected_chi2)
 
     def restarted(self, made: Fit) -> Fit:
         """A fit to the shortest windows restarted from a fit to windows half as long, in which a boat that is
@@ -125,14 +126,16 @@ class Continuation:
         """
         if self.half is None:
             first = self.problems[0]
-            self.half = Shooting(first.run_set, first.weight, 0.5 * WINDOW_LENGTHS[0])
+            self.half = Shooting(
+                first.run_set, first.weight, options().restart_share * options().window_lengths[0]
+            )
         x, hypothesis = made.x, made.hypothesis
         for problem, initial_states in (
             (self.half, self.half.initial_states()),
             (self.problems[0], self.initial_states[0]),
         ):
-            states, _, _ = fit_states(problem, hypothesis, x, initial_states, ROUNDS)
-            again = fit(problem, hypothesis, x, states, STEPS[0])
+            states, _, _ = fit_states(problem, hypothesis, x, initial_states, options().first_rounds)
+            again = fit(problem, hypothesis, x, states, options().stage_steps[0])
             x = again.x
         best = min(made, again, key=lambda one: one.chi2)
         self.fits[0, hypothesis.label] = best
@@ -175,7 +178,7 @@ def states_carried(shorter: Shooting, states: Array, longer: Shooting, others: A
 def continuation_of(run_set: RunSet, weight: Array) -> Continuation:
     """The stages for these runs; shorter windows end at gaps in which the unknown command matters."""
     cautious = with_relevant_gaps(run_set, weight)
-    problems = [Shooting(cautious, weight, seconds) for seconds in WINDOW_LENGTHS]
+    problems = [Shooting(cautious, weight, seconds) for seconds in options().window_lengths]
     problems.append(problems[LAST])
     return Continuation(
         problems,
@@ -207,18 +210,18 @@ def fit_whole_runs(
 
 def with_corrected_commands(problem: Shooting, made: Fit) -> tuple[Shooting, Fit]:
     """Whole runs with commands that only stood in lost rows, where the residual is then noise, and the fit;
-    its penalty holds `MIN_GAIN` for each such command, so that an effect is preferred to many of them.
+    its penalty holds `unlogged_gain` for each such command, so that an effect is preferred to many of them.
     """
     before, corrected = (problem, made), 0
-    for _ in range(MOST_CORRECTIONS):
-        if adequacy(problem, made).adequate or made.chi2 > NEARLY * problem.samples:
+    for _ in range(options().most_corrections):
+        if adequacy(problem, made).adequate or made.chi2 > options().nearly_noise * problem.samples:
             break
         run_set = with_unlogged_commands(problem, made)
         if run_set is None:
             break
         corrected += int((run_set.commands != problem.run_set.commands).any(axis=2).sum())
         problem = Shooting(run_set, problem.weight, problem.seconds)
-        made = fit(problem, made.hypothesis, made.x, made.states, STEPS[LAST], fresh=True)
+        made = fit(problem, made.hypothesis, made.x, made.states, options().stage_steps[LAST], fresh=True)
     if not adequacy(problem, made).adequate:
         return before
-    return problem, replace(made, penalty=made.penalty + MIN_GAIN * corrected)
+    return problem, replace(made, penalty=made.penalty + options().unlogged_gain * corrected)

@@ -6,14 +6,10 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_normal_equations
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
+from swamp_rl.criticism.options import options
 from swamp_rl.simulator.reference import reference_of
 
 Array = NDArray[np.float64]
-
-PIECE = 0.5  # s of constant force
-LOWEST, HIGHEST = 0.0358, 0.895  # U/L
-FINENESS = 4.0  # frequencies for each 1 / (length of the longest run)
-PEAKS = 2
 
 
 def wave_starts(problem: Shooting, at: Fit, by_x: Array) -> list[Array]:
@@ -23,7 +19,7 @@ def wave_starts(problem: Shooting, at: Fit, by_x: Array) -> list[Array]:
     A harmonic force of known frequency is linear in four parameters: sine and cosine, north and east. Their
     information is the superposition of that of short force pulses.
     """
-    grid = force_grid(problem, PIECE)
+    grid = force_grid(problem, options().wave_piece)
     where = (problem, at.hypothesis, at.x, at.states, grid, (0, 1))
     normal = force_normal_equations(*where, at.states_jacobian, at.residual, beside=by_x)
     p = by_x.shape[2]
@@ -32,7 +28,11 @@ def wave_starts(problem: Shooting, at: Fit, by_x: Array) -> list[Array]:
     time = start + (np.arange(grid.count) + 0.5) * grid.block * problem.dt
     longest = float(problem.run_set.lengths.max()) * problem.dt
     rate = reference_of(problem.boat).rate
-    frequencies = np.arange(LOWEST * rate, min(HIGHEST * rate, 0.3 / problem.dt), 1.0 / (FINENESS * longest))
+    frequencies = np.arange(
+        options().lowest_wave * rate,
+        min(options().highest_wave * rate, options().wave_sampling / problem.dt),
+        1.0 / (options().wave_fineness * longest),
+    )
     found = []
     for frequency in frequencies:
         phase = 2 * np.pi * frequency * time
@@ -41,7 +41,9 @@ def wave_starts(problem: Shooting, at: Fit, by_x: Array) -> list[Array]:
         ).reshape(problem.windows.count, -1, 4)
         found.append(_gain_and_amplitudes(normal.information, normal.gradient, basis, p))
     gains = np.array([gain for gain, _ in found])
-    peaks = [i for i in np.argsort(-gains) if gains[i] == gains[max(0, i - 3) : i + 4].max()][:PEAKS]
+    reach = options().peak_reach
+    tops = [gains[max(0, i - reach) : i + reach + 1].max() for i in range(len(gains))]
+    peaks = [i for i in np.argsort(-gains) if gains[i] == tops[i]][: options().wave_peaks]
     waves = ((frequencies[i], *_polarised(found[i][1])) for i in peaks)
     return [np.array([south, frequency, west, phase]) for frequency, south, west, phase in waves]
 

@@ -10,9 +10,8 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.nuisance.model_error import correlation_samples, standardised_residual
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection
-from swamp_rl.criticism.selection.beam_search import MIN_INFORMATION
-from swamp_rl.criticism.selection.continuation import STEPS, WINDOW_LENGTHS
 from swamp_rl.criticism.selection.score_test import score_tests
 
 Array = NDArray[np.float64]
@@ -21,7 +20,7 @@ Array = NDArray[np.float64]
 def hidden_effects(
     run_set: RunSet, weight: Array, judged: Shooting, found: Selection, instances: Sequence[EffectInstance]
 ) -> list[str]:
-    """Labels of effects whose standard error is small under the measurement noise (`MIN_INFORMATION`) and
+    """Labels of effects whose standard error is small under the measurement noise (`least_information`) and
     large under the model error; none where the residual is noise.
 
     weight: (R, T, 6) by the noise; judged: the problem of the winner's stage.
@@ -30,10 +29,10 @@ def hidden_effects(
         return []
     if judged.correlation_samples > 1.0:  # it is weighted by the model error
         unseen = [one for one in instances if one.label in found.unidentifiable]
-        problem = Shooting(run_set, weight, WINDOW_LENGTHS[0])
-        nothing = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states(), STEPS[0])
+        problem = Shooting(run_set, weight, options().window_lengths[0])
+        nothing = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states(), options().stage_steps[0])
         scores = score_tests(problem, nothing, unseen)
-        return [one.instance.label for one in scores if one.information >= MIN_INFORMATION]
+        return [one.instance.label for one in scores if one.information >= options().least_information]
     # variance of an estimate under errors of that size and correlation, over that under white noise
     size = max(found.winner.chi2 / judged.samples, 1.0)
     wider = size * correlation_samples(standardised_residual(judged, found.winner))
@@ -41,5 +40,6 @@ def hidden_effects(
     return [
         one.instance.label
         for one in found.first
-        if MIN_INFORMATION <= one.information < wider * MIN_INFORMATION and one.instance.label not in kept
+        if options().least_information <= one.information < wider * options().least_information
+        and one.instance.label not in kept
     ]

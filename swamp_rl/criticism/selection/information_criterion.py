@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates
-
-POSTERIOR_SD = 0.01  # of a coefficient's scale that has a prior, as rich runs of some minutes give it
+from swamp_rl.criticism.options import options
 
 
 @dataclass(frozen=True)
@@ -18,7 +17,7 @@ class InformationCriterion:
     groups of runs that have a parameter j of their own, so that n / g_j samples are about it; P:
     `candidates`. That is the extended BIC with gamma = 1 (Chen and Chen, Extended Bayesian information
     criteria for model selection with large model spaces, Biometrika 95, 2008). A parameter with a Gaussian
-    prior of standard deviation s is charged ln(1 + (s / POSTERIOR_SD)^2) in place of ln n, twice the log
+    prior of standard deviation s is charged ln(1 + (s / `posterior_sd`)^2) in place of ln n, twice the log
     Occam factor of its marginal likelihood. Adding an effect and dropping it compare the same two numbers.
     """
 
@@ -42,7 +41,7 @@ class InformationCriterion:
     def _parameters(self, instance: EffectInstance) -> float:
         free = math.log(max(self.samples / instance.count, 1.0))
         return sum(
-            free if spec.prior is None else math.log1p((spec.prior / POSTERIOR_SD) ** 2)
+            free if spec.prior is None else math.log1p((spec.prior / options().posterior_sd) ** 2)
             for spec in instance.specs
         )
 

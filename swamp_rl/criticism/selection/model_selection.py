@@ -14,12 +14,13 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.nuisance.process_noise import measurement_noise_gain, process_noise_gain
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import (
     Selection,
     fit_by_continuation,
     without_unconfirmed,
 )
-from swamp_rl.criticism.selection.beam_search import STEP_BUDGET, beam_search
+from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.command_reconstruction import (
     better_reconstruction,
     is_better,
@@ -39,15 +40,7 @@ Array = NDArray[np.float64]
 
 POSITIONS = slice(0, 2)
 OTHERS = slice(2, 6)
-FAR_ABOVE = 3.0  # chi2 a sample from which the model error dominates
-ROUNDS = 3  # repetitions of fit and noise estimate
-STEP_BUDGET_AGAIN = 5e6  # boat steps of each later search
-STEP_BUDGET_SUSPECTED = 8e6  # of the first search where position noise is suspected
-NEGLIGIBLE, TINY = (1.0, 1.5), 1e-9  # differences of log size and log time; floor of both
-MOST_REPEATS = 3  # searches under re-estimated noise
-TOTAL_BUDGET = 2e7  # boat steps of all searches, after which none is repeated
-MOST_RECONSTRUCTIONS = 2  # searches with reconstructed commands
-STEPS = 6  # Jacobians of a fit under Gauss-Markov noise
+TINY = 1e-9  # floor of sizes and times in logarithms
 
 
 def select_model(
@@ -59,7 +52,9 @@ def select_model(
     are model error: they widen all comparisons and standard errors, and the selection is never adequate.
     """
     tried: list[Continuation] = []
-    run_set, continuation, found = _with_reconstruction(run_set, weight, instances, hull, tried, STEP_BUDGET)
+    run_set, continuation, found = _with_reconstruction(
+        run_set, weight, instances, hull, tried, options().step_budget
+    )
     if found.adequate and found.stage >= LAST:
         return run_set, continuation, found
     winner, stage = found.winner, LAST if found.adequate else MIDDLE
@@ -109,7 +104,7 @@ def _with_reconstruction(
         continuation = continuation_of(run_set, weight)
         tried.append(continuation)
     if run_set.gauss_markov is None and _is_position_noise_suspected(continuation):
-        step_budget = min(step_budget, STEP_BUDGET_SUSPECTED)
+        step_budget = min(step_budget, options().step_budget_suspected)
     found = beam_search(
         continuation,
         instances,
@@ -118,7 +113,7 @@ def _with_reconstruction(
         partial(sufficient_reconstruction, logged=logged),
         previous,
     )
-    for _ in range(MOST_RECONSTRUCTIONS):
+    for _ in range(options().most_reconstructions):
         if (found.adequate and not found.winner.hypothesis.instances) or is_budget_spent(tried):
             break
         at = continuation.fit(MIDDLE, found.winner.hypothesis, found.winner.x)
@@ -130,7 +125,7 @@ def _with_reconstruction(
         other = replace(other, gaps=run_set.gaps)
         wider = continuation_of(other, weight)
         tried.append(wider)
-        again = beam_search(wider, instances, hull, STEP_BUDGET_AGAIN)
+        again = beam_search(wider, instances, hull, options().step_budget_again)
         if not accepts(continuation, found, wider, again):
             break
         run_set, continuation, found = other, wider, again
@@ -145,7 +140,7 @@ def _is_position_noise_suspected(continuation: Continuation) -> bool:
 
 def is_budget_spent(continuations: Sequence[Continuation]) -> bool:
     """Whether the simulated steps exceed the budget of all searches."""
-    return sum(continuation.boat_steps for continuation in continuations) > TOTAL_BUDGET
+    return sum(continuation.boat_steps for continuation in continuations) > options().total_budget
 
 
 def _with_position_noise(
@@ -160,11 +155,17 @@ def _with_position_noise(
     noise changes little; None where the residual exceeds it.
     """
     run_set, slow = continuation.problems[0].run_set, slowest_noise(continuation, winner)
-    for _ in range(MOST_REPEATS):
+    for _ in range(options().most_repeats):
         fit_by_continuation(continuation, winner.hypothesis, winner.x)
         previous = [continuation.fit(stage, winner.hypothesis, winner.x) for stage in (0, MIDDLE)]
         _, continuation, found = _with_reconstruction(
-            replace(run_set, gauss_markov=slow), weight, instances, hull, tried, STEP_BUDGET_AGAIN, previous
+            replace(run_set, gauss_markov=slow),
+            weight,
+            instances,
+            hull,
+            tried,
+            options().step_budget_again,
+            previous,
         )
         if not found.adequate:
             return None
@@ -190,7 +191,7 @@ def diverged(continuation: Continuation, winner: Fit) -> bool:
     left = [
         one.chi2 / continuation.problems[stage].samples for stage, one in ((MIDDLE, middle), (LAST, whole))
     ]
-    return left[1] > FAR_ABOVE * left[0]
+    return left[1] > options().model_error_chi2 * left[0]
 
 
 def nearly_equal(one: Array, other: Array) -> bool:
@@ -198,7 +199,7 @@ def nearly_equal(one: Array, other: Array) -> bool:
     on.
     """
     size, time = np.abs(np.log(np.maximum(one, TINY) / np.maximum(other, TINY))).T
-    return bool((size < NEGLIGIBLE[0]).all() and (time < NEGLIGIBLE[1]).all())
+    return bool((size < options().noise_unchanged[0]).all() and (time < options().noise_unchanged[1]).all())
 
 
 def correlated_noise(
@@ -219,7 +220,7 @@ def correlated_noise(
     only = (position_noise.noise[POSITIONS, 0] > 0).any() and not (position_noise.noise[OTHERS, 0] > 0).any()
     if only and position_noise.gain > process_noise_gain(problem, at):
         return "measurement"
-    return "process" if at.chi2 > FAR_ABOVE * problem.samples else None
+    return "process" if at.chi2 > options().model_error_chi2 * problem.samples else None
 
 
 @dataclass(frozen=True)
@@ -234,12 +235,12 @@ class PositionNoise:
 
 def _position_noise(problem: Shooting, white: Fit) -> PositionNoise:
     at, noise, gain = white, _gauss_markov_noise(problem, white), 0.0
-    for _ in range(ROUNDS):
+    for _ in range(options().wander_rounds):
         slow = _only_positions(noise)
         aware = Shooting(
             replace(problem.run_set, gauss_markov=slow), problem.weight, problem.seconds, problem.windows
         )
-        at = fit(aware, at.hypothesis, at.x, at.states, STEPS)
+        at = fit(aware, at.hypothesis, at.x, at.states, options().wander_steps)
         noise, gain = _gauss_markov_noise(aware, at), measurement_noise_gain(white, aware, at)
     return PositionNoise(noise, gain)
 

@@ -11,16 +11,10 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, inverse, normal_equations
 from swamp_rl.criticism.likelihood.state_fit import fit_states
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, neutral_of
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.frequency_scan import wave_starts
 
 Array = NDArray[np.float64]
-
-INSTANTS = 17  # evaluated about the best one
-BATCH = 24  # grid points in one simulation
-# chi2 a sample above which initial states are refitted for an effect without parameters
-LARGE_CHI2 = 2.0
-ROUNDS = 3  # iterations of that
-NEUTRAL_STEP = 1e-3  # typical sizes beside a neutral value at which a derivative does not exist
 
 
 @dataclass(frozen=True)
@@ -51,7 +45,7 @@ def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance])
 
 def _score_test(problem: Shooting, at: Fit, instance: EffectInstance, by_x: Array) -> ScoreTest:
     hypothesis = at.hypothesis.with_instance(instance)
-    place = _columns_of(hypothesis, instance)
+    place = hypothesis.columns(instance.label)
     starts: list[tuple[float, ...]] = [start * instance.count for start in instance.starts]
     if instance.effect.begin == "spectral":
         starts = [tuple(start) for start in wave_starts(problem, at, by_x)]
@@ -60,7 +54,7 @@ def _score_test(problem: Shooting, at: Fit, instance: EffectInstance, by_x: Arra
     elif instance.size > 0:
         if instance.grid:
             starts.append(_best_grid_point(problem, at, instance, hypothesis, place, by_x))
-        if at.chi2 < LARGE_CHI2 * problem.samples:  # a small residual has a small cause
+        if at.chi2 < options().large_chi2 * problem.samples:  # a small residual has a small cause
             (neutral,) = at_neutral_values(instance, problem.boat).starts
             starts.append(neutral * instance.count)
     distinct = [np.array(one) for one in dict.fromkeys(starts)]
@@ -77,22 +71,15 @@ def _score_test(problem: Shooting, at: Fit, instance: EffectInstance, by_x: Arra
 
 
 def at_neutral_values(instance: EffectInstance, boat: Boat) -> EffectInstance:
-    """The effect instance begun from its neutral values, or the boat file's; NEUTRAL_STEP beside them where a
-    derivative does not exist.
+    """The effect instance begun from its neutral values, or the boat file's; `neutral_step` beside them where
+    a derivative does not exist.
     """
     specs = instance.of_one.specs
     neutral = [neutral_of(parameter, boat) for parameter in instance.effect.parameters]
     if instance.effect.vector:  # of no size, and so of no direction
-        neutral = [NEUTRAL_STEP * spec.scale for spec in specs]
+        neutral = [options().neutral_step * spec.scale for spec in specs]
     start = tuple(float(np.clip(x, s.low, s.high)) for x, s in zip(neutral, specs, strict=True))
     return replace(instance, starts=(start,), grid=())
-
-
-def _columns_of(hypothesis: Hypothesis, instance: EffectInstance) -> NDArray[np.bool_]:
-    """(p,) whether a parameter is the instance's."""
-    return np.array(
-        [one.label == instance.label for one in hypothesis.instances for _ in one.specs], dtype=bool
-    )
 
 
 def _joint(place: NDArray[np.bool_], old: Array, new: Array) -> Array:
@@ -109,7 +96,7 @@ def failure_starts(
     """The best instant of a failure among the windows' starts, from one simulation: windows that begin before
     it keep the thruster, the others never had it.
     """
-    place = _columns_of(hypothesis, instance)
+    place = hypothesis.columns(instance.label)
     dead = problem.residuals(
         problem.predict(hypothesis, _joint(place, at.x, np.zeros((1, 1))), at.states[None])[0]
     )
@@ -138,7 +125,7 @@ def _refined(
     win = problem.windows
     length = win.rows * problem.dt
     begins, ends = win.first * problem.dt, (win.first + win.steps) * problem.dt
-    times = np.maximum(found + np.linspace(-length, length, INSTANTS), 0.0)
+    times = np.maximum(found + np.linspace(-length, length, options().instants), 0.0)
     near = (begins < times[-1]) & (ends > times[0])
     x = _joint(place, at.x, times[:, None])
     states = np.broadcast_to(at.states[near], (len(x), near.sum(), 6))
@@ -165,8 +152,8 @@ def _best_grid_point(
         np.array(instance.groups)[problem.run_set.origins[problem.windows.run]] if instance.groups else None
     )
     losses = []
-    for start in range(0, len(points), BATCH):
-        x = _joint(place, at.x, np.tile(points[start : start + BATCH], instance.count))
+    for start in range(0, len(points), options().grid_batch):
+        x = _joint(place, at.x, np.tile(points[start : start + options().grid_batch], instance.count))
         states = np.broadcast_to(at.states, (len(x), *at.states.shape))
         for residual in problem.residuals(problem.predict(hypothesis, x, states)):
             if group is None:
@@ -200,8 +187,8 @@ def _score_step(
     (x,) = _joint(place, at.x, start[None])
     base = problem.predict(hypothesis, x[None], at.states[None])[0]
     states, residual = at.states, problem.residuals(base)
-    if not len(start) and at.chi2 > LARGE_CHI2 * problem.samples:  # a large effect without parameters
-        states, _, residual = fit_states(problem, hypothesis, x, at.states, ROUNDS)
+    if not len(start) and at.chi2 > options().large_chi2 * problem.samples:  # a large jump
+        states, _, residual = fit_states(problem, hypothesis, x, at.states, options().score_rounds)
     slopes = np.zeros((*residual.shape, len(place)))
     slopes[..., ~place] = by_x
     slopes[..., place] = problem.parameter_jacobian(hypothesis, x, at.states, base, place)

@@ -9,21 +9,12 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import EffectInstance, by_label
-from swamp_rl.criticism.selection.backward_elimination import (
-    DIVERGED,
-    STAGES_TESTED,
-    confirmed_on,
-    fit_by_continuation,
-    without,
-)
+from swamp_rl.criticism.options import options
+from swamp_rl.criticism.selection.backward_elimination import confirmed_on, fit_by_continuation, without
 from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation
 from swamp_rl.criticism.selection.score_test import ScoreTest, at_neutral_values, score_tests
 
 Array = NDArray[np.float64]
-
-SHORTLIST = 5  # candidates that are fitted for each effect
-CLOSE = 40.0  # of the criterion, within which two are compared on longer windows
-NOT_CONVERGED = 8.0  # chi2 by which another start must be better than a fit
 
 
 @dataclass(frozen=True)
@@ -45,7 +36,7 @@ def with_small_effects(
     at = continuation.fit(LAST, best.hypothesis, best.x)
     problem = continuation.problem(LAST, at.hypothesis)
     several = len(np.unique(problem.windows.run)) > 1
-    if not several or at.chi2 > DIVERGED * problem.samples:
+    if not several or at.chi2 > options().diverged * problem.samples:
         return SmallEffects(best, [])
     if adequacy(continuation.problems[MIDDLE], best).adequate:
         instances = [
@@ -75,10 +66,10 @@ def _forward_selection(
         best = _fitted(continuation, at, instances, scores)[0]
         (added,) = set(best.hypothesis.instances) - set(at.hypothesis.instances)
         less = without(continuation, best, added.label, LAST)
-        if less.chi2 < at.chi2 - NOT_CONVERGED:
+        if less.chi2 < at.chi2 - options().not_converged:
             at = less
             continue
-        kept = confirmed_on(continuation, LAST, best, less, STAGES_TESTED * len(instances))
+        kept = confirmed_on(continuation, LAST, best, less, options().stages_tested * len(instances))
         if continuation.criterion(best) >= continuation.criterion(less) or not kept.gains:
             break
         at = best
@@ -93,12 +84,12 @@ def _alternatives(continuation: Continuation, at: Fit, instances: Sequence[Effec
     found: list[Fit] = []
     short = continuation.fit(0, at.hypothesis, at.x)
     for instance in at.hypothesis.instances:
-        if criterion(without(continuation, short, instance.label, 0)) > criterion(short) + CLOSE:
+        if criterion(without(continuation, short, instance.label, 0)) > criterion(short) + options().compared:
             continue
         less = without(continuation, at, instance.label, LAST)
         others = [one for one in instances if one.label != instance.label]
         fitted = _fitted(continuation, less, others, _ranked(continuation, less, others))
-        found += [one for one in fitted if criterion(one) < criterion(at) + CLOSE]
+        found += [one for one in fitted if criterion(one) < criterion(at) + options().compared]
     return found
 
 
@@ -121,7 +112,9 @@ def _ranked(continuation: Continuation, at: Fit, instances: Sequence[EffectInsta
         for one in score_tests(problem, at, begun)
         if at.chi2 - one.expected_chi2 > criterion.required_gain(at.hypothesis, one.instance)
     ]
-    return sorted(scores, key=lambda one: one.expected_chi2 + criterion.charge(one.hypothesis))[:SHORTLIST]
+    return sorted(scores, key=lambda one: one.expected_chi2 + criterion.charge(one.hypothesis))[
+        : options().small_shortlist
+    ]
 
 
 def _fitted(

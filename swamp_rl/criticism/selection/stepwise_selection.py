@@ -13,22 +13,15 @@ from swamp_rl.criticism.likelihood.cross_validation import Confirmation, confirm
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, may_differ
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined, may_differ
 from swamp_rl.criticism.nuisance.model_error import ModelError, model_error
-from swamp_rl.criticism.selection.backward_elimination import MOST_RIVALS, Selection, nested, without
-from swamp_rl.criticism.selection.beam_search import MIN_INFORMATION
+from swamp_rl.criticism.options import options
+from swamp_rl.criticism.selection.backward_elimination import Selection, nested, without
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.information_criterion import information_criterion
 from swamp_rl.criticism.selection.score_test import ScoreTest, at_neutral_values, score_tests
 
 Array = NDArray[np.float64]
-
-MOST = 3  # effects together
-SHORTLIST = 8  # effects that are fitted in each step
-MOST_EXCHANGES = 3  # single effects tried in place of each effect at the end
-SCREENING_SAMPLES = 8000  # of score tests
-STEPS = 6  # Jacobians of a fit that begins near its end
-LEVEL = 1e-3  # of the Wald test of weather, whose sandwich covariance is from few blocks
 
 
 def select_under_model_error(
@@ -45,7 +38,7 @@ def select_under_model_error(
         return None
     singles = sorted(singles, key=lambda one: _held_out_loss(continuation, one))
     others = [best, *_exchanged(continuation, best, singles)]
-    unidentifiable = [one.instance.label for one in first if one.information < MIN_INFORMATION]
+    unidentifiable = [one.instance.label for one in first if one.information < options().least_information]
     best, confirmed = best_confirmed(continuation, others, len(every))
     if not best.hypothesis.instances:
         return None
@@ -81,13 +74,13 @@ def _forward_selection(
     problem = continuation.problems[0]
     first: list[ScoreTest] = []
     singles: list[Fit] = []
-    for _ in range(MOST):
+    for _ in range(options().most_effects):
         scores = _screened(continuation, at, instances)
         first = first or scores
-        likely = [one for one in scores if one.information >= MIN_INFORMATION]
+        likely = [one for one in scores if one.information >= options().least_information]
         # of an effect without a number the score is no guide: it is a jump
-        discrete = [one for one in likely[SHORTLIST:] if not one.instance.size and not singles]
-        likely = [*likely[:SHORTLIST], *discrete]
+        discrete = [one for one in likely[options().shortlist :] if not one.instance.size and not singles]
+        likely = [*likely[: options().shortlist], *discrete]
         made = [continuation.fit(0, one.hypothesis, one.x, at.states) for one in likely]
         singles = singles or made
         confirmed_fits = [
@@ -110,14 +103,14 @@ def confirmed(
 ) -> Confirmation:
     """Of an effect that `whole` has more than `less`: on held-out windows. Weather of a run is that run's
     alone, and one run has few windows: where those gain without being significant, its Wald test decides,
-    at LEVEL divided by the number of comparisons (Bonferroni).
+    at `weather_level` divided by the number of comparisons (Bonferroni).
     """
     from scipy.special import chdtri
 
     found = confirmation(problem, whole, less, comparisons)
     if found.holds or not may_differ(instance.effect, "run"):
         return found
-    limit = float(chdtri(instance.size, LEVEL / comparisons))
+    limit = float(chdtri(instance.size, options().weather_level / comparisons))
     return replace(found, certain=wald_statistic(problem, whole, instance) > limit)
 
 
@@ -125,7 +118,7 @@ def wald_statistic(problem: Shooting, at: Fit, instance: EffectInstance) -> floa
     """Squared distance of an effect's parameters from neutral, in the sandwich covariance: chi-square, with
     as many degrees of freedom, where there is no effect.
     """
-    own = np.array([one.label == instance.label for one in at.hypothesis.instances for _ in one.specs])
+    own = at.hypothesis.columns(instance.label)
     (neutral,) = at_neutral_values(instance, problem.boat).starts
     away = at.x[own] - np.tile(neutral, instance.count)
     covariance = sandwich_covariance(problem, at)[np.ix_(own, own)]
@@ -160,10 +153,11 @@ def _screened(continuation: Continuation, at: Fit, instances: Sequence[EffectIns
     problem = continuation.problems[0]
     known = _without_scope(at.hypothesis)
     instances = [one for one in instances if one.of_one.label not in known]
-    every = max(1, problem.samples // (problem.weight.shape[2] * SCREENING_SAMPLES))
+    every = max(1, problem.samples // (problem.weight.shape[2] * options().screening_samples))
     chosen = np.arange(problem.windows.count) % every == 0
     part = problem.part(chosen)
-    return score_tests(part, fit(part, at.hypothesis, at.x, at.states[chosen], 1), instances)
+    made = fit(part, at.hypothesis, at.x, at.states[chosen], options().part_steps)
+    return score_tests(part, made, instances)
 
 
 def _exchanged(continuation: Continuation, best: Fit, singles: Sequence[Fit]) -> list[Fit]:
@@ -173,12 +167,10 @@ def _exchanged(continuation: Continuation, best: Fit, singles: Sequence[Fit]) ->
         if instance.effect.nuisance:
             continue
         for other in [one for one in singles if _is_other(one.hypothesis, best.hypothesis, instance)][
-            :MOST_EXCHANGES
+            : options().most_exchanges
         ]:
-            numbers = {a.label: own for a, own in best.hypothesis.parts(best.x)}
-            numbers[other.hypothesis.label] = other.x
-            exchanged = best.hypothesis.without(instance.label).with_instance(other.hypothesis.instances[0])
-            start = np.concatenate([numbers[a.label] for a in exchanged.instances])
+            kept = [(one, own) for one, own in best.hypothesis.parts(best.x) if one.label != instance.label]
+            exchanged, start = joined([*kept, *other.hypothesis.parts(other.x)])
             tried.append(continuation.fit(0, exchanged, start, best.states))
     return tried
 
@@ -231,7 +223,10 @@ def equivalent(continuation: Continuation, winner: Fit, others: Sequence[Fit]) -
         same = len(one.hypothesis.instances) == len(winner.hypothesis.instances)
         if not same or name in kept or name == winner.hypothesis.cause_label:
             continue
-        if nested(winner.hypothesis, one.hypothesis) or confirmation(problem, winner, one, SHORTLIST).holds:
+        if (
+            nested(winner.hypothesis, one.hypothesis)
+            or confirmation(problem, winner, one, options().shortlist).holds
+        ):
             continue
         kept[name] = one
-    return list(kept.values())[:MOST_RIVALS]
+    return list(kept.values())[: options().most_rivals]
