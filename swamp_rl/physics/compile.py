@@ -86,7 +86,7 @@ def compiled(function: F | None = None, *, parallel: bool = False, threaded: boo
         config.CACHE_DIR = before
 
 
-@numba.extending.intrinsic  # type: ignore[untyped-decorator]
+@numba.extending.intrinsic
 def uncounted(typing: Any, array: Any) -> Any:
     """The same array within a compiled function, whose users numba does not count.
 
