@@ -8,6 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from _pytest.nodeid import coerce_node_id
 from hypothesis import settings
 from playwright.sync_api import Browser, sync_playwright
 
@@ -30,6 +31,23 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Tests that share what is made once for their file go to one worker, which makes it once.
+
+    The group ends the test's name, which is where the scheduler reads it: pytest-xdist 3.8 writes it into an
+    attribute that pytest 9.2 no longer has.
+    """
+    if not config.getoption("loadgroup", False):
+        return
+    for item in items:
+        known = item._fixtureinfo.name2fixturedefs if isinstance(item, pytest.Function) else {}
+        shared = any(made.scope == "module" for every in known.values() for made in every)
+        mark = item.get_closest_marker("xdist_group")
+        group = mark.args[0] if mark else item.location[0] if shared else ""
+        if group and not item.nodeid.endswith(f"@{group}"):
+            item._id = coerce_node_id(f"{item.nodeid}@{group}")  # type: ignore[attr-defined]
 
 
 @pytest.fixture(scope="session", autouse=True)

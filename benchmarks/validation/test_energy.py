@@ -18,6 +18,8 @@ from benchmarks.validation.energy import (
 from swamp_rl.boat import load_boat
 from swamp_rl.energy.best_range import best_range_speed, energy_per_metre_at
 
+once = pytest.mark.xdist_group("missions")  # what is flown is flown once
+
 
 def test_the_boat_files_power_is_the_fit_to_the_printed_ones() -> None:
     idle, coefficient = fitted_power()
@@ -43,12 +45,14 @@ def test_the_energy_per_metre_of_table_6_3_is_met_and_least_at_the_working_speed
     assert best_range_speed(boat) == pytest.approx(1.0, abs=0.1)
 
 
+@once
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MISSIONS)
 def test_a_mission_of_table_6_3_needs_its_energy_within_2_percent(name: str) -> None:
     assert watt_hours(flown(name)) == pytest.approx(MISSIONS[name], rel=0.02)
 
 
+@once
 @pytest.mark.slow
 def test_the_final_charge_of_table_6_3_is_met_where_the_table_agrees_with_itself() -> None:
     # printed 0.08; mission 3 only with the misprinted last current of 1.8 A in place of 3.5 A

@@ -25,7 +25,7 @@ pytestmark = pytest.mark.timed
 
 TOKEN = "harbour7"
 MANY = 1200
-ROUNDS = 10
+ROUNDS = 3  # that are compared, so that an hour of quiet before counts no more
 COMMAND = {"type": "command", "throttle": 0.5, "angle": 0.1}
 
 
@@ -175,15 +175,15 @@ def many_files() -> Iterator[None]:
 def test_1200_silent_connections_cost_the_driver_no_frames(tmp_path: Path) -> None:
     with serving(tmp_path / "runs") as (address, _), driving(address) as driver:
         hear(driver, lambda message: message.get("driving"))
-        alone, beside = [], []
-        for _ in range(ROUNDS):  # other work on the machine costs some of them frames, the connections all
+        alone, beside, enough = [], [], False
+        last = time.monotonic() + PATIENCE
+        while not enough and time.monotonic() < last:  # other work costs some rounds frames
             alone.append(frames_a_second(driver))
             with ExitStack() as stack:
                 for _ in range(MANY):
                     stack.enter_context(socket.create_connection(place(address), timeout=PATIENCE))
                 beside.append(frames_a_second(driver))
-            if enough := max(beside) > 0.8 * max(alone):
-                break
+            enough = max(beside[-ROUNDS:]) > 0.8 * max(alone[-ROUNDS:])
     assert enough
 
 

@@ -9,11 +9,15 @@ from swamp_rl.link.vehicle import Conduct
 from swamp_rl.runs import read_dataset
 from tests.support.command_line import Call, assert_complains
 from tests.support.link import own_network, served, vehicle_of
+from tests.support.patience import PATIENCE
 
 pytestmark = pytest.mark.timed
 
 
-def test_a_pilot_drives_a_served_vehicle_and_its_log_is_a_dataset(call: Call, tmp_path: Path) -> None:
+def test_a_pilot_drives_a_served_vehicle_and_its_log_is_a_dataset(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(driving, "PATIENCE", PATIENCE)  # the vehicle may wait long for a processor
     vehicle = vehicle_of(Conduct(), own_network().text)
     with served(vehicle, speed=1.0):
         code, said, _ = call(
