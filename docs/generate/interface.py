@@ -20,6 +20,8 @@ MODULES = (
     "swamp_rl.evaluation",
     "swamp_rl.export",
     "swamp_rl.allocation",
+    "swamp_rl.design",
+    "swamp_rl.energy",
     "swamp_rl.link",
     "swamp_rl.errors",
 )
