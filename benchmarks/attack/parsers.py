@@ -33,7 +33,7 @@ def attack(asked: Namespace) -> Iterator[Count]:
 
 
 def compile_for(name: str) -> None:
-    """Meet the good file in this process: what the reader compiles is kept then, instrumented it cannot be."""
+    """Meet the good file in this process, for what a reader compiles cannot be instrumented."""
     with tempfile.TemporaryDirectory() as folder:
         path = FORMATS[name].make(Path(folder))
         outcome(FORMATS[name], path, path.read_bytes())
