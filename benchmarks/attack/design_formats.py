@@ -117,6 +117,8 @@ DESIGN_FORMATS: dict[str, tuple[Make, Read]] = {
     "path.yaml, lines": (copied_config("paths/lawn_mower.yaml"), _path),
     "vehicle.yaml": (copied_config("vehicles/typhoon.yaml"), _vehicle),
     "disturbances.yaml, curves": (make_curves, _level),
+    "boat.yaml, thrust polynomials": (copied_config("boats/esso_osaka.yaml"), _boat),
+    "boat.yaml, resistance tables": (copied_config("boats/swamp-thesis.yaml"), _boat),
     "boat.yaml, by estimates": (make_boat("propeller-rudder"), _boat),
 }
 """Of each name the maker and the reader."""

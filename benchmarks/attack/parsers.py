@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from benchmarks.attack.counts import Count
-from benchmarks.attack.formats import FORMATS
+from benchmarks.attack.formats import FORMATS, outcome
 from benchmarks.attack.fuzz import Tally
+from benchmarks.attack.link_formats import LINK_FORMATS
 
 INPUTS, QUICK = 10_000, 200
 MOST_MEMORY = 1.0
@@ -26,7 +27,16 @@ def attack(asked: Namespace) -> Iterator[Count]:
             out.mkdir(parents=True, exist_ok=True)
             for left in out.iterdir():
                 left.unlink()
+            if name in LINK_FORMATS:
+                compile_for(name)
             yield fuzzed(name, out, inputs, asked.seed)
+
+
+def compile_for(name: str) -> None:
+    """Meet the good file in this process, for what a reader compiles cannot be instrumented."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = FORMATS[name].make(Path(folder))
+        outcome(FORMATS[name], path, path.read_bytes())
 
 
 def fuzzed(name: str, out: Path, inputs: int, seed: int) -> Count:

@@ -35,8 +35,11 @@ NOT_FILES = {
     "results, versions.json",
     "fleet, diagnosis.json",
     "fleet, fleet_input.json",
+    "doctor, lerobot swamp_rl.json",
+    "doctor, minari metadata.json",
 }
-"""Formats that come as an argument, by a socket or in a row, or whose readers here read the file before."""
+"""Formats that come as an argument, by a socket or in a row, or whose readers read the file before or
+can do without it."""
 
 
 class LateError(BaseException):
