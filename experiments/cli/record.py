@@ -62,6 +62,7 @@ def record(
         from swamp_rl.teleop.server import bound, serve
     except ModuleNotFoundError as error:
         raise UserError(f"{error.name} is missing; pip install 'swamp-rl[people]'") from error
+    from swamp_rl.teleop.lookout import Lookout
     from swamp_rl.teleop.session import Session
 
     guard = Guard(host, token)
@@ -75,7 +76,7 @@ def record(
         # Refuses what cannot be sailed before anything is written.
         berths[name] = _berth(out / name if berths else out, asked, course, disturbances, source)
     listening = bound(host, port)  # before the session opens the folder of runs
-    session = Session(berths, np.random.default_rng(), pilots)
+    session = Session(berths, np.random.default_rng(), pilots, lookout=Lookout())
     session.warm()
     logging.basicConfig(format="swamp-rl: %(message)s", level=logging.WARNING)
     try:
