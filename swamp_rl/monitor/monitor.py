@@ -14,7 +14,7 @@ from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
 from swamp_rl.link.stream import Sample
 from swamp_rl.monitor.change_test import ChangeTest
 from swamp_rl.monitor.frozen import SENSORS, Repetition
-from swamp_rl.monitor.isolation import Onset, isolate, nested, onset_candidates, simplest
+from swamp_rl.monitor.isolation import Onset, free, isolate, nested, onset_candidates, simplest
 from swamp_rl.monitor.scan import Scan
 from swamp_rl.monitor.tracker import CURRENT, SETTLED, Tracker, tracker_of
 from swamp_rl.simulator import parameters
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 WARM_UP = 30.0  # s that noise and usual innovations are estimated from
 THRESHOLD = 6.5  # standard deviations; `python -m benchmarks.monitor` counts its false alarms
 ALIKE = 30.0  # of the criterion, by which a scan alarms
-FAINT = 0.3  # of the threshold, below which there is no scan
+FAINT = 0.4  # of the threshold, below which there is no scan
 SCAN = 0.5  # s between two scans
 CLEAR = 9.0  # of the criterion, by which a cause leads its rivals when it is named at once
 RIVAL = 6.0  # of the criterion, within which a rival is named too
@@ -63,11 +63,20 @@ class Notice:
 class Monitor:
     """Feed it samples; it says what began.
 
-    boat: as the pilot believes it to be; threshold: of the test for a change [standard deviations].
+    boat: as the pilot believes it to be; threshold: of the test for a change [standard deviations]; warm_up:
+    [s] that noise and usual innovations are estimated from; least_walk: of the filter's process noise, for
+    streams that may be rougher than the first seconds.
     """
 
-    def __init__(self, boat: Boat, threshold: float = THRESHOLD) -> None:
+    def __init__(
+        self,
+        boat: Boat,
+        threshold: float = THRESHOLD,
+        warm_up: float = WARM_UP,
+        least_walk: float = 0.0,
+    ) -> None:
         self.boat, self.threshold = boat, threshold
+        self.warm_up, self.least_walk = warm_up, least_walk
         self.record = parameters(boat)
         self.instances = onset_candidates(boat)
         self.first: list[Sample] = []
@@ -128,10 +137,10 @@ class Monitor:
     def _warm_up(self, sample: Sample) -> None:
         self.first.append(sample)
         self.repetition.learn(sample)
-        if sample.time - self.first[0].time < WARM_UP:
+        if sample.time - self.first[0].time < self.warm_up:
             return
         dt = float(np.median(np.diff([one.time for one in self.first])))
-        self.tracker, white = tracker_of(self.boat, self.record, self.first, dt)
+        self.tracker, white = tracker_of(self.boat, self.record, self.first, dt, self.least_walk)
         self._take(self.record)
         self.test = ChangeTest(dt, self.threshold)
         for one in white:
@@ -167,7 +176,7 @@ class Monitor:
         return notices + [Notice(sample.time, sample.time, f"{name} back", {}) for name in back]
 
     def _suspected(self, now: float, changed: float) -> bool:
-        """Whether the innovations look like an effect's, though no channel changed beyond its threshold."""
+        """Whether the innovations look like a failure's, though no channel changed beyond its threshold."""
         assert self.tracker is not None
         full = len(self.tracker.history) == self.tracker.history.maxlen
         if changed < FAINT or now - self.scanned < SCAN - 1e-9 or not full:
@@ -194,7 +203,7 @@ class Monitor:
         if waited < PATIENCE and not (waited > SOONEST and clear and tenable):
             return []
         loud, self.loud, self.alarm = self.loud, False, None
-        if not loud and first.criterion < ALIKE * usual:
+        if not loud and (free(first.instance) or first.criterion < ALIKE * usual):
             return []
         channels = tuple(CHANNELS[place] for place in np.flatnonzero(changed > 1.0))
         if not self._adopt(first):

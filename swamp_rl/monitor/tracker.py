@@ -185,15 +185,15 @@ def noise_of(boat: Boat, samples: Sequence[Sample], dt: float) -> Array:
 
 
 def tracker_of(
-    boat: Boat, record: NDArray[Any], samples: Sequence[Sample], dt: float
+    boat: Boat, record: NDArray[Any], samples: Sequence[Sample], dt: float, least_walk: float = 0.0
 ) -> tuple[Tracker, list[Array]]:
     """The filter after the first samples, and their normalised innovations (6,). Its process noise is that
-    multiple of `WALK` under which the innovations are most likely (Mehra 1970).
+    multiple of `WALK`, `least_walk` or more, under which the innovations are most likely (Mehra 1970).
     """
     sigmas = noise_of(boat, samples, dt)
     tried: list[tuple[float, int, Tracker, list[Array]]] = []
     per_second = np.sqrt(reference_of(boat).speed / boat.length)
-    for multiple in WALKS:
+    for multiple in (one for one in WALKS if one >= least_walk):
         walk = multiple * WALK * scale_of(boat) * per_second
         tracker = Tracker(boat, record, sigmas, walk, samples[0], dt)
         loss, white = 0.0, []
