@@ -52,6 +52,7 @@ def record(
 ) -> None:
     """Drive a boat by joypad, keyboard or touch, from a web page, and keep the runs."""
     import numpy as np
+    from swamp_rl.experiments.synthetic.cases import RTK
 
     from swamp_rl.errors import UserError
     from swamp_rl.pilots.arguments import asked_pilot, opened
@@ -76,7 +77,7 @@ def record(
         # Refuses what cannot be sailed before anything is written.
         berths[name] = _berth(out / name if berths else out, asked, course, disturbances, source)
     listening = bound(host, port)  # before the session opens the folder of runs
-    session = Session(berths, np.random.default_rng(), pilots, lookout=Lookout())
+    session = Session(berths, np.random.default_rng(), pilots, lookout=Lookout(RTK))
     session.warm()
     logging.basicConfig(format="swamp-rl: %(message)s", level=logging.WARNING)
     try:

@@ -3,15 +3,25 @@
 import queue
 import threading
 from collections import deque
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.link.stream import Sample
 from swamp_rl.monitor import Monitor
 
+Array = NDArray[np.float64]
+
 WAITING = 300
 """Samples that may wait for the monitor; further ones are left out, as on a network."""
 LINES = 64
 """Lines that are kept until they are fetched."""
+WARM_UP = 15.0
+"""Seconds of driving in which the monitor learns; a run has some 30."""
+LEAST_WALK = 0.2
+"""Of the monitor's process noise: another run may be in other weather than the one in which it learns."""
 LEARNS, WATCHES = "learns the noise of the sensors", "watching"
 
 
@@ -21,7 +31,9 @@ class Lookout:
     What it has learned of a boat's sensors in one run it knows in the next.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, noise: Array | None = None) -> None:
+        """noise: (6,) standard deviations of the sensors that the monitor gets; none by default."""
+        self._noise, self._rng = noise, np.random.default_rng(0)
         self._orders: queue.Queue[Boat | Sample | None] = queue.Queue(WAITING)
         self._lines: deque[str] = deque(maxlen=LINES)
         self._monitors: dict[str, Monitor] = {}
@@ -34,6 +46,9 @@ class Lookout:
 
     def see(self, sample: Sample) -> None:
         """Take the run's next sample."""
+        if self._noise is not None:
+            noise = self._noise * self._rng.standard_normal(6)
+            sample = replace(sample, senses=sample.senses + noise)
         self._order(sample)
 
     def said(self) -> list[str]:
@@ -73,7 +88,9 @@ class Lookout:
                     watched = monitor.watching
                     self._lines.extend(notice.text for notice in notices)
                 else:
-                    monitor = self._monitors.setdefault(order.name, Monitor(order))
+                    monitor = self._monitors.setdefault(
+                        order.name, Monitor(order, warm_up=WARM_UP, least_walk=LEAST_WALK)
+                    )
                     monitor.begin_again()
                     watched = False
                     self._lines.append(LEARNS)

@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,10 @@ import pytest
 from swamp_rl.link import Sample
 from swamp_rl.monitor import Monitor
 from swamp_rl.teleop.lookout import LEARNS, WAITING, WATCHES, Lookout
-from tests.support.live_stream import BOAT, stream
+from swamp_rl.teleop.messages import Choose
+from swamp_rl.teleop.view import status
+from tests.support.driving import drive, session
+from tests.support.live_stream import BOAT, NOISE, stream
 from tests.support.patience import PATIENCE, until
 
 BEGINS = 40.0
@@ -19,7 +23,7 @@ FAILURE = {"effect": "thruster_failure", "thruster": "bp", "time": 0.0}
 
 @pytest.fixture
 def lookout() -> Iterator[Lookout]:
-    found = Lookout()
+    found = Lookout(NOISE)
     yield found
     found.close()
 
@@ -74,3 +78,26 @@ def test_a_watch_that_breaks_says_so_and_begins_anew_with_the_next_run(
     lookout.close()
     said = lookout.said()
     assert said[0] == LEARNS and said[1].startswith("stopped: ") and said[2:] == [LEARNS, WATCHES]
+
+
+def test_the_page_is_told_what_fails_in_a_run_and_nothing_where_nothing_does(
+    tmp_path: Path, lookout: Lookout
+) -> None:
+    level = tmp_path / "failing.yaml"
+    failure = "{effect: thruster_failure, thruster: bp, time: 8.0}"
+    level.write_text(f"description: a bow jet fails\neffects:\n  - {failure}\n", encoding="utf-8")
+    game = session(tmp_path / "runs", str(level), seed=3, lookout=lookout)
+
+    def watched() -> list[str]:
+        drive(game)
+        until(lambda: not lookout.waiting, "the watch has had all samples")
+        lookout.begin(BOAT)  # what it is busy with is over when it says so
+        until(lambda: game.listen() or status(game)["watch"][-1] == LEARNS, "the watch is idle")
+        return list(status(game)["watch"])
+
+    game.choose(Choose(type="choose", level="calm"))
+    assert watched()[:2] == [LEARNS, WATCHES]
+    game.drop(again=False)
+    assert status(game)["watch"] == []
+    game.choose(Choose(type="choose", level=str(level)))
+    assert any("thruster_failure bp" in line for line in watched())
