@@ -52,6 +52,7 @@ def record(
 ) -> None:
     """Drive a boat by joypad, keyboard or touch, from a web page, and keep the runs."""
     import numpy as np
+    from swamp_rl.experiments.synthetic.cases import RTK
 
     from swamp_rl.errors import UserError
     from swamp_rl.pilots.arguments import asked_pilot, opened
@@ -62,6 +63,7 @@ def record(
         from swamp_rl.teleop.server import bound, serve
     except ModuleNotFoundError as error:
         raise UserError(f"{error.name} is missing; pip install 'swamp-rl[people]'") from error
+    from swamp_rl.teleop.lookout import Lookout
     from swamp_rl.teleop.session import Session
 
     guard = Guard(host, token)
@@ -75,7 +77,7 @@ def record(
         # Refuses what cannot be sailed before anything is written.
         berths[name] = _berth(out / name if berths else out, asked, course, disturbances, source)
     listening = bound(host, port)  # before the session opens the folder of runs
-    session = Session(berths, np.random.default_rng(), pilots)
+    session = Session(berths, np.random.default_rng(), pilots, lookout=Lookout(RTK))
     session.warm()
     logging.basicConfig(format="swamp-rl: %(message)s", level=logging.WARNING)
     try:

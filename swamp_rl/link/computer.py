@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 LOST = 0.25
 """Seconds without a sign of life, of which ten are due a second, after which a computer or module is lost."""
-ANSWER = 0.2
+ANSWER = 0.15
 """Seconds in which the other hull's modules must send telemetry to a computer that has taken them over."""
 WISH_LASTS = 1.0
 """Seconds after which a console's last wish no longer counts, and the pumps stop."""

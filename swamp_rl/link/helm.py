@@ -1,5 +1,6 @@
 """Drive whatever answers at a link: telemetry in, a pilot's commands out at 10 Hz."""
 
+import gc
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -8,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.link.priority import garbage_kept
 from swamp_rl.link.protocol import (
     AZIMUTH_MOTOR,
     ENABLE,
@@ -132,7 +134,8 @@ def helm(
     latest = Latest(origin)
     try:
         if await_first(link, latest, clock):
-            _drive(link, bridge, thrusters, clock, seconds, latest, voyage)
+            with garbage_kept():
+                _drive(link, bridge, thrusters, clock, seconds, latest, voyage)
     finally:
         voyage.ignored = latest.ignored
         stop(link, thrusters)
@@ -210,6 +213,7 @@ def _drive(
         if period < SETTLE or period % AGAIN == 0:
             switch_on(link, thrusters)
         steer(link, commands)
+        gc.collect(0 if period % AGAIN else 1)  # now, when there is time until the next command
         late = math.floor((clock() - due) / PERIOD)
         voyage.missed += late
         period += 1 + late

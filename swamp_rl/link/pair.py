@@ -35,7 +35,8 @@ Array = NDArray[np.float64]
 HULLS = ("starboard", "port")
 """By the number of their computer."""
 COPIES = 3
-"""Of each heartbeat on the wireless link: a hull must not count as lost where a few datagrams are."""
+"""Of each heartbeat on the wireless link, for a hull must not count as lost where a few datagrams are; and of
+what a module is asked that may be new: references, and whom to answer."""
 PHASES = (0, 6)
 """Ticks after each period at which the computers decide: nothing makes them step together."""
 
@@ -148,7 +149,7 @@ class Pair:
             ]
             azimuth = Command(REFERENCE, (AZIMUTH_MOTOR, azimuth_steps(float(commands[k]))))
             thrust = Command(REFERENCE, (THRUST_MOTOR, throttle_reference(float(commands[K + k]))))
-            for command in (*on, Command(TELEMETRY_TO, (byte, port)), azimuth, thrust):
+            for command in (*on, *COPIES * (Command(TELEMETRY_TO, (byte, port)), azimuth, thrust)):
                 self._to_modules.send((computer.number, k, encoded(command)), now)
 
     def _carry(self, now: float) -> None:

@@ -1,6 +1,9 @@
-"""Real-time scheduling of this process, so that others on the machine do not delay its commands."""
+"""What keeps a command from being late: real-time scheduling, and no collection of garbage before it."""
 
+import gc
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from swamp_rl.errors import UserError
 
@@ -16,3 +19,18 @@ def schedule_in_real_time() -> None:
         raise UserError(
             f"--priority: the system refuses real-time scheduling ({error}); run as root, or leave it out"
         ) from error
+
+
+@contextmanager
+def garbage_kept() -> Iterator[None]:
+    """Collect no garbage within the block but where `gc.collect` is called; what is there stays."""
+    was = gc.isenabled()
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
+        if was:
+            gc.enable()

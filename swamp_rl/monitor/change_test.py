@@ -5,11 +5,14 @@ Without a fault the normalised innovations are white with variance one, and so i
 slightly wrong correlates them: each statistic is divided by its own slowly forgotten root mean square.
 """
 
-from collections import deque
+import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from swamp_rl.physics.compile import compiled
 
 Array = NDArray[np.float64]
 
@@ -26,28 +29,24 @@ class ChangeTest:
     dt: float
     threshold: float
     channels: int = 6
-    recent: deque[Array] = field(default_factory=deque)
+    count: int = 0
     square: Array = field(init=False)
     statistic: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        self.lengths = sorted({max(LEAST_SAMPLES, round(window / self.dt)) for window in WINDOWS})
-        self.recent = deque(maxlen=self.lengths[-1])
+        self.lengths = np.unique([max(LEAST_SAMPLES, round(window / self.dt)) for window in WINDOWS])
+        self.recent = np.zeros((self.lengths[-1], self.channels))
+        self.keep = np.exp(-self.dt / FORGET)
         self.square = np.ones((len(self.lengths), self.channels))
         self.statistic = np.zeros_like(self.square)
 
     def add(self, normalised: Array) -> None:
         """Take the normalised innovations (C,) of one step, NaN where nothing was measured."""
-        self.recent.append(np.clip(np.nan_to_num(normalised), -CLIP, CLIP))
-        rows = np.array(self.recent)
-        seen = np.cumsum(rows[::-1] != 0.0, axis=0)
-        sums = np.cumsum(rows[::-1], axis=0)
-        for place, length in enumerate(self.lengths):
-            last = min(length, len(rows)) - 1
-            self.statistic[place] = sums[last] / np.sqrt(np.maximum(seen[last], LEAST_SAMPLES))
-        keep = np.exp(-self.dt / FORGET)
+        self.recent[self.count % len(self.recent)] = normalised
+        self.count += 1
+        window_sums(self.recent, self.count, self.lengths, self.statistic)
         limited = np.minimum(self.statistic**2, self.threshold**2)
-        self.square = np.maximum(keep * self.square + (1.0 - keep) * limited, 1.0)
+        self.square = np.maximum(self.keep * self.square + (1.0 - self.keep) * limited, 1.0)
 
     @property
     def exceeded(self) -> Array:
@@ -57,5 +56,23 @@ class ChangeTest:
 
     def clear(self) -> None:
         """Forget the last innovations, not the root mean squares."""
-        self.recent.clear()
+        self.count = 0
         self.statistic[:] = 0.0
+
+
+@compiled
+def window_sums(recent: Any, count: int, lengths: Any, statistic: Any) -> None:
+    """Sum / sqrt(n) of the last `lengths` (W,) of `count` rows, the newest at (count - 1) % N of `recent`
+    (N, C), into `statistic` (W, C). A row counts as far as it is finite and not zero; it is clipped.
+    """
+    for channel in range(recent.shape[1]):
+        total, seen, window = 0.0, 0, 0
+        for back in range(lengths[-1]):
+            if back < count:
+                value = recent[(count - 1 - back) % recent.shape[0], channel]
+                if math.isfinite(value) and value != 0.0:
+                    total += min(max(value, -CLIP), CLIP)
+                    seen += 1
+            if back + 1 == lengths[window]:
+                statistic[window, channel] = total / math.sqrt(max(seen, LEAST_SAMPLES))
+                window += 1

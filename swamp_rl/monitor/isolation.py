@@ -1,9 +1,8 @@
 """Fault isolation: the effect and its onset whose signature in the innovations is the most likely.
 
 Generalised likelihood ratio (Willsky and Jones 1976): a fault that begins at a known time changes the
-innovations of a linear filter by a known sequence, its signature, times its size. Here the signature is the
-difference of two simulations from the filter's state, with the effect and without, put through the filter's
-own gains. Its fall of chi2 is what the size of greatest likelihood gains.
+innovations of a linear filter by a known sequence, its signature, times its size. Its fall of chi2 is what
+the size of greatest likelihood gains.
 """
 
 from collections.abc import Sequence
@@ -16,11 +15,8 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, instances_of
 from swamp_rl.effects import LIBRARY
-from swamp_rl.monitor.tracker import CURRENT, Step, differences
-from swamp_rl.simulator import simulate, tank
-from swamp_rl.simulator.sensors import observe
-from swamp_rl.simulator.state import TIME
-from swamp_rl.simulator.step import substeps_of
+from swamp_rl.monitor.signature import signatures, white_of
+from swamp_rl.monitor.tracker import Step
 
 Array = NDArray[np.float64]
 
@@ -104,43 +100,42 @@ def _from(
     instances: Sequence[EffectInstance],
     place: int,
     dt: float,
-    iterations: int = 1,
+    iterations: int,
 ) -> list[Onset]:
     """Every candidate with its onset at one step, its size by that many Gauss-Newton steps from neutral."""
     window = list(history)[place:]
-    white = np.concatenate([step.whitener @ step.innovation for step in window[1:]])
-    now = np.repeat(record, 1)
-    now[CURRENT[0]], now[CURRENT[1]] = window[0].x[6], window[0].x[7]
+    white, rows = white_of(window), sum(step.taken for step in window[1:])
     sizes = [neutral_x(instance, window[0].time) for instance in instances]
-    signatures = [np.zeros_like(white) for _ in instances]
-    for _ in range(iterations):
-        moved = [_moved(instance, x) for instance, x in zip(instances, sizes, strict=True)]
-        rows = iter(_signatures(boat, now, window, _tried(instances, moved), dt))
-        for i, (instance, x) in enumerate(zip(instances, sizes, strict=True)):
-            if free(instance):
-                added = np.array([next(rows) for _ in range(instance.size)]) - signatures[i]
-                steps = np.diag(moved[i] - x)
-                change = np.linalg.lstsq((added / steps[:, None]).T, white - signatures[i], rcond=1e-9)[0]
-                low, high = np.array([(spec.low, spec.high) for spec in instance.specs]).T
-                sizes[i] = np.clip(x + change, low, high)
-        found = _tried(instances, [x[None] for x in sizes])
-        signatures = list(_signatures(boat, now, window, found, dt))
-    remain = [float(np.sum((white - own) ** 2)) for own in signatures]
-    all_of_it = float(white @ white)
+    sized = [i for i, instance in enumerate(instances) if free(instance)]
+
+    def changes(tried: Sequence[tuple[EffectInstance, Array]]) -> Array:
+        own = [Hypothesis((instance,)).records(boat, x[None], record) for instance, x in tried]
+        return signatures(boat, np.concatenate([record, *own]), window, dt)
+
+    own = np.zeros((len(instances), len(white)))
+    for _ in range(iterations if sized else 0):
+        steps = {i: moved(instances[i], sizes[i]) for i in sized}
+        there = iter(changes([(instances[i], x) for i in sized for x in steps[i]]))
+        for i in sized:
+            added = np.array([next(there) for _ in steps[i]]) - own[i]
+            slopes = (added / np.diag(steps[i] - sizes[i])[:, None]).T
+            change = np.linalg.lstsq(slopes, white - own[i], rcond=1e-9)[0]
+            low, high = np.array([(spec.low, spec.high) for spec in instances[i].specs]).T
+            sizes[i] = np.clip(sizes[i] + change, low, high)
+        own[sized] = changes([(instances[i], sizes[i]) for i in sized])
+    others = [i for i in range(len(instances)) if i not in sized]
+    if others:
+        own[others] = changes([(instances[i], sizes[i]) for i in others])
+    left = np.sum((white - own) ** 2, axis=1)
+    gain = float(white @ white) - left
     return [
-        Onset(instance, window[0].time, place, x, all_of_it - left, left, len(white))
-        for instance, x, left in zip(instances, sizes, remain, strict=True)
+        Onset(instance, window[0].time, place, sizes[i], float(gain[i]), float(left[i]), rows)
+        for i, instance in enumerate(instances)
     ]
 
 
-def _tried(instances: Sequence[EffectInstance], rows: Sequence[Array]) -> list[tuple[EffectInstance, Array]]:
-    return [(instance, x) for instance, own in zip(instances, rows, strict=True) for x in own]
-
-
-def _moved(instance: EffectInstance, x: Array) -> Array:
-    """(p, p) sizes x (p,), each moved by a typical one within its bounds; none where nothing is free."""
-    if not free(instance):
-        return np.zeros((0, len(x)))
+def moved(instance: EffectInstance, x: Array) -> Array:
+    """(p, p) sizes x (p,), each moved by a typical one within its bounds."""
     below = np.array([x[i] - spec.scale >= spec.low for i, spec in enumerate(instance.specs)])
     return x + np.diag(np.where(below, -1.0, 1.0) * [spec.scale for spec in instance.specs])
 
@@ -151,30 +146,3 @@ def neutral_x(instance: EffectInstance, onset: float) -> Array:
         return np.array([onset])
     names = instance.effect.parameter_names
     return np.array([instance.effect.parameter(name).neutral or 0.0 for name in names], dtype=float)
-
-
-def _signatures(
-    boat: Boat, record: NDArray[Any], window: list[Step], tried: list[tuple[EffectInstance, Array]], dt: float
-) -> Array:
-    """(n, N) change of the whitened innovations by each effect that begins with the window."""
-    records = [record] + [Hypothesis((instance,)).records(boat, x[None], record) for instance, x in tried]
-    params = np.concatenate(records)
-    start = np.repeat(window[0].state[None], len(params), axis=0)
-    commands = np.repeat(np.array([step.commands for step in window[:-1]])[None], len(params), axis=0)
-    seeds = np.zeros(len(params), np.uint64)
-    tracks = simulate(params, tank(boat), start, commands, seeds, dt, substeps_of(dt))
-    seen = observe(tracks, params, dt, start[:, TIME])
-    deviation = differences(seen[1:] - seen[0])
-    return whitened(deviation, window)
-
-
-def whitened(deviation: Array, window: list[Step]) -> Array:
-    """(n, N) innovations of the filter that a deviation (n, T, 6) of the measurements adds, whitened."""
-    estimate = np.zeros((len(deviation), 8))
-    parts = []
-    for number, step in enumerate(window[1:], 1):
-        estimate = estimate @ step.jacobian.T
-        added = deviation[:, number, step.places] - estimate[:, step.places]
-        estimate = estimate + added @ step.gain.T
-        parts.append(added @ step.whitener.T)
-    return np.hstack(parts)

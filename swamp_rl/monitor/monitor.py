@@ -3,6 +3,7 @@
 import math
 from collections import deque
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +14,9 @@ from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
 from swamp_rl.link.stream import Sample
 from swamp_rl.monitor.change_test import ChangeTest
 from swamp_rl.monitor.frozen import SENSORS, Repetition
-from swamp_rl.monitor.isolation import Onset, isolate, nested, onset_candidates, simplest
-from swamp_rl.monitor.tracker import CURRENT, Tracker, tracker_of
+from swamp_rl.monitor.isolation import Onset, free, isolate, nested, onset_candidates, simplest
+from swamp_rl.monitor.scan import Scan
+from swamp_rl.monitor.tracker import CURRENT, SETTLED, Tracker, tracker_of
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.sensors import CHANNELS
 
@@ -22,6 +24,9 @@ Array = NDArray[np.float64]
 
 WARM_UP = 30.0  # s that noise and usual innovations are estimated from
 THRESHOLD = 6.5  # standard deviations; `python -m benchmarks.monitor` counts its false alarms
+ALIKE = 30.0  # of the criterion, by which a scan alarms
+FAINT = 0.4  # of the threshold, below which there is no scan
+SCAN = 0.5  # s between two scans
 CLEAR = 9.0  # of the criterion, by which a cause leads its rivals when it is named at once
 RIVAL = 6.0  # of the criterion, within which a rival is named too
 TENABLE = 3.0  # standard deviations by which the chi2 that a cause leaves may exceed its mean
@@ -58,25 +63,46 @@ class Notice:
 class Monitor:
     """Feed it samples; it says what began.
 
-    boat: as the pilot believes it to be; threshold: of the test for a change [standard deviations].
+    boat: as the pilot believes it to be; threshold: of the test for a change [standard deviations]; warm_up:
+    [s] that noise and usual innovations are estimated from; least_walk: of the filter's process noise, for
+    streams that may be rougher than the first seconds.
     """
 
-    def __init__(self, boat: Boat, threshold: float = THRESHOLD) -> None:
+    def __init__(
+        self,
+        boat: Boat,
+        threshold: float = THRESHOLD,
+        warm_up: float = WARM_UP,
+        least_walk: float = 0.0,
+    ) -> None:
         self.boat, self.threshold = boat, threshold
+        self.warm_up, self.least_walk = warm_up, least_walk
         self.record = parameters(boat)
         self.instances = onset_candidates(boat)
         self.first: list[Sample] = []
         self.repetition = Repetition()
         self.tracker: Tracker | None = None
         self.alarm: float | None = None
-        self.asked = -np.inf
+        self.settled = -np.inf
+        "Time [s] before which the filter of a stream that has begun again is not judged."
+        self.again = False
+        self.loud = False
+        "Whether a channel changed by itself since the last alarm was over."
+        self.asked = self.scanned = -np.inf
         self.said = "", -np.inf
         self.notices = 0
 
     @property
     def watching(self) -> bool:
         """Whether the first seconds are over, from which noise and usual innovations are estimated."""
-        return self.tracker is not None
+        return self.tracker is not None and not self.again and self.tracker.last.time >= self.settled
+
+    def begin_again(self) -> None:
+        """Take the next sample as the first of another stream of the boat and its sensors, from the boat file
+        again; what is known of the noise and of usual innovations is kept.
+        """
+        self.first, self.repetition = [], Repetition(usual=self.repetition.usual)
+        self.again = self.tracker is not None
 
     def feed(self, sample: Sample) -> list[Notice]:
         """Take the next sample; notices that it gives rise to. One that is not later than the last is
@@ -87,14 +113,20 @@ class Monitor:
         if self.tracker is None:
             self._warm_up(sample)
             return []
+        if self.again:
+            self._restart(sample)
+            return []
         if sample.time <= self.tracker.last.time:
             return []
         notices = self._frozen(sample)
         step = self.tracker.advance(sample, self.repetition.channels)
         self.samples.append(sample)
+        if sample.time < self.settled:
+            return []
         self.test.add(step.white)
         changed = self.test.exceeded
-        if self.alarm is None and changed.max() > 1.0:
+        self.loud |= bool(changed.max() > 1.0)
+        if self.alarm is None and (self.loud or self._suspected(sample.time, float(changed.max()))):
             self.alarm = sample.time
         if self.alarm is not None and sample.time - self.asked >= AGAIN - 1e-9:
             self.asked = sample.time
@@ -105,10 +137,11 @@ class Monitor:
     def _warm_up(self, sample: Sample) -> None:
         self.first.append(sample)
         self.repetition.learn(sample)
-        if sample.time - self.first[0].time < WARM_UP:
+        if sample.time - self.first[0].time < self.warm_up:
             return
         dt = float(np.median(np.diff([one.time for one in self.first])))
-        self.tracker, white = tracker_of(self.boat, self.record, self.first, dt)
+        self.tracker, white = tracker_of(self.boat, self.record, self.first, dt, self.least_walk)
+        self._take(self.record)
         self.test = ChangeTest(dt, self.threshold)
         for one in white:
             self.test.add(one)
@@ -117,6 +150,18 @@ class Monitor:
         )
         self.noisy = self.tracker.sigmas > 1.01 * noise_floor(self.boat)
         self.first = self.first[-1:]
+
+    def _restart(self, sample: Sample) -> None:
+        assert self.tracker is not None
+        old = self.tracker
+        self._take(parameters(self.boat))
+        self.tracker = Tracker(self.boat, self.record, old.sigmas, old.walk, sample, old.dt)
+        self.samples.clear()
+        self.test.clear()
+        self.alarm, self.loud, self.again = None, False, False
+        self.asked = self.scanned = -np.inf
+        self.said = "", -np.inf
+        self.settled = sample.time + SETTLED
 
     def _frozen(self, sample: Sample) -> list[Notice]:
         """Sensors that repeat a reading which noise or the boat's motion would have changed."""
@@ -129,6 +174,15 @@ class Monitor:
             Notice(sample.time, float(since[SENSORS[name]].max()), f"{name} frozen", {}) for name in began
         ]
         return notices + [Notice(sample.time, sample.time, f"{name} back", {}) for name in back]
+
+    def _suspected(self, now: float, changed: float) -> bool:
+        """Whether the innovations look like a failure's, though no channel changed beyond its threshold."""
+        assert self.tracker is not None
+        full = len(self.tracker.history) == self.tracker.history.maxlen
+        if changed < FAINT or now - self.scanned < SCAN - 1e-9 or not full:
+            return False
+        self.scanned = now
+        return self.scan.gain(self.tracker.history) > ALIKE * float(self.test.square[0].mean())
 
     def _named(self, now: float, changed: Array) -> list[Notice]:
         """The cause of a change, once it leads its rivals and leaves white innovations, or the time for that
@@ -148,10 +202,12 @@ class Monitor:
         waited = now - self.alarm + 1e-9
         if waited < PATIENCE and not (waited > SOONEST and clear and tenable):
             return []
-        self.alarm = None
+        loud, self.loud, self.alarm = self.loud, False, None
+        if not loud and (free(first.instance) or first.criterion < ALIKE * usual):
+            return []
         channels = tuple(CHANNELS[place] for place in np.flatnonzero(changed > 1.0))
         if not self._adopt(first):
-            return [Notice(now, first.time, "unexplained", {}, channels=channels)]
+            return [Notice(now, first.time, "unexplained", {}, channels=channels)] if loud else []
         label = first.instance.label
         refined = label == self.said[0] and now - self.said[1] < REFINED
         self.said = label, now
@@ -160,6 +216,12 @@ class Monitor:
         rivals = tuple(name for name, gap in behind.items() if gap < RIVAL)
         values = {name: float(value) for name, value in entries_of(first.instance, first.x)[0].values.items()}
         return [Notice(now, first.time, label, values, rivals, channels)]
+
+    def _take(self, record: NDArray[Any]) -> None:
+        """Believe in a record (1,) from now on."""
+        assert self.tracker is not None
+        self.record = record
+        self.scan = Scan(self.boat, record, self.instances, self.tracker.dt)
 
     def _adopt(self, onset: Onset) -> bool:
         """Go on with the cause in the model, from its onset; False, and the model as it was, where the
@@ -177,7 +239,7 @@ class Monitor:
         for sample in samples[1:]:
             self.test.add(self.tracker.advance(sample, self.repetition.channels).white)
         adequate = bool(self.test.exceeded.max() <= 1.0)
-        self.record = record if adequate else before
+        self._take(record if adequate else before)
         if not adequate:
             self.test.square = np.maximum(self.test.square, self.test.statistic**2)
             self.tracker.set_record(before)

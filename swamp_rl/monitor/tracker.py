@@ -13,9 +13,10 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.link.stream import Sample
-from swamp_rl.navigation.filter import START, WITH_MODEL, Navigator
+from swamp_rl.navigation.filter import Navigator
 from swamp_rl.navigation.predict import STATES, BoatModel
 from swamp_rl.navigation.sensors import Fix
+from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.sensors import true_motion
 from swamp_rl.simulator.state import ACTUATORS, HEADING, TIME
 
@@ -23,17 +24,29 @@ Array = NDArray[np.float64]
 
 KEPT = 6.0  # s of history
 SETTLED = 5.0  # s after which the actuators no longer depend on where they stood at first
-WALKS = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # of `WITH_MODEL`, tried for the process noise
+# Standard deviations at first, in `scale_of`, and random walk in that per sqrt(L/U): length L, top speed U
+START = np.array([0.8, 0.8, 0.05, 0.09, 0.09, 0.05, 0.13, 0.13])
+WALK = np.array([0.0, 0.0, 0.0, 0.045, 0.045, 0.033, 0.018, 0.018])
+WALKS = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # of `WALK`, tried for the process noise
 OUTLIER = 5.0  # standard deviations of an innovation that is left out,
 AGAIN = 3  # unless it comes that many times in a row
 CURRENT = ("current_north", "current_east")  # fields of the record that are states of the filter, 6 and 7
+BEYOND_OFFSETS = (
+    "antenna_x",
+    "antenna_y",
+    "position_delay",
+    "clock_offset",
+    "clock_drift",
+    "heading_drift",
+)  # fields by which what is read is not the motion plus a constant
 
 
 @dataclass(frozen=True)
 class Step:
     """One step of the filter. time [s]; commands (2K,) from this time on; state (S,) and x, P after the
-    reading; jacobian (8, 8) to this time; places (m,), gain (8, m), whitener (m, m) with unit covariance of
-    whitener @ innovation; white: (6,) normalised innovations, NaN where nothing new was measured.
+    reading; jacobian (8, 8) to this time; taken: how many of the six channels were measured; gain (8, 6),
+    whitener (6, 6) with unit covariance of whitener @ innovation, innovation (6,), zeros where nothing was
+    taken; white: (6,) normalised innovations, NaN where nothing new was measured.
     """
 
     time: float
@@ -42,7 +55,7 @@ class Step:
     x: Array
     P: Array
     jacobian: Array
-    places: list[int]
+    taken: int
     gain: Array
     whitener: Array
     innovation: Array
@@ -71,17 +84,18 @@ class Tracker:
     def set_record(self, record: NDArray[Any]) -> None:
         """Take another parameter record (1,)."""
         self.record = record
+        self.offsets = only_offsets(record)
         self.model.params = np.repeat(record, STATES + 1)
 
     def advance(self, sample: Sample, blind: Sequence[int] = ()) -> Step:
         """Predict to a sample's time and take in what it newly measures, but for the channels `blind`."""
         self.model.actuators[TIME] = self.last.time
         jacobian = self.navigator.predict(self.last.commands, sample.time - self.last.time)
-        measured = corrected(sample, self.record)
+        measured = corrected(sample, self.record, self.offsets)
         fresh = np.isfinite(measured) & (sample.senses != self.last.senses) & np.isfinite(self.sigmas)
         fresh[list(blind)] = False
         apart = differences(measured - self.navigator.x[:6])
-        deviation = np.sqrt(np.diag(self.navigator.P)[:6] + self.sigmas**2)
+        deviation = np.sqrt(self.navigator.P.diagonal()[:6] + self.sigmas**2)
         out = fresh & (np.abs(apart) > OUTLIER * deviation)
         self.refused = np.where(out, self.refused + 1, 0)
         taken = fresh & (~out | (self.refused >= AGAIN))
@@ -106,20 +120,29 @@ class Tracker:
         self.history.append(step)
 
     def _update(self, places: list[int], measured: Array, jacobian: Array, sample: Sample) -> Step:
-        white, empty = np.full(6, np.nan), np.zeros((0, 0))
-        gain, whitener, innovation = np.zeros((STATES, 0)), empty, np.zeros(0)
+        white, innovation = np.full(6, np.nan), np.zeros(6)
+        gain, whitener = np.zeros((STATES, 6)), np.zeros((6, 6))
         if places:
-            values = measured[places]
-            taken = self.navigator.update(Fix(tuple(places), values, self.sigmas[places]))
-            whitener = np.linalg.inv(np.linalg.cholesky(taken.covariance))
-            gain, innovation = taken.gain, taken.value
-            white[places] = innovation / np.sqrt(np.diag(taken.covariance))
+            taken = self.navigator.update(Fix(tuple(places), measured[places], self.sigmas[places]))
+            gain[:, places], innovation[places] = taken.gain, taken.value
+            whitener[np.ix_(places, places)] = taken.whitener
+            white[places] = taken.value / np.sqrt(taken.covariance.diagonal())
         state = self.model.actuators.copy()
         state[:6] = self.navigator.x[:6]
         state[TIME] = sample.time
         x, P = self.navigator.x.copy(), self.navigator.P.copy()
         return Step(
-            sample.time, sample.commands, state, x, P, jacobian, places, gain, whitener, innovation, white
+            sample.time,
+            sample.commands,
+            state,
+            x,
+            P,
+            jacobian,
+            len(places),
+            gain,
+            whitener,
+            innovation,
+            white,
         )
 
 
@@ -130,18 +153,26 @@ def differences(values: Array) -> Array:
     return values
 
 
-def corrected(sample: Sample, record: NDArray[Any]) -> Array:
-    """(6,) motion of midship from what the sensors of the record report."""
+def corrected(sample: Sample, record: NDArray[Any], offsets: Array | None = None) -> Array:
+    """(6,) motion of midship from what the sensors of the record report; offsets: by `only_offsets`."""
+    if offsets is not None:
+        return sample.senses - offsets
     known = np.nan_to_num(sample.senses)
     true = true_motion(known[None], record, sample.time)[0]
     return np.where(np.isfinite(sample.senses), true, np.nan)
 
 
+def only_offsets(record: NDArray[Any]) -> Array | None:
+    """(6,) by how much the sensors of the record read off; None where they do more than that."""
+    if any(record[field][0] != 0.0 for field in BEYOND_OFFSETS):
+        return None
+    return np.array([0.0, 0.0, record["heading_bias"][0], 0.0, 0.0, record["gyro_bias"][0]])
+
+
 def scale_of(boat: Boat) -> Array:
-    """(8,) of the boat's motion over SWAMP's, about which the filter's noise was chosen."""
+    """(8,) scales of the filter's states: those of the motion, and the top speed for the current."""
     own = state_scale(boat)
-    swamp = np.array([1.24, 1.24, 1.0, 1.16, 1.16, 1.16 / 1.24])
-    return np.append(own / swamp, np.full(2, own[3] / swamp[3]))
+    return np.append(own, np.full(2, reference_of(boat).speed))
 
 
 def noise_of(boat: Boat, samples: Sequence[Sample], dt: float) -> Array:
@@ -154,22 +185,25 @@ def noise_of(boat: Boat, samples: Sequence[Sample], dt: float) -> Array:
 
 
 def tracker_of(
-    boat: Boat, record: NDArray[Any], samples: Sequence[Sample], dt: float
+    boat: Boat, record: NDArray[Any], samples: Sequence[Sample], dt: float, least_walk: float = 0.0
 ) -> tuple[Tracker, list[Array]]:
     """The filter after the first samples, and their normalised innovations (6,). Its process noise is that
-    multiple of `WITH_MODEL` under which the innovations are most likely (Mehra 1970).
+    multiple of `WALK`, `least_walk` or more, under which the innovations are most likely (Mehra 1970).
     """
     sigmas = noise_of(boat, samples, dt)
     tried: list[tuple[float, int, Tracker, list[Array]]] = []
-    for walk in WALKS:
-        tracker = Tracker(boat, record, sigmas, walk * WITH_MODEL * scale_of(boat), samples[0], dt)
+    per_second = np.sqrt(reference_of(boat).speed / boat.length)
+    for multiple in (one for one in WALKS if one >= least_walk):
+        walk = multiple * WALK * scale_of(boat) * per_second
+        tracker = Tracker(boat, record, sigmas, walk, samples[0], dt)
         loss, white = 0.0, []
         for sample in samples[1:]:
             step = tracker.advance(sample)
             if sample.time - samples[0].time < SETTLED:
                 continue
             loss += float(np.sum((step.whitener @ step.innovation) ** 2))
-            loss -= 2.0 * float(np.log(np.diag(step.whitener)).sum())
+            scales = step.whitener.diagonal()
+            loss -= 2.0 * float(np.log(scales[scales > 0.0]).sum())
             white.append(step.white)
         tried.append((loss, len(tried), tracker, white))
     return min(tried, key=lambda one: one[:2])[2:]

@@ -1,7 +1,7 @@
 """An extended Kalman filter for pose, velocity and current from readings at any times (thesis 6.4, [220]).
 
-Own code: the filter is the five textbook lines below, and the Python packages that offer them are no longer
-kept. Joseph's form of the update keeps the covariance symmetric and positive.
+Own code: the filter is a few textbook lines (`kalman`), and the Python packages that offer them are no longer
+kept.
 """
 
 from dataclasses import dataclass, field
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from swamp_rl.guidance.heading import wrapped
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.navigation.predict import STATES, Predictor
+from swamp_rl.navigation.kalman import propagated, updated
+from swamp_rl.navigation.predict import Predictor
 from swamp_rl.navigation.sensors import Fix
 
 Array = NDArray[np.float64]
@@ -25,19 +26,20 @@ START = np.array([1.0, 1.0, 0.05, 0.1, 0.1, 0.05, 0.15, 0.15])  # of a boat abou
 
 @dataclass(frozen=True)
 class Innovation:
-    """A reading less its prediction: places (m,) of the states, value (m,), its covariance (m, m) and
-    the filter's gain (8, m).
+    """A reading less its prediction: places (m,) of the states, value (m,), its covariance (m, m), whitener
+    (m, m) with unit covariance of whitener @ value, and the filter's gain (n, m).
     """
 
     places: tuple[int, ...]
     value: Array
     covariance: Array
+    whitener: Array
     gain: Array
 
     @property
     def squared(self) -> float:
         """Normalised innovation squared, chi-square with m degrees of freedom if all is consistent."""
-        return float(self.value @ np.linalg.solve(self.covariance, self.value))
+        return float(np.sum((self.whitener @ self.value) ** 2))
 
 
 @dataclass
@@ -52,7 +54,7 @@ class Navigator:
     def predict(self, commands: Array, dt: float) -> Array:
         """Move on by dt [s] under commands (2K,); returns the Jacobian (8, 8) of the step."""
         self.x, F = self.predictor.predict(self.x, commands, dt)
-        self.P = F @ self.P @ F.T + np.diag(self.walk**2) * dt
+        self.P = propagated(self.P, F, self.walk, dt)
         return F
 
     def update(self, fix: Fix) -> Innovation:
@@ -62,14 +64,9 @@ class Navigator:
         if HEADING in places:
             at = places.index(HEADING)
             innovation[at] = wrapped(float(innovation[at]))
-        H = np.eye(STATES)[places]
-        R = np.diag(fix.deviations**2)
-        S = H @ self.P @ H.T + R
-        K = np.asarray(np.linalg.solve(S, H @ self.P).T, dtype=np.float64)
+        S, W, K, self.P = updated(self.P, np.array(places), fix.deviations)
         self.x = self.x + K @ innovation
-        kept = np.eye(STATES) - K @ H
-        self.P = kept @ self.P @ kept.T + K @ R @ K.T
-        return Innovation(fix.places, innovation, S, K)
+        return Innovation(fix.places, innovation, S, W, K)
 
     def error_squared(self, truth: Array) -> float:
         """Normalised estimation error squared of pose and velocity against the true ones (6,)."""

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 
 STATES = 8  # north, east [m], heading [rad], surge, sway [m/s over ground], yaw rate [rad/s], current [m/s]
 DIFFERENCE = np.array([1e-3, 1e-3, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4])
+NINE = np.vstack([np.zeros(STATES), np.diag(DIFFERENCE)])
 
 
 class Predictor(Protocol):
@@ -48,18 +49,21 @@ class BoatModel:
     def __init__(self, boat: Boat) -> None:
         self.tank = tank(boat)
         self.params = parameters(boat, STATES + 1)
+        "Records of the state and of its differences; a caller may put others there."
         self.actuators = initial_state(self.params[:1], np.zeros((1, 3)))[0]
+        self._states = np.zeros((STATES + 1, len(self.actuators)))
+        self._commands = np.zeros((STATES + 1, len(self.actuators) - ACTUATORS))
+        self._seeds = np.zeros(STATES + 1, np.uint64)
 
     def predict(self, x: Array, commands: Array, dt: float) -> tuple[Array, Array]:
         """Nine boats at once: the state and one for each of its differences."""
-        tried = np.vstack([x, x + np.diag(DIFFERENCE)])
-        states = np.tile(self.actuators, (STATES + 1, 1))
+        tried, states = x + NINE, self._states
+        states[:] = self.actuators
         states[:, :6] = tried[:, :6]
         self.params["current_north"], self.params["current_east"] = tried[:, 6], tried[:, 7]
-        held = np.tile(commands, (STATES + 1, 1))
-        seeds = np.zeros(STATES + 1, np.uint64)
-        step(states, self.params, self.tank, held, seeds, dt, substeps_of(dt))
+        self._commands[:] = commands
+        step(states, self.params, self.tank, self._commands, self._seeds, dt, substeps_of(dt))
         self.actuators[ACTUATORS:] = states[0, ACTUATORS:]
         self.actuators[TIME] = states[0, TIME]
-        moved = np.hstack([states[:, :6], tried[:, 6:]])
-        return moved[0], ((moved[1:] - moved[0]) / DIFFERENCE[:, None]).T
+        tried[:, :6] = states[:, :6]
+        return tried[0].copy(), ((tried[1:] - tried[0]) / DIFFERENCE[:, None]).T

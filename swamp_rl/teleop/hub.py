@@ -98,7 +98,7 @@ class Hub:
             for client in self.clients:
                 client.frame = text
                 client.wake.set()
-        if self.session.phase != phase:
+        if self.session.listen() or self.session.phase != phase:
             self.publish()
 
     # --- connections ---

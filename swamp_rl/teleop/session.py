@@ -1,6 +1,7 @@
 """The game: a boat waits at the start, is driven through the gates, and its run is kept or not."""
 
 import math
+from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
@@ -8,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.errors import UserError
+from swamp_rl.link.stream import Sample
 from swamp_rl.pilots.pilot import Pilot
-from swamp_rl.simulator.state import TIME
+from swamp_rl.simulator.state import NORTH, TIME, YAW_RATE
 from swamp_rl.teleop.afloat import IDLE, Afloat, Array, Instant, Levers
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.journal import Journal
+from swamp_rl.teleop.lookout import Lookout
 from swamp_rl.teleop.messages import Choose, Command, clean_nickname
 from swamp_rl.teleop.recordings import Recordings
 from swamp_rl.teleop.rows import columns_of, initial_state, row_of, try_a_step
@@ -20,6 +23,8 @@ from swamp_rl.teleop.rows import columns_of, initial_state, row_of, try_a_step
 DEAD_MAN = 0.25  # s without a command, until the thrusters stop
 READY, RUN, ENDED, SAVING = "ready", "run", "ended", "saving"
 PERSON, PILOT = "person", "pilot"
+WATCHED = 4
+"Lines of the lookout that are shown."
 BEHIND = 0.5
 "How far [s] the boat may lag behind the clock; what a stalled machine lost beyond is not made up for."
 
@@ -37,8 +42,13 @@ class Session:
         seeds: np.random.Generator,
         pilots: Mapping[str, Pilot] | None = None,
         dead_man: float = DEAD_MAN,
+        lookout: Lookout | None = None,
     ) -> None:
-        """berths: the boats by name, the first one chosen; pilots: by name, likewise."""
+        """berths: the boats by name, the first one chosen; pilots: by name, likewise; lookout: watches the
+        boat of a run."""
+        self.lookout = lookout
+        self.watched: deque[str] = deque(maxlen=WATCHED)
+        "What the lookout has said of the run last."
         self.berths, self._seeds, self._dead_man = dict(berths), seeds, dead_man
         self.pilots = dict(pilots or {})
         self.vessel, self.pilot = next(iter(berths)), next(iter(self.pilots), None)
@@ -69,6 +79,8 @@ class Session:
         self.gates: list[float] = []
         self._start: dict[str, float] = {}
         self._last_driver: str | None = None
+        self.listen()
+        self.watched.clear()
         if self.pilot is not None:
             self.pilots[self.pilot].reset(1)
         self._decide()
@@ -91,6 +103,8 @@ class Session:
         finally:
             for recordings in self.opened:
                 recordings.close()
+            if self.lookout is not None:
+                self.lookout.close()
 
     @property
     def opened(self) -> list[Recordings]:
@@ -220,6 +234,12 @@ class Session:
             self.began += self.boat.step
         self._foresee(now)
 
+    def listen(self) -> bool:
+        """Take in what the lookout has said meanwhile; whether there is something new."""
+        said = self.lookout.said() if self.lookout is not None else []
+        self.watched.extend(said)
+        return bool(said)
+
     def stopped(self, now: float) -> bool:
         """Whether the dead-man holds the thrusters."""
         return now - self._heard > self._dead_man
@@ -270,6 +290,8 @@ class Session:
         if self.journal is None:
             self._start = initial_state(self.boat.fleet.boat, before.state)
             self.journal = self.recordings.begin(self._columns(), self.about())
+            if self.lookout is not None:
+                self.lookout.begin(self.boat.fleet.boat)
         self._note_driver()
         self._write(before)
         if after.passed > before.passed:
@@ -290,6 +312,9 @@ class Session:
 
     def _write(self, instant: Instant) -> None:
         assert self.journal is not None
+        if self.lookout is not None:
+            motion = instant.state[NORTH : YAW_RATE + 1].copy()
+            self.lookout.see(Sample(float(instant.state[TIME]), instant.commands, motion))
         pilot = None
         if self.pilot is not None:
             pilot = (float(self.helm == PILOT), *self._decided)

@@ -86,6 +86,7 @@ def status(session: Session) -> dict[str, Any]:
         "pilot": session.pilot,
         "count": session.recordings.count,
         "board": session.recordings.board,
+        "watch": list(session.watched),
     }
 
 

@@ -1,6 +1,8 @@
 """A pilot drives what answers at a link, whatever the network does, and stops it at the end."""
 
+import gc
 import math
+import weakref
 
 import numpy as np
 import pytest
@@ -111,3 +113,30 @@ def test_a_vehicle_that_never_answers_is_given_up() -> None:
     link = SimulatedLink(vehicle)
     voyage = helm(link, Aboard(LineOfSightPilot(), boat=swamp(), course="camogli"), 4, link.clock)
     assert (voyage.outcome, voyage.rows) == (None, [])
+
+
+class Forgetful:
+    """A bridge whose every decision leaves garbage that only the collector finds."""
+
+    outcome = None
+    levers = np.zeros(2)
+
+    def __init__(self) -> None:
+        self.left: list[weakref.ref[Forgetful.Thing]] = []
+
+    class Thing:
+        """Something that holds itself."""
+
+    def decide(self, time: float, senses: np.ndarray) -> np.ndarray:
+        thing = self.Thing()
+        thing.self = thing  # type: ignore[attr-defined]
+        self.left.append(weakref.ref(thing))
+        assert not gc.isenabled()
+        return np.zeros(8)
+
+
+def test_garbage_is_collected_between_commands_and_not_before_one() -> None:
+    link, bridge = SimulatedLink(at_the_start()), Forgetful()
+    helm(link, bridge, 4, link.clock, 5.0)
+    assert len(bridge.left) > 30 and not any(one() for one in bridge.left[:-1])
+    assert gc.isenabled() and gc.get_freeze_count() == 0

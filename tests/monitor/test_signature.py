@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swamp_rl.monitor.isolation import whitened
+from swamp_rl.monitor.signature import whitened
 from swamp_rl.monitor.tracker import tracker_of
 from swamp_rl.simulator import parameters
 from tests.support.live_stream import BOAT, stream

@@ -11,6 +11,7 @@ from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.runs import DatasetMeta
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, YAW_RATE
 from swamp_rl.teleop.berth import Berth
+from swamp_rl.teleop.lookout import Lookout
 from swamp_rl.teleop.messages import Command
 from swamp_rl.teleop.recordings import Recordings
 from swamp_rl.teleop.session import Session
@@ -47,9 +48,13 @@ def berth(folder: Path, level: str = "calm") -> Berth:
 
 
 def session(
-    folder: Path, level: str = "calm", pilots: dict[str, Pilot] | None = None, seed: int = 1
+    folder: Path,
+    level: str = "calm",
+    pilots: dict[str, Pilot] | None = None,
+    seed: int = 1,
+    lookout: Lookout | None = None,
 ) -> Session:
-    return Session({"swamp": berth(folder, level)}, np.random.default_rng(seed), pilots)
+    return Session({"swamp": berth(folder, level)}, np.random.default_rng(seed), pilots, lookout=lookout)
 
 
 def aim(north: float, east: float, heading: float, yaw_rate: float, passed: int) -> float:

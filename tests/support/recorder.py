@@ -11,6 +11,7 @@ from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.guard import Guard
 from swamp_rl.teleop.hub import Hub
+from swamp_rl.teleop.lookout import Lookout
 from swamp_rl.teleop.server import address_of, bound, server_of
 from swamp_rl.teleop.session import DEAD_MAN, Session
 from tests.support.driving import berth
@@ -28,11 +29,14 @@ def serving(
     pilots: dict[str, Pilot] | None = None,
     boats: dict[str, Berth] | None = None,
     seed: int = 1,
+    lookout: Lookout | None = None,
 ) -> Iterator[tuple[str, Hub]]:
     """The address and the hub; factor: how much faster than real time the boat's clock runs; boats: beside
     the SWAMP."""
     berths = {"swamp": berth(folder, level), **(boats or {})}
-    session = Session(berths, np.random.default_rng(seed), pilots, dead_man=DEAD_MAN * factor)
+    session = Session(
+        berths, np.random.default_rng(seed), pilots, dead_man=DEAD_MAN * factor, lookout=lookout
+    )
     session.warm()
     hub = Hub(session, "scripted", factor)
     listening = bound(host, 0)

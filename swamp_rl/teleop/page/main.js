@@ -87,6 +87,9 @@ function stand(message) {
   by("boat").value = status.boat;
   by("level").value = status.level;
   if (status.pilot) by("pilot").value = status.pilot;
+  const lines = message.watch.map((line) => Object.assign(document.createElement("li"), { textContent: line, className: /^\d/.test(line) ? "news" : "" }));
+  document.querySelector("#watch ol").replaceChildren(...lines);
+  by("watch").hidden = !lines.length;
   const list = document.querySelector("#board ol");
   list.replaceChildren(...status.board.map(place));
   by("board-empty").hidden = status.board.length > 0;
