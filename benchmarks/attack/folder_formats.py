@@ -103,9 +103,9 @@ def _fleet(name: str) -> Make:
 def _go_on(folder: Path) -> Any:
     from swamp_rl.experiments.fleet import diagnose_fleet
 
-    crew = _Crew()
-    diagnose_fleet([folder / "in" / "a", folder / "in" / "b"], folder / "out", crew=crew)
-    return crew.done
+    pool = _Pool()
+    diagnose_fleet([folder / "in" / "a", folder / "in" / "b"], folder / "out", pool=pool)
+    return pool.done
 
 
 def _state(path: Path) -> Any:
@@ -114,19 +114,19 @@ def _state(path: Path) -> Any:
         raise UserError("a damaged state: diagnosed again")
 
 
-class _Crew:
+class _Pool:
     """Diagnoses in no time."""
 
-    places = 1
+    size = 1
 
     def __init__(self) -> None:
         self.jobs: list[tuple[int, str]] = []
         self.done = 0
 
-    def give(self, number: int, job: str) -> None:
+    def submit(self, number: int, job: str) -> None:
         self.jobs.append((number, job))
 
-    def take(self) -> tuple[int, str | None, str]:
+    def wait(self) -> tuple[int, str | None, str]:
         from swamp_rl.experiments.fleet.work import INPUT, RESULT
 
         number, job = self.jobs.pop()
