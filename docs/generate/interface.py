@@ -23,6 +23,7 @@ MODULES = (
     "swamp_rl.design",
     "swamp_rl.energy",
     "swamp_rl.link",
+    "swamp_rl.criticism.model.trial_limits",
     "swamp_rl.errors",
 )
 TYPES = (

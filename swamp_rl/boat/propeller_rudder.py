@@ -35,9 +35,9 @@ class Propeller(Part):
     "C_P of the wake."
     x_wake: Annotated[float, Unit("1")]
     "x'_P of b, lengths forward of midship."
-    k_t: Coefficients | None = None
+    k_t: Annotated[tuple[float, ...] | None, FROM_LIST, Unit("1")] = None
     "Three coefficients of K_T(J) = k_0 + k_1 J + k_2 J²."
-    astern_thrust: Coefficients | None = None
+    astern_thrust: Annotated[tuple[float, ...] | None, FROM_LIST, Unit("1")] = None
     "C0 to C3 of Hachii: turning astern, K_T = C1 + C2 J_s where J_s ≥ C3, else C0."
     open_water: OpenWater | None = None
     "In place of `k_t` and `astern_thrust`: a model of the thrust in open water."

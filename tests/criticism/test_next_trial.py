@@ -1,6 +1,6 @@
 """The designed trial: its limits, its expected evidence, and what it decides."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,6 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.inference import next_trial
 from swamp_rl.criticism.inference.next_trial import Designed, design_trial, question_of, write_trial
 from swamp_rl.criticism.inference.trial_evidence import Explanation, Question, rate
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
@@ -19,6 +18,7 @@ from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.trial_limits import UNLIMITED, rows_within, trial_limits
+from swamp_rl.criticism.options import using
 from swamp_rl.criticism.result import Narrowed
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.errors import UserError
@@ -55,9 +55,10 @@ NARROWS = Narrowed(effect="resistance", parameter="scale", unit="1", before=0.01
 
 
 @pytest.fixture
-def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+def brief() -> Iterator[None]:
     """A search that ends early."""
-    monkeypatch.setattr(next_trial, "BUDGET", 500_000)
+    with using(trial_budget=500_000):
+        yield
 
 
 def designed(asked: Question, area: str = "15x20", seed: int = 0, **more: Any) -> Designed:
@@ -167,9 +168,8 @@ def test_limits_out_of_range_are_refused(given: dict[str, float], said: str) -> 
         trial_limits("40x40", BOAT, **given)
 
 
-def test_limits_without_any_evidence_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(next_trial, "BUDGET", 1)
-    with pytest.raises(UserError, match="keep the boat within the limits for 12 s"):
+def test_limits_without_any_evidence_are_refused() -> None:
+    with using(trial_budget=1), pytest.raises(UserError, match="keep the boat within the limits for 12 s"):
         designed(question(*TRUTHS), throttle=1e-4)
 
 

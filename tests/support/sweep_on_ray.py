@@ -65,7 +65,7 @@ def fleet(folder: Path, cluster: Any) -> None:
     """Pretended diagnoses by both nodes."""
     cluster.add_node(**NODE)
     with RayPool(pretend, cluster.address) as pool:
-        if pool.size != 2:
+        if pool.size < 2:  # a node that was killed may be counted for a while
             raise RuntimeError(f"the cluster has {pool.size} workers and not two")
         diagnose_fleet(sorted((folder / "datasets").iterdir()), folder / "fleet", pool=pool)
 

@@ -128,8 +128,8 @@ def _heading_and_yaw_rate(measured: list[Array], dt: float, folder: str) -> None
     shifts = [shift for shift in range(-lag, lag + 1) if abs(shift) * dt >= options().out_of_step]
     shares = [explained(*_shifted(turned, measured_rate, shift)) for shift in shifts]
     best = int(np.argmax(shares))
-    left = (1.0 - shares[best]) / max(1.0 - as_it_is, 1e-12)
-    if shares[best] > options().reading_good and left < options().lag_improvement:
+    left = options().lag_improvement * (1.0 - as_it_is)
+    if shares[best] > options().reading_good and 1.0 - shares[best] < left:
         raise UserError(
             f"{folder}: yaw_rate is {abs(shifts[best]) * dt:.1f} s {'late' if shifts[best] > 0 else 'early'} "
             f"against heading; bring the columns ({', '.join(CHANNELS)}) to one clock"

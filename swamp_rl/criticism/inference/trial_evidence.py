@@ -184,6 +184,8 @@ def _distance(residual: Array, fitted: _Response, one: Explanation, trials: int)
     """(W,) squared residuals (V, M) that remain once an explanation is fitted to each trial."""
     normal = normal_equations(fitted.by_state, fitted.by_x, residual)
     left = _by_trial(normal.profile_chi2, trials)
+    if not one.hypothesis.size:
+        return np.maximum(np.nan_to_num(left), 0.0)
     gradients = _by_trial(normal.gradient, trials)
     for trial, added in enumerate(_by_trial(normal.information, trials)):
         left[trial] -= gradients[trial] @ inverse(one.precision + added) @ gradients[trial]
