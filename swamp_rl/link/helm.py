@@ -133,8 +133,8 @@ def helm(
     voyage = voyage or Voyage()
     latest = Latest(origin)
     try:
-        if await_first(link, latest, clock):
-            with garbage_kept():
+        with garbage_kept():  # collected at first, before the schedule begins
+            if await_first(link, latest, clock):
                 _drive(link, bridge, thrusters, clock, seconds, latest, voyage)
     finally:
         voyage.ignored = latest.ignored
