@@ -14,8 +14,7 @@ from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
 from swamp_rl.link.stream import Sample
 from swamp_rl.monitor.change_test import ChangeTest
 from swamp_rl.monitor.frozen import SENSORS, Repetition
-from swamp_rl.monitor.isolation import Onset, free, isolate, nested, onset_candidates, simplest
-from swamp_rl.monitor.scan import Scan
+from swamp_rl.monitor.isolation import Onset, isolate, nested, onset_candidates, simplest
 from swamp_rl.monitor.tracker import CURRENT, SETTLED, Tracker, tracker_of
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.sensors import CHANNELS
@@ -24,9 +23,6 @@ Array = NDArray[np.float64]
 
 WARM_UP = 30.0  # s that noise and usual innovations are estimated from
 THRESHOLD = 6.5  # standard deviations; `python -m benchmarks.monitor` counts its false alarms
-ALIKE = 30.0  # of the criterion, by which a scan alarms
-FAINT = 0.4  # of the threshold, below which there is no scan
-SCAN = 0.5  # s between two scans
 CLEAR = 9.0  # of the criterion, by which a cause leads its rivals when it is named at once
 RIVAL = 6.0  # of the criterion, within which a rival is named too
 TENABLE = 3.0  # standard deviations by which the chi2 that a cause leaves may exceed its mean
@@ -86,9 +82,7 @@ class Monitor:
         self.settled = -np.inf
         "Time [s] before which the filter of a stream that has begun again is not judged."
         self.again = False
-        self.loud = False
-        "Whether a channel changed by itself since the last alarm was over."
-        self.asked = self.scanned = -np.inf
+        self.asked = -np.inf
         self.said = "", -np.inf
         self.notices = 0
 
@@ -125,8 +119,7 @@ class Monitor:
             return []
         self.test.add(step.white)
         changed = self.test.exceeded
-        self.loud |= bool(changed.max() > 1.0)
-        if self.alarm is None and (self.loud or self._suspected(sample.time, float(changed.max()))):
+        if self.alarm is None and changed.max() > 1.0:
             self.alarm = sample.time
         if self.alarm is not None and sample.time - self.asked >= AGAIN - 1e-9:
             self.asked = sample.time
@@ -158,8 +151,8 @@ class Monitor:
         self.tracker = Tracker(self.boat, self.record, old.sigmas, old.walk, sample, old.dt)
         self.samples.clear()
         self.test.clear()
-        self.alarm, self.loud, self.again = None, False, False
-        self.asked = self.scanned = -np.inf
+        self.alarm, self.again = None, False
+        self.asked = -np.inf
         self.said = "", -np.inf
         self.settled = sample.time + SETTLED
 
@@ -174,15 +167,6 @@ class Monitor:
             Notice(sample.time, float(since[SENSORS[name]].max()), f"{name} frozen", {}) for name in began
         ]
         return notices + [Notice(sample.time, sample.time, f"{name} back", {}) for name in back]
-
-    def _suspected(self, now: float, changed: float) -> bool:
-        """Whether the innovations look like a failure's, though no channel changed beyond its threshold."""
-        assert self.tracker is not None
-        full = len(self.tracker.history) == self.tracker.history.maxlen
-        if changed < FAINT or now - self.scanned < SCAN - 1e-9 or not full:
-            return False
-        self.scanned = now
-        return self.scan.gain(self.tracker.history) > ALIKE * float(self.test.square[0].mean())
 
     def _named(self, now: float, changed: Array) -> list[Notice]:
         """The cause of a change, once it leads its rivals and leaves white innovations, or the time for that
@@ -202,12 +186,10 @@ class Monitor:
         waited = now - self.alarm + 1e-9
         if waited < PATIENCE and not (waited > SOONEST and clear and tenable):
             return []
-        loud, self.loud, self.alarm = self.loud, False, None
-        if not loud and (free(first.instance) or first.criterion < ALIKE * usual):
-            return []
+        self.alarm = None
         channels = tuple(CHANNELS[place] for place in np.flatnonzero(changed > 1.0))
         if not self._adopt(first):
-            return [Notice(now, first.time, "unexplained", {}, channels=channels)] if loud else []
+            return [Notice(now, first.time, "unexplained", {}, channels=channels)]
         label = first.instance.label
         refined = label == self.said[0] and now - self.said[1] < REFINED
         self.said = label, now
@@ -221,7 +203,6 @@ class Monitor:
         """Believe in a record (1,) from now on."""
         assert self.tracker is not None
         self.record = record
-        self.scan = Scan(self.boat, record, self.instances, self.tracker.dt)
 
     def _adopt(self, onset: Onset) -> bool:
         """Go on with the cause in the model, from its onset; False, and the model as it was, where the

@@ -18,7 +18,7 @@ from tests.support.live_stream import BOAT, NOISE, stream
 from tests.support.patience import PATIENCE, until
 
 BEGINS = 40.0
-FAILURE = {"effect": "thruster_failure", "thruster": "bp", "time": 0.0}
+FAULT = {"effect": "heading_bias", "bias": 0.2}
 
 
 @pytest.fixture
@@ -38,12 +38,12 @@ def told(lookout: Lookout, samples: Iterator[Sample]) -> None:
 
 def test_what_fails_in_a_run_is_named_and_the_next_run_is_watched_at_once() -> None:
     lookout = Lookout()
-    told(lookout, stream(BEGINS + 5.0, BEGINS, [FAILURE]))
-    told(lookout, stream(14.0, 8.0, [FAILURE], seed=1))
+    told(lookout, stream(BEGINS + 5.0, BEGINS, [FAULT]))
+    told(lookout, stream(14.0, 8.0, [FAULT], seed=1))
     lookout.close()
     said = lookout.said()
-    assert said[:2] == [LEARNS, WATCHES] and "thruster_failure bp" in said[2]
-    assert said[3:5] == [LEARNS, WATCHES] and "thruster_failure bp" in said[5]
+    assert said[:2] == [LEARNS, WATCHES] and "heading_bias" in said[2]
+    assert said[3:5] == [LEARNS, WATCHES] and "heading_bias" in said[5]
     assert len(said) == 6
 
 
