@@ -3,7 +3,6 @@
 import math
 from collections import deque
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,7 +133,6 @@ class Monitor:
             return
         dt = float(np.median(np.diff([one.time for one in self.first])))
         self.tracker, white = tracker_of(self.boat, self.record, self.first, dt, self.least_walk)
-        self._take(self.record)
         self.test = ChangeTest(dt, self.threshold)
         for one in white:
             self.test.add(one)
@@ -147,7 +145,7 @@ class Monitor:
     def _restart(self, sample: Sample) -> None:
         assert self.tracker is not None
         old = self.tracker
-        self._take(parameters(self.boat))
+        self.record = parameters(self.boat)
         self.tracker = Tracker(self.boat, self.record, old.sigmas, old.walk, sample, old.dt)
         self.samples.clear()
         self.test.clear()
@@ -199,11 +197,6 @@ class Monitor:
         values = {name: float(value) for name, value in entries_of(first.instance, first.x)[0].values.items()}
         return [Notice(now, first.time, label, values, rivals, channels)]
 
-    def _take(self, record: NDArray[Any]) -> None:
-        """Believe in a record (1,) from now on."""
-        assert self.tracker is not None
-        self.record = record
-
     def _adopt(self, onset: Onset) -> bool:
         """Go on with the cause in the model, from its onset; False, and the model as it was, where the
         innovations are as unusual with it.
@@ -220,7 +213,7 @@ class Monitor:
         for sample in samples[1:]:
             self.test.add(self.tracker.advance(sample, self.repetition.channels).white)
         adequate = bool(self.test.exceeded.max() <= 1.0)
-        self._take(record if adequate else before)
+        self.record = record if adequate else before
         if not adequate:
             self.test.square = np.maximum(self.test.square, self.test.statistic**2)
             self.tracker.set_record(before)
