@@ -32,6 +32,7 @@ def command_findings(runs: Sequence[Run]) -> list[Finding]:
         for name in names
         if all(name in run.columns for run in runs)
     }
+    joined = {name: values for name, values in joined.items() if np.isfinite(values).any()}
     constant = [name for name, values in joined.items() if np.ptp(values[np.isfinite(values)]) == 0.0]
     found = []
     own = [name for name in joined if not name.startswith("joy_")] or list(joined)

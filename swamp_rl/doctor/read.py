@@ -93,7 +93,11 @@ def _tables(folder: Path) -> Records:
     paths = sorted(path for path in folder.iterdir() if is_table(path))[:MOST_FILES]
     tables = {path: read_table(_own(path)) for path in paths}
     faults = [str(fault) for table in tables.values() for fault in table.faults]
-    runs = [Run(path.stem, table.columns) for path, table in tables.items() if table.columns]
+    timeless = [path for path, table in tables.items() if table.columns and "time" not in table.columns]
+    faults += [
+        f"{path.name}: has no column time; name it so, or import with --map time=COLUMN" for path in timeless
+    ]
+    runs = [Run(path.stem, table.columns) for path, table in tables.items() if "time" in table.columns]
     return Records(runs, "folder of tables", None, faults)
 
 
@@ -105,17 +109,22 @@ def _lerobot(folder: Path, boat: str | None) -> Records:
     paths = sorted((folder / "data").rglob("*.parquet"))[:MOST_FILES]
     rate = info.get("fps")
     runs: list[Run] = []
+    faults = []
     for path in paths:
         columns = _frames(path, features)
         episodes = columns.pop("episode_index", np.zeros(len(next(iter(columns.values()), []))))
-        for number in np.unique(episodes).tolist():
+        known = np.isfinite(episodes)
+        if not known.all():
+            faults.append(f"{path.name}: {(~known).sum()} rows have no episode_index; they are left out")
+        for number in np.unique(episodes[known]).tolist():
             taken = {name: values[episodes == number] for name, values in columns.items()}
             if "time" not in taken:
                 taken["time"] = _times(taken, rate)
             runs.append(Run(f"episode-{int(number)}", taken))
     own = folder / "meta" / "swamp_rl.json"
     told = _json(own) if own.is_file() else {}
-    return Records(runs, "LeRobot", _boat(folder / "meta", told, boat), measured=_measured(told))
+    vessel = _boat(folder / "meta", told, boat)
+    return Records(runs, "LeRobot", vessel, faults, _measured(told))
 
 
 def _measured(told: dict[str, Any]) -> bool:
