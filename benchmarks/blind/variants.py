@@ -27,6 +27,7 @@ from swamp_rl.experiments.synthetic.cases import (
 from swamp_rl.experiments.synthetic.draws import Rng, polar, scale, signed
 from swamp_rl.experiments.synthetic.drivers import Driver
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, PropellerRudder, load_boat
 from swamp_rl.files import write_yaml
 from swamp_rl.runs import DatasetMeta, RunMeta
@@ -233,8 +234,7 @@ def station_keeping(rng: Rng) -> Actions:
 
     def action(time: float, state: Array) -> tuple[float, float, float]:
         north, east = centre - state[:2]
-        bearing = math.atan2(east, north) - state[2]
-        bearing = math.pi - (math.pi - bearing) % (2.0 * math.pi)
+        bearing = wrapped(math.atan2(east, north) - state[2])
         push = min(gain * math.hypot(north, east), 1.0) * (time % 6.0 < 4.0)
         return push, bearing, bearing
 
@@ -256,7 +256,7 @@ def rows_of(boat: Boat, voyage: Voyage, instruments: Instruments, rng: Rng) -> d
         kept[first : first + length] = False
     kept[[0, -1]] = True
     columns = {"time": TICK * every * np.arange(rows), "north": measured[:, 0], "east": measured[:, 1]}
-    columns["heading"] = np.pi - np.mod(np.pi - measured[:, 2], 2 * np.pi)
+    columns["heading"] = wrapped(measured[:, 2])
     for index, name in enumerate(("surge", "sway", "yaw_rate")):
         if name in instruments.channels:
             columns[name] = measured[:, 3 + index]

@@ -12,6 +12,7 @@ from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.guidance_figures import draw_station, draw_track
 
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.energy.power import missing, pack_power
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.curve import Curve, joined
@@ -21,7 +22,7 @@ from swamp_rl.guidance.flight import STEP, Flight, flown, in_sea
 from swamp_rl.guidance.keep import drive_without, keeper_for
 from swamp_rl.guidance.path_file import load_path, speeds_of, spline
 from swamp_rl.guidance.places import LONGEST
-from swamp_rl.guidance.servo import SWAMP_LENGTH, servo_of
+from swamp_rl.guidance.servo import servo_of
 from swamp_rl.guidance.track_errors import along_and_across, spread, station_errors
 from swamp_rl.runs import DatasetMeta, append_run, dataset_beside, read_run
 from swamp_rl.simulator.reference import reference_of

@@ -20,6 +20,7 @@ from swamp_rl.experiments.config.schema import Logs
 from swamp_rl.experiments.evaluation.episodes import try_pilots
 from swamp_rl.experiments.training.train import get_data, train_pilots
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.diagnose import RESULT, diagnose
 from swamp_rl.criticism.result import Diagnosis
@@ -132,7 +133,7 @@ def noisy(run: Run, logs: Logs, rng: np.random.Generator) -> dict[str, Array]:
     )
     for name, size in zip(LOGGED[1:], sizes, strict=True):
         columns[name] += size * rng.standard_normal(len(columns[name]))
-    columns["heading"] = np.pi - np.mod(np.pi - columns["heading"], 2.0 * np.pi)
+    columns["heading"] = wrapped(columns["heading"])
     return columns
 
 

@@ -25,6 +25,7 @@ from swamp_rl.experiments.synthetic.draws import (
 )
 from swamp_rl.experiments.synthetic.drivers import RICH, Array, Driver, gate_run, straight
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.files import write_yaml
@@ -330,7 +331,7 @@ def measure(voyage: Voyage, noise: Array, rng: Rng) -> tuple[Array, NDArray[np.b
 def table(boat: Boat, measured: Array, asked: Array, velocities: bool) -> dict[str, Array]:
     """Columns of a run of `measured` (T, 6) channels under the commands `asked` (T, 2K)."""
     columns = {"time": DT * np.arange(len(measured)), "north": measured[:, 0], "east": measured[:, 1]}
-    columns["heading"] = np.pi - np.mod(np.pi - measured[:, 2], 2 * np.pi)
+    columns["heading"] = wrapped(measured[:, 2])
     if velocities:
         columns |= {"surge": measured[:, 3], "sway": measured[:, 4]}
     columns["yaw_rate"] = measured[:, 5]

@@ -3,8 +3,8 @@
 import math
 
 from swamp_rl.boat.schema import Boat
+from swamp_rl.constants import GRAVITY
 
-GRAVITY = 9.81  # m/s2
 FACTOR = 2.4  # of ICORELS
 
 

@@ -7,13 +7,14 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from swamp_rl.constants import DAY
 from swamp_rl.errors import UserError
 from swamp_rl.files import extended_config, find_config, read_yaml, validated
 
 Metres = Annotated[float, Field(ge=-1e6, le=1e6)]
 Radians = Annotated[float, Field(ge=-2.0 * math.pi, le=2.0 * math.pi)]
 Positive = Annotated[float, Field(gt=0.0, le=1e6)]
-SHORTEST, LONGEST = 1.0, 86400.0  # s
+SHORTEST, LONGEST = 1.0, DAY  # s
 Seconds = Annotated[float, Field(ge=SHORTEST, le=LONGEST)]
 
 

@@ -7,11 +7,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.energy.mission import Leg, Mission
 from swamp_rl.guidance.drive import drive_of
 from swamp_rl.guidance.following import RADIUS, PathFollower
-from swamp_rl.guidance.heading import wrapped
 from swamp_rl.guidance.line_of_sight import Waypoint, leg_after, offset
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.guidance.servo import servo_of

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.one_thread import one_thread
 from swamp_rl.runs import Run, RunMeta
 
@@ -94,7 +95,7 @@ class Rollout:
             "time": np.arange(len(track)) * step,
             "north": track[:, 0],
             "east": track[:, 1],
-            "heading": np.pi - np.mod(np.pi - track[:, 2], 2.0 * np.pi),
+            "heading": wrapped(track[:, 2]),
             "joy_thrust": levers[:, 0],
             "joy_angle": levers[:, 1],
         }

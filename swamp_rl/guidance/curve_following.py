@@ -6,12 +6,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.curve import Curve
 from swamp_rl.guidance.drive import Drive
 from swamp_rl.guidance.following import LOOKAHEAD, YAW_RATE_LIMIT, steered, turning_to
 from swamp_rl.guidance.heading import slowest_speed
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.guidance.servo import SWAMP_LENGTH, VelocityServo
+from swamp_rl.guidance.servo import VelocityServo
 
 Array = NDArray[np.float64]
 

@@ -5,12 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.drive import Drive, allocated
-from swamp_rl.guidance.heading import wrapped
 from swamp_rl.guidance.integral_line_of_sight import drift_corrected
 from swamp_rl.guidance.line_of_sight import Waypoint, leg_after
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.guidance.servo import SWAMP_LENGTH, VelocityServo
+from swamp_rl.guidance.servo import VelocityServo
 
 Array = NDArray[np.float64]
 

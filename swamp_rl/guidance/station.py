@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.allocation import Jets, Wish, allocate
-from swamp_rl.guidance.heading import wrapped
+from swamp_rl.angles import wrapped
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.guidance.servo import SWAMP_LENGTH, VelocityServo
+from swamp_rl.guidance.servo import VelocityServo
 
 Array = NDArray[np.float64]
 

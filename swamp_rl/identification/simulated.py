@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.runs import Run
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
@@ -33,7 +34,7 @@ def record_run(
     track = simulate(params, tank(boat), start, commands[None], seeds, dt, substeps_of(dt))[:, :-1]
     measured = add_noise(observe(track, params, dt)[0], noise, rng)
     columns = {"time": np.arange(len(commands)) * dt} | dict(zip(CHANNELS, measured.T, strict=True))
-    columns["heading"] = np.pi - np.mod(np.pi - columns["heading"], 2.0 * np.pi)
+    columns["heading"] = wrapped(columns["heading"])
     for k, thruster in enumerate(boat.thrusters):
         angle, level = thruster.command_columns
         if angle is not None:

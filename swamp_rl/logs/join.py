@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.errors import UserError
 from swamp_rl.runs.faults import Fault
-from swamp_rl.runs.resample import ANGLES, HELD, most_rows, wrapped
+from swamp_rl.runs.resample import ANGLES, HELD, most_rows
 
 Array = NDArray[np.float64]
 

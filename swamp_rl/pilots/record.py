@@ -7,10 +7,12 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
-from swamp_rl.pilots.scripted import SWAMP_LENGTH, Habits, ScriptedPilot, Skill, habits_of
+from swamp_rl.pilots.scripted import Habits, ScriptedPilot, Skill, habits_of
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, dataset_beside
 
 AT_ONCE = 64
@@ -220,7 +222,7 @@ def _columns(parts: list[Array], vehicle: Boat, step: float) -> dict[str, Array]
         "time": np.arange(len(pose)) * step,
         "north": pose[:, 0],
         "east": pose[:, 1],
-        "heading": np.pi - np.mod(np.pi - pose[:, 2], 2.0 * np.pi),
+        "heading": wrapped(pose[:, 2]),
         "surge": velocity[:, 0],
         "sway": velocity[:, 1],
         "yaw_rate": velocity[:, 2],

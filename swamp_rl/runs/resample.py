@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
@@ -48,8 +49,3 @@ def resampled(columns: Mapping[str, Array], rate: float) -> dict[str, Array]:
         else:
             found[name] = np.interp(even, time, values)
     return found | {"time": even}
-
-
-def wrapped(angles: Array) -> Array:
-    """The same angles [rad] in (−π, π]."""
-    return math.pi - np.mod(math.pi - angles, 2.0 * math.pi)

@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.runs import Run
@@ -53,11 +53,6 @@ def row_of(
         math.atan2(wind[1], wind[0]),
         *(pilot or ()),
     ]
-
-
-def wrapped(heading: Any) -> Any:
-    """The heading [rad] in (-pi, pi]."""
-    return np.pi - np.mod(np.pi - heading, 2.0 * np.pi)
 
 
 def initial_state(boat: Boat, state: Array) -> dict[str, float]:

@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.doctor.examine import examine
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
-from swamp_rl.runs.resample import wrapped
 from swamp_rl.simulator.replay import replay
 from tests.support.from_scratch import written
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.constants import GRAVITY
 from swamp_rl.effects import EffectEntry
-from swamp_rl.guidance.heading import GRAVITY
 from swamp_rl.identification.motion import motions_of
 from swamp_rl.identification.yaw_model import YawModel, by_pseudo_inverse
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
