@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from swamp_rl.experiments.cli.options import seed_option
 
 from swamp_rl.errors import UserError
 
@@ -23,9 +24,7 @@ def compare(
         Path | None,
         typer.Option(help="Folder of compare.md and compare.json (comparison), or page (leaderboard.html)."),
     ] = None,
-    seed: Annotated[
-        int, typer.Option(min=0, max=2**31 - 1, help="Of the bootstrap and the permutations.")
-    ] = 0,
+    seed: Annotated[int, seed_option("Of the bootstrap and the permutations.")] = 0,
 ) -> None:
     """Compare pilots on the same episodes, with intervals and p-values (Holm), or rank them on a page."""
     from swamp_rl.files import write_beside

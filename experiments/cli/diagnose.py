@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from swamp_rl.experiments.cli.options import BoatOption, IgnoreOption
 
 from swamp_rl.errors import UserError
 
@@ -20,7 +21,7 @@ def diagnose(
         typer.Argument(help="Folders of measured runs of one boat, or a YAML file of printed figures."),
     ],
     out: Annotated[Path, typer.Option(help="The folder to write.")],
-    boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",
+    boat: BoatOption = "swamp",
     holdout: Annotated[
         Path | None, typer.Option(help="Runs to measure the gain on; else each run in turn is held out.")
     ] = None,
@@ -28,10 +29,7 @@ def diagnose(
         list[str] | None,
         typer.Option(help="Of figures: groups to fit to, joined by commas; once for each stage."),
     ] = None,
-    ignore: Annotated[
-        list[str] | None,
-        typer.Option(help="Leave out what the runs measured: wind or depth; may be repeated."),
-    ] = None,
+    ignore: IgnoreOption = None,
     next: Annotated[
         str | None,
         typer.Option(help="Design the next trial within an area, metres north and east, as 40x40."),
