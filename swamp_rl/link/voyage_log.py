@@ -2,17 +2,16 @@
 
 import math
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.link.helm import PERIOD, Voyage
 from swamp_rl.link.stream import SENSES
 from swamp_rl.runs.import_dataset import About, import_tables
 from swamp_rl.runs.import_foreign import Foreign, Wishes
-from swamp_rl.runs.resample import wrapped
 from swamp_rl.runs.schema import DatasetMeta
 from swamp_rl.runs.table import Table
 
@@ -20,7 +19,6 @@ FILL = 0.25
 """Seconds without telemetry that are interpolated in the log; a longer gap divides the run."""
 EVEN = 1e-4
 """Seconds by which a step between rows may differ from the period."""
-Driver = Literal["learned", "scripted"]
 
 
 def write_voyage(out: Path, voyage: Voyage, boat: Boat, about: About, name: str = "helm") -> DatasetMeta:
