@@ -57,5 +57,5 @@ def full_power(
     screw = thruster.propeller
     most = np.where(level >= 0.0, screw.revolutions_max, screw.revolutions_max_astern)
     n = np.abs(level) * most
-    torque = (screw.torque_coefficient or 0.0) * density * n**2 * screw.diameter**5
-    return np.asarray(given.idle + 2.0 * math.pi * n * torque / given.efficiency * np.asarray(left) ** 1.5)
+    shaft = 2.0 * math.pi * n * screw.torque(n, density)
+    return np.asarray(given.idle + shaft / given.efficiency * np.asarray(left) ** 1.5)

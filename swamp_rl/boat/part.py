@@ -5,7 +5,7 @@ import math
 from pydantic import BaseModel, ConfigDict, Field
 
 POSITIVE, NOT_NEGATIVE, NOT_POSITIVE = Field(gt=0), Field(ge=0), Field(le=0)
-FRACTION = Field(ge=0, le=1)
+FRACTION, BELOW_ONE = Field(ge=0, le=1), Field(lt=1)
 ANGLE = Field(ge=-2 * math.pi, le=2 * math.pi)
 FROM_LIST = Field(strict=False)  # YAML has lists, a frozen model holds tuples
 NAME = Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")
