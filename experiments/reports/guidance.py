@@ -25,6 +25,7 @@ from swamp_rl.guidance.places import LONGEST
 from swamp_rl.guidance.servo import servo_of
 from swamp_rl.guidance.track_errors import along_and_across, spread, station_errors
 from swamp_rl.runs import DatasetMeta, append_run, dataset_beside, read_run
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE, SWAY
 
@@ -180,15 +181,7 @@ class Timed:
 
 
 def _meta(boat: Boat, boat_name: str) -> DatasetMeta:
-    return DatasetMeta(
-        vehicle=boat_name,
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=1.0 / STEP,
-        source="simulated",
-        notes=NOTES,
-    )
+    return meta_of(boat, boat_name, 1.0 / STEP, "simulated", notes=NOTES)
 
 
 def _title(boat: Boat, told: dict[str, Any]) -> str:

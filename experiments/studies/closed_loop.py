@@ -29,7 +29,8 @@ from swamp_rl.evaluation import Table, paired_difference, write_episodes
 from swamp_rl.pilots.record import NOTES, drive_episodes
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import save_pilot
-from swamp_rl.runs import DatasetMeta, Run, append_run, create_dataset
+from swamp_rl.runs import Run, append_run, create_dataset
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]
@@ -107,13 +108,11 @@ def write_logs(truth: Scene, logs: Logs, folder: Path) -> None:
     finally:
         boats.close()
     boat = load_boat(truth.experiment.boat)
-    meta = DatasetMeta(
-        vehicle=str(truth.experiment.boat),
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=1.0 / truth.experiment.step,
-        source="scripted",
+    meta = meta_of(
+        boat,
+        truth.experiment.boat,
+        1.0 / truth.experiment.step,
+        "scripted",
         course=truth.experiment.course,
         notes=NOTES,
     )

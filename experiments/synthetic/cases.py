@@ -29,8 +29,8 @@ from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.files import write_yaml
-from swamp_rl.runs import DatasetMeta, RunMeta
-from swamp_rl.runs.schema import Source
+from swamp_rl.runs import RunMeta
+from swamp_rl.runs.schema import Source, meta_of
 from swamp_rl.runs.table import write_table
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.delay import delayed_command
@@ -299,23 +299,24 @@ def write_case(
 
 
 def write_runs(
-    data: Path, vehicle: str, boat: Boat, tables: list[dict[str, NDArray[Any]]], source: Source, suffix: str
+    data: Path,
+    vehicle: str,
+    boat: Boat,
+    tables: list[dict[str, NDArray[Any]]],
+    source: Source,
+    suffix: str,
+    rate: float = 1 / DT,
 ) -> None:
-    """A file of that suffix for each run into the folder `data`, and the `dataset.yaml` of them all."""
+    """A file of that suffix for each run into the folder `data`, and the `dataset.yaml` of them all.
+
+    rate: rows a second.
+    """
     listed = []
     for number, columns in enumerate(tables):
         name = f"run_{number}.{suffix}"
         write_table(data / name, columns)
         listed.append(RunMeta(file=name, rows=len(columns["time"])))
-    meta = DatasetMeta(
-        vehicle=vehicle,
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=1 / DT,
-        source=source,
-        runs=listed,
-    )
+    meta = meta_of(boat, vehicle, rate, source, runs=listed)
     write_yaml(data / "dataset.yaml", meta.model_dump(exclude_defaults=True))
 
 

@@ -13,7 +13,8 @@ from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot, Skill, habits_of
-from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, dataset_beside
+from swamp_rl.runs import Run, RunMeta, append_run, dataset_beside
+from swamp_rl.runs.schema import meta_of
 
 AT_ONCE = 64
 "Boats in a batch; fixed, so that the first runs do not depend on how many are asked for."
@@ -119,16 +120,7 @@ def record_scripted(
     UserError where the folder holds other data or the pilot hardly ever succeeds.
     """
     vehicle = load_boat(boat)
-    meta = DatasetMeta(
-        vehicle=str(boat),
-        mass=vehicle.mass,
-        draught=vehicle.draught,
-        water_density=vehicle.water_density,
-        sample_rate=1.0 / step,
-        source="scripted",
-        course=course,
-        notes=NOTES,
-    )
+    meta = meta_of(vehicle, boat, 1.0 / step, "scripted", course=course, notes=NOTES)
     boats = make_boats(AT_ONCE, ScriptedPilot.senses)
     try:
         with dataset_beside(out, meta) as part:
