@@ -18,11 +18,11 @@ from pydantic import Field, model_validator
 from scipy.optimize import minimize_scalar
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.boat.part import FROM_LIST, NAME, POSITIVE, Part
+from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.boat.resistance import TankResistance
 from swamp_rl.design.propellers import linear_thrust_coefficient
-from swamp_rl.design.read import FILLED, computable, read_design
+from swamp_rl.design.read import computable, read_design
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.captive import resistance_at
 

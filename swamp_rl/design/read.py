@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from pydantic import AfterValidator, BaseModel
+from pydantic import BaseModel
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
@@ -22,16 +22,6 @@ def computable(name: str) -> Iterator[None]:
     except ArithmeticError as error:
         told = clipped(f"{type(error).__name__}: {error}", 100)
         raise UserError(f"{name}: cannot be computed ({told}); check the sizes and their units") from error
-
-
-def _filled(given: tuple[Any, ...]) -> tuple[Any, ...]:
-    # A least length declared as such would be missed, too, by a list whose items are at fault.
-    if not given:
-        raise ValueError("is empty; give at least one")
-    return given
-
-
-FILLED = AfterValidator(_filled)
 
 
 def read_design(name_or_path: str | Path, kind: str, model: type[Model]) -> Model:
