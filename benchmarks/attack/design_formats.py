@@ -103,7 +103,8 @@ CURVES = """effects:
 """
 
 
-def _level(path: Path) -> Any:
+def read_level(path: Path) -> Any:
+    """Disturbances of a file, for SWAMP's thrusters."""
     from swamp_rl.effects import load_disturbances
 
     return load_disturbances(path, THRUSTERS)
@@ -125,7 +126,7 @@ DESIGN_FORMATS: dict[str, tuple[Make, Read]] = {
     "path.yaml": (copied_config("paths/river.yaml"), _path),
     "path.yaml, lines": (copied_config("paths/lawn_mower.yaml"), _path),
     "vehicle.yaml": (copied_config("vehicles/typhoon.yaml"), _vehicle),
-    "disturbances.yaml, curves": (make_curves, _level),
+    "disturbances.yaml, curves": (make_curves, read_level),
     "boat.yaml, thrust polynomials": (copied_config("boats/esso_osaka.yaml"), _boat),
     "boat.yaml, resistance tables": (copied_config("boats/swamp-thesis.yaml"), _boat),
     "boat.yaml, by estimates": (make_boat("propeller-rudder"), _boat),

@@ -27,6 +27,7 @@ CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
 NOISES = {"RTK": RTK, "plain GPS": PLAIN}
 SHIP = math.sqrt(3.0 / SWAMP_LENGTH)
 """Time of the ship model relative to SWAMP's by Froude's law, from their lengths [m]."""
+SECONDS = 60.0  # of a run under commands that wander
 WANDER, MEMORY = 1.0, 60.0
 """m and s of the Gauss-Markov error of a plain receiver's position, beside its white noise."""
 
@@ -48,10 +49,10 @@ def sound_runs(boat: str, count: int, seed: int, folder: Path) -> list[Run]:
     return read_dataset(made).runs
 
 
-def smooth_runs(count: int, seed: int, seconds: float = 60.0) -> list[Run]:
+def smooth_runs(count: int, seed: int) -> list[Run]:
     """Noise-free runs of SWAMP: each throttle and azimuth a Gauss-Markov process of its own."""
     boat, rng, step = load_boat("swamp"), np.random.default_rng(seed), 0.1
-    time = np.arange(round(seconds / step) + 1) * step
+    time = np.arange(round(SECONDS / step) + 1) * step
     runs = []
     for number in range(count):
         columns = {"time": time} | {name: np.zeros(len(time)) for name in CHANNELS}

@@ -39,13 +39,11 @@ class StationKeeper:
         jets: Jets,
         servo: VelocityServo,
         station: Station,
-        wish: Wish = WISH,
         length: float = SWAMP_LENGTH,
     ) -> None:
         self.jets = jets
         self.servo = servo
         self.station = station
-        self.wish = wish
         self.pace = (length / SWAMP_LENGTH) ** 0.5
         self.before = np.zeros((len(jets.names), 2))
 
@@ -53,7 +51,7 @@ class StationKeeper:
         """(2K,) azimuths [rad] then throttles [1]."""
         wanted, actual = self.velocity_wanted(seen), seen.velocity
         asked = self.servo.force(wanted, actual)
-        found = allocate(self.jets, asked, seen.azimuth, dt, self.wish, self.before)
+        found = allocate(self.jets, asked, seen.azimuth, dt, WISH, self.before)
         self.servo.learn(wanted, actual, asked, found.achieved, dt)
         self.before = found.forces
         return found.commands

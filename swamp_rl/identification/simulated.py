@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 STEPS = (0.4, 0.8, 0.6, 1.0, 0.3, 0.0)  # throttles that an elementary motion goes through
 HELD = 20.0  # s of each
+STRAIGHT = 60.0  # s of a straight run at one throttle
 
 
 def record_run(
@@ -69,9 +70,9 @@ def on_the_spot(boat: Boat, dt: float) -> Array:
     return _rows(boat, 0.5 * math.pi * side, throttle)
 
 
-def straights(boat: Boat, dt: float, throttles: Sequence[float], ahead: bool, seconds: float = 60.0) -> Array:
+def straights(boat: Boat, dt: float, throttles: Sequence[float], ahead: bool) -> Array:
     """(T, 2K) straight runs at each throttle in turn, ahead or astern (thesis 7.3.5)."""
-    throttle = np.repeat(throttles, round(seconds / dt))
+    throttle = np.repeat(throttles, round(STRAIGHT / dt))
     rows = _rows(boat, np.zeros(len(throttle)), throttle)
     rows[:, : len(boat.thrusters)] = 0.0 if ahead else math.pi
     return rows
