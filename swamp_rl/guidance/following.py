@@ -40,6 +40,7 @@ class PathFollower:
     ) -> None:
         self.drive = drive
         self.scale = length / SWAMP_LENGTH
+        self.radius = RADIUS * self.scale
         self.servo = servo
         self.waypoints = waypoints
         self.speed = speed
@@ -49,7 +50,7 @@ class PathFollower:
     def act(self, seen: Seen, dt: float) -> Array:
         """(2K,) azimuths [rad] then throttles [1]."""
         place = Waypoint(seen.north, seen.east)
-        leg = leg_after(place, self.waypoints, self.leg, RADIUS * self.scale)
+        leg = leg_after(place, self.waypoints, self.leg, self.radius)
         if leg != self.leg:
             self.leg, self.drift = leg, 0.0
         if self.leg >= len(self.waypoints) - 1:
