@@ -222,8 +222,12 @@ def yaml_text(data: Mapping[str, Any]) -> str:
         raise UserError(f"as it would be written, it {problem}, and could not be read again") from error
 
 
-def write_yaml(path: Path | str, data: Mapping[str, Any]) -> None:
-    """Write a mapping as `yaml_text`, beside it first and then renamed."""
-    text = yaml_text(data)
+def write_text(path: Path | str, text: str) -> None:
+    """Write a text as UTF-8, beside it first and then renamed, as `write_beside`."""
     with write_beside(path) as part:
         part.write_text(text, encoding="utf-8")
+
+
+def write_yaml(path: Path | str, data: Mapping[str, Any]) -> None:
+    """Write a mapping as `yaml_text`, as `write_text`."""
+    write_text(path, yaml_text(data))

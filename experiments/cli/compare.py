@@ -27,7 +27,7 @@ def compare(
     seed: Annotated[int, seed_option("Of the bootstrap and the permutations.")] = 0,
 ) -> None:
     """Compare pilots on the same episodes, with intervals and p-values (Holm), or rank them on a page."""
-    from swamp_rl.files import write_beside
+    from swamp_rl.files import write_text
 
     if (leaderboard is None) == (not results):
         raise UserError("compare: name folders of results, or one folder with --leaderboard, but not both")
@@ -35,8 +35,7 @@ def compare(
         from swamp_rl.experiments.reports.leaderboard import gather, page
 
         found = gather(leaderboard, seed)
-        with write_beside(out or PAGE) as part:
-            part.write_text(page(found), encoding="utf-8")
+        write_text(out or PAGE, page(found))
         for line in found.left_out:
             typer.echo(f"left out: {line}")
         typer.echo(f"{out or PAGE}: {len(found.rows)} rows of {found.folders} results")
@@ -50,8 +49,7 @@ def compare(
         ("compare.json", json.dumps(comparison, indent=2, allow_nan=False) + "\n"),
         ("compare.md", report(comparison)),
     ):
-        with write_beside(folder / name) as part:
-            part.write_text(text, encoding="utf-8")
+        write_text(folder / name, text)
     print_comparison(comparison)
     typer.echo(f"{folder}: compare.md, compare.json")
 

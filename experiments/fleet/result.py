@@ -10,7 +10,7 @@ from pathlib import Path
 from pydantic import Field
 
 from swamp_rl.criticism.result import Part, Verdict
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
 
 
 class Member(Part):
@@ -100,8 +100,7 @@ def main() -> None:
     """Write the schema to the file named on the command line."""
     if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
         raise SystemExit(__doc__)
-    with write_beside(Path(sys.argv[1])) as part:
-        part.write_text(schema_text(), encoding="utf-8")
+    write_text(Path(sys.argv[1]), schema_text())
 
 
 if __name__ == "__main__":
