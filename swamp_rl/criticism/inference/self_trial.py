@@ -62,12 +62,7 @@ def serially(work: Work, jobs: Sequence[str]) -> list[str]:
 
 
 def self_trial(
-    logged: RunSet,
-    finding: Finding,
-    twins: int = TWINS,
-    method: Method = "linearised",
-    seed: int = 0,
-    each: Each = serially,
+    logged: RunSet, finding: Finding, twins: int, method: Method, seed: int, each: Each
 ) -> SelfTrial:
     """How often the same causes are named again, in so many twins of the answer to the runs `logged`.
 
