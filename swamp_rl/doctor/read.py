@@ -1,6 +1,5 @@
 """Folders of runs to be examined: our datasets, plain folders of tables, LeRobot's and Minari's."""
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,8 +12,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
-from swamp_rl.files import os_error
-from swamp_rl.json_text import parsed_json
+from swamp_rl.json_text import parsed_json, read_json
 from swamp_rl.ordinary import ordinary
 from swamp_rl.runs import Run
 from swamp_rl.runs.apart import apart
@@ -261,12 +259,4 @@ def _episode(group: Any) -> dict[str, Array]:
 
 
 def _json(path: Path) -> dict[str, Any]:
-    try:
-        found = parsed_json(ordinary(_own(path), 2**26).read_bytes())
-    except OSError as error:
-        raise os_error(error, path) from error
-    except (ValueError, json.JSONDecodeError) as error:
-        raise UserError(f"{path}: is no JSON ({clipped(error, 100)}); restore it") from error
-    if not isinstance(found, dict):
-        raise UserError(f"{path}: holds no JSON object; restore it")
-    return found
+    return read_json(_own(path), "restore it")
