@@ -4,6 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
+
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import MOST_JSON, contents
@@ -28,3 +30,10 @@ def read_json(path: Path | str, remedy: str) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise UserError(f"{path}: holds no JSON object; {remedy}")
     return found
+
+
+def schema_text(model: type[BaseModel], title: str) -> str:
+    """JSON Schema (draft 2020-12) of what a model writes, as a published file holds it."""
+    schema = model.model_json_schema(mode="serialization")
+    named = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title}
+    return json.dumps(named | {k: v for k, v in schema.items() if k != "title"}, indent=2) + "\n"
