@@ -103,5 +103,12 @@ def meta_told(data: Mapping[str, Any]) -> DatasetMeta:
 
 def meta_of(boat: Boat, vehicle: str | Path, rate: float, source: Source, **more: Any) -> DatasetMeta:
     """What a dataset of a boat says: the boat as it is, under its name or file `vehicle`; rate [Hz]."""
-    about = {"mass": boat.mass, "draught": boat.draught, "water_density": boat.water_density}
-    return DatasetMeta(vehicle=str(vehicle), sample_rate=rate, source=source, **about, **more)
+    return DatasetMeta(
+        vehicle=str(vehicle),
+        mass=boat.mass,
+        draught=boat.draught,
+        water_density=boat.water_density,
+        sample_rate=rate,
+        source=source,
+        **more,
+    )
