@@ -1,6 +1,5 @@
 """A followed path or a held station: its run as a dataset, with a report, JSON, CSV and a figure."""
 
-import csv
 import json
 import math
 from pathlib import Path
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.guidance_figures import draw_station, draw_track
+from swamp_rl.experiments.reports.rows import write_rows
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.constants import SWAMP_LENGTH
@@ -218,11 +218,8 @@ def _write(folder: Path, result: dict[str, Any], flight: Flight, extra: dict[str
         "units": UNITS | {"time": "s", "way": "m", "mean_speed": "m/s", "electric_energy": "J"}
     } | result
     (folder / "result.json").write_text(json.dumps(content, indent=1, allow_nan=False), encoding="utf-8")
-    with (folder / "track.csv").open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["time", "north", "east", "heading", *extra])
-        rows = [flight.time, *flight.track[:, [NORTH, EAST, HEADING]].T, *extra.values()]
-        writer.writerows([f"{value:.9g}" for value in row] for row in np.stack(rows, axis=1))
+    columns = [flight.time, *flight.track[:, [NORTH, EAST, HEADING]].T, *extra.values()]
+    write_rows(folder / "track.csv", ["time", "north", "east", "heading", *extra], np.stack(columns, axis=1))
     body = "\n".join(f"* {line}" for line in lines(result))
     text = f"# {result['what'].capitalize()} {result['name']}, {result['boat']}\n\nSimulated.\n\n{body}\n\n"
     (folder / "report.md").write_text(
