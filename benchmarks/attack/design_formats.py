@@ -120,24 +120,28 @@ thruster_model:
   power: null
 thrusters:
   bs:
-    propeller: {diameter: 0.08, revolutions_max: 25.0, revolutions_max_astern: 20.0, wake: 0.1, crossflow_loss: 0.5,
-      side_share: 0.05, torque_coefficient: 0.05, open_water: {kind: linear, bollard_coefficient: 0.45, null_advance: 1.05}}
+    propeller:
+      {diameter: 0.08, revolutions_max: 25.0, revolutions_max_astern: 20.0, wake: 0.1, crossflow_loss: 0.5,
+      side_share: 0.05, torque_coefficient: 0.05,
+      open_water: {kind: linear, bollard_coefficient: 0.45, null_advance: 1.05}}
     power: {idle: 9.4, efficiency: 0.5}
   bp:
     propeller: {diameter: 0.08, revolutions_max: 25.0, open_water: {kind: disc, pitch_ratio: 1.0}}
     power: {idle: 1.0, coefficient: 2.0}
   ss:
-    propeller: {diameter: 0.08, revolutions_max: 25.0, revolutions_max_astern: 20.0, torque_coefficient: 0.05,
+    propeller:
+      {diameter: 0.08, revolutions_max: 25.0, revolutions_max_astern: 20.0, torque_coefficient: 0.05,
       open_water: {kind: four_quadrant, cosines: [0.01, 0.2, 0.0, -0.01], sines: [0.0, -0.75, 0.02, 0.01]},
-      motor: {stall_torque: 3.0, nominal_torque: 1.5, nominal_speed: 200.0, no_load_speed: 300.0, gear_ratio: 0.8, inertia: 0.001}}
+      motor: {stall_torque: 3.0, nominal_torque: 1.5, nominal_speed: 200.0, no_load_speed: 300.0,
+      gear_ratio: 0.8, inertia: 0.001}}
     power: {idle: 9.4, efficiency: 0.5}
   sp:
     thrust_table:
       speed: {value: [0.0, 1.0, 2.0], unit: m/s, provenance: measured, source: "towing tank, 3 May"}
       rows:
-        - {throttle: -1.0, thrust: [-20.0, -26.0, -34.0]}
-        - {throttle: 0.5, thrust: [8.0, 4.0, -2.0]}
-        - {throttle: 1.0, thrust: [30.0, 22.0, 12.0]}
+      - {throttle: -1.0, thrust: [-20.0, -26.0, -34.0]}
+      - {throttle: 0.5, thrust: [8.0, 4.0, -2.0]}
+      - {throttle: 1.0, thrust: [30.0, 22.0, 12.0]}
     power: {throttle: [0.0, 0.5, 1.0], power: [2.0, 10.0, 60.0]}
 """
 

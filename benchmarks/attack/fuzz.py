@@ -33,7 +33,7 @@ NUMBERS = b"0 -1 1 0.5 1e308 1e-320 1e999 nan NaN -inf Infinity 9223372036854775
 OTHERS = (
     b"true null ~ [] {} '' [[]] [0] {a:1} off 2024-01-01 ! & * .. ../a /a \\u0000 \\ud800 \xff \x1b[31m =1"
 )
-WORDS = [*NUMBERS.split(), *OTHERS.split(), b"9" * 90, b"a" * 3000, b"[" * 200]
+WORDS = [*NUMBERS.split(), *OTHERS.split(), b"9" * 90, b"9" * 400, b"a" * 3000, b"[" * 200]
 LOADERS = (
     "swamp_rl.files",
     "swamp_rl.yaml_text",

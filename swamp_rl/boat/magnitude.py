@@ -10,7 +10,7 @@ LEAST, MOST = 1e-30, 1e20  # of any boat, in SI units; the fifth power of a diam
 
 
 def out_of_range(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Dotted key and complaint for each number of a merged boat file beyond what any boat has.
+    """Dotted key and complaint for each number of a boat file or a design beyond what any boat has.
 
     What is no finite number is left for the schema to refuse.
     """

@@ -22,7 +22,7 @@ HELD, SHARPNESS = 0.1, 4.0  # speed at which a held axis has full force; share o
 STILL = 0.02  # m/s or rad/s below which the vehicle counts as at rest
 FASTEST = 50.0  # m/s or rad/s
 LONGEST = 10_800.0  # s until all motions are given up
-SIZE = Field(gt=0.0, le=1e9)
+SIZE = Field(ge=1e-9, le=1e9)
 
 
 class Vehicle(Part):
