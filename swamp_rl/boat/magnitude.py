@@ -1,5 +1,6 @@
 """Numbers so large or so small that powers and ratios of them leave the range of floating point."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -27,9 +28,15 @@ def out_of_range(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _numbers(given: Any) -> Iterator[float]:
-    """Those in lists of any depth, too; infinity, which some limits may be, is none."""
+    """Those that are finite, in lists of any depth, too."""
     if isinstance(given, list):
         for one in given:
             yield from _numbers(one)
-    elif isinstance(given, int | float) and not isinstance(given, bool) and abs(given) != float("inf"):
+    elif _is_finite(given):
         yield given
+
+
+def _is_finite(given: Any) -> bool:
+    if isinstance(given, float):
+        return math.isfinite(given)
+    return isinstance(given, int) and not isinstance(given, bool)
