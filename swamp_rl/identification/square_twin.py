@@ -22,7 +22,7 @@ HELD, SHARPNESS = 0.1, 4.0  # speed at which a held axis has full force; share o
 STILL = 0.02  # m/s or rad/s below which the vehicle counts as at rest
 FASTEST = 50.0  # m/s or rad/s
 LONGEST = 10_800.0  # s until all motions are given up
-SIZE = Field(ge=1e-9, le=1e9)
+SIZE = Field(gt=0.0, le=1e9)
 
 
 class Vehicle(Part):
@@ -67,7 +67,8 @@ class Vehicle(Part):
 
     @model_validator(mode="after")
     def _can_be_sailed(self) -> Self:
-        top = np.sqrt(self.forces / self.drags)
+        with np.errstate(over="ignore"):  # then infinite, and refused
+            top = np.sqrt(self.forces / self.drags)
         for axis, speed, mass, drag in zip(
             ("surge", "heave", "yaw"), top, self.masses, self.drags, strict=True
         ):
