@@ -10,13 +10,23 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import MOST_JSON, contents
 
+MOST_DIGITS = 300
+"""Of a whole number, which is then a float as well."""
+
 
 def parsed_json(text: str | bytes) -> Any:
-    """What a JSON text holds; ValueError where it is none, nested too deep to be read, or not UTF-8."""
+    """What a JSON text holds; ValueError where it is none, nested too deep to be read, not UTF-8, or where a
+    whole number has more digits than a float can stand for."""
     try:
-        return json.loads(text)
+        return json.loads(text, parse_int=_whole)
     except RecursionError as error:
         raise ValueError("is nested too deep") from error
+
+
+def _whole(digits: str) -> int:
+    if len(digits) > MOST_DIGITS:
+        raise ValueError(f"a number has {len(digits)} digits, at most {MOST_DIGITS}")
+    return int(digits)
 
 
 def read_json(path: Path | str, remedy: str) -> dict[str, Any]:

@@ -171,7 +171,8 @@ def drag_of(design: MatchDesign) -> Drag:
         return Drag(lambda speed: resistance_at(boat, speed), *_known_speeds(boat), boat.water_density)
     density = design.water_density
     assert density is not None and vehicle.drag_coefficient is not None and vehicle.diameter is not None
-    factor = drag_factor(vehicle.drag_coefficient, vehicle.diameter, density)
+    with computable(design.name):
+        factor = drag_factor(vehicle.drag_coefficient, vehicle.diameter, density)
     return Drag(lambda speed: factor * speed**2, 0.0, math.inf, density)
 
 

@@ -7,6 +7,7 @@ from typing import TypeVar
 
 from pydantic import BaseModel
 
+from swamp_rl.boat.magnitude import out_of_range
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml, validated
@@ -34,4 +35,6 @@ def read_design(name_or_path: str | Path, kind: str, model: type[Model]) -> Mode
     if data.get("design") != kind:
         told = f"is {clipped(repr(data['design']))}" if "design" in data else "is missing"
         raise UserError(f"{path}: design: {told}; swamp-rl design {kind} takes files with design: {kind}")
+    if faults := list(out_of_range(data)):
+        raise UserError("\n".join(f"{path}: {key}: {told}" for key, told in faults))
     return validated(path, model, data)

@@ -24,6 +24,7 @@ def most_rows(columns: int, given: int) -> int:
     return min(MOST_ROWS, MOST_CELLS // columns, max(MOST_BETWEEN * given, ALWAYS))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # times near the end of their range make too many rows
 def resampled(columns: Mapping[str, Array], rate: float) -> dict[str, Array]:
     """Columns (T,) with increasing times as columns at `rate` [Hz] from the first time on.
 
