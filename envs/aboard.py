@@ -100,5 +100,5 @@ class Aboard:
             ends = (*before.tolist(), float(state[NORTH]), float(state[EAST]))
             record["passed"] += crosses_gate(*ends, *self._gates[self.passed].tolist())
         record["outcome"] = judge(
-            self._record[0], before[0], before[1], len(self._gates), self._buoys, self._world[0]
+            self._record[0], before[0], before[1], len(self._gates), self._buoys, self._world[0], False
         )

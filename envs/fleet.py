@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.envs.depth import as_effects
 from swamp_rl.envs.episodes import START_DRAWS, Episodes, Generators, draw_episodes
 from swamp_rl.envs.kernel import (
     LEVERS,
@@ -39,8 +40,9 @@ class Fleet:
     def __init__(self, n: int, task: Task) -> None:
         self.task = task
         self.boat, self.course, self.level, self.step = task.boat, task.course, task.level, task.step
-        self._now = Episodes.empty(n, self.boat, self.level, self.step)
-        self._next = Episodes.empty(n, self.boat, self.level, self.step)
+        self._now, self._next = (
+            Episodes.empty(n, self.boat, self.course, self.level, self.step) for _ in range(2)
+        )
         self._waiting = np.zeros(n, dtype=np.bool_)
         self._generators: Generators = ()
         self.boats, self.params = self._now.boats, self._now.params
@@ -168,9 +170,12 @@ class Fleet:
         return [None if code == RUNNING else OUTCOMES[code] for code in codes]
 
     def drawn(self, i: int) -> dict[str, Any]:
-        """What was drawn for the episode of boat i, enough to replay it: its effects and the seed of its
-        gusts."""
+        """What was drawn for the episode of boat i, enough to replay it: its effects, the seed of its gusts
+        and, where the course has one, `water_depth` [m]."""
+        uniforms = self._now.uniforms[i, START_DRAWS : START_DRAWS + self.level.draw_count]
+        depth = float(self.boats["depth"][i]) if self.course.depth else None
         return {
-            "effects": self.level.drawn(self._now.uniforms[i, START_DRAWS:]),
+            "effects": [*self.level.drawn(uniforms), *as_effects(self.boat, depth)],
             "gust_seed": int(self.boats["gust_seed"][i]),
+            **({} if depth is None else {"water_depth": depth}),
         }

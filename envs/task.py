@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Self, TypedDict, Unpack
 
 from gymnasium.spaces import Box
+from swamp_rl.envs.depth import refuse_depth
 from swamp_rl.envs.observation import Observed, observation_space, observed
 from swamp_rl.envs.own_terms import OwnTerm, own_term
 from swamp_rl.envs.reward import DEFAULTS, weights_of
@@ -42,6 +43,8 @@ class TaskArguments(TypedDict, total=False):
     "In place of the course's [s]."
     bounds: Mapping[str, float] | None
     "Edges in place of the course's [m]: `south`, `north`, `west`, `east`, or some of them."
+    depth: float | Mapping[str, Any] | None
+    "Of the water in place of the course's [m]: a number, or `{uniform: [least, most]}`."
     step: float
     "Time of a step [s]; 0.1."
     max_episode_steps: int | None
@@ -83,10 +86,12 @@ class Task:
         level = load_disturbances(given.get("disturbances"), boat.thruster_names, size)
         drawn = (entry.effect for entry in level.entries)
         refuse_inapplicable(boat, drawn, f"disturbances {level.name}")
+        course = limited(course, given.get("time_limit"), given.get("bounds"), given.get("depth"))
+        refuse_depth(boat, course, level)
         weights = weights_of(given.get("reward"))
         return cls(
             boat=boat,
-            course=limited(course, given.get("time_limit"), given.get("bounds")),
+            course=course,
             level=level,
             observed=observed(given.get("observation")),
             weights={name: weights[name] for name in DEFAULTS},

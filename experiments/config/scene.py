@@ -65,7 +65,13 @@ def read_scene(experiment: Experiment) -> Scene:
     """The files that an experiment names; UserError for the first that is wrong."""
     boat = load_boat(experiment.boat)
     course = fitted(load_course(experiment.course), boat.length, reference_of(boat).speed)
-    scene = Scene(experiment, boat, limited(course, experiment.time_limit, experiment.bounds))
+    course = limited(
+        course,
+        experiment.time_limit,
+        experiment.bounds,
+        experiment.depth and experiment.depth.model_dump(),
+    )
+    scene = Scene(experiment, boat, course)
     for level in (None, *_levels(scene)):
         scene.boats_at(level)(1, ("north",)).close()
     for name, plan in experiment.pilots.items():
