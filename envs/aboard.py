@@ -16,7 +16,7 @@ from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.simulator.state import EAST, NORTH, YAW_RATE
 
 Array = NDArray[np.float64]
-UNMEASURED = ("wind_ahead", "wind_starboard", "current_ahead", "current_starboard")
+UNMEASURED = ("wind_ahead", "wind_starboard", "current_ahead", "current_starboard", "charge")
 "What may be observed in the simulator and is measured by no sensor of the boat."
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from swamp_rl.envs.depth import depth_draws, give_depth
 from swamp_rl.envs.kernel import boat_record
 from swamp_rl.envs.past import POSITIONS, begin_at_rest, past_fields
+from swamp_rl.envs.supply import DRAWN, GAIN, supply_fields
 
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
@@ -31,10 +32,13 @@ class Episodes:
     "(n, D) in [0, 1), what start, disturbances and depth were drawn from, in this order"
 
     @classmethod
-    def empty(cls, n: int, boat: Boat, course: Course, level: Level, step: float) -> Self:
-        """Room for the episodes of n boats in steps of `step` [s]."""
+    def empty(
+        cls, n: int, boat: Boat, course: Course, level: Level, step: float, counts: bool = False
+    ) -> Self:
+        """Room for the episodes of n boats in steps of `step` [s]; counts: whether their batteries are."""
         effects = [*(entry.effect for entry in boat.effects), *(entry.effect for entry in level.entries)]
         past = past_fields(effects, len(boat.thrusters), step)
+        past += supply_fields(boat) if counts else ()
         return cls(
             np.zeros(n, boat_record(len(boat.thrusters), past)),
             parameters(boat, n),
@@ -75,6 +79,8 @@ def draw_episodes(
     boats["state"] = initial_state(params, pose)
     if POSITIONS in (boats.dtype.names or ()):
         begin_at_rest(boats, params)
+    if DRAWN in (boats.dtype.names or ()):
+        boats[GAIN] = params[GAIN]
     in_bytes(episodes.boats)[chosen] = in_bytes(boats)
     in_bytes(episodes.params)[chosen] = in_bytes(params)
     episodes.uniforms[chosen] = uniforms

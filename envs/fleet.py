@@ -18,6 +18,7 @@ from swamp_rl.envs.kernel import (
     sense_all,
 )
 from swamp_rl.envs.own_step import OwnStep
+from swamp_rl.envs.supply import Supply, counts_charge
 from swamp_rl.envs.task import Task
 from swamp_rl.envs.world import world_of
 
@@ -41,7 +42,8 @@ class Fleet:
         self.task = task
         self.boat, self.course, self.level, self.step = task.boat, task.course, task.level, task.step
         self._now, self._next = (
-            Episodes.empty(n, self.boat, self.course, self.level, self.step) for _ in range(2)
+            Episodes.empty(n, self.boat, self.course, self.level, self.step, counts_charge(task))
+            for _ in range(2)
         )
         self._waiting = np.zeros(n, dtype=np.bool_)
         self._generators: Generators = ()
@@ -56,6 +58,7 @@ class Fleet:
             task.observed.places,
         )
         self._sail = sail_all_parallel if n >= PARALLEL_FROM else sail_all
+        self.supply = Supply(task, self.boats, self.params) if counts_charge(task) else None
         self._own = None
         if task.own_rewards or task.observed.own:
             self._own = OwnStep(task, self.boats, self.params)
@@ -88,10 +91,14 @@ class Fleet:
         stays where it is."""
         if self._own is not None:
             self._own.note()
+        if self.supply is not None:
+            self.supply.feed()
         ended = self._sail(self.boats, self.params, asked, self._shared, rewards, observations)
         if ended and (unmoved := self.boats["outcome"] == LEVERS).any():
             self.boats["outcome"][unmoved] = RUNNING
             self.refuse_levers(asked)
+        if self.supply is not None:
+            self.supply.draw(observations)
         if self._own is not None:
             self._own.add(rewards, observations)
         return ended
@@ -110,6 +117,8 @@ class Fleet:
     def look(self, chosen: NDArray[np.intp], observations: NDArray[np.float32]) -> None:
         """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""
         look_all(self.boats, self.params, chosen, self._shared, observations)
+        if self.supply is not None:
+            self.supply.look(chosen, observations)
         if self._own is not None:
             self._own.look(chosen, observations)
 

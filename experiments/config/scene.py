@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from swamp_rl.envs.batched import GatesVectorEnv
-from swamp_rl.envs.observation import observed
+from swamp_rl.envs.task import Task
 from swamp_rl.experiments.config.schema import Experiment, senses_in
 
 from swamp_rl.boat import Boat, load_boat
@@ -77,7 +77,7 @@ def read_scene(experiment: Experiment) -> Scene:
     for name, plan in experiment.pilots.items():
         for senses in senses_in(plan.options):
             try:
-                observed(senses)
+                Task.read(boat=boat, course=course, observation=senses)
             except UserError as error:
                 raise UserError(f"pilots.{name}.options.senses: {error}") from error
     return scene

@@ -186,7 +186,8 @@ def _costs(results: Results) -> str:
     rows = [[who, *(_number(cost, costs[cost]) for cost in told)] for who, costs in means.items()]
     electric = (
         " Electric energy is what all battery packs give, the hotel load included; the range is what is left "
-        "above their reserve, at that energy per metre, of packs that were full at the start."
+        "above their reserve, at that energy per metre, of packs that were full at the start, or as low as "
+        "the level has them."
     )
     return (
         "## Costs of successful episodes\n\n"

@@ -12,7 +12,7 @@ from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.guidance_figures import draw_station, draw_track
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.energy.power import missing, pack_power
+from swamp_rl.energy import missing, pack_power
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.curve import Curve, joined
 from swamp_rl.guidance.curve_following import BehindVehicle, CurveFollower, Pace, SteadyPace
