@@ -27,6 +27,7 @@ def report(results: Results) -> str:
     parts = [
         _opening,
         success,
+        _failures,
         _returns,
         _targets,
         _training,
@@ -81,11 +82,25 @@ def success(results: Results) -> str:
     ]
     return (
         "## Success rate\n\n"
-        "All gates passed in their order and direction, no buoy touched, within the bounds and the time "
-        "limit. Percent, with Wilson's 95 % interval.\n\n"
+        "All gates passed in their order and direction, no buoy and no ground touched, within the bounds and "
+        "the time limit. Percent, with Wilson's 95 % interval.\n\n"
         + table(["pilot", *_levels(results)], rows)
         + "\n\n![Success rates](figures/success.png)"
     )
+
+
+def _failures(results: Results) -> str:
+    """How the episodes that did not succeed ended, by pilot and level."""
+    ends = {
+        f"{name}, {level}": {k: n for k, n in pilot["levels"][level]["outcomes"].items() if k != "success"}
+        for level in _levels(results)
+        for name, pilot in results["pilots"].items()
+    }
+    kinds = sorted({kind for found in ends.values() for kind in found})
+    if not kinds:
+        return "## Failures\n\nNone."
+    rows = [[who, *(str(found.get(kind, 0)) for kind in kinds)] for who, found in ends.items() if found]
+    return "## Failures\n\nEpisodes by how they ended.\n\n" + table(["pilot, level", *kinds], rows)
 
 
 def _returns(results: Results) -> str:
@@ -171,7 +186,8 @@ def _costs(results: Results) -> str:
     rows = [[who, *(_number(cost, costs[cost]) for cost in told)] for who, costs in means.items()]
     electric = (
         " Electric energy is what all battery packs give, the hotel load included; the range is what is left "
-        "above their reserve, at that energy per metre, of packs that were full at the start."
+        "above their reserve, at that energy per metre, of packs that were full at the start, or as low as "
+        "the level has them."
     )
     return (
         "## Costs of successful episodes\n\n"

@@ -13,7 +13,7 @@ from swamp_rl.experiments.reports.rows import write_rows
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.constants import SWAMP_LENGTH
-from swamp_rl.energy.power import missing, pack_power
+from swamp_rl.energy import missing, pack_power
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.curve import Curve, joined
 from swamp_rl.guidance.curve_following import BehindVehicle, CurveFollower, Pace, SteadyPace

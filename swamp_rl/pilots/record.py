@@ -235,7 +235,7 @@ def replayable(boats: Boats, i: int) -> dict[str, Any]:
         "initial_state": dict(
             zip(names, [*boats.pose[i].tolist(), *boats.velocity[i].tolist()], strict=True)
         ),
-        "disturbances": drawn["effects"],
-        "gust_seed": drawn["gust_seed"],
+        "disturbances": drawn.pop("effects"),
+        **drawn,
         "level": boats.fleet.level.name,
     }

@@ -153,7 +153,12 @@ def test_every_effect_that_is_not_random_or_external_is_a_candidate() -> None:
     }
     nuisance = hull_nuisance(load_boat("swamp"))
     assert nuisance is not None
-    assert found | {nuisance.effect.name} == set(LIBRARY) - {"gusts", "thruster_kick", "force_curve"}
+    assert found | {nuisance.effect.name} == set(LIBRARY) - {
+        "gusts",
+        "thruster_kick",
+        "force_curve",
+        "low_battery",
+    }
 
 
 def test_only_thrusters_that_push_astern_may_be_reversed() -> None:
