@@ -89,12 +89,12 @@ def diagnose(
         carry_over_sentence,
         minor_sentence,
         predictors_sentence,
+        self_trial_sentence,
         share_text,
         smoothed_sentence,
     )
     from swamp_rl.criticism.report.extension import extension_sentence, is_extended
     from swamp_rl.criticism.report.next_trial import next_trial_sentences
-    from swamp_rl.criticism.report.self_trial import self_trial_sentence
     from swamp_rl.criticism.report.words import label_of, parameter_sets, spread_sets
     from swamp_rl.workers import answers
 

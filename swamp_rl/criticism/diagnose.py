@@ -14,27 +14,23 @@ from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet, read_run_set
-from swamp_rl.criticism.inference.carry_over import written_fit
-from swamp_rl.criticism.inference.cause_list import CauseList, list_causes
-from swamp_rl.criticism.inference.cause_share import Witness, witnesses
-from swamp_rl.criticism.inference.correlation import correlation
-from swamp_rl.criticism.inference.estimate import causes_of
+from swamp_rl.criticism.inference.cause_share import CauseList, Witness, list_causes, witnesses, written_fit
+from swamp_rl.criticism.inference.estimate import causes_of, correlation
 from swamp_rl.criticism.inference.finding import Finding
 from swamp_rl.criticism.inference.force_extension import ForceExtension, extend_by_force
 from swamp_rl.criticism.inference.force_regression import (
     residual_force_functions,
     without_process_noise,
 )
-from swamp_rl.criticism.inference.identifiability import contrast, separating_manoeuvre
+from swamp_rl.criticism.inference.identifiability import contrast, hidden_effects, separating_manoeuvre
 from swamp_rl.criticism.inference.next_trial import design_trial, question_of, write_trial
 from swamp_rl.criticism.inference.residual_force import residual_forces
 from swamp_rl.criticism.inference.self_trial import TWINS, Each, Method, self_trial, serially
-from swamp_rl.criticism.inference.trivial_predictors import trivial_predictors
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
-from swamp_rl.criticism.likelihood.prediction_error import gains
+from swamp_rl.criticism.likelihood.prediction_error import gains, trivial_predictors
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.model.trial_limits import TrialLimits
@@ -52,9 +48,7 @@ from swamp_rl.criticism.result import (
 )
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation
-from swamp_rl.criticism.selection.hidden_effects import hidden_effects
-from swamp_rl.criticism.selection.model_selection import select_model
-from swamp_rl.criticism.selection.preparation import prepared
+from swamp_rl.criticism.selection.model_selection import prepared, select_model
 from swamp_rl.one_thread import one_thread
 from swamp_rl.unfinished import folder_beside
 

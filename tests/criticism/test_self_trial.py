@@ -18,11 +18,20 @@ from swamp_rl.criticism.data.measurement_noise import (
 )
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.linearised_selection import linearised_answers
-from swamp_rl.criticism.inference.self_trial import OMITTED, Twins, causes_in, noise_of, searched
-from swamp_rl.criticism.inference.twins import SensorNoise, sensor_noise, with_noise, without_noise
+from swamp_rl.criticism.inference.self_trial import (
+    OMITTED,
+    SensorNoise,
+    Twins,
+    causes_in,
+    noise_of,
+    searched,
+    sensor_noise,
+    with_noise,
+    without_noise,
+)
 from swamp_rl.criticism.model.candidates import candidates
 from swamp_rl.criticism.nuisance.smoothed_channels import Smoothing, smoothed_channels
-from swamp_rl.criticism.report.self_trial import self_trial_section, self_trial_sentence
+from swamp_rl.criticism.report.evidence import self_trial_section, self_trial_sentence
 from swamp_rl.criticism.result import Diagnosis, SelfTrial
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.beam_search import beam_search

@@ -1,20 +1,24 @@
-"""How much of the prediction error each cause accounts for: leave it out."""
+"""What each cause accounts for: its share of the prediction error, whether it carries over, and the list."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.likelihood.cross_validation import judged_numbers
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES, blocks_of, change, errors_at
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.result import Judged, Share, Wind
-from swamp_rl.criticism.selection.backward_elimination import without
+from swamp_rl.criticism.result import Cause, HeldOut, Judged, Share, Wind
+from swamp_rl.criticism.selection.backward_elimination import Selection, without
 from swamp_rl.criticism.selection.continuation import Continuation
+from swamp_rl.effects import LIBRARY
 
 Array = NDArray[np.float64]
 Predicted = tuple[Array, NDArray[np.int64]]  # errors (n, 6) and the block of each (n,)
@@ -137,3 +141,113 @@ def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
         abs(one.without - one.with_cause) < min(options().minor * one.without, sizes[one.quantity])
         for one in shares
     )
+
+
+POSITIONS = QUANTITIES["position_rmse_m"]
+
+
+def written_fit(
+    continuation: Continuation, winner: Fit, stage: int, on: list[Witness], rng: np.random.Generator
+) -> tuple[Fit, dict[str, list[Share]], list[str]]:
+    """The winner less what does not carry over, fitted anew; the shares of every effect instance by its
+    label, of one that was left out those that it failed by; and the labels of those.
+
+    The worst is left out first, since the others may carry over without it; and so on while all together
+    predict worse than the boat file.
+    """
+    found = cause_shares(continuation, winner, stage, on, rng)
+    written, now, left_out = winner, found, list[str]()
+    while now:
+        failed = [label for label, shares in now.items() if not carries_over(shares)]
+        if not failed and not is_worse(continuation, written, stage, on, rng):
+            break
+        worst = min(failed or now, key=lambda label: least_gain(now[label]))
+        found = found | {worst: now[worst]}
+        left_out.append(worst)
+        written = without(continuation, written, worst, stage)
+        now = cause_shares(continuation, written, stage, on, rng)
+    return written, found, left_out
+
+
+def carries_over(shares: Sequence[Share]) -> bool:
+    """Whether no position error at any horizon is larger with the cause beyond chance."""
+    return least_gain(shares) >= 0.0
+
+
+def least_gain(shares: Sequence[Share]) -> float:
+    """Upper end of the interval [m] of the position errors' gains, the least of all; infinite for none."""
+    return min((one.ci95[1] for one in shares if one.quantity == "position_rmse_m"), default=math.inf)
+
+
+def is_worse(
+    continuation: Continuation, written: Fit, stage: int, on: Sequence[Witness], rng: np.random.Generator
+) -> bool:
+    """Whether a position error at any horizon is larger than the boat file's beyond chance."""
+    nothing = continuation.fit(stage, Hypothesis(), np.zeros(0))
+    for one in on:
+        for horizon in options().judged_horizons:
+            before, _ = one.errors(continuation, stage, nothing, horizon)
+            after, block = one.errors(continuation, stage, written, horizon)
+            paired = change(before[:, POSITIONS], after[:, POSITIONS], block, rng)
+            if paired is not None and paired.ci95[1] < 0.0:
+                return True
+    return False
+
+
+@dataclass(frozen=True)
+class CauseList:
+    """causes: by their share of the prediction error, the largest first; minor: those that do not matter;
+    nuisance: the hull's derivatives beside a cause; sound: whether every number and standard error is finite.
+    """
+
+    causes: list[Cause]
+    minor: list[Cause]
+    nuisance: list[Cause]
+    sound: bool
+
+
+def list_causes(
+    problem: Shooting,
+    found: Selection,
+    shares: Mapping[str, Sequence[Share]],
+    left_out: Sequence[str],
+    noise: Mapping[str, float],
+) -> CauseList:
+    """Every effect instance of the winner as a cause, a nuisance or a minor cause.
+
+    shares: by label, and the labels of those that do not carry over, see `written_fit`; noise: standard
+    deviation by channel (SI, rad).
+    """
+    labelled = dict(
+        zip(
+            (instance.label for instance in found.winner.hypothesis.instances),
+            causes_of(problem, found.winner),
+            strict=True,
+        )
+    )
+    for label, cause in labelled.items():
+        cause.share = list(shares.get(label, []))
+        cause.carries_over = label not in left_out
+        if label in found.confirmed:
+            one = found.confirmed[label]
+            cause.held_out = HeldOut(gain=one.gain, low=one.low, level=one.level)
+    claimed = {label: cause for label, cause in labelled.items() if _is_finite(cause)}
+    alone = all(LIBRARY[cause.effect].nuisance for cause in claimed.values())
+    nuisance = [cause for cause in claimed.values() if LIBRARY[cause.effect].nuisance and not alone]
+    named = [cause for cause in claimed.values() if LIBRARY[cause.effect].nuisance == alone]
+    return CauseList(
+        causes=sorted((one for one in named if not is_minor(one.share, noise)), key=_size, reverse=True),
+        minor=[one for one in named if is_minor(one.share, noise)],
+        nuisance=nuisance,
+        sound=len(claimed) == len(labelled),
+    )
+
+
+def _size(cause: Cause) -> float:
+    """The largest part of an error that a cause accounts for [1]."""
+    fitted = [one for one in cause.share if one.wind == "fitted"]
+    return max(((one.without - one.with_cause) / one.without for one in fitted), default=0.0)
+
+
+def _is_finite(cause: Cause) -> bool:
+    return all(math.isfinite(p.value + p.standard_error) for p in cause.parameters.values())

@@ -11,13 +11,13 @@ from swamp_rl.criticism.report.evidence import (
     minor_sentence,
     predictor_rows,
     predictors_sentence,
+    self_trial_section,
     share_rows,
     smoothed_sentence,
 )
 from swamp_rl.criticism.report.extension import extension_section, is_extended
 from swamp_rl.criticism.report.figures import DEGREES, SHOWN
 from swamp_rl.criticism.report.next_trial import next_trial_section
-from swamp_rl.criticism.report.self_trial import self_trial_section
 from swamp_rl.criticism.report.tables import table
 from swamp_rl.criticism.report.words import (
     GAINED_ON,

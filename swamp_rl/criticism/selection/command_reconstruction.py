@@ -10,7 +10,7 @@ from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, min_decrease
 from swamp_rl.criticism.model.candidates import joined
-from swamp_rl.criticism.nuisance.switching_times import command_changes, fit_shares, interpolated_at
+from swamp_rl.criticism.nuisance.command_timing import command_changes, fit_shares, interpolated_at
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation

@@ -13,12 +13,12 @@ from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, fit_states
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
 from swamp_rl.criticism.nuisance.lost_rows import (
     with_best_commands,
     with_commands_refined,
     with_relevant_gaps,
 )
-from swamp_rl.criticism.nuisance.unlogged_commands import with_unlogged_commands
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.selection.information_criterion import InformationCriterion, information_criterion

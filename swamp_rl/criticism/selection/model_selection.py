@@ -1,6 +1,6 @@
 """Model selection under white noise, then under Gauss-Markov position noise, then under model error."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal
@@ -8,12 +8,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
 from swamp_rl.criticism.nuisance.process_noise import measurement_noise_gain, process_noise_gain
+from swamp_rl.criticism.nuisance.smoothed_channels import Smoothing, raised, smoothed_channels
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import (
     Selection,
@@ -252,3 +254,38 @@ def _only_positions(noise: Array) -> Array:
 def _gauss_markov_noise(problem: Shooting, at: Fit) -> Array:
     base = problem.predict(at.hypothesis, at.x[None], at.states[None])[0]
     return fit_gauss_markov(problem.windows, problem.difference(base) * problem.windows.weight, problem.dt)
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """smoothed: channels that a filter smoothed; sigmas: (6,) standard deviations that channels are weighted
+    by, NaN where nothing was measured; weight: (R, T, 6); instances: the candidates; hull: the hull's
+    derivatives, a nuisance.
+    """
+
+    smoothed: Mapping[str, Smoothing]
+    sigmas: Array
+    weight: Array
+    instances: list[EffectInstance]
+    hull: EffectInstance | None
+
+
+def prepared(run_set: RunSet) -> Preparation:
+    """Of the runs as measured."""
+    smoothed = smoothed_channels(run_set)
+    sigmas = raised(noise_levels(run_set), smoothed)
+    duration = float(run_set.lengths.max() * run_set.dt)
+    every = candidates(run_set.boat, duration, run_set.groups)
+    return Preparation(
+        smoothed,
+        sigmas,
+        weights(run_set, sigmas),
+        [one for one in every if not _is_measured(one, run_set)],
+        hull_nuisance(run_set.boat),
+    )
+
+
+def _is_measured(instance: EffectInstance, run_set: RunSet) -> bool:
+    """Whether an effect moves only what the runs measure."""
+    fields = {parameter.field for parameter in instance.effect.parameters}
+    return bool(fields) and fields <= run_set.measured_fields
