@@ -95,7 +95,7 @@ def diagnose(
     )
     from swamp_rl.criticism.report.extension import extension_sentence, is_extended
     from swamp_rl.criticism.report.next_trial import next_trial_sentences
-    from swamp_rl.criticism.report.words import label_of, parameter_sets, spread_sets
+    from swamp_rl.criticism.report.words import parameter_sets, spread_sets
     from swamp_rl.workers import answers
 
     twins = TWINS if self_trial is None else self_trial
@@ -112,7 +112,7 @@ def diagnose(
     for cause in found.causes:
         for where, parameters in parameter_sets(cause):
             numbers = ", ".join(_number(name, p) for name, p in parameters.items())
-            typer.echo(f"  {label_of(cause)}{where}: {numbers}")
+            typer.echo(f"  {cause.label}{where}: {numbers}")
         for name, value, interval, unit in spread_sets(cause):
             typer.echo(f"    {name}: {value} {unit} (95 % interval {interval})")
         if said := share_text(cause):

@@ -12,7 +12,13 @@ from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.likelihood.cross_validation import judged_numbers
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
-from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES, blocks_of, change, errors_at
+from swamp_rl.criticism.likelihood.prediction_error import (
+    QUANTITIES,
+    blocks_of,
+    boat_file_errors,
+    change,
+    errors_at,
+)
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, HeldOut, Judged, Share, Wind
@@ -39,26 +45,26 @@ class Witness:
     measured_wind: bool = False
 
     @property
+    def runs(self) -> int:
+        """R."""
+        return len(self.run_set.lengths)
+
+    @property
     def wind(self) -> Wind:
         """The wind that its predictions are made in."""
         return "measured" if self.measured_wind else "fitted"
 
     def judges(self, instance: EffectInstance) -> bool:
-        """Whether an effect instance is one that predictions here depend on: not what other runs had of their
-        own.
-        """
+        """Whether predictions here depend on an instance: not on what other runs had of their own."""
         if self.others and instance.groups:
             return False
         return not self.measured_wind or instance.effect.scope == "boat"
 
     def errors(self, continuation: Continuation, stage: int, of: Fit, horizon: float) -> Predicted:
         """Errors of predictions under a fit at a stage."""
-        runs = len(self.run_set.lengths)
         problem = continuation.problem(stage, of.hypothesis)
-        hypothesis, numbers = judged_numbers(problem, of, runs, self.others)
-        kept = np.array(
-            [self.judges(instance) for instance in hypothesis.instances for _ in instance.specs], dtype=bool
-        )
+        hypothesis, numbers = judged_numbers(problem, of, self.runs, self.others)
+        kept = np.array([self.judges(one) for one in hypothesis.instances for _ in one.specs], dtype=bool)
         hypothesis = Hypothesis(tuple(one for one in hypothesis.instances if self.judges(one)))
         made = errors_at(self.run_set, self.weight, horizon, hypothesis, numbers[:, kept])
         return made.error, blocks_of(made, horizon)[0]
@@ -71,8 +77,8 @@ def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
     blown = on.run_set.in_ignored_wind
     if blown is None:
         return [on]
-    horizon, none = options().judged_horizons[-1], np.zeros((len(blown.lengths), 0))
-    calm, windy = (errors_at(one, on.weight, horizon, Hypothesis(), none) for one in (on.run_set, blown))
+    horizon = options().judged_horizons[-1]
+    calm, windy = (boat_file_errors(one, on.weight, horizon) for one in (on.run_set, blown))
     positions = QUANTITIES[JUDGED[0]]
     paired = change(calm.error[:, positions], windy.error[:, positions], blocks_of(calm, horizon)[0], rng)
     helps = paired is not None and paired.ci95[0] > 0.0
@@ -82,10 +88,7 @@ def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
 def cause_shares(
     continuation: Continuation, of: Fit, stage: int, on: list[Witness], rng: np.random.Generator
 ) -> dict[str, list[Share]]:
-    """Of each effect instance of a fit at a stage, by its label: errors without it and with it.
-
-    Without it the others are fitted anew.
-    """
+    """By effect instance of a fit at a stage: errors with it, and without it, the others fitted anew."""
     shares: dict[str, list[Share]] = {}
     whole = {
         (i, horizon): one.errors(continuation, stage, of, horizon)
@@ -133,10 +136,8 @@ def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
 
     noise: standard deviation by channel (SI, rad). False where no error could be measured.
     """
-    sizes = {
-        "position_rmse_m": np.hypot(noise.get("north", 0.0), noise.get("east", 0.0)),
-        "heading_rmse_rad": noise.get("heading", 0.0),
-    }
+    position = np.hypot(noise.get("north", 0.0), noise.get("east", 0.0))
+    sizes = dict(zip(JUDGED, (position, noise.get("heading", 0.0)), strict=True))
     return bool(shares) and all(
         abs(one.without - one.with_cause) < min(options().minor * one.without, sizes[one.quantity])
         for one in shares
@@ -152,8 +153,7 @@ def written_fit(
     """The winner less what does not carry over, fitted anew; the shares of every effect instance by its
     label, of one that was left out those that it failed by; and the labels of those.
 
-    The worst is left out first, since the others may carry over without it; and so on while all together
-    predict worse than the boat file.
+    The worst is left out first, and so on while all together predict worse than the boat file.
     """
     found = cause_shares(continuation, winner, stage, on, rng)
     written, now, left_out = winner, found, list[str]()
@@ -183,7 +183,7 @@ def is_worse(
     continuation: Continuation, written: Fit, stage: int, on: Sequence[Witness], rng: np.random.Generator
 ) -> bool:
     """Whether a position error at any horizon is larger than the boat file's beyond chance."""
-    nothing = continuation.fit(stage, Hypothesis(), np.zeros(0))
+    nothing = continuation.boat_file(stage)
     for one in on:
         for horizon in options().judged_horizons:
             before, _ = one.errors(continuation, stage, nothing, horizon)
@@ -215,31 +215,22 @@ def list_causes(
 ) -> CauseList:
     """Every effect instance of the winner as a cause, a nuisance or a minor cause.
 
-    shares: by label, and the labels of those that do not carry over, see `written_fit`; noise: standard
-    deviation by channel (SI, rad).
+    shares, left_out: of `written_fit`; noise: standard deviation by channel (SI, rad).
     """
-    labelled = dict(
-        zip(
-            (instance.label for instance in found.winner.hypothesis.instances),
-            causes_of(problem, found.winner),
-            strict=True,
-        )
-    )
-    for label, cause in labelled.items():
-        cause.share = list(shares.get(label, []))
-        cause.carries_over = label not in left_out
-        if label in found.confirmed:
-            one = found.confirmed[label]
+    every = causes_of(problem, found.winner)
+    for cause in every:
+        cause.share = list(shares.get(cause.label, []))
+        cause.carries_over = cause.label not in left_out
+        if one := found.confirmed.get(cause.label):
             cause.held_out = HeldOut(gain=one.gain, low=one.low, level=one.level)
-    claimed = {label: cause for label, cause in labelled.items() if _is_finite(cause)}
-    alone = all(LIBRARY[cause.effect].nuisance for cause in claimed.values())
-    nuisance = [cause for cause in claimed.values() if LIBRARY[cause.effect].nuisance and not alone]
-    named = [cause for cause in claimed.values() if LIBRARY[cause.effect].nuisance == alone]
+    claimed = [cause for cause in every if _is_finite(cause)]
+    alone = all(LIBRARY[cause.effect].nuisance for cause in claimed)
+    named = [cause for cause in claimed if LIBRARY[cause.effect].nuisance == alone]
     return CauseList(
         causes=sorted((one for one in named if not is_minor(one.share, noise)), key=_size, reverse=True),
         minor=[one for one in named if is_minor(one.share, noise)],
-        nuisance=nuisance,
-        sound=len(claimed) == len(labelled),
+        nuisance=[cause for cause in claimed if LIBRARY[cause.effect].nuisance and not alone],
+        sound=len(claimed) == len(every),
     )
 
 

@@ -25,9 +25,7 @@ POWER = {"proportional": 1, "dead_zone": 1, "square": 2, "cube": 3}
 
 @dataclass(frozen=True)
 class Function:
-    """One function of the residual force, or two where it has both position coordinates; starts: values of
-    each instance that a fit begins from.
-    """
+    """One function of the residual force, or one of both position coordinates; starts: of its fit."""
 
     instances: tuple[EffectInstance, ...]
     starts: tuple[Array, ...]

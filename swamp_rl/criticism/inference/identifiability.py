@@ -1,7 +1,6 @@
 """Identifiability: indistinguishable hypotheses, what separates them, and effects hidden by model error."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,12 +8,12 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.trial_evidence import Question, explanation_of, rate
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.likelihood.output_error import Fit, fit, noise_free
 from swamp_rl.criticism.likelihood.sandwich_covariance import sensitivities
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.trial_limits import UNLIMITED
-from swamp_rl.criticism.nuisance.model_error import correlation_samples, standardised_residual
+from swamp_rl.criticism.nuisance.process_noise import correlation_samples, standardised_residual
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Contrast, Manoeuvre
 from swamp_rl.criticism.selection.backward_elimination import Selection
@@ -34,9 +33,7 @@ def contrast(problem: Shooting, winner: Fit, rival: Fit, evidence: float) -> Con
 
 
 def angle_between(problem: Shooting, one: Fit, other: Fit) -> float:
-    """Smallest principal angle [rad] between the sensitivities of two fits; pi/2 where one has no
-    parameter.
-    """
+    """Smallest principal angle [rad] between two fits' sensitivities; pi/2 without parameters."""
     if not one.hypothesis.size or not other.hypothesis.size:
         return float(np.pi / 2)
     bases = [np.linalg.qr(sensitivities(problem, at))[0] for at in (one, other)]
@@ -46,25 +43,20 @@ def angle_between(problem: Shooting, one: Fit, other: Fit) -> float:
 
 def refit(problem: Shooting, truth: Fit, other: Fit) -> float:
     """chi2 that remains when `other` is fitted to the noise-free prediction of `truth`."""
-    track = problem.predict(truth.hypothesis, truth.x[None], truth.states[None])[0]
-    synthetic = Shooting(
-        problem.run_set, problem.weight, problem.seconds, replace(problem.windows, measured=track)
-    )
-    return float(fit(synthetic, other.hypothesis, other.x, other.states, options().check_steps).loss.sum())
+    ideal = noise_free(problem, truth)
+    return float(fit(ideal, other.hypothesis, other.x, other.states, options().check_steps).loss.sum())
 
 
-def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: list[Fit]) -> Manoeuvre:
-    """The manoeuvre with the greatest least distance between any two of the winner and its rivals, in
-    standard errors.
-    """
+def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: list[Fit]) -> Manoeuvre | None:
+    """The manoeuvre of greatest least distance between any two of the fits, in standard errors."""
+    if not rivals:
+        return None
     names, commands = zip(*manoeuvres(run_set.boat, run_set.dt).items(), strict=True)
     explanations = tuple(explanation_of(one, one.covariance) for one in (winner, *rivals))
     rated = rate(Question(run_set, sigmas, explanations), np.array(commands), UNLIMITED)
     apart = np.sqrt(rated.least)
     best = int(apart.argmax())
-    return Manoeuvre(
-        manoeuvre=names[best], separation=float(apart[best]), duration_s=options().manoeuvre_length
-    )
+    return Manoeuvre(manoeuvre=names[best], separation=float(apart[best]), duration_s=options().trial_seconds)
 
 
 def hidden_effects(

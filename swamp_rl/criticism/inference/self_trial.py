@@ -16,10 +16,10 @@ from swamp_rl.criticism.inference.finding import Finding
 from swamp_rl.criticism.inference.linearised_selection import linearised_answers
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
-from swamp_rl.criticism.nuisance.smoothed_channels import Smoothing, third_difference_variance
+from swamp_rl.criticism.nuisance.smoothed_channels import third_difference_variance
 from swamp_rl.criticism.options import DEFAULT
 from swamp_rl.criticism.progress import LOG
-from swamp_rl.criticism.result import SelfTrial
+from swamp_rl.criticism.result import SelfTrial, SmoothedNoise
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation, states_carried
 from swamp_rl.criticism.selection.model_selection import prepared, select_model
@@ -72,7 +72,7 @@ def gauss_markov(fresh: Array, size: Array, seconds: Array, dt: float) -> Array:
 
 
 def sensor_noise(
-    sigmas: Array, smoothed: Mapping[str, Smoothing], gauss_markov: Array | None, dt: float
+    sigmas: Array, smoothed: Mapping[str, SmoothedNoise], gauss_markov: Array | None, dt: float
 ) -> SensorNoise:
     """The noise that a diagnosis estimated.
 
@@ -84,14 +84,11 @@ def sensor_noise(
     for channel, name in enumerate(CHANNELS):
         if name in smoothed:
             one = smoothed[name]
-            pole = math.exp(-dt / one.time_constant)
+            pole = math.exp(-dt / one.time_constant_s)
             power = 20 * one.sample_noise**2 / third_difference_variance(pole, 1)
-            white[channel], filtered[channel] = 0.0, (math.sqrt(power), one.time_constant)
-    parts = [filtered] if smoothed else []
-    return SensorNoise(
-        white,
-        np.array([*parts, *([] if gauss_markov is None else [gauss_markov])]).reshape(-1, len(CHANNELS), 2),
-    )
+            white[channel], filtered[channel] = 0.0, (math.sqrt(power), one.time_constant_s)
+    parts = [*([filtered] if smoothed else []), *([] if gauss_markov is None else [gauss_markov])]
+    return SensorNoise(white, np.array(parts).reshape(-1, len(CHANNELS), 2))
 
 
 def without_noise(logged: RunSet, judged: Shooting, answer: Fit) -> RunSet:
@@ -103,7 +100,7 @@ def without_noise(logged: RunSet, judged: Shooting, answer: Fit) -> RunSet:
     runs = replace(judged.run_set, gaps=(), gauss_markov=None)
     unbroken = Shooting(runs, judged.weight, np.inf)
     states = states_carried(judged, answer.states, unbroken, unbroken.initial_states())
-    track = unbroken.predict(answer.hypothesis, answer.x[None], states[None])[0]
+    track = unbroken.track(answer.hypothesis, answer.x, states)
     measured, windows = logged.measured.copy(), unbroken.windows
     for run, first, steps, predicted in zip(windows.run, windows.first, windows.steps, track, strict=True):
         part = slice(first, first + steps + 1)

@@ -68,9 +68,7 @@ class Rated:
 
 
 def explanation_of(at: Fit, covariance: Array) -> Explanation:
-    """A fit with covariance (p, p), for a run yet to come: what differs between runs is known to within its
-    variance between them.
-    """
+    """A fit with covariance (p, p) for another run, with the variance of what differs between runs."""
     hypothesis, x, columns = at.hypothesis.of_run(at.x, 0)
     between = [np.zeros(0)]
     for instance, own in at.hypothesis.parts(at.x):
@@ -147,7 +145,7 @@ def _problem(question: Question, commands: Array) -> Shooting:
     )
     weight = np.where(np.isfinite(question.sigmas), 1.0 / question.sigmas, 0.0)
     transient = math.ceil(options().least_transient / run_set.dt)
-    pieces = max(1, round((steps - transient) * run_set.dt / options().trial_window))
+    pieces = max(1, round((steps - transient) * run_set.dt / options().window_lengths[1]))
     length = (steps - transient) // pieces
     weights = np.tile(weight, (trials * pieces, length, 1))
     windows = Windows(
@@ -166,7 +164,7 @@ def _problem(question: Question, commands: Array) -> Shooting:
 
 def _response(problem: Shooting, one: Explanation, states: Array, seen: NDArray[np.bool_]) -> _Response:
     """From the states (V, 6) at the windows' starts; what is not `seen` (V, T) has no derivative."""
-    base = problem.predict(one.hypothesis, one.x[None], states[None])[0]
+    base = problem.track(one.hypothesis, one.x, states)
     by_state = problem.state_jacobian(one.hypothesis, one.x, states, base)
     by_x = problem.parameter_jacobian(one.hypothesis, one.x, states, base)
     channels = np.repeat(seen, base.shape[2], axis=1) & np.isfinite(by_state).all(axis=2)

@@ -48,7 +48,7 @@ def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
 
 def sensitivities(problem: Shooting, at: Fit) -> Array:
     """(W M, p) sensitivities of the predictions to the parameters, initial states projected out."""
-    base = problem.predict(at.hypothesis, at.x[None], at.states[None])[0]
+    base = problem.track(at.hypothesis, at.x, at.states)
     slopes = problem.parameter_jacobian(at.hypothesis, at.x, at.states, base)
     transposed = np.swapaxes(at.states_jacobian, 1, 2)
     A = at.normal.states_information

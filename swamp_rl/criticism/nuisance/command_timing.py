@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, normal_equations
 from swamp_rl.criticism.options import options
@@ -19,26 +18,13 @@ def command_sensitivity(problem: Shooting, at: Fit, window: int, changes: Array)
     run_set, win = problem.run_set, problem.windows
     run, count = int(win.run[window]), len(changes)
     unchanged = np.zeros((1, *changes.shape[1:]))
-
-    def each(values: NDArray[np.generic]) -> NDArray[np.generic]:
-        """The window's own, once for every change."""
-        return np.repeat(values[window][None], count + 1, axis=0)
-
-    windows = Windows(
-        np.arange(count + 1),
-        each(win.first),  # type: ignore[arg-type]
-        each(win.steps),  # type: ignore[arg-type]
-        each(win.measured),  # type: ignore[arg-type]
-        each(win.weight),  # type: ignore[arg-type]
-        win.pad,
-        win.rows,
-    )
+    windows = replace(win.part(np.full(count + 1, window)), run=np.arange(count + 1))
     commands = run_set.commands[run] + np.concatenate([changes, unchanged])
     several = run_set.copies([run] * (count + 1), commands)
     weight = np.repeat(problem.weight[run][None], count + 1, axis=0)
     many = Shooting(several, weight, problem.seconds, windows)
     states = np.repeat(at.states[window][None], count + 1, axis=0)
-    track = many.predict(at.hypothesis, at.x[None], states[None])[0]
+    track = many.track(at.hypothesis, at.x, states)
     return many.part(np.arange(count + 1) < count).standardised(track[:-1] - track[-1]).reshape(count, -1)
 
 
@@ -71,11 +57,8 @@ def fit_shares(
     for window in range(win.count):
         run, first = int(win.run[window]), int(win.first[window])
         size = np.abs(change[run, first : first + int(win.steps[window])]).max(axis=1)
-        rows = first + np.sort(
-            np.argsort(-size, kind="stable")[
-                : min(options().most_instants, int((size > options().smallest_change).sum()))
-            ]
-        )
+        count = min(options().most_instants, int((size > options().smallest_change).sum()))
+        rows = first + np.sort(np.argsort(-size, kind="stable")[:count])
         if len(rows) == 0:
             continue
         slopes = _share_slopes(problem, at, window, rows, change[run])
@@ -125,7 +108,7 @@ def _best_change(problem: Shooting, at: Fit, window: int, run: int) -> tuple[int
         return None
     slopes = _sensitivity(problem, at, window, lost, channels)
     thrusters = given.shape[1] // 2
-    reach = np.where(channels < thrusters, options().angle_reach, options().throttle_reach)
+    reach = np.where(channels < thrusters, *options().command_reach)
     gains, changes = [], []
     for response in slopes:
         normal = normal_equations(at.states_jacobian[window][None], response[None], at.residual[window][None])
@@ -135,10 +118,8 @@ def _best_change(problem: Shooting, at: Fit, window: int, run: int) -> tuple[int
     best = int(np.argmax(gains))
     if gains[best] < options().unlogged_gain:
         return None
-    whole = np.zeros(given.shape[1])
-    whole[channels] = np.clip(
-        changes[best], -options().unlogged_limit * reach, options().unlogged_limit * reach
-    )
+    whole, most = np.zeros(given.shape[1]), options().unlogged_limit * reach
+    whole[channels] = np.clip(changes[best], -most, most)
     return int(lost[best]), whole
 
 
@@ -153,8 +134,7 @@ def _sensitivity(
     """(rows, M, channels) derivative of the standardised prediction of a run by each command in each row."""
     count = len(rows) * len(channels)
     changes = np.zeros((count, *problem.run_set.commands.shape[1:]))
-    changes[np.arange(count), np.repeat(rows, len(channels)), np.tile(channels, len(rows))] = (
-        options().command_step
-    )
+    moved = np.arange(count), np.repeat(rows, len(channels)), np.tile(channels, len(rows))
+    changes[moved] = options().command_step
     slopes = command_sensitivity(problem, at, window, changes) / options().command_step
     return np.moveaxis(slopes.reshape(len(rows), len(channels), -1), 1, 2)

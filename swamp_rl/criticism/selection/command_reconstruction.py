@@ -19,9 +19,7 @@ Array = NDArray[np.float64]
 
 
 def interpolated(run_set: RunSet, share: float) -> RunSet:
-    """The runs with every command moved by a share of its change until the next row; azimuths the shorter
-    way.
-    """
+    """The runs with every command moved by a share of its change until the next row."""
     change = command_changes(run_set)
     return interpolated_at(run_set, change, np.full(change.shape[:2], share))
 
@@ -37,21 +35,16 @@ def better_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -
     problem = continuation.problems[MIDDLE]
     if at.chi2 > options().reconstruction_hopeless * problem.samples:
         return None
-    least = max(
-        options().reconstruction_gain,
-        options().reconstruction_share * (at.chi2 - options().variance_bias * problem.samples),
-    )
-    best = None
+    above_noise = at.chi2 - options().variance_bias * problem.samples
+    least = max(options().reconstruction_gain, options().reconstruction_share * above_noise)
+    most, best = options().reconstruction_most * problem.samples, None
     share, shared = fit_common_share(problem, at, logged)
-    if shared.chi2 < min(at.chi2 - least, options().reconstruction_most * problem.samples):
+    if shared.chi2 < min(at.chi2 - least, most):
         best = interpolated(logged, share)
     if adequacy(problem, shared if best else at).adequate:
         return best
     each, made, count = fit_switching_times(problem, shared, logged, share)
-    saves = made.chi2 < min(
-        at.chi2 - least - options().instant_gain * count, options().reconstruction_most * problem.samples
-    )
-    return each if saves else best
+    return each if made.chi2 < min(at.chi2 - least - options().instant_gain * count, most) else best
 
 
 def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
@@ -59,38 +52,30 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     the actuators in time, or None. A log that lags behind the commands is equivalent to faster actuators.
     """
     problem = continuation.problems[MIDDLE]
-    parts = [(instance, own) for instance, own in at.hypothesis.parts(at.x) if not instance.moves_actuators]
+    parts = [(instance, own) for instance, own in at.parts() if not instance.moves_actuators]
     if len(parts) == len(at.hypothesis.instances):
         return None
     less, x = joined(parts)
-    plain = fit(problem, less, x, at.states, options().reconstruction_steps)
+    plain = fit(problem, less, x, at.states, options().again_steps)
     most = continuation.criterion(at) + options().separation - continuation.criterion.charge(less)
     share, shared = fit_common_share(problem, plain, logged)
     if shared.chi2 < most and adequacy(problem, shared).adequate:
         return interpolated(logged, share)
     each, made, count = fit_switching_times(problem, shared, logged, share)
-    return (
-        each
-        if made.chi2 + options().instant_gain * count < most and adequacy(problem, made).adequate
-        else None
-    )
+    saves = made.chi2 + options().instant_gain * count < most
+    return each if saves and adequacy(problem, made).adequate else None
 
 
 def fit_common_share(problem: Shooting, at: Fit, logged: RunSet) -> tuple[float, Fit]:
     """The share of a step, common to all commands, at least chi2 under a hypothesis, and the fit with it."""
-    as_logged = at if logged.commands is problem.run_set.commands else _refit(problem, logged, at)
-    fits = [
-        as_logged,
-        *(_refit(problem, interpolated(logged, share), at) for share in options().reconstruction_shares),
-    ]
+    fits = [at if logged.commands is problem.run_set.commands else _refit(problem, logged, at)]
+    fits += [_refit(problem, interpolated(logged, share), at) for share in options().reconstruction_shares]
     share = least_of_parabola(*(one.chi2 for one in fits))
     return share, _refit(problem, interpolated(logged, share), min(fits, key=lambda one: one.chi2))
 
 
 def sufficient_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
-    """The runs with reconstructed commands where these alone make a fit to the middle windows adequate, else
-    None.
-    """
+    """The runs with reconstructed commands if these alone make a fit to the middle windows adequate."""
     problem = continuation.problems[MIDDLE]
     if adequacy(problem, at).adequate:
         return None
@@ -129,9 +114,7 @@ def least_of_parabola(start: float, middle: float, end: float) -> float:
 
 def _refit(problem: Shooting, run_set: RunSet, at: Fit, fresh: bool = False) -> Fit:
     """The fit repeated on the same windows with other commands."""
-    return fit(
-        _problem(problem, run_set), at.hypothesis, at.x, at.states, options().reconstruction_steps, fresh
-    )
+    return fit(_problem(problem, run_set), at.hypothesis, at.x, at.states, options().again_steps, fresh)
 
 
 def _problem(problem: Shooting, run_set: RunSet) -> Shooting:
@@ -143,7 +126,7 @@ def is_better(before: Continuation, found: Selection, after: Continuation, again
     """Whether a selection with reconstructed commands ends clearly better."""
 
     def reached(continuation: Continuation, one: Selection) -> float:
-        return continuation.criterion(continuation.fit(MIDDLE, one.winner.hypothesis, one.winner.x))
+        return continuation.criterion(continuation.at(MIDDLE, one.winner))
 
     return again.adequate > found.adequate or (
         again.adequate == found.adequate
@@ -153,10 +136,7 @@ def is_better(before: Continuation, found: Selection, after: Continuation, again
 
 def is_simpler(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:
     """Whether a selection with reconstructed commands explains as much with fewer effects."""
-    one, other = (
-        continuation.fit(MIDDLE, s.winner.hypothesis, s.winner.x)
-        for continuation, s in ((before, found), (after, again))
-    )
+    one, other = (continuation.at(MIDDLE, s.winner) for continuation, s in ((before, found), (after, again)))
     return (
         again.adequate
         and len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)

@@ -9,8 +9,13 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_normal_equations
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, inverse, normal_equations
-from swamp_rl.criticism.likelihood.state_fit import fit_states
+from swamp_rl.criticism.likelihood.output_error import (
+    Fit,
+    bounded_step,
+    fit_states,
+    inverse,
+    normal_equations,
+)
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, neutral_of
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator.reference import reference_of
@@ -38,7 +43,7 @@ def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance])
     """Score tests of every effect beside `at`, least expected chi2 first."""
     own = {instance.label for instance in at.hypothesis.instances}
     by_x = problem.parameter_jacobian(
-        at.hypothesis, at.x, at.states, problem.predict(at.hypothesis, at.x[None], at.states[None])[0]
+        at.hypothesis, at.x, at.states, problem.track(at.hypothesis, at.x, at.states)
     )
     found = [_score_test(problem, at, instance, by_x) for instance in instances if instance.label not in own]
     return sorted(found, key=lambda one: one.expected_chi2)
@@ -48,6 +53,10 @@ def _score_test(problem: Shooting, at: Fit, instance: EffectInstance, by_x: Arra
     hypothesis = at.hypothesis.with_instance(instance)
     place = hypothesis.columns(instance.label)
     starts: list[tuple[float, ...]] = [start * instance.count for start in instance.starts]
+
+    def neutral() -> tuple[float, ...]:
+        return neutral_start(instance, problem.boat) * instance.count
+
     if instance.effect.begin == "spectral":
         starts = [tuple(start) for start in wave_starts(problem, at, by_x)]
     elif instance.effect.begin == "changepoint":
@@ -56,31 +65,28 @@ def _score_test(problem: Shooting, at: Fit, instance: EffectInstance, by_x: Arra
         if instance.grid:
             starts.append(_best_grid_point(problem, at, instance, hypothesis, place, by_x))
         if at.chi2 < options().large_chi2 * problem.samples:  # a small residual has a small cause
-            (neutral,) = at_neutral_values(instance, problem.boat).starts
-            starts.append(neutral * instance.count)
+            starts.append(neutral())
     distinct = [np.array(one) for one in dict.fromkeys(starts)]
     results = [_score_step(problem, at, instance, hypothesis, place, by_x, one) for one in distinct]
-    if instance.size > 0 and not any(
-        np.isfinite(one.expected_chi2) for one in results
-    ):  # diverged at every start
-        (neutral,) = at_neutral_values(instance, problem.boat).starts
-        start = neutral * instance.count
-        if start not in starts:
-            results.append(_score_step(problem, at, instance, hypothesis, place, by_x, np.array(start)))
+    diverged = not any(np.isfinite(one.expected_chi2) for one in results)
+    if instance.size > 0 and diverged and neutral() not in starts:
+        results.append(_score_step(problem, at, instance, hypothesis, place, by_x, np.array(neutral())))
     information = max(one.information for one in results)
     return replace(min(results, key=lambda one: one.expected_chi2), information=information)
 
 
 def at_neutral_values(instance: EffectInstance, boat: Boat) -> EffectInstance:
-    """The effect instance begun from its neutral values, or the boat file's; `neutral_step` beside them where
-    a derivative does not exist.
-    """
+    """The effect instance begun from its neutral values."""
+    return replace(instance, starts=(neutral_start(instance, boat),), grid=())
+
+
+def neutral_start(instance: EffectInstance, boat: Boat) -> tuple[float, ...]:
+    """Neutral values of one group's parameters; beside them where a derivative does not exist."""
     specs = instance.of_one.specs
     neutral = [neutral_of(parameter, boat) for parameter in instance.effect.parameters]
     if instance.effect.vector:  # of no size, and so of no direction
         neutral = [options().neutral_step * spec.scale for spec in specs]
-    start = tuple(float(np.clip(x, s.low, s.high)) for x, s in zip(neutral, specs, strict=True))
-    return replace(instance, starts=(start,), grid=())
+    return tuple(float(np.clip(x, s.low, s.high)) for x, s in zip(neutral, specs, strict=True))
 
 
 def _joint(place: NDArray[np.bool_], old: Array, new: Array) -> Array:
@@ -94,9 +100,7 @@ def _joint(place: NDArray[np.bool_], old: Array, new: Array) -> Array:
 def failure_starts(
     problem: Shooting, at: Fit, hypothesis: Hypothesis, instance: EffectInstance, by_x: Array
 ) -> list[tuple[float, ...]]:
-    """The best instant of a failure among the windows' starts, from one simulation: windows that begin before
-    it keep the thruster, the others never had it.
-    """
+    """The best instant of a failure, from one simulation without the thruster."""
     place = hypothesis.columns(instance.label)
     dead = problem.residuals(
         problem.predict(hypothesis, _joint(place, at.x, np.zeros((1, 1))), at.states[None])[0]
@@ -144,9 +148,7 @@ def _best_grid_point(
     place: NDArray[np.bool_],
     by_x: Array,
 ) -> tuple[float, ...]:
-    """The grid point of least profile chi2; of an effect that differs between groups, that of each group, the
-    other effects' parameters held.
-    """
+    """The grid point of least profile chi2, of each group where an effect differs between groups."""
     points = np.array(instance.grid)
     slopes = by_x[..., :0] if instance.groups else by_x
     group = (
@@ -186,7 +188,7 @@ def _score_step(
     start: Array,
 ) -> ScoreTest:
     (x,) = _joint(place, at.x, start[None])
-    base = problem.predict(hypothesis, x[None], at.states[None])[0]
+    base = problem.track(hypothesis, x, at.states)
     states, residual = at.states, problem.residuals(base)
     if not len(start) and at.chi2 > options().large_chi2 * problem.samples:  # a large jump
         states, _, residual = fit_states(problem, hypothesis, x, at.states, options().score_rounds)
@@ -199,7 +201,7 @@ def _score_step(
     g = normal.gradient.sum(axis=0) - precision * (x - mean)
     moved = bounded_step(H, g, x, *hypothesis.bounds())
     loss = float(normal.profile_chi2.sum() + precision @ (x - mean) ** 2 - 2 * g @ moved + moved @ H @ moved)
-    scale = np.array([spec.scale for spec in instance.specs])
+    scale = instance.scales
     own = np.diag(normal.information.sum(axis=0))[place] * scale**2
     changed = float(((problem.residuals(base) - at.residual) ** 2).sum())
     information = float(own.max()) if len(own) else changed
@@ -247,16 +249,14 @@ def wave_starts(problem: Shooting, at: Fit, by_x: Array) -> list[Array]:
 
 def _turns(problem: Shooting, at: Fit, block: int, count: int) -> Array:
     """(W, B, 2, 2) surge and sway force by force north and east, at the middle of each interval."""
-    track = problem.predict(at.hypothesis, at.x[None], at.states[None])[0]
+    track = problem.track(at.hypothesis, at.x, at.states)
     middle = np.minimum((np.arange(count) + 0.5) * block, track.shape[1] - 1).astype(int)
     cos, sin = np.cos(track[:, middle, 2]), np.sin(track[:, middle, 2])
     return np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)], axis=-2)
 
 
 def _gain_and_amplitudes(information: Array, gradient: Array, basis: Array, p: int) -> tuple[float, Array]:
-    """Fall of chi2, minimised over the p other parameters, and the four amplitudes, for basis (W, B axes,
-    4).
-    """
+    """Fall of chi2 beside the p other parameters, and four amplitudes, for basis (W, B axes, 4)."""
     H = np.zeros((p + 4, p + 4))
     H[:p, :p] = information[:, :p, :p].sum(axis=0)
     cross = np.einsum("wpb,wbk->pk", information[:, :p, p:], basis)
