@@ -134,7 +134,8 @@ def examine(
     listed = list_causes(judged, found, shares, left_out, noise)
     found = found if listed.sound else replace(found, adequate=False)
 
-    extension, leftover = None, list[ResidualForce]()
+    extension = None
+    leftover = list[ResidualForce]()
     if not found.adequate:
         rest = replace(run_set, gauss_markov=with_noise.gauss_markov)
         models = [(Hypothesis(), NONE), (found.winner.hypothesis, found.winner.x)]

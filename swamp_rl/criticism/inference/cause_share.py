@@ -117,18 +117,18 @@ def shares_of(
     wind: Wind = "fitted",
 ) -> list[Share]:
     """The shares of one cause at one horizon, from errors (n, 6) without it and with it in blocks (n,)."""
-    return [
-        Share(
-            horizon_s=horizon,
-            quantity=name,
-            without=paired.before,
-            with_cause=paired.after,
-            ci95=paired.ci95,
-            wind=wind,
-        )
-        for name in JUDGED
-        if (paired := change(before[:, QUANTITIES[name]], after[:, QUANTITIES[name]], block, rng))
-    ]
+    found = []
+    for name in JUDGED:
+        columns = QUANTITIES[name]
+        one = change(before[:, columns], after[:, columns], block, rng)
+        if one is not None:
+            less, more = one.before, one.after
+            found.append(
+                Share(
+                    horizon_s=horizon, quantity=name, without=less, with_cause=more, ci95=one.ci95, wind=wind
+                )
+            )
+    return found
 
 
 def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:

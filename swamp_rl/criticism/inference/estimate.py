@@ -116,9 +116,7 @@ def slopes_of(instance: EffectInstance, x: Array) -> dict[str, Array]:
 
 
 def correlation(problem: Shooting, at: Fit, causes: Sequence[Cause]) -> list[list[float]]:
-    """Correlation matrix of the parameters of `causes`, in their order, from the sandwich covariance of the
-    fit `at`. A parameter without variance has no correlation.
-    """
+    """Correlation of the parameters of `causes`, 0 where one has no variance; sandwich covariance of `at`."""
     covariance = sandwich_covariance(problem, at)
     slopes: dict[tuple[str, str], Array] = {}
     for instance, own in at.parts():

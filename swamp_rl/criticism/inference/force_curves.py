@@ -32,9 +32,8 @@ class Function:
 
 
 def curve_instances(run_set: RunSet, leftover: Sequence[ResidualForce]) -> list[Function]:
-    """The functions of the residual force by knots over the data's range, a horizontal force that depends on
-    the position before them: one function with two components, tried even where it is not listed, since a
-    line that pulls the boat about makes its force a function of the speed as well.
+    """The functions of the residual force by knots over the data's range. A horizontal force that depends on
+    the position is tried first, listed or not: a line's force is a function of the speed as well.
     """
     listed = {(one.force, one.variable): one for one in leftover if len(one.curve) > 1}
     place = [listed.pop(key) if key in listed else _zero(run_set, *key) for key in PLACE]

@@ -1,9 +1,7 @@
 """The force that no named effect explains, as effects `force_curve` of the extended boat.
 
-The functions of the residual force are fitted anew by output error, as the parameters of any effect are, and
-selected by chi2 on held-out halves of runs: a variable may reach some of its values in one run only. A
-formula takes the place of the knots where its information criterion is no greater. Nothing is written whose
-reduction of the position error on held-out halves has no interval above zero.
+Functions of the residual force are fitted by output error and selected by chi2 on held-out halves of runs. A
+formula replaces the knots where its criterion is no greater. What is written reduces the position error.
 """
 
 from collections.abc import Sequence

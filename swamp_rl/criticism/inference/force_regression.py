@@ -1,8 +1,7 @@
 """Regression of the residual force on each variable, by simulation.
 
-The sensitivity of every window to short force pulses is computed once, about a track that follows the data. A
-force that is a function of a variable is a weighted sum of such pulses, so each pair of a force and a
-variable costs a few linear equations, and is judged on held-out runs.
+A force that is a function of a variable is a weighted sum of short pulses, whose sensitivities are computed
+once, about a track that follows the data. Each pair of a force and a variable is judged on held-out runs.
 """
 
 import itertools

@@ -69,9 +69,7 @@ def residual_forces(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: A
 
 @dataclass(frozen=True)
 class ForceFit:
-    """Windows under fitted forces: states (W, 6) at their starts, track (W, T, 6), force (W, B, 3) [N, N, N
-    m] and its covariance (W, 3 B, 3 B).
-    """
+    """Initial states (W, 6), track (W, T, 6), force (W, B, 3) [N, N, N m], its covariance (W, 3 B, 3 B)."""
 
     states: Array
     track: Array

@@ -109,9 +109,7 @@ def without_noise(logged: RunSet, judged: Shooting, answer: Fit) -> RunSet:
 
 
 def with_noise(logged: RunSet, ideal: RunSet, noise: Array) -> RunSet:
-    """A twin: the runs `ideal` with noise (R, T, 6) where they were simulated, a sample repeated where the
-    measured one, of the runs `logged`, repeats the one before.
-    """
+    """The runs `ideal` with noise (R, T, 6) where simulated, and samples repeated as in the runs `logged`."""
     simulated = ideal.measured != logged.measured
     measured = np.where(simulated, ideal.measured + noise, ideal.measured)
     fresh = ~repeated_samples(logged.measured)

@@ -239,9 +239,7 @@ class Shooting:
         return difference
 
     def standardised(self, difference: Array) -> Array:
-        """(..., W, M) of differences (..., W, T, 6) between tracks, in standard deviations, whitened where
-        the noise has a Gauss-Markov part.
-        """
+        """(..., W, M) differences (..., W, T, 6) of tracks in standard deviations, whitened."""
         standardised = difference * self.windows.weight
         if self.filter is not None:
             standardised = self.filter.whitened(standardised)

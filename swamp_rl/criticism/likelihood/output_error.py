@@ -196,10 +196,8 @@ def losses(residual: Array) -> Array:
 
 def min_decrease(problem: Shooting, chi2: float) -> float:
     """Fall of chi2 below which a fit ends; larger where the fit is far from the data."""
-    return max(
-        options().least_decrease,
-        options().least_decrease_share * (chi2 - options().noise_chi2 * problem.samples),
-    )
+    above_noise = chi2 - options().noise_chi2 * problem.samples
+    return max(options().least_decrease, options().least_decrease_share * above_noise)
 
 
 def _chosen(problem: Shooting, chosen: NDArray[np.bool_]) -> Shooting:
@@ -271,16 +269,14 @@ def fit(
         gain = at.chi2 - moved.chi2
         at, newest = moved, newest and gain == 0.0
         least = min_decrease(problem, at.chi2)
-        if gain > least and gain_ratio > (
-            options().gain_ratio if gain < options().close_gain else options().gain_ratio_far
-        ):
+        good = options().gain_ratio if gain < options().close_gain else options().gain_ratio_far
+        if gain > least and gain_ratio > good:
             continue
         if newest or used >= steps or (gain_ratio > options().gain_ratio and not fresh):
-            refitted = (
-                _with_states_refitted(problem, hypothesis, at, slopes[0], max(options().state_gain, least))
-                if refits < options().most_refits
-                else None
-            )
+            if refits == options().most_refits:
+                break
+            least = max(options().state_gain, least)
+            refitted = _with_states_refitted(problem, hypothesis, at, slopes[0], least)
             if refitted is None:
                 break
             at, refits = refitted, refits + 1

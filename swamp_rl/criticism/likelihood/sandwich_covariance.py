@@ -27,11 +27,8 @@ def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
     win = problem.windows
     slopes = sensitivities(problem, at).reshape(win.count, win.rows, -1, at.hypothesis.size)
     scores = np.einsum("wtc,wtcp->wtp", at.residual.reshape(win.count, win.rows, -1), slopes)[:, win.pad :]
-    rows = (
-        max(1, round(options().score_stretch / problem.dt))
-        if problem.correlation_samples == 1.0
-        else win.rows
-    )
+    white = problem.correlation_samples == 1.0
+    rows = max(1, round(options().score_stretch / problem.dt)) if white else win.rows
     starts = np.arange(0, scores.shape[1], rows)
     blocks = np.add.reduceat(scores, starts, axis=1).reshape(-1, at.hypothesis.size)
     blocks = blocks[(blocks != 0.0).any(axis=1)]

@@ -43,17 +43,13 @@ def random_forces(
     apart = np.abs(np.subtract.outer(np.arange(pieces), np.arange(pieces))) * piece
     alike = np.linalg.inv(np.exp(-apart / correlation_time))
     power: Array = (np.array(options().process_reach) * scale) ** 2
+    least = (np.array(options().process_least) * scale) ** 2
     for _ in range(options().process_rounds):
         prior = np.kron(alike, np.diag(1.0 / power))
         spread = np.linalg.inv(information + prior)
         force = (spread @ gradient[..., None])[..., 0]
         squares: Array = force**2 + np.einsum("wii->wi", spread)
-        power_before, power = (
-            power,
-            np.maximum(
-                squares.reshape(-1, AXES).mean(axis=0), (np.array(options().process_least) * scale) ** 2
-            ),
-        )
+        power_before, power = power, np.maximum(squares.reshape(-1, AXES).mean(axis=0), least)
     volume = np.linalg.slogdet(spread)[1].sum() + windows * np.linalg.slogdet(prior)[1]
     return RandomForces(
         np.asarray(prior), spread, force, power_before, float((gradient * force).sum() + volume)
@@ -62,10 +58,8 @@ def random_forces(
 
 def process_noise_gain(problem: Shooting, at: Fit) -> float:
     """2 log likelihood ratio of Gauss-Markov forces beside a fit, its parameters fixed."""
-    grid = force_grid(
-        problem,
-        max(options().process_piece, (problem.windows.rows - 1) * problem.dt / options().process_pieces),
-    )
+    shortest = (problem.windows.rows - 1) * problem.dt / options().process_pieces
+    grid = force_grid(problem, max(options().process_piece, shortest))
     where = (problem, at.hypothesis, at.x, at.states, grid, (0, 1, 2))
     normal = force_normal_equations(*where, at.states_jacobian, at.residual)
     piece, scale = grid.block * problem.dt, force_scale(problem.boat)
@@ -104,23 +98,18 @@ class ModelError:
         return replace(self.problem.run_set, gauss_markov=self.errors)
 
 
-def model_error(
-    run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: Array, states: Array | None = None
-) -> ModelError:
-    """Windows of `model_error_window`, or shorter where the runs give too few, weighted by the standard
-    deviation of each channel's residual; north and east have a common one, so that no direction is weighted
-    less.
+def model_error(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: Array) -> ModelError:
+    """Windows weighted by the standard deviation of each channel's residual, one for north and east.
 
     Weights are divided by the root of the residual's integrated autocorrelation time, so that chi2 counts
-    independent samples. weight: (R, T, 6); x: (p,); states: (W, 6) to begin with.
+    independent samples. weight: (R, T, 6); x: (p,).
     """
     every = float(run_set.lengths.sum() * run_set.dt)
     seconds = min(options().model_error_window, every / options().model_error_windows)
     seen = weight > 0
     sigma = 1.0 / np.where(seen.any(axis=(0, 1)), weight.max(axis=(0, 1)), 1.0)
     problem = Shooting(run_set, seen / sigma, seconds)
-    if states is None:
-        states = first_states(problem, hypothesis, x, problem.initial_states())
+    states = first_states(problem, hypothesis, x, problem.initial_states())
     steps = options().check_steps
     for _ in range(options().model_error_rounds):
         made = fit(problem, hypothesis, x, states, steps)

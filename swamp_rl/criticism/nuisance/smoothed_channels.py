@@ -1,8 +1,7 @@
 """Channels that an onboard filter smoothed, and the standard deviation that they are weighted by instead.
 
-A filter takes the noise at the sample rate away and leaves that of low frequencies, which third differences
-do not hold: the channel would be weighted by far too small a standard deviation. White noise has third
-differences of equal variance over any stride; smoothed noise has larger ones over longer strides.
+Third differences do not hold the low frequencies that a filter leaves. Over longer strides those of smoothed
+noise have a larger variance; those of white noise have the same.
 """
 
 import itertools
@@ -86,9 +85,7 @@ def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothe
 
 
 def _variance(values: Array, activity: Array, stride: int, dt: float) -> tuple[float, int] | None:
-    """Variance of the third differences over a stride, of the half during which commands changed least, those
-    beyond `difference_clip` left out; and their number.
-    """
+    """Variance and number of third differences over a stride, where commands change little, less outliers."""
     span, before = 3 * stride, math.ceil(options().settled / dt)
     if values.shape[1] <= span + before:
         return None

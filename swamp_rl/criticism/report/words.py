@@ -80,10 +80,8 @@ def meaning(found: Diagnosis) -> str:
         added = "it" if len(found.causes) == 1 else "them"
         text = f"With {added}, the residuals are measurement noise. {files_sentence(found)}"
         if any(one.at_bound for cause in found.causes for one in cause.parameters.values()):
-            text += (
-                " One value ended at a bound of the fit, so its effect may be a substitute for another "
-                "cause: check it."
-            )
+            text += " One value ended at a bound of the fit, so its effect may be a substitute for another "
+            text += "cause: check it."
         return text
     if found.verdict == "indistinguishable":
         return (

@@ -254,17 +254,16 @@ def nested(small: Hypothesis, large: Hypothesis) -> bool:
         contain it, or the same with parameters for each group of runs.
         """
         fields = {parameter.field for parameter in instance.effect.parameters}
-        return any(
-            one.label == instance.label
-            or (
-                fields
-                and fields < {p.field for p in one.effect.parameters}
-                and one.selectors == instance.selectors
+
+        def contains(one: EffectInstance) -> bool:
+            more = bool(fields) and fields < {parameter.field for parameter in one.effect.parameters}
+            by_group = not instance.groups and one.groups and one.of_one.label == instance.label
+            larger = (more or instance.effect.name in one.effect.contains) and (
+                one.selectors == instance.selectors
             )
-            or (not instance.groups and one.groups and one.of_one.label == instance.label)
-            or (instance.effect.name in one.effect.contains and one.selectors == instance.selectors)
-            for one in large.instances
-        )
+            return bool(one.label == instance.label or by_group or larger)
+
+        return any(map(contains, large.instances))
 
     return all(holds(instance) for instance in small.instances)
 

@@ -25,12 +25,10 @@ def interpolated(run_set: RunSet, share: float) -> RunSet:
 
 
 def better_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
-    """The runs with reconstructed commands where these lower chi2 on the middle windows clearly, or None;
-    logged: the runs as logged.
+    """The runs with reconstructed commands where these lower chi2 on the middle windows clearly, or None.
 
-    Compared at the selected hypothesis, since a missing effect could be absorbed by shifted commands. One
-    share for all steps first, at the minimum of a parabola through those tried, so that no part of it remains
-    as a delay; where the residual then exceeds noise, one share for each step.
+    Compared at the selected hypothesis, since shifted commands could absorb a missing effect. One share for
+    all steps first, at the minimum of a parabola; where the residual then exceeds noise, one for each step.
     """
     problem = continuation.problems[MIDDLE]
     if at.chi2 > options().reconstruction_hopeless * problem.samples:
@@ -84,9 +82,7 @@ def sufficient_reconstruction(continuation: Continuation, at: Fit, logged: RunSe
 
 
 def fit_switching_times(problem: Shooting, at: Fit, logged: RunSet, share: float) -> tuple[RunSet, Fit, int]:
-    """The runs with a fitted share for each larger step, the fit to them, and the number of shares; at: the
-    fit with one common share.
-    """
+    """The runs with a fitted share for each larger step, their fit, how many; at: with one common share."""
     change = command_changes(logged)
     shares = np.full(change.shape[:2], share)
     best = interpolated_at(logged, change, shares)

@@ -144,9 +144,7 @@ class Continuation:
 
 
 def states_carried(shorter: Shooting, states: Array, longer: Shooting, others: Array) -> Array:
-    """(W, 6) initial states of longer windows, from those of shorter ones that begin at the same sample, and
-    from `others` (W, 6) where none does.
-    """
+    """(W, 6) initial states, from shorter windows that begin at the same sample, else `others` (W, 6)."""
     found = others.copy()
     short, long = (zip(one.windows.run, one.windows.first, strict=True) for one in (shorter, longer))
     starts = {start: i for i, start in enumerate(short)}

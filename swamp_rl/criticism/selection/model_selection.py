@@ -55,8 +55,8 @@ def select_model(
     are model error: they widen all comparisons and standard errors, and the selection is never adequate.
     """
     tried: list[Continuation] = []
-    boat = weight, instances, hull, tried
-    run_set, continuation, found = _with_reconstruction(run_set, *boat, options().step_budget)
+    given = weight, instances, hull, tried
+    run_set, continuation, found = _with_reconstruction(run_set, *given, options().step_budget)
     if found.adequate and found.stage >= LAST:
         return run_set, continuation, found
     winner, stage = found.winner, LAST if found.adequate else MIDDLE
@@ -68,7 +68,7 @@ def select_model(
         if correlated_noise(continuation, nothing, stage) == "measurement":
             winner, source = nothing, "measurement"
     if source == "measurement":
-        again = _with_position_noise(*boat, continuation, winner)
+        again = _with_position_noise(*given, continuation, winner)
         if again is not None:
             return again
     if found.adequate:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,35 +43,59 @@ class ScoreTest:
 def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
     """Score tests of every effect beside `at`, least expected chi2 first."""
     own = {instance.label for instance in at.hypothesis.instances}
-    by_x = problem.parameter_jacobian(
-        at.hypothesis, at.x, at.states, problem.track(at.hypothesis, at.x, at.states)
-    )
-    found = [_score_test(problem, at, instance, by_x) for instance in instances if instance.label not in own]
-    return sorted(found, key=lambda one: one.expected_chi2)
+    base = problem.track(at.hypothesis, at.x, at.states)
+    by_x = problem.parameter_jacobian(at.hypothesis, at.x, at.states, base)
+    added = [_Added(problem, at, instance, by_x) for instance in instances if instance.label not in own]
+    return sorted(map(_score_test, added), key=lambda one: one.expected_chi2)
 
 
-def _score_test(problem: Shooting, at: Fit, instance: EffectInstance, by_x: Array) -> ScoreTest:
-    hypothesis = at.hypothesis.with_instance(instance)
-    place = hypothesis.columns(instance.label)
+@dataclass(frozen=True)
+class _Added:
+    """An effect instance added to a fit `at`; by_x: (W, M, p) Jacobian by the parameters of that."""
+
+    problem: Shooting
+    at: Fit
+    instance: EffectInstance
+    by_x: Array
+
+    @cached_property
+    def hypothesis(self) -> Hypothesis:
+        """All effects together."""
+        return self.at.hypothesis.with_instance(self.instance)
+
+    @cached_property
+    def place(self) -> NDArray[np.bool_]:
+        """(p,) which parameters are the instance's."""
+        return self.hypothesis.columns(self.instance.label)
+
+    def x(self, own: Array) -> Array:
+        """(V, p) the parameters of the fit and those of the instance (V, p_instance)."""
+        x = np.empty((len(own), len(self.place)))
+        x[:, ~self.place], x[:, self.place] = self.at.x, own
+        return x
+
+
+def _score_test(added: _Added) -> ScoreTest:
+    problem, at, instance = added.problem, added.at, added.instance
     starts: list[tuple[float, ...]] = [start * instance.count for start in instance.starts]
 
     def neutral() -> tuple[float, ...]:
         return neutral_start(instance, problem.boat) * instance.count
 
     if instance.effect.begin == "spectral":
-        starts = [tuple(start) for start in wave_starts(problem, at, by_x)]
+        starts = [tuple(start) for start in wave_starts(problem, at, added.by_x)]
     elif instance.effect.begin == "changepoint":
-        starts = failure_starts(problem, at, hypothesis, instance, by_x)
+        starts = [(failure_start(added),)]
     elif instance.size > 0:
         if instance.grid:
-            starts.append(_best_grid_point(problem, at, instance, hypothesis, place, by_x))
+            starts.append(_best_grid_point(added))
         if at.chi2 < options().large_chi2 * problem.samples:  # a small residual has a small cause
             starts.append(neutral())
     distinct = [np.array(one) for one in dict.fromkeys(starts)]
-    results = [_score_step(problem, at, instance, hypothesis, place, by_x, one) for one in distinct]
+    results = [_score_step(added, one) for one in distinct]
     diverged = not any(np.isfinite(one.expected_chi2) for one in results)
     if instance.size > 0 and diverged and neutral() not in starts:
-        results.append(_score_step(problem, at, instance, hypothesis, place, by_x, np.array(neutral())))
+        results.append(_score_step(added, np.array(neutral())))
     information = max(one.information for one in results)
     return replace(min(results, key=lambda one: one.expected_chi2), information=information)
 
@@ -89,22 +114,10 @@ def neutral_start(instance: EffectInstance, boat: Boat) -> tuple[float, ...]:
     return tuple(float(np.clip(x, s.low, s.high)) for x, s in zip(neutral, specs, strict=True))
 
 
-def _joint(place: NDArray[np.bool_], old: Array, new: Array) -> Array:
-    """(V, p) from the old parameters (p_old,) and the instance's (V, p_instance)."""
-    x = np.empty((len(new), len(place)))
-    x[:, ~place] = old
-    x[:, place] = new
-    return x
-
-
-def failure_starts(
-    problem: Shooting, at: Fit, hypothesis: Hypothesis, instance: EffectInstance, by_x: Array
-) -> list[tuple[float, ...]]:
+def failure_start(added: _Added) -> float:
     """The best instant of a failure, from one simulation without the thruster."""
-    place = hypothesis.columns(instance.label)
-    dead = problem.residuals(
-        problem.predict(hypothesis, _joint(place, at.x, np.zeros((1, 1))), at.states[None])[0]
-    )
+    problem, at, by_x = added.problem, added.at, added.by_x
+    dead = problem.residuals(problem.track(added.hypothesis, added.x(np.zeros((1, 1)))[0], at.states))
     both = [normal_equations(at.states_jacobian, by_x, r) for r in (at.residual, dead)]
     times = problem.windows.first * problem.dt
     best, found = np.inf, 0.0
@@ -116,49 +129,35 @@ def failure_starts(
             loss -= float(g @ inverse(both[0].information.sum(axis=0)) @ g)
         if loss < best:
             best, found = loss, float(time)
-    return [(_refined(problem, at, hypothesis, place, found),)]
+    return _refined(added, found)
 
 
-def _refined(
-    problem: Shooting,
-    at: Fit,
-    hypothesis: Hypothesis,
-    place: NDArray[np.bool_],
-    found: float,
-) -> float:
+def _refined(added: _Added, found: float) -> float:
     """The best instant about `found` [s], from simulations of the windows about it alone."""
-    win = problem.windows
+    problem, at, win = added.problem, added.at, added.problem.windows
     length = win.rows * problem.dt
     begins, ends = win.first * problem.dt, (win.first + win.steps) * problem.dt
     times = np.maximum(found + np.linspace(-length, length, options().instants), 0.0)
     near = (begins < times[-1]) & (ends > times[0])
-    x = _joint(place, at.x, times[:, None])
+    x, part = added.x(times[:, None]), problem.part(near)
     states = np.broadcast_to(at.states[near], (len(x), near.sum(), 6))
-    left = problem.part(near).residuals(problem.part(near).predict(hypothesis, x, states))
+    left = part.residuals(part.predict(added.hypothesis, x, states))
     none = np.zeros((*at.residual[near].shape, 0))
     losses = [float(normal_equations(at.states_jacobian[near], none, r).profile_chi2.sum()) for r in left]
     return float(times[int(np.argmin(losses))])
 
 
-def _best_grid_point(
-    problem: Shooting,
-    at: Fit,
-    instance: EffectInstance,
-    hypothesis: Hypothesis,
-    place: NDArray[np.bool_],
-    by_x: Array,
-) -> tuple[float, ...]:
+def _best_grid_point(added: _Added) -> tuple[float, ...]:
     """The grid point of least profile chi2, of each group where an effect differs between groups."""
-    points = np.array(instance.grid)
-    slopes = by_x[..., :0] if instance.groups else by_x
-    group = (
-        np.array(instance.groups)[problem.run_set.origins[problem.windows.run]] if instance.groups else None
-    )
+    problem, at, instance = added.problem, added.at, added.instance
+    points, groups = np.array(instance.grid), np.array(instance.groups)
+    slopes = added.by_x[..., :0] if instance.groups else added.by_x
+    group = groups[problem.run_set.origins[problem.windows.run]] if instance.groups else None
     losses = []
     for start in range(0, len(points), options().grid_batch):
-        x = _joint(place, at.x, np.tile(points[start : start + options().grid_batch], instance.count))
+        x = added.x(np.tile(points[start : start + options().grid_batch], instance.count))
         states = np.broadcast_to(at.states, (len(x), *at.states.shape))
-        for residual in problem.residuals(problem.predict(hypothesis, x, states)):
+        for residual in problem.residuals(problem.predict(added.hypothesis, x, states)):
             if group is None:
                 losses.append(np.array([_profile_chi2(at, slopes, residual)]))
             else:
@@ -178,22 +177,15 @@ def _profile_chi2(at: Fit, by_x: Array, residual: Array) -> float:
     return loss
 
 
-def _score_step(
-    problem: Shooting,
-    at: Fit,
-    instance: EffectInstance,
-    hypothesis: Hypothesis,
-    place: NDArray[np.bool_],
-    by_x: Array,
-    start: Array,
-) -> ScoreTest:
-    (x,) = _joint(place, at.x, start[None])
+def _score_step(added: _Added, start: Array) -> ScoreTest:
+    problem, at, hypothesis, place = added.problem, added.at, added.hypothesis, added.place
+    (x,) = added.x(start[None])
     base = problem.track(hypothesis, x, at.states)
     states, residual = at.states, problem.residuals(base)
     if not len(start) and at.chi2 > options().large_chi2 * problem.samples:  # a large jump
         states, _, residual = fit_states(problem, hypothesis, x, at.states, options().score_rounds)
     slopes = np.zeros((*residual.shape, len(place)))
-    slopes[..., ~place] = by_x
+    slopes[..., ~place] = added.by_x
     slopes[..., place] = problem.parameter_jacobian(hypothesis, x, at.states, base, place)
     normal = normal_equations(at.states_jacobian, slopes, residual)
     mean, precision = hypothesis.prior()
@@ -201,14 +193,13 @@ def _score_step(
     g = normal.gradient.sum(axis=0) - precision * (x - mean)
     moved = bounded_step(H, g, x, *hypothesis.bounds())
     loss = float(normal.profile_chi2.sum() + precision @ (x - mean) ** 2 - 2 * g @ moved + moved @ H @ moved)
-    scale = instance.scales
-    own = np.diag(normal.information.sum(axis=0))[place] * scale**2
+    own = np.diag(normal.information.sum(axis=0))[place] * added.instance.scales**2
     changed = float(((problem.residuals(base) - at.residual) ** 2).sum())
     information = float(own.max()) if len(own) else changed
     loss = loss if np.isfinite(loss) else np.inf
     information = information if np.isfinite(information) else 0.0
     changed = changed if np.isfinite(changed) else 0.0
-    return ScoreTest(hypothesis, instance, x, states, loss, max(information, changed))
+    return ScoreTest(hypothesis, added.instance, x, states, loss, max(information, changed))
 
 
 def wave_starts(problem: Shooting, at: Fit, by_x: Array) -> list[Array]:

@@ -103,9 +103,7 @@ def confirmed(
 
 
 def wald_statistic(problem: Shooting, at: Fit, instance: EffectInstance) -> float:
-    """Squared distance of an effect's parameters from neutral, in the sandwich covariance: chi-square, with
-    as many degrees of freedom, where there is no effect.
-    """
+    """Squared distance of an effect's parameters from neutral, in the sandwich covariance: chi-square."""
     own = at.hypothesis.columns(instance.label)
     away = at.x[own] - np.tile(neutral_start(instance, problem.boat), instance.count)
     covariance = sandwich_covariance(problem, at)[np.ix_(own, own)]
