@@ -101,13 +101,13 @@ def _lines_of(found: "Diagnosis") -> Iterator[str]:
         carry_over_sentence,
         minor_sentence,
         predictors_sentence,
+        self_trial_sentence,
         share_text,
         smoothed_sentence,
     )
     from swamp_rl.criticism.report.extension import extension_sentence, is_extended
     from swamp_rl.criticism.report.next_trial import next_trial_sentences
-    from swamp_rl.criticism.report.self_trial import self_trial_sentence
-    from swamp_rl.criticism.report.words import label_of, parameter_sets, spread_sets
+    from swamp_rl.criticism.report.words import parameter_sets, spread_sets
 
     yield f"verdict: {found.verdict}"
     for said in (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found)):
@@ -118,7 +118,7 @@ def _lines_of(found: "Diagnosis") -> Iterator[str]:
     for cause in found.causes:
         for where, parameters in parameter_sets(cause):
             numbers = ", ".join(_number(name, p) for name, p in parameters.items())
-            yield f"  {label_of(cause)}{where}: {numbers}"
+            yield f"  {cause.label}{where}: {numbers}"
         for name, value, interval, unit in spread_sets(cause):
             yield f"    {name}: {value} {unit} (95 % interval {interval})"
         if said := share_text(cause):

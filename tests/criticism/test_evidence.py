@@ -11,9 +11,8 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.diagnose import diagnose
-from swamp_rl.criticism.inference.carry_over import carries_over
-from swamp_rl.criticism.inference.cause_share import is_minor
-from swamp_rl.criticism.inference.trivial_predictors import trivial_predictors
+from swamp_rl.criticism.inference.cause_share import carries_over, is_minor
+from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
 from swamp_rl.criticism.result import Share
 from swamp_rl.effects import parse_effects
 from swamp_rl.runs import Run, write_run

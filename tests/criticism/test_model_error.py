@@ -9,7 +9,7 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
-from swamp_rl.criticism.nuisance.model_error import correlation_samples, in_noise_units, model_error
+from swamp_rl.criticism.nuisance.process_noise import correlation_samples, in_noise_units, model_error
 from swamp_rl.criticism.selection.stepwise_selection import (
     best_confirmed,
     select_under_model_error,

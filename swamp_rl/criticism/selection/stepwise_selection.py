@@ -1,6 +1,4 @@
-"""Stepwise selection under model error: effects are added while held-out windows confirm them, weather of a
-run also where its parameters are far from zero.
-"""
+"""Stepwise selection under model error: effects are added while held-out windows confirm them."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,12 +12,12 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined, may_differ
-from swamp_rl.criticism.nuisance.model_error import ModelError, model_error
+from swamp_rl.criticism.nuisance.process_noise import ModelError, model_error
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection, nested, without
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.information_criterion import information_criterion
-from swamp_rl.criticism.selection.score_test import ScoreTest, at_neutral_values, score_tests
+from swamp_rl.criticism.selection.score_test import ScoreTest, neutral_start, score_tests
 
 Array = NDArray[np.float64]
 
@@ -27,9 +25,7 @@ Array = NDArray[np.float64]
 def select_under_model_error(
     run_set: RunSet, weight: Array, instances: Sequence[EffectInstance], hull: EffectInstance | None
 ) -> tuple[RunSet, Continuation, Selection] | None:
-    """The runs with the model error as noise, a continuation of one stage, and the selected effects with
-    those that are indistinguishable from them; None where none is selected.
-    """
+    """Runs with the model error as noise, a continuation of one stage, the selection; None if nothing."""
     every = [*instances, *([hull] if hull else [])]
     plain = model_error(run_set, weight, Hypothesis(), np.zeros(0))
     continuation = single_stage(plain)
@@ -44,11 +40,8 @@ def select_under_model_error(
         return None
     rivals = equivalent(continuation, best, [*singles, *others])
     tried = [*singles, *(one for one in others if one is not best), best]
-    return (
-        plain.run_set,
-        continuation,
-        Selection(best, False, 0, rivals, tried, first, unidentifiable, confirmed),
-    )
+    found = Selection(best, False, 0, rivals, tried, first, unidentifiable, confirmed)
+    return plain.run_set, continuation, found
 
 
 def single_stage(weighted: ModelError) -> Continuation:
@@ -68,9 +61,7 @@ def _held_out_loss(continuation: Continuation, one: Fit) -> float:
 def _forward_selection(
     continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]
 ) -> tuple[Fit, list[ScoreTest], list[Fit]]:
-    """From no effect, the effect added each time whose held-out loss is least, while the gain is confirmed;
-    the first score tests, and the fits of single effects.
-    """
+    """Effects of least confirmed held-out loss in turn; the first score tests, the single effects' fits."""
     problem = continuation.problems[0]
     first: list[ScoreTest] = []
     singles: list[Fit] = []
@@ -90,11 +81,8 @@ def _forward_selection(
         ]
         if not confirmed_fits:
             break
-        at = _simplest(
-            continuation,
-            min(confirmed_fits, key=lambda one: _held_out_loss(continuation, one)),
-            confirmed_fits,
-        )
+        best = min(confirmed_fits, key=lambda one: _held_out_loss(continuation, one))
+        at = _simplest(continuation, best, confirmed_fits)
     return at, first, singles
 
 
@@ -115,12 +103,9 @@ def confirmed(
 
 
 def wald_statistic(problem: Shooting, at: Fit, instance: EffectInstance) -> float:
-    """Squared distance of an effect's parameters from neutral, in the sandwich covariance: chi-square, with
-    as many degrees of freedom, where there is no effect.
-    """
+    """Squared distance of an effect's parameters from neutral, in the sandwich covariance: chi-square."""
     own = at.hypothesis.columns(instance.label)
-    (neutral,) = at_neutral_values(instance, problem.boat).starts
-    away = at.x[own] - np.tile(neutral, instance.count)
+    away = at.x[own] - np.tile(neutral_start(instance, problem.boat), instance.count)
     covariance = sandwich_covariance(problem, at)[np.ix_(own, own)]
     return float(away @ np.linalg.pinv(covariance, rcond=1e-9, hermitian=True) @ away)
 
@@ -147,9 +132,7 @@ def _without_scope(hypothesis: Hypothesis) -> set[str]:
 
 
 def _screened(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
-    """Score tests beside a fit, from a part of the windows where there are many; none of an effect that it
-    has with another scope.
-    """
+    """Score tests beside a fit from a part of its windows, not of its own effects with another scope."""
     problem = continuation.problems[0]
     known = _without_scope(at.hypothesis)
     instances = [one for one in instances if one.of_one.label not in known]
@@ -166,12 +149,10 @@ def _exchanged(continuation: Continuation, best: Fit, singles: Sequence[Fit]) ->
     for instance in best.hypothesis.instances:
         if instance.effect.nuisance:
             continue
-        for other in [one for one in singles if _is_other(one.hypothesis, best.hypothesis, instance)][
-            : options().most_exchanges
-        ]:
-            kept = [(one, own) for one, own in best.hypothesis.parts(best.x) if one.label != instance.label]
-            exchanged, start = joined([*kept, *other.hypothesis.parts(other.x)])
-            tried.append(continuation.fit(0, exchanged, start, best.states))
+        every = [one for one in singles if _is_other(one.hypothesis, best.hypothesis, instance)]
+        for other in every[: options().most_exchanges]:
+            exchanged = joined([*best.parts(but=instance.label), *other.parts()])
+            tried.append(continuation.fit(0, *exchanged, best.states))
     return tried
 
 
@@ -213,9 +194,7 @@ def _eliminated(
 
 
 def equivalent(continuation: Continuation, winner: Fit, others: Sequence[Fit]) -> list[Fit]:
-    """Fits of as many effects as the winner has whose held-out loss is not significantly greater, best
-    first.
-    """
+    """Fits of as many effects whose held-out loss is not significantly greater, best first."""
     problem = continuation.problems[0]
     kept: dict[str, Fit] = {}
     for one in sorted(others, key=lambda one: _held_out_loss(continuation, one)):
@@ -223,10 +202,8 @@ def equivalent(continuation: Continuation, winner: Fit, others: Sequence[Fit]) -
         same = len(one.hypothesis.instances) == len(winner.hypothesis.instances)
         if not same or name in kept or name == winner.hypothesis.cause_label:
             continue
-        if (
-            nested(winner.hypothesis, one.hypothesis)
-            or confirmation(problem, winner, one, options().shortlist).holds
-        ):
+        if nested(winner.hypothesis, one.hypothesis):
             continue
-        kept[name] = one
+        if not confirmation(problem, winner, one, options().shortlist).holds:
+            kept[name] = one
     return list(kept.values())[: options().most_rivals]
