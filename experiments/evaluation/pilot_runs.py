@@ -7,10 +7,17 @@ from swamp_rl.experiments.evaluation.episodes import Tried
 from swamp_rl.experiments.evaluation.race import Race
 
 from swamp_rl.pilots.record import replayable
-from swamp_rl.runs import DatasetMeta, Run, RunMeta, create_dataset
+from swamp_rl.runs import Dataset, DatasetMeta, Run, RunMeta, create_dataset
 from swamp_rl.runs.writer import append_runs
 
 NOTES = "Driven in evaluation by the pilot of that name; each run tells its level and its disturbances."
+
+
+def write_shown(dataset: Dataset, race: Race, folder: Path) -> None:
+    """The run of the data in the race as a dataset of its own, for results whose data lie elsewhere."""
+    empty = dataset.meta.model_copy(update={"copies": {}, "runs": []})
+    create_dataset(folder, empty, dataset.boat_file, dataset.course_file)
+    append_runs(folder, [race[dataset.meta.source]])
 
 
 def write_driven(scene: Scene, tried: Tried, race: Race, folder: Path) -> None:
