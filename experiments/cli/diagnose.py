@@ -126,6 +126,8 @@ def diagnose(
         )
     if found.next_trial:
         typer.echo("  next trial: " + "\n    ".join(next_trial_sentences(found.next_trial)))
+    elif limits:
+        typer.echo("  next trial: none was designed; the lines above say why")
     if said := self_trial_sentence(found):
         typer.echo(f"  {said}")
     for left in found.leftover[:1]:

@@ -71,7 +71,7 @@ def question_of(
     if widest is None:
         raise UserError(
             "--next: no trial to design: no hypotheses are indistinguishable, and no cause has an interval "
-            "that a trial can narrow; leave --next out"
+            "that a trial can narrow"
         )
     return Question(run_set, sigmas, (explanation,), widest[1]), widest[2]
 
