@@ -90,12 +90,12 @@ def diagnose(
     each = partial(answers, workers=workers)
     with progress(LOG):
         found = examine(dataset, boat, out, holdout, 0, ignore or [], twins, method, each, limits)
-    for line in _lines_of(found):
+    for line in _lines_of(found, limits is not None):
         typer.echo(line)
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
 
 
-def _lines_of(found: "Diagnosis") -> Iterator[str]:
+def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
     """What the terminal is told of a diagnosis of runs."""
     from swamp_rl.criticism.report.evidence import (
         carry_over_sentence,
@@ -130,6 +130,8 @@ def _lines_of(found: "Diagnosis") -> Iterator[str]:
         yield f"  separating manoeuvre: {trial.manoeuvre} ({trial.separation:.1f} standard errors apart)"
     if found.next_trial:
         yield "  next trial: " + "\n    ".join(next_trial_sentences(found.next_trial))
+    elif trial_asked:
+        yield "  next trial: none was designed; the lines above say why"
     if said := self_trial_sentence(found):
         yield f"  {said}"
     for left in found.leftover[:1]:

@@ -38,3 +38,5 @@ def fleet(
     typer.echo(
         f"{out}: fleet.json, fleet.html; {kept} of {len(found.findings)} causes kept, {failed} not diagnosed"
     )
+    if failed == len(found.members):
+        raise typer.Exit(1)

@@ -7,11 +7,18 @@ from swamp_rl.experiments.evaluation.episodes import Tried
 from swamp_rl.experiments.evaluation.race import Race
 
 from swamp_rl.pilots.record import replayable
-from swamp_rl.runs import Run, RunMeta, create_dataset
+from swamp_rl.runs import Dataset, Run, RunMeta, create_dataset
 from swamp_rl.runs.schema import meta_of
 from swamp_rl.runs.writer import append_runs
 
 NOTES = "Driven in evaluation by the pilot of that name; each run tells its level and its disturbances."
+
+
+def write_shown(dataset: Dataset, race: Race, folder: Path) -> None:
+    """The run of the data in the race as a dataset of its own, for results whose data lie elsewhere."""
+    empty = dataset.meta.model_copy(update={"copies": {}, "runs": []})
+    create_dataset(folder, empty, dataset.boat_file, dataset.course_file)
+    append_runs(folder, [race[dataset.meta.source]])
 
 
 def write_driven(scene: Scene, tried: Tried, race: Race, folder: Path) -> None:

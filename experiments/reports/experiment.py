@@ -27,7 +27,7 @@ def report(results: Results) -> str:
     parts = [
         _opening,
         success,
-        _failures,
+        failures,
         _returns,
         _targets,
         _training,
@@ -89,18 +89,22 @@ def success(results: Results) -> str:
     )
 
 
-def _failures(results: Results) -> str:
-    """How the episodes that did not succeed ended, by pilot and level."""
-    ends = {
-        f"{name}, {level}": {k: n for k, n in pilot["levels"][level]["outcomes"].items() if k != "success"}
-        for level in _levels(results)
+def failures(results: Results) -> str:
+    """How the episodes ended that did not succeed, by pilot and level."""
+    rows = [
+        [name, *(_ended(pilot["levels"][level]) for level in _levels(results))]
         for name, pilot in results["pilots"].items()
-    }
-    kinds = sorted({kind for found in ends.values() for kind in found})
-    if not kinds:
-        return "## Failures\n\nNone."
-    rows = [[who, *(str(found.get(kind, 0)) for kind in kinds)] for who, found in ends.items() if found]
-    return "## Failures\n\nEpisodes by how they ended.\n\n" + table(["pilot, level", *kinds], rows)
+    ]
+    return (
+        "## Failures\n\nHow the other episodes ended: a buoy touched, out of bounds, aground, or the time "
+        "limit reached.\n\n" + table(["pilot", *_levels(results)], rows)
+    )
+
+
+def _ended(summary: Mapping[str, Any]) -> str:
+    counts = {how: n for how, n in summary["outcomes"].items() if how != "success"}
+    by_count = sorted(counts.items(), key=lambda item: -item[1])
+    return ", ".join(f"{n} {how.replace('_', ' ')}" for how, n in by_count) or "none"
 
 
 def _returns(results: Results) -> str:
@@ -218,7 +222,7 @@ def _again(results: Results) -> str:
     return (
         "## Files, and how to repeat this\n\n"
         "* `rerun demo.rrd` shows the run of the data and the learned pilots racing each other; "
-        "`swamp-rl demo` on this folder shows these and any other runs of `data/` and `driven/`.\n"
+        "`swamp-rl demo` on this folder shows these and any other run that is kept here.\n"
         "* `episodes.parquet` has a row for each episode of each pilot.\n"
         "* `pilots/` holds the pilots, `config/` the experiment with every option written out and copies of "
         "the files it names, `versions.json` the versions; `sha256sum -c data.sha256` checks the runs.\n"

@@ -47,6 +47,7 @@ from swamp_rl.criticism.result import (
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.model_selection import prepared, select_model
+from swamp_rl.errors import UserError
 from swamp_rl.one_thread import one_thread
 from swamp_rl.unfinished import folder_beside
 
@@ -75,7 +76,7 @@ def diagnose(
     holdout: a folder of runs that the gain is measured on; without it, each run in turn (leave-one-run-out);
     ignore: measured weather that is left out (`wind`, `depth`); twins, method, each: of the self-trial, none
     with 0 twins; limits: of the next trial, which is designed and written as next_trial.csv where they are
-    given. UserError for data that no diagnosis is possible from, and where there is no trial to design.
+    given and there is something to separate or narrow. UserError for data that no diagnosis is possible from.
     """
     every = [Path(dataset)] if isinstance(dataset, Path | str) else list(dataset)
     label = ", ".join(map(str, every))
@@ -184,9 +185,12 @@ def examine(
     trial = None
     if limits:
         LOG.info("designing the next trial")
-        asked = question_of(with_noise, sigmas, judged, found.winner, found.rivals)
-        trial = design_trial(*asked, limits, rng)
-        diagnosis.next_trial = trial.told
+        try:
+            asked = question_of(with_noise, sigmas, judged, found.winner, found.rivals)
+            trial = design_trial(*asked, limits, rng)
+            diagnosis.next_trial = trial.told
+        except UserError as error:  # the diagnosis took minutes and stands without the trial
+            LOG.info("%s", error)
     return Finding(diagnosis, run_set, weight, continuation, found, forces, written, extension, trial)
 
 

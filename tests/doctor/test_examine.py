@@ -139,6 +139,17 @@ def test_a_seeded_fault_is_named_with_its_column(what: str, sound: list[Run], tw
     assert all("\n" not in str(finding) for finding in found)
 
 
+def test_a_command_at_its_lever_s_end_is_not_cut_off(sound: list[Run], twin: Boat) -> None:
+    def driven(columns: Columns) -> Columns:
+        lever = np.clip(columns["throttle_port"] / 0.6, -1.0, 1.0)
+        return {**columns, "throttle_port": 0.6 * lever, "joy_thrust": lever}
+
+    joined = [Run(run.name, driven(dict(run.columns))) for run in sound]
+    without = [Run(r.name, {n: v for n, v in r.columns.items() if n != "joy_thrust"}) for r in joined]
+    assert "command_clipped" in [finding.code for finding in faults(without, twin)]
+    assert "command_clipped" not in [finding.code for finding in faults(joined, twin)]
+
+
 def test_sides_are_known_by_their_names_without_a_boat(sound: list[Run]) -> None:
     change = swapped("throttle_port", "throttle_starboard")
     found = faults([Run(run.name, change(dict(run.columns))) for run in sound], None)

@@ -65,7 +65,7 @@ def question_of(
     if not candidates:
         raise UserError(
             "--next: no trial to design: no hypotheses are indistinguishable, and no cause has an interval "
-            "that a trial can narrow; leave --next out"
+            "that a trial can narrow"
         )
     column = max(candidates, key=lambda one: one[0])[1]
     instance, _, place = of_one_run[column]

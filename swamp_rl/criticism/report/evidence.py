@@ -25,11 +25,19 @@ def predictors_sentence(found: Diagnosis) -> str:
         if one.horizon_s >= FROM and (names := as_good(one)):
             best = min(names, key=lambda name: float(getattr(one, name)))
             advice = " Fit its numbers before reading causes: swamp-rl identify boat."
+            if _explained(found, one.horizon_s, getattr(one, best)):
+                advice = " The extended boat predicts better than both."
             return (
                 f"The boat file predicts positions {one.horizon_s:g} s ahead no better than {TRIVIAL[best]}: "
                 f"{one.boat_file:.3g} m against {getattr(one, best):.3g} m.{advice}"
             )
     return ""
+
+
+def _explained(found: Diagnosis, horizon: float, trivial: float) -> bool:
+    """Whether the causes alone bring the position error at a horizon below a trivial predictor's."""
+    gains = [one.position_rmse_m for one in found.gain if one.horizon_s == horizon]
+    return found.verdict == "cause" and any(one is not None and one.after < trivial for one in gains)
 
 
 def predictor_rows(found: Diagnosis) -> list[tuple[str, ...]]:
