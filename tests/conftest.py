@@ -4,7 +4,6 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
-from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -61,7 +60,6 @@ def logs_of_stable_baselines3(tmp_path_factory: pytest.TempPathFactory) -> Itera
 @pytest.fixture
 def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The temporary directory and the working directory, empty, and no other for stable-baselines3."""
-    import_module("torch._dynamo")  # torch keeps a folder of its own there, made when this is first imported
     monkeypatch.delenv("SB3_LOGDIR")
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.chdir(tmp_path)
