@@ -35,11 +35,13 @@ FLAGS = [
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Tests that share what is made once for their file go to one worker, which makes it once.
 
+    Those marked slow come first, so that no worker ends with a long one while the other has nothing left.
     The group ends the test's name, which is where the scheduler reads it: pytest-xdist 3.8 writes it into an
     attribute that pytest 9.2 no longer has.
     """
     if not config.getoption("loadgroup", False):
         return
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
     for item in items:
         known = item._fixtureinfo.name2fixturedefs if isinstance(item, pytest.Function) else {}
         shared = any(made.scope == "module" for every in known.values() for made in every)
