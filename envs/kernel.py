@@ -188,7 +188,6 @@ def sail_range(
     return ended
 
 
-@compiled
 def sail_all(boats: Any, params: Any, asked: Any, shared: Any, rewards: Any, observations: Any) -> int:
     """Sail n boats for a step in place, those that are running and not fresh; return how many have ended.
 
