@@ -21,7 +21,7 @@ LINES = 64
 """Lines that are kept until they are fetched."""
 WARM_UP = 15.0
 """Seconds of driving in which the monitor learns; a run has some 30."""
-LEAST_WALK = 0.2
+LEAST_WALK = 0.05
 """Of the monitor's process noise: another run may be in other weather than the one in which it learns."""
 OPTIONS = replace(DEFAULT, warm_up=WARM_UP, least_walk=LEAST_WALK)
 LEARNS, WATCHES = "learns the noise of the sensors", "watching"
