@@ -42,8 +42,8 @@ class Options:
     converged: float = 0.1  # fall of chi2 of all of them, below which there is no further step
     shares: tuple[float, ...] = (1.0, 0.3, 0.1)  # of such a step that are tried; the best is taken
     # ---- Naming
-    weather: tuple[str, ...] = ("external_force",)  # what a gust of an unknown wind looks like, which
-    gust: float = 1.5  # times the threshold may reach before it is said
+    weather: tuple[str, ...] = ("external_force",)  # told only from `gust` times the threshold on,
+    gust: float = 1.5  # because a gust of an unknown wind looks alike
     clear: float = 9.0  # of the criterion, by which a cause leads its rivals when it is named at once
     rival: float = 6.0  # of the criterion, within which a rival is named too
     tenable: float = 3.0  # standard deviations by which the chi2 that a cause leaves may exceed its mean
