@@ -84,4 +84,4 @@ class Supply:
     def look(self, chosen: NDArray[np.intp], observations: NDArray[np.float32]) -> None:
         """Fill the rows `chosen` (m,) of observations (n, d)."""
         if self._columns:
-            observations[np.ix_(chosen, self._columns)] = self.charge.min(axis=1)[chosen, None]
+            observations[chosen[:, None], self._columns] = self.charge.min(axis=1)[chosen, None]

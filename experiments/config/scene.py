@@ -69,7 +69,7 @@ def read_scene(experiment: Experiment) -> Scene:
         course,
         experiment.time_limit,
         experiment.bounds,
-        experiment.depth and experiment.depth.model_dump(),
+        experiment.depth.model_dump() if experiment.depth else None,
     )
     scene = Scene(experiment, boat, course)
     for level in (None, *_levels(scene)):

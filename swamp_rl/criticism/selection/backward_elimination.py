@@ -72,8 +72,8 @@ def conclude(
 ) -> Selection:
     """The selection after elimination and confirmation of `best`; instances: all candidates."""
     comparisons = len(instances) * (1 + len(best.hypothesis.instances))
-    found = adequate_stage(continuation, best)
-    stage, adequate = found or 1, found is not None
+    deepest = adequate_stage(continuation, best)
+    stage, adequate = deepest or 1, deepest is not None
     if adequate:
         stage, best = next(adequate_whole(continuation, best), (stage, best))
         best = pruned(continuation, best, stage)
