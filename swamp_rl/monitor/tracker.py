@@ -75,7 +75,8 @@ class Tracker:
         self.set_record(record)
         x = np.zeros(STATES)
         x[:6] = np.nan_to_num(first.senses)
-        self.navigator = Navigator(self.model, x, walk, np.diag((np.array(options.start) * scale_of(boat)) ** 2))
+        start = np.diag((np.array(options.start) * scale_of(boat)) ** 2)
+        self.navigator = Navigator(self.model, x, walk, start)
         self.model.actuators[ACTUATORS:] = first.commands
         self.history: deque[Step] = deque(maxlen=max(4, round(options.kept / dt)))
         self.last = first
