@@ -288,7 +288,7 @@ class Options:
     # ---- Stepwise selection under model error
     most_exchanges: int = 3  # single effects tried in place of each effect at the end
     screening_samples: int = 8000  # of score tests
-    weather_level: float = 1e-3  # of the Wald test of weather, whose sandwich covariance is from few blocks
+    weather_level: float = 1e-2  # chance of any false alarm by the Wald tests of weather
     # ---- Share of the prediction error
     judged_horizons: tuple[float, ...] = (10.0, 30.0)  # s that causes are judged at
     # of the error without the cause, below which it is minor if it is below the sensor's noise too

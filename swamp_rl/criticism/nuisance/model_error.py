@@ -33,6 +33,12 @@ class ModelError:
         """The runs with the model error as Gauss-Markov noise."""
         return replace(self.problem.run_set, gauss_markov=self.errors)
 
+    @property
+    def volume(self) -> float:
+        """Sum of the logarithms of the standard deviations."""
+        sizes = self.errors[:, 0]
+        return float(np.log(sizes[sizes > 0.0]).sum())
+
 
 def model_error(
     run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: Array, states: Array | None = None

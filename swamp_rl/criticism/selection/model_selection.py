@@ -72,9 +72,7 @@ def select_model(
     if found.adequate:
         return run_set, continuation, found
     if source == "process":
-        partly = select_under_model_error(run_set, weight, instances, hull)
-        if partly is not None:
-            return partly
+        return select_under_model_error(run_set, weight, instances, hull, found.winner)
     return (
         run_set,
         continuation,
@@ -220,7 +218,7 @@ def correlated_noise(
     only = (position_noise.noise[POSITIONS, 0] > 0).any() and not (position_noise.noise[OTHERS, 0] > 0).any()
     if only and position_noise.gain > process_noise_gain(problem, at):
         return "measurement"
-    return "process" if at.chi2 > options().model_error_chi2 * problem.samples else None
+    return "process"
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.cross_validation import Confirmation, confirmation, saturated_loss
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
+from swamp_rl.criticism.likelihood.sandwich_covariance import scattered_covariance
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined, may_differ
 from swamp_rl.criticism.nuisance.model_error import ModelError, model_error
 from swamp_rl.criticism.options import options
@@ -25,27 +25,32 @@ Array = NDArray[np.float64]
 
 
 def select_under_model_error(
-    run_set: RunSet, weight: Array, instances: Sequence[EffectInstance], hull: EffectInstance | None
-) -> tuple[RunSet, Continuation, Selection] | None:
+    run_set: RunSet,
+    weight: Array,
+    instances: Sequence[EffectInstance],
+    hull: EffectInstance | None,
+    closest: Fit,
+) -> tuple[RunSet, Continuation, Selection]:
     """The runs with the model error as noise, a continuation of one stage, and the selected effects with
-    those that are indistinguishable from them; None where none is selected.
+    those that are indistinguishable from them.
+
+    closest: the best fit under white noise. The model error is what it leaves, not what the boat file leaves,
+    so that a cause is not its own noise (Mallows, Some comments on C_p, Technometrics 15, 1973).
     """
     every = [*instances, *([hull] if hull else [])]
-    plain = model_error(run_set, weight, Hypothesis(), np.zeros(0))
-    continuation = single_stage(plain)
-    best, first, singles = _forward_selection(continuation, plain.fit, every)
-    if not best.hypothesis.instances:
-        return None
+    nothing = Hypothesis(), np.zeros(0)
+    errors = [model_error(run_set, weight, *one) for one in (nothing, (closest.hypothesis, closest.x))]
+    least = min(errors, key=lambda one: one.volume)
+    continuation = single_stage(least)
+    best, first, singles = _forward_selection(continuation, continuation.fit(0, *nothing), every)
     singles = sorted(singles, key=lambda one: _held_out_loss(continuation, one))
     others = [best, *_exchanged(continuation, best, singles)]
     unidentifiable = [one.instance.label for one in first if one.information < options().least_information]
     best, confirmed = best_confirmed(continuation, others, len(every))
-    if not best.hypothesis.instances:
-        return None
-    rivals = equivalent(continuation, best, [*singles, *others])
+    rivals = equivalent(continuation, best, [*singles, *others]) if best.hypothesis.instances else []
     tried = [*singles, *(one for one in others if one is not best), best]
     return (
-        plain.run_set,
+        least.run_set,
         continuation,
         Selection(best, False, 0, rivals, tried, first, unidentifiable, confirmed),
     )
@@ -102,27 +107,31 @@ def confirmed(
     problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, comparisons: int
 ) -> Confirmation:
     """Of an effect that `whole` has more than `less`: on held-out windows. Weather of a run is that run's
-    alone, and one run has few windows: where those gain without being significant, its Wald test decides,
-    at `weather_level` divided by the number of comparisons (Bonferroni).
+    alone, and one run has few windows: where their gain is significant for one comparison only, its Wald test
+    decides, at `weather_level` divided by the number of comparisons (Bonferroni).
     """
-    from scipy.special import chdtri
-
     found = confirmation(problem, whole, less, comparisons)
     if found.holds or not may_differ(instance.effect, "run"):
         return found
-    limit = float(chdtri(instance.size, options().weather_level / comparisons))
-    return replace(found, certain=wald_statistic(problem, whole, instance) > limit)
+    gains = confirmation(problem, whole, less, 1).holds
+    chance = wald_probability(problem, whole, instance) if gains else 1.0
+    return replace(found, certain=chance < options().weather_level / comparisons)
 
 
-def wald_statistic(problem: Shooting, at: Fit, instance: EffectInstance) -> float:
-    """Squared distance of an effect's parameters from neutral, in the sandwich covariance: chi-square, with
-    as many degrees of freedom, where there is no effect.
+def wald_probability(problem: Shooting, at: Fit, instance: EffectInstance) -> float:
+    """Probability of an effect's k parameters being as far from neutral where there is no effect: F of k
+    degrees of freedom and those of the sandwich covariance; one where that has none.
     """
+    from scipy.special import fdtrc
+
     own = at.hypothesis.columns(instance.label)
     (neutral,) = at_neutral_values(instance, problem.boat).starts
     away = at.x[own] - np.tile(neutral, instance.count)
-    covariance = sandwich_covariance(problem, at)[np.ix_(own, own)]
-    return float(away @ np.linalg.pinv(covariance, rcond=1e-9, hermitian=True) @ away)
+    covariance, freedom = (of[own] for of in scattered_covariance(problem, at))
+    distance = away @ np.linalg.pinv(covariance[:, own], rcond=1e-9, hermitian=True) @ away
+    if not np.isfinite(freedom).all():
+        return 1.0
+    return float(fdtrc(len(away), freedom[0], distance / len(away)))
 
 
 def _simplest(continuation: Continuation, best: Fit, confirmed_fits: Sequence[Fit]) -> Fit:
