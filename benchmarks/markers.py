@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 
@@ -22,5 +22,4 @@ def write_parts(page: Path, parts: Mapping[str, str]) -> None:
         if not (found and closed):
             raise UserError(f"{page}: the marks {start} and {end} are missing; put them where it belongs")
         text = f"{before}{start}\n{body}\n{end}{after}"
-    with write_beside(page) as part:
-        part.write_text(text, encoding="utf-8")
+    write_text(page, text)

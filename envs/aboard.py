@@ -16,7 +16,7 @@ from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.simulator.state import EAST, NORTH, YAW_RATE
 
 Array = NDArray[np.float64]
-UNMEASURED = ("wind_ahead", "wind_starboard", "current_ahead", "current_starboard")
+UNMEASURED = ("wind_ahead", "wind_starboard", "current_ahead", "current_starboard", "charge")
 "What may be observed in the simulator and is measured by no sensor of the boat."
 
 
@@ -100,5 +100,5 @@ class Aboard:
             ends = (*before.tolist(), float(state[NORTH]), float(state[EAST]))
             record["passed"] += crosses_gate(*ends, *self._gates[self.passed].tolist())
         record["outcome"] = judge(
-            self._record[0], before[0], before[1], len(self._gates), self._buoys, self._world[0]
+            self._record[0], before[0], before[1], len(self._gates), self._buoys, self._world[0], False
         )

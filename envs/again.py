@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.envs.depth import without_depth
 from swamp_rl.envs.task import Disturbances
 
 from swamp_rl.boat import Boat
-from swamp_rl.course import Course, Pose
+from swamp_rl.course import Course, Pose, limited
 from swamp_rl.runs import Run
 
 POSE = ("north", "east", "heading")
@@ -39,6 +40,10 @@ def same_episode(run: Run, boat: Boat, course: Course, step: float) -> MakeAgain
     UserError for effects that the boat cannot have.
     """
     effects, gust_seed = weather_of(run)
+    depth = (run.meta.model_extra or {}).get("water_depth")
+    if course.depth and isinstance(depth, float):
+        effects = without_depth(effects)
+        course = limited(course, None, None, depth)
     first = dict(zip(POSE, run.pose[0].tolist(), strict=True)) | (run.meta.initial_state or {})
     pose = Pose.model_construct(**{name: first[name] for name in POSE})
     spread = Pose(north=0.0, east=0.0, heading=0.0)

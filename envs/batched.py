@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from swamp_rl.envs.fleet import Fleet
 from swamp_rl.envs.kernel import CUT, RUNNING
 from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode, known_seed
+from swamp_rl.envs.supply import Supply
 from swamp_rl.envs.task import MOST_STEPS, Task, TaskArguments
 
 from swamp_rl.clipped import clipped
@@ -165,6 +166,11 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
     def velocity(self) -> NDArray[np.float64]:
         """Surge, sway [m/s over ground] and yaw rate [rad/s], (n, 3), a view."""
         return self.fleet.velocity
+
+    @property
+    def supply(self) -> Supply | None:
+        """The batteries, where their charge is counted."""
+        return self.fleet.supply
 
     @property
     def sensed_velocity(self) -> NDArray[np.float64]:

@@ -6,8 +6,10 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.envs.depth import depth_draws, give_depth
 from swamp_rl.envs.kernel import boat_record
 from swamp_rl.envs.past import POSITIONS, begin_at_rest, past_fields
+from swamp_rl.envs.supply import DRAWN, GAIN, supply_fields
 
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
@@ -27,17 +29,20 @@ class Episodes:
     params: NDArray[Any]
     "(n,) the simulator's parameter records, disturbances applied"
     uniforms: NDArray[np.float64]
-    "(n, D) in [0, 1), what start and disturbances were drawn from"
+    "(n, D) in [0, 1), what start, disturbances and depth were drawn from, in this order"
 
     @classmethod
-    def empty(cls, n: int, boat: Boat, level: Level, step: float) -> Self:
-        """Room for the episodes of n boats in steps of `step` [s]."""
+    def empty(
+        cls, n: int, boat: Boat, course: Course, level: Level, step: float, counts: bool = False
+    ) -> Self:
+        """Room for the episodes of n boats in steps of `step` [s]; counts: whether their batteries are."""
         effects = [*(entry.effect for entry in boat.effects), *(entry.effect for entry in level.entries)]
         past = past_fields(effects, len(boat.thrusters), step)
+        past += supply_fields(boat) if counts else ()
         return cls(
             np.zeros(n, boat_record(len(boat.thrusters), past)),
             parameters(boat, n),
-            np.zeros((n, START_DRAWS + level.draw_count)),
+            np.zeros((n, START_DRAWS + level.draw_count + depth_draws(course))),
         )
 
     def take(self, other: "Episodes", chosen: NDArray[np.intp]) -> None:
@@ -67,11 +72,15 @@ def draw_episodes(
         generator.random(out=uniforms[row])
         boats["gust_seed"][row] = generator.bit_generator.random_raw()
     params = parameters(boat, len(chosen))
-    level.apply(params, uniforms[:, START_DRAWS:])
-    pose = start_poses(course, uniforms) + level.start(uniforms[:, START_DRAWS:])
+    drawn, of_depth = np.split(uniforms[:, START_DRAWS:], [level.draw_count], axis=1)
+    level.apply(params, drawn)
+    give_depth(boats, params, boat, course, of_depth)
+    pose = start_poses(course, uniforms) + level.start(drawn)
     boats["state"] = initial_state(params, pose)
     if POSITIONS in (boats.dtype.names or ()):
         begin_at_rest(boats, params)
+    if DRAWN in (boats.dtype.names or ()):
+        boats[GAIN] = params[GAIN]
     in_bytes(episodes.boats)[chosen] = in_bytes(boats)
     in_bytes(episodes.params)[chosen] = in_bytes(params)
     episodes.uniforms[chosen] = uniforms

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from swamp_rl.envs.depth import as_effects
 from swamp_rl.envs.episodes import START_DRAWS, Episodes, Generators, draw_episodes
 from swamp_rl.envs.kernel import (
     LEVERS,
@@ -17,6 +18,7 @@ from swamp_rl.envs.kernel import (
     sense_all,
 )
 from swamp_rl.envs.own_step import OwnStep
+from swamp_rl.envs.supply import Supply, counts_charge
 from swamp_rl.envs.task import Task
 from swamp_rl.envs.world import world_of
 
@@ -39,8 +41,10 @@ class Fleet:
     def __init__(self, n: int, task: Task) -> None:
         self.task = task
         self.boat, self.course, self.level, self.step = task.boat, task.course, task.level, task.step
-        self._now = Episodes.empty(n, self.boat, self.level, self.step)
-        self._next = Episodes.empty(n, self.boat, self.level, self.step)
+        self._now, self._next = (
+            Episodes.empty(n, self.boat, self.course, self.level, self.step, counts_charge(task))
+            for _ in range(2)
+        )
         self._waiting = np.zeros(n, dtype=np.bool_)
         self._generators: Generators = ()
         self.boats, self.params = self._now.boats, self._now.params
@@ -54,6 +58,7 @@ class Fleet:
             task.observed.places,
         )
         self._sail = sail_all_parallel if n >= PARALLEL_FROM else sail_all
+        self.supply = Supply(task, self.boats, self.params) if counts_charge(task) else None
         self._own = None
         if task.own_rewards or task.observed.own:
             self._own = OwnStep(task, self.boats, self.params)
@@ -86,10 +91,14 @@ class Fleet:
         stays where it is."""
         if self._own is not None:
             self._own.note()
+        if self.supply is not None:
+            self.supply.feed()
         ended = self._sail(self.boats, self.params, asked, self._shared, rewards, observations)
         if ended and (unmoved := self.boats["outcome"] == LEVERS).any():
             self.boats["outcome"][unmoved] = RUNNING
             self.refuse_levers(asked)
+        if self.supply is not None:
+            self.supply.draw(observations)
         if self._own is not None:
             self._own.add(rewards, observations)
         return ended
@@ -108,6 +117,8 @@ class Fleet:
     def look(self, chosen: NDArray[np.intp], observations: NDArray[np.float32]) -> None:
         """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""
         look_all(self.boats, self.params, chosen, self._shared, observations)
+        if self.supply is not None:
+            self.supply.look(chosen, observations)
         if self._own is not None:
             self._own.look(chosen, observations)
 
@@ -168,9 +179,12 @@ class Fleet:
         return [None if code == RUNNING else OUTCOMES[code] for code in codes]
 
     def drawn(self, i: int) -> dict[str, Any]:
-        """What was drawn for the episode of boat i, enough to replay it: its effects and the seed of its
-        gusts."""
+        """What was drawn for the episode of boat i, enough to replay it: its effects, the seed of its gusts
+        and, where the course has one, `water_depth` [m]."""
+        uniforms = self._now.uniforms[i, START_DRAWS : START_DRAWS + self.level.draw_count]
+        depth = float(self.boats["depth"][i]) if self.course.depth else None
         return {
-            "effects": self.level.drawn(self._now.uniforms[i, START_DRAWS:]),
+            "effects": [*self.level.drawn(uniforms), *as_effects(self.boat, depth)],
             "gust_seed": int(self.boats["gust_seed"][i]),
+            **({} if depth is None else {"water_depth": depth}),
         }

@@ -19,11 +19,14 @@ from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_HALF_WIDTH, GATE_NO
 from swamp_rl.physics.compile import compiled
 from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.motion import current_at
+from swamp_rl.simulator.ground import touches_ground
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE, state_size
 from swamp_rl.simulator.step import step_boat, wind_now
 
-OUTCOMES = ("running", "success", "buoy", "out_of_bounds", "timeout", "levers", "diverged")
-RUNNING, SUCCESS, BUOY, OUT_OF_BOUNDS, TIMEOUT, LEVERS, DIVERGED = range(len(OUTCOMES))
+OUTCOMES = ("running", "success", "buoy", "aground", "out_of_bounds", "timeout", "levers", "diverged")
+RUNNING, SUCCESS, BUOY, AGROUND, OUT_OF_BOUNDS, TIMEOUT, LEVERS, DIVERGED = range(len(OUTCOMES))
+FAILED = (BUOY, AGROUND, OUT_OF_BOUNDS)
+"""Outcomes that cost the reward's `failure`."""
 CUT = (TIMEOUT, DIVERGED)
 """Outcomes that truncate an episode: no state of the task brought them about."""
 LARGEST = 1e6  # m, rad, m/s or rad/s: what no boat's motion reaches before it has diverged
@@ -52,6 +55,7 @@ def boat_record(thrusters: int, past: tuple[tuple[Any, ...], ...] = ()) -> np.dt
             ("outcome", np.int64),  # place in OUTCOMES; it stays until the boat is started again
             ("fresh", np.bool_),  # started again just now: the next step is not sailed
             ("gust_seed", np.uint64),
+            ("depth", np.float64),  # of the water [m], inf where it is deep
         ],
         align=True,
     )
@@ -66,13 +70,17 @@ def diverged(state: Any) -> bool:
 
 
 @compiled
-def judge(boat: Any, north0: float, east0: float, gate_count: int, buoys: Any, world: Any) -> int:
-    """Outcome after the way from point 0; a buoy touched counts before all else, and success before the
-    bounds."""
+def judge(
+    boat: Any, north0: float, east0: float, gate_count: int, buoys: Any, world: Any, aground: bool
+) -> int:
+    """Outcome after the way from point 0; a buoy touched counts before all else, then the ground, and success
+    before the bounds."""
     north, east = boat.state[NORTH], boat.state[EAST]
     for b in range(buoys.shape[0]):
         if touches_buoy(north0, east0, north, east, buoys[b, 0], buoys[b, 1], world.reach):
             return BUOY
+    if aground:
+        return AGROUND
     if boat.passed == gate_count:
         return SUCCESS
     if outside(north, east, world.south_edge, world.north_edge, world.west_edge, world.east_edge):
@@ -133,9 +141,10 @@ def sail(
         gate[GATE_HALF_WIDTH],
     )
     boat.passed += passes
-    boat.outcome = judge(boat, north0, east0, gates.shape[0], buoys, world)
+    aground = touches_ground(boat.state, p, boat.depth)
+    boat.outcome = judge(boat, north0, east0, gates.shape[0], buoys, world, aground)
     way_made = to_go - distance_to_go(north, east, boat.passed, gates)
-    succeeded, failed = boat.outcome == SUCCESS, boat.outcome == BUOY or boat.outcome == OUT_OF_BOUNDS
+    succeeded, failed = boat.outcome == SUCCESS, boat.outcome in FAILED
     paid = reward(world, way_made, int(passes), succeeded, failed, throttle, throttle_rate, angle_rate)
     return paid - further_costs(world, boat.state, gate) if world.costs_further else paid
 
@@ -179,7 +188,6 @@ def sail_range(
     return ended
 
 
-@compiled
 def sail_all(boats: Any, params: Any, asked: Any, shared: Any, rewards: Any, observations: Any) -> int:
     """Sail n boats for a step in place, those that are running and not fresh; return how many have ended.
 

@@ -57,7 +57,15 @@ SENSES = (
     Sense("last_throttle", "1", "of the action of the step before; 0 at the start", 0.0, 1.0),
     Sense("last_angle", "1", "as `last_throttle`", -1.0, 1.0),
     Sense("time_left", "s", "until the time limit", 0.0, LIMIT),
+    Sense(
+        "charge",
+        "1",
+        "state of charge of the battery, of the pack that has least; of a boat with a `battery`",
+        0.0,
+        1.0,
+    ),
 )
+CHARGE = "charge"
 DEFAULT_COUNT = 12
 OBSERVATION = tuple(sense.name for sense in SENSES[:DEFAULT_COUNT])
 """What is observed where nothing else is asked for."""
@@ -91,7 +99,8 @@ def look(pose: tuple[float, float, float], state: Any, passed: int, gates: Any, 
 
 @compiled
 def look_further(boat: Any, p: Any, world: Any, everything: Any) -> None:
-    """Fill the rest of `everything` (19,), in the order of SENSES."""
+    """Fill the rest of `everything` (20,), in the order of SENSES; `charge` is put in after the step, by
+    `swamp_rl.envs.supply`."""
     cos, sin = math.cos(boat.state[HEADING]), math.sin(boat.state[HEADING])
     from_north, from_east = wind_now(boat.state, p)
     everything[12] = -(from_north * cos + from_east * sin)
@@ -101,6 +110,7 @@ def look_further(boat: Any, p: Any, world: Any, everything: Any) -> None:
     everything[15] = east * cos - north * sin
     everything[16], everything[17] = boat.lever[0], boat.lever[1]
     everything[18] = max((world.last_tick - boat.tick) * world.step, 0.0)
+    everything[19] = 1.0
 
 
 @dataclass(frozen=True)

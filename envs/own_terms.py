@@ -64,7 +64,7 @@ class Batch:
     way_made: Array
     "(n,) decrease of the distance to go in this step [m]"
     outcome: Array
-    "(n,) `running`, `success`, `buoy`, `out_of_bounds`, `timeout` or `diverged`"
+    "(n,) `running`, `success`, `buoy`, `aground`, `out_of_bounds`, `timeout` or `diverged`"
 
 
 @dataclass(frozen=True)

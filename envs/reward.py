@@ -37,7 +37,9 @@ REWARD = (
     ),
     RewardTerm("gate", 1.0, "1", False, "w G", "G gates passed in this step"),
     RewardTerm("success", 0.0, "1", False, "w", "once, when the last gate is passed"),
-    RewardTerm("failure", 2.0, "1", True, "w", "once, for touching a buoy or leaving the bounds"),
+    RewardTerm(
+        "failure", 2.0, "1", True, "w", "once, for touching a buoy or the ground or leaving the bounds"
+    ),
     RewardTerm("effort", 0.01, "1/s", True, "w τ² Δt", "throttle τ of the action"),
     RewardTerm(
         "time", 0.02, "1/s", True, "w Δt", "under way, so that waiting costs more than what it puts off"

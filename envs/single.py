@@ -23,10 +23,10 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     to the end of the lever's way. What is not two numbers is a UserError that leaves the episode as it was.
     Observation: `envs.observation.OBSERVATION`, or the names given as `observation`; SI units. Reward: see
     `envs.reward`. The run ends in success when the gates are passed in order, each from behind; as a failure
-    when the boat touches a buoy or leaves the bounds; it is truncated at the time limit, and where the
-    simulated motion diverges, with the last finite observation. The last `info` holds `outcome` (success,
-    buoy, out_of_bounds, timeout or diverged) and `time` [s]. `reset(seed=s)` gives the same episode, bit for
-    bit, as boat i of a batch reset with seed s - i.
+    when the boat touches a buoy or the ground or leaves the bounds; it is truncated at the time limit, and
+    where the simulated motion diverges, with the last finite observation. The last `info` holds `outcome`
+    (success, buoy, aground, out_of_bounds, timeout or diverged) and `time` [s]. `reset(seed=s)` gives the
+    same episode, bit for bit, as boat i of a batch reset with seed s - i.
 
     Arguments by name: `envs.task.TaskArguments`. UserError for what is unknown, cannot be read or does not
     fit. docs/environment.md has the whole.

@@ -6,12 +6,14 @@ from pathlib import Path
 from typing import Any, Self, TypedDict, Unpack
 
 from gymnasium.spaces import Box
-from swamp_rl.envs.observation import Observed, observation_space, observed
+from swamp_rl.envs.depth import refuse_depth
+from swamp_rl.envs.observation import CHARGE, Observed, observation_space, observed
 from swamp_rl.envs.own_terms import OwnTerm, own_term
 from swamp_rl.envs.reward import DEFAULTS, weights_of
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.applicable import refuse_inapplicable
+from swamp_rl.boat.drawn import refuse_without_battery
 from swamp_rl.course import Course, fitted, limited, load_course
 from swamp_rl.effects import Level, load_disturbances
 from swamp_rl.effects.fit import Size
@@ -42,6 +44,8 @@ class TaskArguments(TypedDict, total=False):
     "In place of the course's [s]."
     bounds: Mapping[str, float] | None
     "Edges in place of the course's [m]: `south`, `north`, `west`, `east`, or some of them."
+    depth: float | Mapping[str, Any] | None
+    "Of the water in place of the course's [m]: a number, or `{uniform: [least, most]}`."
     step: float
     "Time of a step [s]; 0.1."
     max_episode_steps: int | None
@@ -82,13 +86,18 @@ class Task:
         course = fitted(course, size.length, size.speed)
         level = load_disturbances(given.get("disturbances"), boat.thruster_names, size)
         drawn = (entry.effect for entry in level.entries)
-        refuse_inapplicable(boat, drawn, f"disturbances {level.name}")
+        refuse_inapplicable(boat, drawn, f"disturbances {level.name}", counted=True)
+        course = limited(course, given.get("time_limit"), given.get("bounds"), given.get("depth"))
+        refuse_depth(boat, course, level)
+        asked = observed(given.get("observation"))
+        if CHARGE in asked.names:
+            refuse_without_battery(boat, f"observation: {CHARGE}")
         weights = weights_of(given.get("reward"))
         return cls(
             boat=boat,
-            course=limited(course, given.get("time_limit"), given.get("bounds")),
+            course=course,
             level=level,
-            observed=observed(given.get("observation")),
+            observed=asked,
             weights={name: weights[name] for name in DEFAULTS},
             step=_checked_step(given.get("step", 0.1)),
             max_episode_steps=_checked_steps(given.get("max_episode_steps")),

@@ -41,10 +41,8 @@ def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | N
     return UserError("\n".join(told + ([f"{path}: and {others} more faults"] if others else [])))
 
 
-def explanations(
-    error: ValidationError, model: type[BaseModel] | None = None, most: int = MOST
-) -> list[tuple[str, str]]:
-    """The dotted key and the explanation of `most` faults in a ValidationError, the most telling first.
+def explanations(error: ValidationError, model: type[BaseModel] | None) -> list[tuple[str, str]]:
+    """The dotted key and the explanation of up to MOST faults in a ValidationError, the most telling first.
 
     A misspelt key is two faults, one that is unknown and one that is missing; a wrong choice, such as a
     thruster's kind, makes keys unknown that are not.
@@ -52,7 +50,7 @@ def explanations(
     faults = sorted(
         error.errors(include_url=False), key=lambda fault: TELLING.get(fault["type"], len(TELLING))
     )
-    return [_explanation(fault, model) for fault in faults[:most]]
+    return [_explanation(fault, model) for fault in faults[:MOST]]
 
 
 def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[str, str]:

@@ -126,7 +126,7 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
     if copy is not None:
         return copy
     given = Path(name_or_path)
-    if given.suffix in (".yaml", ".yml") or len(given.parts) != 1:
+    if _is_path(given):
         if not is_file(given):
             raise UserError(
                 f"{clipped(given, 200)}: no such file; give a path to a YAML file or one of {_known(kind)}"
@@ -134,6 +134,8 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
         return given
     found = _configs() / kind / f"{given}.yaml"
     if not is_file(found):
+        if given.suffix and is_file(given):
+            raise UserError(f"{clipped(given)}: is no YAML file; name one of {kind} that ends in .yaml")
         near = difflib.get_close_matches(clipped(given), config_names(kind), 1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise UserError(
@@ -151,6 +153,25 @@ def extended_config(kind: str, path: Path, extended: Any) -> Path:
         return find_config(kind, extended if is_name else path.parent / extended)
     except UserError as error:
         raise UserError(f"{path}: extends: {error}") from error
+
+
+def config_beside(path: Path, named: str) -> str:
+    """The name or path of a configuration that the file at `path` gives; see `or_beside` for a path."""
+    return or_beside(path, named) if _is_path(Path(named)) else named
+
+
+def or_beside(path: Path, named: str) -> str:
+    """A path that the file at `path` gives: from the working directory, or, where only that exists, from the
+    file's own folder."""
+    beside = path.parent / named
+    try:
+        return str(beside) if beside.exists() and not Path(named).exists() else named
+    except (OSError, ValueError):  # too long, or with a null byte
+        return named
+
+
+def _is_path(given: Path) -> bool:
+    return given.suffix in (".yaml", ".yml") or len(given.parts) != 1
 
 
 def is_file(path: Path) -> bool:
@@ -222,8 +243,12 @@ def yaml_text(data: Mapping[str, Any]) -> str:
         raise UserError(f"as it would be written, it {problem}, and could not be read again") from error
 
 
-def write_yaml(path: Path | str, data: Mapping[str, Any]) -> None:
-    """Write a mapping as `yaml_text`, beside it first and then renamed."""
-    text = yaml_text(data)
+def write_text(path: Path | str, text: str) -> None:
+    """Write a text as UTF-8, beside it first and then renamed, as `write_beside`."""
     with write_beside(path) as part:
         part.write_text(text, encoding="utf-8")
+
+
+def write_yaml(path: Path | str, data: Mapping[str, Any]) -> None:
+    """Write a mapping as `yaml_text`, as `write_text`."""
+    write_text(path, yaml_text(data))

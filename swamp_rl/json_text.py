@@ -4,17 +4,29 @@ import json
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
+
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import MOST_JSON, contents
 
+MOST_DIGITS = 300
+"""Of a whole number, which is then a float as well."""
+
 
 def parsed_json(text: str | bytes) -> Any:
-    """What a JSON text holds; ValueError where it is none, nested too deep to be read, or not UTF-8."""
+    """What a JSON text holds; ValueError where it is none, nested too deep to be read, not UTF-8, or where a
+    whole number has more digits than a float can stand for."""
     try:
-        return json.loads(text)
+        return json.loads(text, parse_int=_whole)
     except RecursionError as error:
         raise ValueError("is nested too deep") from error
+
+
+def _whole(digits: str) -> int:
+    if len(digits) > MOST_DIGITS:
+        raise ValueError(f"a number has {len(digits)} digits, at most {MOST_DIGITS}")
+    return int(digits)
 
 
 def read_json(path: Path | str, remedy: str) -> dict[str, Any]:
@@ -28,3 +40,10 @@ def read_json(path: Path | str, remedy: str) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise UserError(f"{path}: holds no JSON object; {remedy}")
     return found
+
+
+def schema_text(model: type[BaseModel], title: str) -> str:
+    """JSON Schema (draft 2020-12) of what a model writes, as a published file holds it."""
+    schema = model.model_json_schema(mode="serialization")
+    named = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title}
+    return json.dumps(named | {k: v for k, v in schema.items() if k != "title"}, indent=2) + "\n"

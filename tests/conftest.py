@@ -4,7 +4,6 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
-from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -36,11 +35,13 @@ FLAGS = [
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Tests that share what is made once for their file go to one worker, which makes it once.
 
+    Those marked slow come first, so that no worker ends with a long one while the other has nothing left.
     The group ends the test's name, which is where the scheduler reads it: pytest-xdist 3.8 writes it into an
     attribute that pytest 9.2 no longer has.
     """
     if not config.getoption("loadgroup", False):
         return
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
     for item in items:
         known = item._fixtureinfo.name2fixturedefs if isinstance(item, pytest.Function) else {}
         shared = any(made.scope == "module" for every in known.values() for made in every)
@@ -61,7 +62,6 @@ def logs_of_stable_baselines3(tmp_path_factory: pytest.TempPathFactory) -> Itera
 @pytest.fixture
 def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The temporary directory and the working directory, empty, and no other for stable-baselines3."""
-    import_module("torch._dynamo")  # torch keeps a folder of its own there, made when this is first imported
     monkeypatch.delenv("SB3_LOGDIR")
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.chdir(tmp_path)

@@ -182,6 +182,15 @@ def test_an_unknown_config_lists_those_there_are() -> None:
         find_config("boats", "nowhere/file.yaml")
 
 
+def test_a_file_that_is_no_yaml_is_not_called_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mine.txt").write_text("name: mine\n")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UserError, match=r"mine\.txt: is no YAML file"):
+        find_config("boats", "mine.txt")
+
+
 @pytest.mark.parametrize(
     ("data", "message"),
     [

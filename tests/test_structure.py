@@ -13,8 +13,10 @@ import pytest
 ROOT = Path(__file__).parents[1]
 FLOORS = (
     {
+        "angles",
         "errors",
         "clipped",
+        "constants",
         "explain",
         "json_text",
         "names",

@@ -38,7 +38,7 @@ def seldom_drawn(path: Path) -> Iterator[None]:
 
 
 def _hull(path: Path) -> Any:
-    """Of the righting levers, whose 61 angles take seconds, three."""
+    """Of the righting levers, whose 61 angles take seconds, two, and three of one input in eight."""
     from swamp_rl.experiments.reports.design_hull import floating, quantities
 
     from swamp_rl.boat import load_boat
@@ -46,7 +46,7 @@ def _hull(path: Path) -> Any:
     from swamp_rl.design.stability import stability
 
     hull = load_hull(path)
-    heel = np.radians([0.0, 5.0, 50.0])
+    heel = np.radians([0.0, 50.0] if seldom(path) else [0.0, 5.0, 50.0])
     conditions = [stability(hull, condition, heel) for condition in hull.conditions]
     load_boat("swamp", floating(hull, conditions[0]))
     return [quantities(hull, one) for one in conditions]
@@ -103,7 +103,51 @@ CURVES = """effects:
 """
 
 
-def _level(path: Path) -> Any:
+def make_propellers(folder: Path) -> Path:
+    """SWAMP with a propeller of each kind and a table of thrust in place of its jets."""
+    (folder / "boat.yaml").write_text(PROPELLERS)
+    return folder / "boat.yaml"
+
+
+PROPELLERS = """extends: swamp
+thrust_deduction: null
+thruster_model:
+  thrust_linear: null
+  thrust_quadratic: null
+  astern_linear: null
+  astern_quadratic: null
+  advance_loss: null
+  power: null
+thrusters:
+  bs:
+    propeller:
+      {diameter: 0.08, revolutions_max: 25.0, revolutions_max_astern: 20.0, wake: 0.1, crossflow_loss: 0.5,
+      side_share: 0.05, torque_coefficient: 0.05,
+      open_water: {kind: linear, bollard_coefficient: 0.45, null_advance: 1.05}}
+    power: {idle: 9.4, efficiency: 0.5}
+  bp:
+    propeller: {diameter: 0.08, revolutions_max: 25.0, open_water: {kind: disc, pitch_ratio: 1.0}}
+    power: {idle: 1.0, coefficient: 2.0}
+  ss:
+    propeller:
+      {diameter: 0.08, revolutions_max: 25.0, revolutions_max_astern: 20.0, torque_coefficient: 0.05,
+      open_water: {kind: four_quadrant, cosines: [0.01, 0.2, 0.0, -0.01], sines: [0.0, -0.75, 0.02, 0.01]},
+      motor: {stall_torque: 3.0, nominal_torque: 1.5, nominal_speed: 200.0, no_load_speed: 300.0,
+      gear_ratio: 0.8, inertia: 0.001}}
+    power: {idle: 9.4, efficiency: 0.5}
+  sp:
+    thrust_table:
+      speed: {value: [0.0, 1.0, 2.0], unit: m/s, provenance: measured, source: "towing tank, 3 May"}
+      rows:
+      - {throttle: -1.0, thrust: [-20.0, -26.0, -34.0]}
+      - {throttle: 0.5, thrust: [8.0, 4.0, -2.0]}
+      - {throttle: 1.0, thrust: [30.0, 22.0, 12.0]}
+    power: {throttle: [0.0, 0.5, 1.0], power: [2.0, 10.0, 60.0]}
+"""
+
+
+def read_level(path: Path) -> Any:
+    """Disturbances of a file, for SWAMP's thrusters."""
     from swamp_rl.effects import load_disturbances
 
     return load_disturbances(path, THRUSTERS)
@@ -125,7 +169,8 @@ DESIGN_FORMATS: dict[str, tuple[Make, Read]] = {
     "path.yaml": (copied_config("paths/river.yaml"), _path),
     "path.yaml, lines": (copied_config("paths/lawn_mower.yaml"), _path),
     "vehicle.yaml": (copied_config("vehicles/typhoon.yaml"), _vehicle),
-    "disturbances.yaml, curves": (make_curves, _level),
+    "disturbances.yaml, curves": (make_curves, read_level),
+    "boat.yaml, propellers": (make_propellers, _boat),
     "boat.yaml, thrust polynomials": (copied_config("boats/esso_osaka.yaml"), _boat),
     "boat.yaml, resistance tables": (copied_config("boats/swamp-thesis.yaml"), _boat),
     "boat.yaml, by estimates": (make_boat("propeller-rudder"), _boat),

@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.attack.design_formats import DESIGN_FORMATS
+from benchmarks.attack.design_formats import DESIGN_FORMATS, read_level
 from benchmarks.attack.folder_formats import FOLDER_FORMATS
 from benchmarks.attack.link_formats import LINK_FORMATS
 from benchmarks.attack.log_formats import LOG_FORMATS
 from benchmarks.attack.samples import (
-    THRUSTERS,
     circle,
     copied_config,
     dataset_with,
@@ -96,12 +95,6 @@ def _course(path: Path) -> Any:
     from swamp_rl.course import load_course
 
     return load_course(path)
-
-
-def _level(path: Path) -> Any:
-    from swamp_rl.effects import load_disturbances
-
-    return load_disturbances(path, THRUSTERS)
 
 
 def _plan(path: Path) -> Any:
@@ -273,7 +266,7 @@ FORMATS: dict[str, Format] = {
     "sweep.yaml": Format(copied_config("sweeps/reservoir_search.yaml"), _sweep),
     "boat.yaml": Format(copied_config("boats/swamp.yaml"), _boat),
     "course.yaml": Format(copied_config("courses/camogli.yaml"), _course),
-    "disturbances.yaml": Format(copied_config("disturbances/severe.yaml"), _level),
+    "disturbances.yaml": Format(copied_config("disturbances/severe.yaml"), read_level),
     "trials.yaml": Format(copied_config("trials/ittc_swamp.yaml"), _plan),
     "dataset.yaml": Format(lambda folder: dataset_with(folder, "csv", "dataset.yaml"), _inspected),
     "run.csv": Format(lambda folder: dataset_with(folder, "csv", "one.csv"), _inspected),

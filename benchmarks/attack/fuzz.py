@@ -1,8 +1,9 @@
-"""One format fuzzed in a process of its own: `python -m benchmarks.attack.fuzz FORMAT OUT INPUTS SEED`.
+"""Formats fuzzed, each in a fork of its own: `python -m benchmarks.attack.fuzz KEEP INPUTS SEED FORMAT ...`.
 
 With atheris (libFuzzer, guided by the coverage of this package's loaders) and, every second input, by a small
-change of the good file, which gets further into its reader; without atheris by such changes alone. Into the
-folder OUT go `tally.json` and each finding, one for each place.
+change of the good file, which gets further into its reader; without atheris by such changes alone. Into a
+folder of each format in KEEP go `tally.json` and each finding, one for each place; a line with the exit
+status is printed as each ends.
 """
 
 import json
@@ -16,6 +17,8 @@ import tempfile
 import time
 import traceback
 import warnings
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -30,7 +33,7 @@ NUMBERS = b"0 -1 1 0.5 1e308 1e-320 1e999 nan NaN -inf Infinity 9223372036854775
 OTHERS = (
     b"true null ~ [] {} '' [[]] [0] {a:1} off 2024-01-01 ! & * .. ../a /a \\u0000 \\ud800 \xff \x1b[31m =1"
 )
-WORDS = [*NUMBERS.split(), *OTHERS.split(), b"9" * 90, b"a" * 3000, b"[" * 200]
+WORDS = [*NUMBERS.split(), *OTHERS.split(), b"9" * 90, b"9" * 400, b"a" * 3000, b"[" * 200]
 LOADERS = (
     "swamp_rl.files",
     "swamp_rl.yaml_text",
@@ -51,10 +54,7 @@ LOADERS = (
     "swamp_rl.experiments.fleet",
     "swamp_rl.experiments.artifacts.result_folders",
     "swamp_rl.experiments.reports.leaderboard",
-    "swamp_rl.boat.load",
-    "swamp_rl.boat.merge",
-    "swamp_rl.boat.resolve",
-    "swamp_rl.boat.schema",
+    "swamp_rl.boat",
     "swamp_rl.course.schema",
     "swamp_rl.effects.entries",
     "swamp_rl.effects.levels",
@@ -72,7 +72,9 @@ LOADERS = (
     "swamp_rl.experiments.sweep.schema",
     "swamp_rl.experiments.sweep.store",
 )
-"""Modules whose coverage guides; compiled functions cannot be instrumented."""
+"""Packages and modules whose coverage guides; what is compiled cannot be instrumented."""
+SOURCES = {"swamp_rl": "swamp_rl", "experiments": "swamp_rl.experiments", "envs": "swamp_rl.envs"}
+"""Folders of the repository and the packages that they are."""
 
 
 @dataclass
@@ -111,26 +113,64 @@ class Hung(BaseException):
     """Raised by the alarm in an input that does not end."""
 
 
-def main(name: str, out: Path, inputs: int, seed: int) -> None:
-    """Fuzz one format."""
+def main(keep: Path, inputs: int, seed: int, names: Sequence[str]) -> None:
+    """Fuzz formats, one after another."""
     warnings.simplefilter("ignore")
     try:
         import atheris
     except ImportError:
         atheris = None
-    if atheris is None:
-        from benchmarks.attack.formats import FORMATS, outcome
+    with _guided(atheris):
+        from benchmarks.attack import formats  # noqa: F401
         from benchmarks.attack.samples import parse_once
-    else:
-        with atheris.instrument_imports(include=list(LOADERS), enable_loader_override=False):
-            from benchmarks.attack.formats import FORMATS, outcome
-            from benchmarks.attack.samples import parse_once
     parse_once()
-    format = FORMATS[name]
+    for name in names:
+        child = os.fork()
+        if child == 0:
+            try:
+                out = folder_of(keep, name)
+                with (out / "log").open("w") as log:
+                    for stream in (1, 2):
+                        os.dup2(log.fileno(), stream)
+                fuzz(name, out, inputs, seed, atheris)
+            except BaseException:
+                traceback.print_exc()
+            finally:
+                sys.stderr.flush()
+                os._exit(70)
+        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        print(f"{code} {name}", flush=True)
+
+
+def folder_of(keep: Path, name: str) -> Path:
+    """The folder of a format in KEEP."""
+    return keep / name.replace(" ", "-").replace("/", "-")
+
+
+def _guided(atheris: Any) -> AbstractContextManager[Any]:
+    """While it holds, what is imported of LOADERS is instrumented."""
+    if atheris is None:
+        return nullcontext()
+    names = set()
+    for folder, package in SOURCES.items():
+        root = Path(__file__).parents[2] / folder
+        for path in root.rglob("*.py"):
+            parts = path.relative_to(root).with_suffix("").parts
+            names.add(".".join((package, *(part for part in parts if part != "__init__"))))
+    others = [name for name in names if not any(f"{name}.".startswith(f"{one}.") for one in LOADERS)]
+    return atheris.instrument_imports(include=["swamp_rl"], exclude=others, enable_loader_override=False)
+
+
+def fuzz(name: str, out: Path, inputs: int, seed: int, atheris: Any) -> None:
+    """Fuzz one format; the process ends with it."""
     place = Path(tempfile.mkdtemp(prefix="swamp-rl-attack-"))
-    path = format.make(place)
-    good = path.read_bytes()
-    assert outcome(format, path, good) == "accepted", "the good file is refused"
+    with _guided(atheris):  # readers import the most when they first read
+        from benchmarks.attack.formats import FORMATS, outcome
+
+        format = FORMATS[name]
+        path = format.make(place)
+        good = path.read_bytes()
+        assert outcome(format, path, good) == "accepted", "the good file is refused"
     tally = Tally(name, "mutations" if atheris is None else "atheris")
 
     def alarmed(*_: Any) -> None:
@@ -221,4 +261,4 @@ def _remove(place: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]))
+    main(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), sys.argv[4:])

@@ -1,5 +1,6 @@
 """What comes by the network or as a recording of it: datagrams to a vehicle and from one, each line one."""
 
+import functools
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,12 +13,19 @@ COMMANDS = "1002 0 1\n1003 0 1\n1002 1 1\n1003 1 1\n1004 0 30000\n1004 1 -123853
 TO_SENSORS = "10001 100 2969\n10002 100 2969\n10000 1"
 
 
-def _vehicle() -> Any:
+@functools.cache
+def _boat() -> Any:
+    """Loaded once: no input changes it, and most of the time would go into its file."""
     from swamp_rl.boat import load_boat
+
+    return load_boat("swamp")
+
+
+def _vehicle() -> Any:
     from swamp_rl.link.addresses import addresses
     from swamp_rl.link.vehicle import Vehicle
 
-    return Vehicle(load_boat("swamp"), addresses("127.0.0.0/24", 4))
+    return Vehicle(_boat(), addresses("127.0.0.0/24", 4))
 
 
 def make_telemetry_packets(folder: Path) -> Path:
@@ -45,12 +53,11 @@ def _heard(path: Path) -> Any:
     """What a watcher and a helm make of the packets."""
     import numpy as np
 
-    from swamp_rl.boat import load_boat
     from swamp_rl.link.helm import Latest
     from swamp_rl.link.sensor_line import CAMOGLI
     from swamp_rl.link.stream import Assembler
 
-    assembler, latest = Assembler(load_boat("swamp")), Latest(CAMOGLI)
+    assembler, latest = Assembler(_boat()), Latest(CAMOGLI)
     for number, packet in enumerate(path.read_bytes().split(b"\n")):
         sample = assembler.feed(packet[:2048])
         latest.feed(packet[:2048], 0.1 * number)
@@ -61,10 +68,9 @@ def _heard(path: Path) -> Any:
 
 
 def _watched(path: Path) -> Any:
-    from swamp_rl.boat import load_boat
     from swamp_rl.link.stream import samples
 
-    return list(samples(path, load_boat("swamp")))
+    return list(samples(path, _boat()))
 
 
 LINK_FORMATS: dict[str, tuple[Make, Read]] = {

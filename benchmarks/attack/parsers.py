@@ -8,9 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from benchmarks.attack.counts import Count
-from benchmarks.attack.formats import FORMATS, outcome
-from benchmarks.attack.fuzz import Tally
-from benchmarks.attack.link_formats import LINK_FORMATS
+from benchmarks.attack.formats import FORMATS
+from benchmarks.attack.fuzz import Tally, folder_of
 
 INPUTS, QUICK = 10_000, 200
 MOST_MEMORY = 1.0
@@ -21,29 +20,23 @@ def attack(asked: Namespace) -> Iterator[Count]:
     """Fuzz each format in a process of its own."""
     inputs = asked.count or (QUICK if asked.quick else INPUTS)
     keep = Path(asked.findings) if asked.findings else Path(tempfile.mkdtemp(prefix="swamp-rl-findings-"))
-    for name in FORMATS:
-        if asked.only is None or name in asked.only:
-            out = keep / name.replace(" ", "-").replace("/", "-")
-            out.mkdir(parents=True, exist_ok=True)
-            for left in out.iterdir():
-                left.unlink()
-            if name in LINK_FORMATS:
-                compile_for(name)
-            yield fuzzed(name, out, inputs, asked.seed)
+    names = [name for name in FORMATS if asked.only is None or name in asked.only]
+    for name in names:
+        out = folder_of(keep, name)
+        out.mkdir(parents=True, exist_ok=True)
+        for left in out.iterdir():
+            left.unlink()
+    words = [sys.executable, "-m", "benchmarks.attack.fuzz", str(keep), str(inputs), str(asked.seed), *names]
+    root = Path(__file__).parents[2]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, cwd=root) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            ended, _, name = line.rstrip("\n").partition(" ")
+            yield counted(name, folder_of(keep, name), int(ended), asked.seed)
 
 
-def compile_for(name: str) -> None:
-    """Meet the good file in this process, for what a reader compiles cannot be instrumented."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = FORMATS[name].make(Path(folder))
-        outcome(FORMATS[name], path, path.read_bytes())
-
-
-def fuzzed(name: str, out: Path, inputs: int, seed: int) -> Count:
+def counted(name: str, out: Path, ended: int, seed: int) -> Count:
     """The count of one format; unexplained is what was found, and an end otherwise than well."""
-    asked = [sys.executable, "-m", "benchmarks.attack.fuzz", name, str(out), str(inputs), str(seed)]
-    with (out / "log").open("w") as log:
-        ended = subprocess.run(asked, stdout=log, stderr=log, cwd=Path(__file__).parents[2]).returncode
     tally = Tally.read(out, name)
     unexplained = [f"{what} ({out / file})" for what, file in tally.findings.items()]
     if tally.peak_gb > MOST_MEMORY:

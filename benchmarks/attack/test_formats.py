@@ -1,6 +1,7 @@
 """Whatever a file of any format holds, only the package's own error, in one line, leaves its loader."""
 
 import os
+import re
 import signal
 import warnings
 from collections.abc import Callable, Iterator
@@ -105,6 +106,29 @@ def test_a_file_cut_short_is_read_or_refused_in_one_line(name: str, cut: float, 
     path = format.make(tmp_path)
     good = path.read_bytes()
     assert outcome(format, path, good[: int(cut * len(good))]) in ("accepted", "refused")
+
+
+NUMBER = re.compile(rb"(?<![\w.+-])[-+]?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.])")
+EXTREME = (b"1.0e+308", b"-1.0e+308", b"1.0e-320", b"9" * 400)
+PLACES = 8
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_number_at_the_end_of_floating_point_is_read_or_refused_in_one_line(
+    name: str, tmp_path: Path
+) -> None:
+    format = FORMATS[name]
+    path = format.make(tmp_path)
+    good = path.read_bytes()
+    assert outcome(format, path, good) == "accepted"
+    if b"\0" in good:
+        pytest.skip("holds no text")
+    places = [found.span() for found in NUMBER.finditer(good)]
+    for begin, end in places[:: max(1, len(places) // PLACES)]:
+        for extreme in EXTREME:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error", RuntimeWarning)  # another line on the error stream
+                outcome(format, path, good[:begin] + extreme + good[end:])
 
 
 @pytest.mark.parametrize("found", FOUND, ids=lambda path: f"{path.parent.name}/{path.name}")

@@ -1,6 +1,7 @@
 """The blind cases by number: how each is drawn, and its result from the stored files."""
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +85,21 @@ def write_numbered(number: int, level: str, data: Path, truth: Path) -> None:
     write_case(case, rng, data, truth, velocities=velocities, sailed=sailed)
 
 
+def name_of(number: int, level: str) -> str:
+    """Of a case, and of its files."""
+    return f"{level}{number:04d}"
+
+
+def written(number: int, level: str, out: Path) -> tuple[Path, Path]:
+    """The folder of a case's runs and the file of its causes in `out`, simulated unless they are there."""
+    name = name_of(number, level)
+    data, truth = out / "data" / name, out / "truth" / f"{name}.json"
+    if not truth.exists():
+        shutil.rmtree(data, ignore_errors=True)
+        write_numbered(number, level, data, truth)
+    return data, truth
+
+
 def every_score(folder: Path) -> list[dict[str, Any]]:
     """Results of all cases that the folder has an answer of."""
     return [scored(folder, path.stem) for path in sorted((folder / "judged").glob("*.json"))]
@@ -124,7 +140,7 @@ def kept_rates(folder: Path, name: str) -> Rates | None:
 
 def evidence_of(folder: Path, number: int) -> float:
     """Evidence of a case of level P, before it is diagnosed, in least standard errors."""
-    path = folder / "bounds" / f"{POWER}{number:04d}.json"
+    path = folder / "bounds" / f"{name_of(number, POWER)}.json"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(vars(bound_of(*drawn(number, POWER)))))

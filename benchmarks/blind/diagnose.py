@@ -15,7 +15,6 @@ import argparse
 import atexit
 import json
 import os
-import shutil
 import subprocess
 import sys
 import threading
@@ -26,10 +25,10 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, cast
 
-import numpy as np
 from swamp_rl.experiments.synthetic.cases import LEVELS, POWER
 
-from benchmarks.blind.cases import SEEDS, every_score, evidence_of, scored, write_numbered
+from benchmarks.blind.arguments import add_evidence, add_numbers
+from benchmarks.blind.cases import SEEDS, every_score, evidence_of, name_of, scored, written
 from benchmarks.blind.tables import parts, pictures
 from benchmarks.markers import write_parts
 
@@ -93,13 +92,10 @@ def worker() -> Diagnoser:
 
 def run_case(number: int, level: str, out: Path) -> dict[str, Any]:
     """Write one case, diagnose it in a process of its own, and store the result in a file."""
-    name = f"{level}{number:04d}"
+    name = name_of(number, level)
     kept = out / "judged" / f"{name}.json"
     if not kept.exists():
-        data, truth = out / "data" / name, out / "truth" / f"{name}.json"
-        if not truth.exists():
-            shutil.rmtree(data, ignore_errors=True)
-            write_numbered(number, level, data, truth)
+        data, truth = written(number, level, out)
         boat = json.loads(truth.read_text()).get("boat", "swamp")
         seconds, told = worker().diagnose(data, out / "answers" / name, boat)
         kept.parent.mkdir(parents=True, exist_ok=True)
@@ -132,18 +128,11 @@ def _processor(path: Path) -> float:
 def asked_for() -> argparse.ArgumentParser:
     """What the command takes."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--cases", type=int, default=200, help="for each level")
-    parser.add_argument("--first", type=int, default=0, help="number of the first one")
-    parser.add_argument("--minutes", type=float, default=np.inf, help="after which no case is begun")
-    parser.add_argument("--level", choices=(*SEEDS, "all"), default="all", help="all: A to D")
+    add_numbers(parser, 200)
     parser.add_argument(
-        "--evidence",
-        type=float,
-        nargs=2,
-        default=(0.0, np.inf),
-        metavar=("FROM", "TO"),
-        help="only those cases of level P whose effect has so many standard errors of evidence",
+        "--level", choices=(*SEEDS, "all"), default="all", help="all: A to D, so many of each"
     )
+    add_evidence(parser)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path("blind_causes"))
     parser.add_argument(

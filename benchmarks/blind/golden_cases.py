@@ -43,14 +43,10 @@ class Golden:
         return Case(self.level, self.kind, self.effects, outside=self.outside, by_run=self.by_run)
 
 
-def instruments(
-    white: float = 1.0, wander: float = 0.0, memory: float = 20.0, stretches: int = 0
-) -> Instruments:
-    """RTK noise times `white`, positions that wander by `wander` [m] over `memory` [s], stretches of rows
-    lost in each run.
-    """
+def instruments(wander: float = 0.0, stretches: int = 0) -> Instruments:
+    """RTK noise, positions that wander by `wander` [m] over 20 s, stretches of rows lost in each run."""
     channels = ("surge", "sway", "yaw_rate")
-    return Instruments(10.0, white * np.array(RTK), wander, memory, 0.0, 0.02, stretches, channels, False)
+    return Instruments(10.0, np.array(RTK), wander, 20.0, 0.0, 0.02, stretches, channels, False)
 
 
 def one(name: str, **values: Any) -> dict[str, Any]:

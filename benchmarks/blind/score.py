@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from swamp_rl.experiments.synthetic.cases import POWER, ROUGH
 
+from swamp_rl.angles import wrapped_below
+
 Judged = Mapping[str, Any]
 Z95 = 1.959964
 AT_MOST = 3  # explanations in a set that still counts as an answer
@@ -111,7 +113,7 @@ def estimates(truth: Judged, causes: Sequence[Judged]) -> list[dict[str, Any]]:
                     continue
                 difference = number["value"] - effect[name]
                 if number["unit"] == "rad":
-                    difference = (difference + np.pi) % (2 * np.pi) - np.pi
+                    difference = wrapped_below(difference)
                 one = {"effect": effect["effect"], "parameter": name, "value": number["value"]}
                 found.append(one | {"standard_error": error, "away": float(difference / error)})
     return found
@@ -127,7 +129,7 @@ def run_estimates(truth: Judged, causes: Sequence[Judged]) -> list[dict[str, Any
             for name, one in told.items():
                 away = one["value"] - effect[name]
                 if one["unit"] == "rad":
-                    away = (away + np.pi) % (2 * np.pi) - np.pi
+                    away = wrapped_below(away)
                 if one["standard_error"] > 0:
                     found.append(
                         {"parameter": name, "run": number, "away": float(away / one["standard_error"])}

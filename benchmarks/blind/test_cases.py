@@ -64,12 +64,13 @@ def test_every_effect_that_the_library_can_be_guilty_of_is_hidden() -> None:
     by_chance = {"gusts", "thruster_kick"}  # somebody else's doing, not the boat's
     of_no_name = {"force_curve"}  # what is left where none of the others explains it
     nuisance = {"hull_coefficients"}
+    of_episodes = {name for name, effect in LIBRARY.items() if effect.battery}
     boat = load_boat("swamp")
     not_of_the_boat = {
         name for name, effect in LIBRARY.items() if effect.needs and not selectors(effect, boat)
     }
     assert not_of_the_boat == {"throttle_reversed", "rudder_hull_force"}
-    assert set(EFFECTS) == set(LIBRARY) - by_chance - of_no_name - nuisance - not_of_the_boat
+    assert set(EFFECTS) == set(LIBRARY) - by_chance - of_no_name - nuisance - of_episodes - not_of_the_boat
 
 
 @pytest.mark.parametrize("number", range(4))

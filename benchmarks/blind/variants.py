@@ -23,14 +23,13 @@ from swamp_rl.experiments.synthetic.cases import (
     mooring,
     sail,
     sector,
+    write_runs,
 )
 from swamp_rl.experiments.synthetic.draws import Rng, polar, scale, signed
 from swamp_rl.experiments.synthetic.drivers import Driver
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, PropellerRudder, load_boat
-from swamp_rl.files import write_yaml
-from swamp_rl.runs import DatasetMeta, RunMeta
-from swamp_rl.runs.table import write_table
 from swamp_rl.simulator.sensors import observe
 
 VARIANT = "X"
@@ -106,26 +105,14 @@ def write_variant(rng: Rng, data: Path, truth: Path) -> None:
     lengths = rng.uniform(100.0 if is_ship(boat) else 30.0, 300.0, runs)
     lengths = lengths[: max(2, int((np.cumsum(lengths) * instruments.rate <= MOST).sum()))]
     data.mkdir(parents=True)
-    listed = []
-    for number, length in enumerate(lengths):
+    tables = []
+    for length in lengths:
         start = np.array([*rng.uniform(-5, 5, 2), rng.uniform(-math.pi, math.pi)])
         driver = driver_of(boat, rng)
         driver = driver if instruments.between else held(driver, 1.0 / instruments.rate)
         voyage = sail(boat, case, driver, start, round(length / TICK), tick=TICK)
-        file = f"run_{number}.csv"
-        columns = rows_of(boat, voyage, instruments, rng)
-        write_table(data / file, columns)
-        listed.append(RunMeta(file=file, rows=len(columns["time"])))
-    meta = DatasetMeta(
-        vehicle=name,
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=instruments.rate,
-        source="measured",
-        runs=listed,
-    )
-    write_yaml(data / "dataset.yaml", meta.model_dump(exclude_defaults=True))
+        tables.append(rows_of(boat, voyage, instruments, rng))
+    write_runs(data, name, boat, tables, "measured", "csv", instruments.rate)
     truth.parent.mkdir(parents=True, exist_ok=True)
     told = vars(instruments) | {"white": instruments.white.tolist()}
     truth.write_text(json.dumps(vars(case) | {"boat": name, "instruments": told}, indent=1))
@@ -233,8 +220,7 @@ def station_keeping(rng: Rng) -> Actions:
 
     def action(time: float, state: Array) -> tuple[float, float, float]:
         north, east = centre - state[:2]
-        bearing = math.atan2(east, north) - state[2]
-        bearing = math.pi - (math.pi - bearing) % (2.0 * math.pi)
+        bearing = wrapped(math.atan2(east, north) - state[2])
         push = min(gain * math.hypot(north, east), 1.0) * (time % 6.0 < 4.0)
         return push, bearing, bearing
 
@@ -256,7 +242,7 @@ def rows_of(boat: Boat, voyage: Voyage, instruments: Instruments, rng: Rng) -> d
         kept[first : first + length] = False
     kept[[0, -1]] = True
     columns = {"time": TICK * every * np.arange(rows), "north": measured[:, 0], "east": measured[:, 1]}
-    columns["heading"] = np.pi - np.mod(np.pi - measured[:, 2], 2 * np.pi)
+    columns["heading"] = wrapped(measured[:, 2])
     for index, name in enumerate(("surge", "sway", "yaw_rate")):
         if name in instruments.channels:
             columns[name] = measured[:, 3 + index]

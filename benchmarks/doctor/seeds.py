@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.experiments.synthetic.cases import PLAIN, RTK
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import load_boat
+from swamp_rl.constants import KNOT, SWAMP_LENGTH
 from swamp_rl.pilots.record import record_scripted
 from swamp_rl.runs import Run, read_dataset
-from swamp_rl.runs.resample import wrapped
 from swamp_rl.simulator.replay import replay
 
 Array = NDArray[np.float64]
@@ -24,8 +25,9 @@ BOATS = {"swamp": (1.0, 8, "standard"), "swamp-light": (1.0, 8, "standard"), "es
 """Scale of the course, runs of one dataset (some 200 s for SWAMP, 400 s for the ship), disturbances."""
 CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
 NOISES = {"RTK": RTK, "plain GPS": PLAIN}
-SHIP = math.sqrt(3.0 / 1.24)
+SHIP = math.sqrt(3.0 / SWAMP_LENGTH)
 """Time of the ship model relative to SWAMP's by Froude's law, from their lengths [m]."""
+SECONDS = 60.0  # of a run under commands that wander
 WANDER, MEMORY = 1.0, 60.0
 """m and s of the Gauss-Markov error of a plain receiver's position, beside its white noise."""
 
@@ -47,10 +49,10 @@ def sound_runs(boat: str, count: int, seed: int, folder: Path) -> list[Run]:
     return read_dataset(made).runs
 
 
-def smooth_runs(count: int, seed: int, seconds: float = 60.0) -> list[Run]:
+def smooth_runs(count: int, seed: int) -> list[Run]:
     """Noise-free runs of SWAMP: each throttle and azimuth a Gauss-Markov process of its own."""
     boat, rng, step = load_boat("swamp"), np.random.default_rng(seed), 0.1
-    time = np.arange(round(seconds / step) + 1) * step
+    time = np.arange(round(SECONDS / step) + 1) * step
     runs = []
     for number in range(count):
         columns = {"time": time} | {name: np.zeros(len(time)) for name in CHANNELS}
@@ -216,7 +218,7 @@ SEEDS = [
     Seed("north and east exchanged", HEADING, lambda c, rng: {**c, "north": c["east"], "east": c["north"]}),
     Seed("yaw rate counterclockwise", ("yaw_rate_flipped",), times("yaw_rate", -1.0)),
     Seed("yaw rate in degrees a second", ("unit",), times("yaw_rate", 180.0 / math.pi)),
-    Seed("surge in knots", ("unit",), times("surge", 3600.0 / 1852.0), has("surge")),
+    Seed("surge in knots", ("unit",), times("surge", 1.0 / KNOT), has("surge")),
     Seed("surge in km/h", ("unit",), times("surge", 3.6), has("surge")),
     Seed("throttles in percent", ("unit",), times("throttle_", 100.0), has("throttle_")),
     Seed("azimuths in degrees", ("unit",), times("azimuth_", 180.0 / math.pi), has("azimuth_")),

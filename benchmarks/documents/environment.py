@@ -93,6 +93,7 @@ def outcomes_table() -> str:
     meanings = {
         "success": "the gates are passed in their order, each from behind",
         "buoy": "a buoy is touched; it counts before all else",
+        "aground": "draught and squat reach the depth of the water; it counts before success",
         "out_of_bounds": "midship is beyond an edge",
         "timeout": "the time limit",
         "diverged": "the simulated motion is not finite or beyond any boat's; the step pays 0",

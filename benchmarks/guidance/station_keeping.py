@@ -17,6 +17,7 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.allocation import Jets, jets_of
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import parse_effects
 from swamp_rl.guidance.holding import Holding, best_holding, holding_at
@@ -78,7 +79,7 @@ def keeper_of(boat: Boat, jets: Jets, held: Holding) -> Controller:
 def strayed(track: Array, held: Holding, one_jet: bool) -> tuple[float, float]:
     """Farthest [m] and most turned away [rad] at the end; the last jet's heading is its own affair."""
     end = track[-round(JUDGED / DT) :]
-    turned = np.abs((end[:, HEADING] - held.heading + math.pi) % (2 * math.pi) - math.pi)
+    turned = np.abs(wrapped(end[:, HEADING] - held.heading))
     return float(np.hypot(end[:, NORTH], end[:, EAST]).max()), 0.0 if one_jet else float(turned.max())
 
 

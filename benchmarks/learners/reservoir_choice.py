@@ -21,7 +21,7 @@ from swamp_rl.experiments.config.scene import Scene, read_scene
 from swamp_rl.experiments.training.train import record
 
 from swamp_rl.evaluation import drive
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
 from swamp_rl.pilots.demonstrations import choose_runs
 from swamp_rl.pilots.reservoir import ReservoirSettings, fit_reservoir
 from swamp_rl.pilots.reservoir_search import errors_left_out
@@ -92,8 +92,7 @@ def main() -> None:
                 settings = ReservoirSettings(units=units, spectral_radius=radius, ridge=ridge, seed=seed)
                 known["grid"][key] = tried(runs[:20], scene, settings)
                 print(key, known["grid"][key], flush=True)
-                with write_beside(args.out) as part:
-                    part.write_text(json.dumps(known, indent=2) + "\n", encoding="utf-8")
+                write_text(args.out, json.dumps(known, indent=2) + "\n")
     print(f"{known['fit_500_units_40_runs_s']:.2f} s for 500 units on 40 runs")
     print(json.dumps(correlation(known["grid"]), indent=2))
 

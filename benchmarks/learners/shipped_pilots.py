@@ -21,7 +21,8 @@ from swamp_rl.boat import load_boat
 from swamp_rl.pilots.record import NOTES, drive_episodes
 from swamp_rl.pilots.scripted import ScriptedPilot, habits_of
 from swamp_rl.pilots.store import DESCRIPTION, WEIGHTS
-from swamp_rl.runs import DatasetMeta, Run, append_run
+from swamp_rl.runs import Run, append_run
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.runs.writer import dataset_beside
 from swamp_rl.sums import write_sums
 from swamp_rl.unfinished import folder_beside
@@ -68,16 +69,7 @@ def make_run() -> Run:
     (driven,) = drive_episodes(boats, pilot, boat, np.array([seed]), STEP)
     boats.close()
     run = Run(f"{LEVEL}-{seed}", driven.columns, driven.meta)
-    meta = DatasetMeta(
-        vehicle=BOAT,
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=1.0 / STEP,
-        source="scripted",
-        course=COURSE,
-        notes=NOTES,
-    )
+    meta = meta_of(boat, BOAT, 1.0 / STEP, "scripted", course=COURSE, notes=NOTES)
     with dataset_beside(CONFIGS / "runs" / COURSE, meta) as part:
         append_run(part, run)
         write_sums(part)

@@ -26,7 +26,7 @@ from swamp_rl.experiments.config.schema import Experiment
 from swamp_rl.experiments.training.train import record, train
 
 from swamp_rl.evaluation import drive, episode_table, wilson
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.store import load_pilot, save_pilot
 from swamp_rl.runs import Dataset, read_dataset
@@ -116,8 +116,7 @@ def main() -> None:
         if str(seed) in known:
             continue
         known[str(seed)] = found = _of_seed(args, seed)
-        with write_beside(args.out) as part:
-            part.write_text(json.dumps(known, indent=2) + "\n", encoding="utf-8")
+        write_text(args.out, json.dumps(known, indent=2) + "\n")
         shutil.rmtree(_work(args, seed))
         words = [f"{level} {found['success']:.3f}" for level, found in found["levels"].items()]
         print(

@@ -67,9 +67,7 @@ def record_of(boat: Boat, effects: Sequence[dict[str, Any]]) -> NDArray[Any]:
     return record
 
 
-def stream(
-    seed: int, seconds: float, rough: bool = False, fault: Fault | None = None, noise: Array = RTK
-) -> Iterator[Sample]:
+def stream(seed: int, seconds: float, rough: bool = False, fault: Fault | None = None) -> Iterator[Sample]:
     """Samples of a boat that sails on and on, from its seed."""
     rng = np.random.default_rng([seed, int(rough)])
     driver, effects = drive(rng), sea(rng, rough)
@@ -82,7 +80,7 @@ def stream(
         if fault is not None and fault.effect is not None and time >= fault.time:
             now = record_of(BOAT, [*effects, _grown(fault, time)])
         command = driver(time, state[0])
-        senses = state[0, :6] + noise * rng.standard_normal(6)
+        senses = state[0, :6] + RTK * rng.standard_normal(6)
         senses[2] += now["heading_bias"][0]
         senses[5] += now["gyro_bias"][0]
         if fault is not None and fault.frozen and time >= fault.time:

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from swamp_rl.experiments.reports.experiment import table
 
+from benchmarks.blind.arguments import add_numbers
 from benchmarks.markers import DOCS, write_parts
 from benchmarks.next_trial.cases import KINDS, Outcome, outcome
 
@@ -57,9 +58,7 @@ def rows_of(outcomes: Sequence[Outcome]) -> list[list[str]]:
 def main() -> None:
     """Run the cases that are not done yet, as time allows, and write the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--cases", type=int, default=40)
-    parser.add_argument("--minutes", type=float, default=np.inf, help="no case is begun after so many")
+    add_numbers(parser, 40)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--into", type=Path, default=DOCS / "criticism.md")
     given = parser.parse_args()

@@ -8,7 +8,7 @@ from swamp_rl.envs.single import GatesEnv
 
 from swamp_rl.boat import load_boat
 from swamp_rl.course import load_course
-from swamp_rl.runs import DatasetMeta
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, YAW_RATE
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.messages import Command
@@ -21,15 +21,7 @@ PERIOD = 0.04  # s, of the page's commands
 def session(folder: Path, level: str) -> Session:
     """A session of SWAMP at that level of disturbance which records into the folder."""
     boat = load_boat("swamp")
-    meta = DatasetMeta(
-        vehicle="swamp",
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=10.0,
-        source="scripted",
-        course="camogli",
-    )
+    meta = meta_of(boat, "swamp", 10.0, "scripted", course="camogli")
     berth = Berth(
         lambda level, senses: GatesEnv(disturbances=level, observation=senses),
         (level,),

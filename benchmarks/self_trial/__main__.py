@@ -10,7 +10,6 @@ those that were hidden. Linearised twins are counted.
 
 import argparse
 import json
-import shutil
 import time
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -21,24 +20,19 @@ import numpy as np
 from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.synthetic.cases import POWER
 
-from benchmarks.blind.cases import SEEDS, evidence_of, kind_of, write_numbered
+from benchmarks.blind.arguments import add_evidence, add_numbers
+from benchmarks.blind.cases import SEEDS, evidence_of, kind_of, name_of, written
 from benchmarks.blind.score import names_in, share
 from benchmarks.markers import write_parts
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.criticism.inference.self_trial import NOTHING, UNEXPLAINED, causes_in, twin_answers
-from swamp_rl.criticism.selection.model_selection import select_model
-from swamp_rl.criticism.selection.preparation import prepared
+from swamp_rl.criticism.selection.model_selection import prepared, select_model
 from swamp_rl.one_thread import one_thread
 
 TRIED = ("single", "pair", "triple", "clean", "confounded")  # kinds whose truth is in the library
 BINS = (0.0, 0.5, 0.8, 0.95, 1.0)  # of the stated rate
 HEADS = ("answers", "stated rate", "cases", "mean stated rate", "of twins with a cause", "right")
-
-
-def name_of(number: int, level: str) -> str:
-    """Of a case, as in `benchmarks.blind`."""
-    return f"{level}{number:04d}"
 
 
 def run_case(number: int, level: str, out: Path) -> dict[str, Any]:
@@ -47,10 +41,7 @@ def run_case(number: int, level: str, out: Path) -> dict[str, Any]:
     kept = out / "tried" / f"{name}.json"
     if kept.exists():
         return dict(json.loads(kept.read_text()))
-    data, truth = out / "data" / name, out / "truth" / f"{name}.json"
-    if not truth.exists():
-        shutil.rmtree(data, ignore_errors=True)
-        write_numbered(number, level, data, truth)
+    data, truth = written(number, level, out)
     hidden = json.loads(truth.read_text())
     run_set = read_run_set(data, load_boat(hidden.get("boat", "swamp")))
     known = prepared(run_set)
@@ -130,17 +121,8 @@ def asked_for() -> argparse.ArgumentParser:
     """What the command takes."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--level", choices=SEEDS, default=POWER)
-    parser.add_argument("--first", type=int, default=500, help="number of the first case")
-    parser.add_argument("--cases", type=int, default=60)
-    parser.add_argument("--minutes", type=float, default=np.inf, help="after which no case is begun")
-    parser.add_argument(
-        "--evidence",
-        type=float,
-        nargs=2,
-        default=(0.0, np.inf),
-        metavar=("FROM", "TO"),
-        help="only those cases of level P whose effect has so many standard errors of evidence",
-    )
+    add_numbers(parser, 60, first=500)
+    add_evidence(parser)
     parser.add_argument("--out", type=Path, default=Path("self_trials"))
     parser.add_argument("--score-only", action="store_true", help="diagnose nothing, score what --out holds")
     parser.add_argument("--into", type=Path, help="a document that the table is written into")

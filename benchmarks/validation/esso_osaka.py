@@ -8,6 +8,7 @@ import numpy as np
 
 from benchmarks.esso_osaka.circles import turn_rows
 from benchmarks.esso_osaka.pond_tests import HORIZON, rms, window_errors
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
 from swamp_rl.manoeuvres.analysis.figure import Result
@@ -58,6 +59,6 @@ def predicted(boat: Boat, run: Run, wind: bool) -> Run:
     """The run that the boat file predicts for the commands of another, from its first state."""
     track = replay_from(boat, run, np.array([0]), len(run.time) - 1, wind).simulated[0]
     columns = {"time": run.time, "north": track[:, 0], "east": track[:, 1]}
-    columns["heading"] = math.pi - np.mod(math.pi - track[:, 2], 2.0 * math.pi)
+    columns["heading"] = wrapped(track[:, 2])
     columns |= {name: run.columns[name] for name in ("rudder_main", "propeller_main")}
     return Run(run.name, columns)

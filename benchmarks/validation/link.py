@@ -18,9 +18,9 @@ TABLE_5_5 = ((45.0, 61926), (-135.0, -185779), (720.0, 990822))  # deg, steps: t
 TURN_RATE = 490.0  # deg/s, 5.7.1
 
 
-def angle_reached(steps: int, steps_per_turn: float = STEPS_PER_TURN) -> float:
+def angle_reached(steps: int) -> float:
     """Angle [deg] of the first jet ten seconds after `1004 1 STEPS`, on the virtual vehicle."""
-    vehicle = turning(steps, Conduct(timeout=math.inf, steps_per_turn=steps_per_turn))
+    vehicle = turning(steps, Conduct(timeout=math.inf))
     vehicle.advance(10.0)
     return math.degrees(vehicle.state[0, ACTUATORS])
 

@@ -6,11 +6,11 @@ import numpy as np
 
 from benchmarks.validation.check import Check, check
 from swamp_rl.boat.screw import Disc, bollard_factor
+from swamp_rl.constants import KNOT
 from swamp_rl.design.matching import best_ranges, drag_factor, load_match, matches
 from swamp_rl.physics.thrusters import azimuth_after
 
 SHARE = 0.03
-KNOT = 1852.0 / 3600.0  # m/s
 JOULES = 3.6e6  # of a kWh
 DRAG = ((1, 12.54, 0.1431), (2, 22.40, 0.1278), (3, 31.16, 0.1202), (5, 48.87, 0.1115))  # table 2: m/s, N, 1
 STEPS = (  # table 5: first and last speed [r/min], sample time, rise [s], mean acceleration [rad/s2]

@@ -167,8 +167,10 @@ def _read_results(folder: Path) -> Found:
     driven = sorted(path for path in (folder / "driven").glob("*") if path.is_dir())
     if not driven:
         raise UserError(f"{folder}: keeps no runs of its pilots (driven/); make the results again")
-    data, kept = folder / "data", folder / "config" / "courses"
-    parts = [_read_dataset(data, data_source, kept)] if data.is_dir() else []
+    kept = folder / "config" / "courses"
+    # What was learned from a folder elsewhere is not here, but for the run of the race.
+    data = next((path for path in (folder / "data", folder / "shown") if path.is_dir()), None)
+    parts = [] if data is None else [_read_dataset(data, data_source, kept)]
     parts += [
         _read_dataset(path, path.name if path.name != data_source else f"{path.name} pilot", kept)
         for path in driven

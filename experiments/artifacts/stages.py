@@ -12,7 +12,7 @@ from typing import Any
 
 from swamp_rl.experiments.artifacts.versions import hardware
 
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
 from swamp_rl.json_text import read_json
 from swamp_rl.one_thread import threads
 from swamp_rl.pilots.callbacks import Tick
@@ -42,8 +42,7 @@ class Stages:
         yield lambda done: self.bars.update(task, completed=done)
         self.seconds[name] = time.perf_counter() - begin
         if self.log is not None:
-            with write_beside(self.log) as part:
-                part.write_text(json.dumps(self.seconds), encoding="utf-8")
+            write_text(self.log, json.dumps(self.seconds))
         self.bars.update(task, total=1.0, completed=1.0)
 
 

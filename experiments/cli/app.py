@@ -25,6 +25,7 @@ from swamp_rl.experiments.cli.help import add_help
 from swamp_rl.experiments.cli.identify import identify_app
 from swamp_rl.experiments.cli.link import helm, vehicle
 from swamp_rl.experiments.cli.mission import mission
+from swamp_rl.experiments.cli.options import BoatOption, CourseOption, IgnoreOption, seed_option
 from swamp_rl.experiments.cli.record import record
 from swamp_rl.experiments.cli.runs import runs_app
 from swamp_rl.experiments.cli.signals import stoppable
@@ -51,32 +52,32 @@ app.add_typer(runs_app, name="runs")
 app.add_typer(identify_app, name="identify")
 app.add_typer(trial_app, name="trial")
 app.add_typer(design_app, name="design")
-for verb in (run, train, evaluate):
+for verb in (
+    run,
+    train,
+    evaluate,
+    compare,
+    diagnose,
+    disturbances,
+    demo,
+    export,
+    fleet,
+    mission,
+    vehicle,
+    helm,
+    follow,
+    follow_vehicle,
+    hold,
+    capability,
+    record,
+    sweep,
+    watch,
+    effects,
+    boats,
+    courses,
+    pilots,
+):
     app.command()(verb)
-app.command()(compare)
-app.command()(diagnose)
-app.command()(disturbances)
-app.command()(demo)
-app.command()(export)
-app.command()(fleet)
-app.command()(mission)
-app.command()(vehicle)
-app.command()(helm)
-app.command()(follow)
-app.command()(follow_vehicle)
-app.command()(hold)
-app.command()(capability)
-app.command()(record)
-app.command()(sweep)
-app.command()(watch)
-for catalogue in (effects, boats, courses, pilots):
-    app.command()(catalogue)
-
-BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
-IgnoreOption = Annotated[
-    list[str] | None,
-    typer.Option("--ignore", help="Leave out what the run measured: wind or depth; may be repeated."),
-]
 
 
 def _print_version(wanted: bool) -> None:
@@ -125,7 +126,7 @@ def simulate(
 @app.command("record-scripted")
 def record_scripted_runs(
     out: Annotated[Path, typer.Option(help="The new folder of runs.")],
-    course: Annotated[str, typer.Option(help="A name in configs/courses, or a course file.")] = "camogli",
+    course: CourseOption = "camogli",
     boat: BoatOption = "swamp",
     disturbances: Annotated[
         str | None, typer.Option(help="A name in configs/disturbances, or a file of them; none by default.")
@@ -134,7 +135,7 @@ def record_scripted_runs(
     failed: Annotated[
         int, typer.Option(min=0, max=100_000, help="How many failed ones at least, kept and marked.")
     ] = 0,
-    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Another seed, other runs.")] = 0,
+    seed: Annotated[int, seed_option("Another seed, other runs.")] = 0,
     skill: Annotated[
         Literal["novice", "usual", "expert"], typer.Option(help="How quickly and how cleanly it drives.")
     ] = "usual",

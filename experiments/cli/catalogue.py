@@ -87,6 +87,10 @@ def courses(
             )
         typer.echo(f"  start: north {pose.north:g}, east {pose.east:g} m, {degrees(pose.heading):g} deg")
         typer.echo(f"  bounds: north {edge.south:g} to {edge.north:g}, east {edge.west:g} to {edge.east:g} m")
+        if course.depth is not None:
+            typer.echo(
+                "  depth: " + " to ".join(f"{depth:g}" for depth in sorted({*course.depth.uniform})) + " m"
+            )
 
 
 def pilots(

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from swamp_rl.experiments.cli.options import seed_option
 
 from swamp_rl.errors import UserError
 
@@ -23,12 +24,10 @@ def compare(
         Path | None,
         typer.Option(help="Folder of compare.md and compare.json (comparison), or page (leaderboard.html)."),
     ] = None,
-    seed: Annotated[
-        int, typer.Option(min=0, max=2**31 - 1, help="Of the bootstrap and the permutations.")
-    ] = 0,
+    seed: Annotated[int, seed_option("Of the bootstrap and the permutations.")] = 0,
 ) -> None:
     """Compare pilots on the same episodes, with intervals and p-values (Holm), or rank them on a page."""
-    from swamp_rl.files import write_beside
+    from swamp_rl.files import write_text
 
     if (leaderboard is None) == (not results):
         raise UserError("compare: name folders of results, or one folder with --leaderboard, but not both")
@@ -36,8 +35,7 @@ def compare(
         from swamp_rl.experiments.reports.leaderboard import gather, page
 
         found = gather(leaderboard, seed)
-        with write_beside(out or PAGE) as part:
-            part.write_text(page(found), encoding="utf-8")
+        write_text(out or PAGE, page(found))
         for line in found.left_out:
             typer.echo(f"left out: {line}")
         typer.echo(f"{out or PAGE}: {len(found.rows)} rows of {found.folders} results")
@@ -51,8 +49,7 @@ def compare(
         ("compare.json", json.dumps(comparison, indent=2, allow_nan=False) + "\n"),
         ("compare.md", report(comparison)),
     ):
-        with write_beside(folder / name) as part:
-            part.write_text(text, encoding="utf-8")
+        write_text(folder / name, text)
     print_comparison(comparison)
     typer.echo(f"{folder}: compare.md, compare.json")
 

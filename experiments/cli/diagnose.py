@@ -1,17 +1,18 @@
 """`swamp-rl diagnose` and `simulate --window`: a simulated boat against measured runs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from swamp_rl.experiments.cli.options import BoatOption, IgnoreOption
 
 from swamp_rl.errors import UserError
 
 if TYPE_CHECKING:
     from swamp_rl.criticism.model.trial_limits import TrialLimits
-    from swamp_rl.criticism.result import Estimate
+    from swamp_rl.criticism.result import Diagnosis, Estimate
 
 
 def diagnose(
@@ -20,7 +21,7 @@ def diagnose(
         typer.Argument(help="Folders of measured runs of one boat, or a YAML file of printed figures."),
     ],
     out: Annotated[Path, typer.Option(help="The folder to write.")],
-    boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",
+    boat: BoatOption = "swamp",
     holdout: Annotated[
         Path | None, typer.Option(help="Runs to measure the gain on; else each run in turn is held out.")
     ] = None,
@@ -28,10 +29,7 @@ def diagnose(
         list[str] | None,
         typer.Option(help="Of figures: groups to fit to, joined by commas; once for each stage."),
     ] = None,
-    ignore: Annotated[
-        list[str] | None,
-        typer.Option(help="Leave out what the runs measured: wind or depth; may be repeated."),
-    ] = None,
+    ignore: IgnoreOption = None,
     next: Annotated[
         str | None,
         typer.Option(help="Design the next trial within an area, metres north and east, as 40x40."),
@@ -85,17 +83,6 @@ def diagnose(
     from swamp_rl.criticism.diagnose import diagnose as examine
     from swamp_rl.criticism.inference.self_trial import TWINS, Method
     from swamp_rl.criticism.progress import LOG
-    from swamp_rl.criticism.report.evidence import (
-        carry_over_sentence,
-        minor_sentence,
-        predictors_sentence,
-        share_text,
-        smoothed_sentence,
-    )
-    from swamp_rl.criticism.report.extension import extension_sentence, is_extended
-    from swamp_rl.criticism.report.next_trial import next_trial_sentences
-    from swamp_rl.criticism.report.self_trial import self_trial_sentence
-    from swamp_rl.criticism.report.words import label_of, parameter_sets, spread_sets
     from swamp_rl.workers import answers
 
     twins = TWINS if self_trial is None else self_trial
@@ -103,51 +90,69 @@ def diagnose(
     each = partial(answers, workers=workers)
     with progress(LOG):
         found = examine(dataset, boat, out, holdout, 0, ignore or [], twins, method, each, limits)
-    typer.echo(f"verdict: {found.verdict}")
+    for line in _lines_of(found, limits is not None):
+        typer.echo(line)
+    typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
+
+
+def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
+    """What the terminal is told of a diagnosis of runs."""
+    from swamp_rl.criticism.report.evidence import (
+        carry_over_sentence,
+        minor_sentence,
+        predictors_sentence,
+        self_trial_sentence,
+        share_text,
+        smoothed_sentence,
+    )
+    from swamp_rl.criticism.report.extension import extension_sentence, is_extended
+    from swamp_rl.criticism.report.next_trial import next_trial_sentences
+    from swamp_rl.criticism.report.words import parameter_sets, spread_sets
+
+    yield f"verdict: {found.verdict}"
     for said in (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found)):
         if said:
-            typer.echo(f"  {said}")
+            yield f"  {said}"
     if found.verdict == "indistinguishable":
-        typer.echo("  the one with the lowest chi2:")
+        yield "  the one with the lowest chi2:"
     for cause in found.causes:
         for where, parameters in parameter_sets(cause):
             numbers = ", ".join(_number(name, p) for name, p in parameters.items())
-            typer.echo(f"  {label_of(cause)}{where}: {numbers}")
+            yield f"  {cause.label}{where}: {numbers}"
         for name, value, interval, unit in spread_sets(cause):
-            typer.echo(f"    {name}: {value} {unit} (95 % interval {interval})")
+            yield f"    {name}: {value} {unit} (95 % interval {interval})"
         if said := share_text(cause):
-            typer.echo(f"    {said}")
+            yield f"    {said}"
     for names in found.indistinguishable:
-        typer.echo(f"  cannot be distinguished: {'; '.join(names)}")
+        yield f"  cannot be distinguished: {'; '.join(names)}"
     if found.separating_trial:
         trial = found.separating_trial
-        typer.echo(
-            f"  separating manoeuvre: {trial.manoeuvre} ({trial.separation:.1f} standard errors apart)"
-        )
+        yield f"  separating manoeuvre: {trial.manoeuvre} ({trial.separation:.1f} standard errors apart)"
     if found.next_trial:
-        typer.echo("  next trial: " + "\n    ".join(next_trial_sentences(found.next_trial)))
+        yield "  next trial: " + "\n    ".join(next_trial_sentences(found.next_trial))
+    elif trial_asked:
+        yield "  next trial: none was designed; the lines above say why"
     if said := self_trial_sentence(found):
-        typer.echo(f"  {said}")
+        yield f"  {said}"
     for left in found.leftover[:1]:
-        typer.echo(
+        yield (
             f"  unexplained: {left.force}, a function of {left.variable} "
             f"({left.explained:.0%} of its variance on held-out runs)"
         )
     if said := extension_sentence(found):
-        typer.echo(f"  {said}")
+        yield f"  {said}"
     for gain in found.gain:
         if gain.horizon_s == 10.0 and gain.position_rmse_m:
             missed = gain.position_rmse_m
             extended = f", {missed.after:.3g} m with the extended boat" if is_extended(found) else ""
-            typer.echo(
+            yield (
                 f"  position error 10 s ahead (root mean square): {missed.before:.3g} m with the boat file"
                 f"{extended}"
             )
     if said := smoothed_sentence(found):
-        typer.echo(f"  {said}")
+        yield f"  {said}"
     for lack in found.missing_motion:
-        typer.echo(f"  the runs lack {lack}")
-    typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
+        yield f"  the runs lack {lack}"
 
 
 def _limits_of(area: str | None, boat: str, more: dict[str, float | None]) -> "TrialLimits | None":

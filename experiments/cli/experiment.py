@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from swamp_rl.experiments.cli.options import seed_option
 
 ExperimentName = Annotated[
     str,
@@ -52,7 +53,7 @@ def evaluate(
     episodes: Annotated[
         int | None, typer.Option(min=1, max=100_000, help="How many episodes at each level.")
     ] = None,
-    seed: Annotated[int | None, typer.Option(min=0, max=2**31 - 1, help="Of the first episode.")] = None,
+    seed: Annotated[int | None, seed_option("Of the first episode.")] = None,
     experiment: Annotated[
         str | None, typer.Option(help="Whose boat, course and levels; by default the first folder's.")
     ] = None,

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from swamp_rl.experiments.cli.workers import Ray, Workers
+from swamp_rl.experiments.cli.options import IgnoreOption, Ray, Workers
 
 
 def fleet(
@@ -16,10 +16,7 @@ def fleet(
         str | None,
         typer.Option("--boat", help="Compare all with this name or file; by default each dataset's own."),
     ] = None,
-    ignore: Annotated[
-        list[str] | None,
-        typer.Option(help="Leave out what the runs measured: wind or depth; may be repeated."),
-    ] = None,
+    ignore: IgnoreOption = None,
     workers: Workers = None,
     ray: Ray = None,
 ) -> None:
@@ -41,3 +38,5 @@ def fleet(
     typer.echo(
         f"{out}: fleet.json, fleet.html; {kept} of {len(found.findings)} causes kept, {failed} not diagnosed"
     )
+    if failed == len(found.members):
+        raise typer.Exit(1)

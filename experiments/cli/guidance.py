@@ -5,11 +5,12 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from swamp_rl.experiments.cli.options import BoatOption, seed_option
 
+from swamp_rl.constants import DAY
 from swamp_rl.errors import UserError
 
 Out = Annotated[Path, typer.Option(help="The folder for the run; report, figure and JSON in its analysis.")]
-BoatName = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
 Level = Annotated[
     str | None, typer.Option("--disturbances", help="A name in configs/disturbances, or a file of them.")
 ]
@@ -17,7 +18,7 @@ Current = Annotated[float, typer.Option(min=0.0, help="A steady current (m/s) be
 CurrentTo = Annotated[float, typer.Option(help="Where the current goes to (deg from north).")]
 Wind = Annotated[float, typer.Option(min=0.0, help="A steady wind (m/s) besides.")]
 WindFrom = Annotated[float, typer.Option(help="Where the wind comes from (deg from north).")]
-Seed = Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of the disturbances and of the gusts.")]
+Seed = Annotated[int, seed_option("Of the disturbances and of the gusts.")]
 
 
 def _sea(current: float, current_to: float, wind: float, wind_from: float) -> list[dict[str, Any]]:
@@ -41,7 +42,7 @@ def _sea(current: float, current_to: float, wind: float, wind_from: float) -> li
 def follow(
     path: Annotated[str, typer.Argument(metavar="PATH", help="A name in configs/paths, or a path file.")],
     out: Out,
-    boat: BoatName = "swamp",
+    boat: BoatOption = "swamp",
     disturbances: Level = None,
     current: Current = 0.0,
     current_to: CurrentTo = 0.0,
@@ -59,7 +60,7 @@ def follow_vehicle(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="A run of the vehicle ahead, .csv or .parquet.")],
     out: Out,
     behind: Annotated[float, typer.Option(help="Distance to keep along its track (m).")],
-    boat: BoatName = "swamp",
+    boat: BoatOption = "swamp",
     disturbances: Level = None,
     current: Current = 0.0,
     current_to: CurrentTo = 0.0,
@@ -76,8 +77,8 @@ def follow_vehicle(
 
 def hold(
     out: Out,
-    boat: BoatName = "swamp",
-    duration: Annotated[float, typer.Option(min=10.0, max=86400.0, help="How long (s).")] = 120.0,
+    boat: BoatOption = "swamp",
+    duration: Annotated[float, typer.Option(min=10.0, max=DAY, help="How long (s).")] = 120.0,
     heading: Annotated[
         float | None, typer.Option(help="Of the bow (deg); that with the greatest margin by default.")
     ] = None,

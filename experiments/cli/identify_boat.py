@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 from swamp_rl.experiments.cli.identify import identify_app
+from swamp_rl.experiments.cli.options import IgnoreOption
 
 
 @identify_app.command("boat")
@@ -18,10 +19,7 @@ def identify_boat(
         Path | None, typer.Option(help="Runs that the errors are measured on; else every third run.")
     ] = None,
     positions: Annotated[bool, typer.Option("--positions", help="Also fit where the thrusters are.")] = False,
-    ignore: Annotated[
-        list[str] | None,
-        typer.Option(help="Leave out what the runs measured: wind or depth; may be repeated."),
-    ] = None,
+    ignore: IgnoreOption = None,
 ) -> None:
     """Fit a boat file's masses, damping, thrust and lags to runs, under priors, and write the boat file."""
     typer.echo(f"identifying {boat} from {dataset}")

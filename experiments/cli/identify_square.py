@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 from swamp_rl.experiments.cli.identify import identify_app
+from swamp_rl.experiments.cli.options import seed_option
 
 
 @identify_app.command("waypoint-square")
@@ -13,7 +14,7 @@ def waypoint_square(
         str, typer.Argument(metavar="VEHICLE", help="A name in configs/vehicles, or a vehicle file.")
     ],
     out: Annotated[Path, typer.Option(help="The folder for the report, its figure and JSON.")],
-    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of the sensors' noise.")] = 0,
+    seed: Annotated[int, seed_option("Of the sensors' noise.")] = 0,
 ) -> None:
     """Sail a twin around a waypoint square, identify it from its own log, and replay the log."""
     from swamp_rl.experiments.reports.waypoint_square import write_square

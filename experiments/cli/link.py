@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
+from swamp_rl.experiments.cli.options import BoatOption, CourseOption, seed_option
 from swamp_rl.experiments.cli.place import place_of
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ AddressOption = Annotated[
         "ports from there.",
     ),
 ]
-CourseOption = Annotated[str, typer.Option(help="A name in configs/courses, or a course file.")]
 OriginOption = Annotated[
     str | None,
     typer.Option(
@@ -47,7 +47,7 @@ def vehicle(
         typer.Option(min=1, max=10**8, help="Of its azimuths' encoders; 495411, as thesis table 5.5 has it."),
     ] = None,
     noise: Annotated[bool, typer.Option("--noise", help="Of a plain GPS receiver and AHRS.")] = False,
-    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of gusts and noise.")] = 0,
+    seed: Annotated[int, seed_option("Of gusts and noise.")] = 0,
     origin: OriginOption = None,
 ) -> None:
     """Answer on the network as the boat does: the simulator behind thruster modules and sensors."""
@@ -100,7 +100,7 @@ def helm(
     link: Annotated[
         str, typer.Option("--link", help="The vehicle's address, as `swamp-rl vehicle --address` takes it.")
     ] = "127.0.0.0/24",
-    boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",
+    boat: BoatOption = "swamp",
     course: CourseOption = "camogli",
     log: Annotated[Path | None, typer.Option(help="A new dataset of what was sensed and commanded.")] = None,
     seconds: Annotated[

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from swamp_rl.experiments.cli.options import CourseOption
 
 if TYPE_CHECKING:
     from swamp_rl.teleop.afloat import Env, MakeEnv
@@ -20,7 +21,7 @@ LEVELS = ("calm", "standard", "severe")
 
 def record(
     out: Annotated[Path, typer.Option(help="The folder of runs, new or one to go on with.")],
-    course: Annotated[str, typer.Option(help="A name in configs/courses, or a course file.")] = "camogli",
+    course: CourseOption = "camogli",
     boat: Annotated[
         list[str] | None,
         typer.Option(

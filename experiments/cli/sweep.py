@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from swamp_rl.experiments.cli.workers import Ray, Workers
+from swamp_rl.experiments.cli.options import Ray, Workers
 
 
 def sweep(

@@ -4,11 +4,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from swamp_rl.experiments.cli.options import BoatOption, seed_option
 
 trial_app = typer.Typer(help="Automatic ITTC manoeuvres and their analysis.", no_args_is_help=True)
 
 Out = Annotated[Path, typer.Option(help="The folder for the runs; their figures go to its folder analysis.")]
-BoatName = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
 Throttle = Annotated[list[float], typer.Option(help="Share of full throttle, up to 1; may be repeated.")]
 Angle = Annotated[
     list[float], typer.Option(help="Steering angle (deg), + first to starboard; may be repeated.")
@@ -18,7 +18,7 @@ Pattern = Annotated[
 ]
 StartSpeed = Annotated[float | None, typer.Option(help="Speed (m/s) that the approach is to reach.")]
 Direction = Annotated[float, typer.Option(help="Course (deg) on which the trials begin.")]
-Seed = Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of the wind's gusts.")]
+Seed = Annotated[int, seed_option("Of the wind's gusts.")]
 
 
 def _carry_out(out: Path, boat: str, direction: float, seed: int, entry: dict[str, Any]) -> None:
@@ -57,7 +57,7 @@ def turning_circle(
     out: Out,
     angle: Angle,
     throttle: Throttle,
-    boat: BoatName = "swamp",
+    boat: BoatOption = "swamp",
     turns: Annotated[int, typer.Option(help="Full turns; the second half counts as steady.")] = 6,
     duration: Annotated[float, typer.Option(help="Of the pull-out (s).")] = 30.0,
     pattern: Pattern = "opposed",
@@ -80,7 +80,7 @@ def zig_zag(
         list[float] | None,
         typer.Option(help="Where to reverse (deg), one for each angle; the angle itself by default."),
     ] = None,
-    boat: BoatName = "swamp",
+    boat: BoatOption = "swamp",
     executes: Annotated[
         int, typer.Option(help="How often the steering is laid, the first time included.")
     ] = 6,
@@ -100,7 +100,7 @@ def _steered(kind: str, help: str) -> None:
         out: Out,
         angle: Angle,
         throttle: Throttle,
-        boat: BoatName = "swamp",
+        boat: BoatOption = "swamp",
         pattern: Pattern = "opposed",
         start_speed: StartSpeed = None,
         direction: Direction = 0.0,
@@ -123,7 +123,7 @@ def pull_out(
     out: Out,
     angle: Angle,
     throttle: Throttle,
-    boat: BoatName = "swamp",
+    boat: BoatOption = "swamp",
     duration: Annotated[float, typer.Option(help="Of each pull-out (s).")] = 30.0,
     pattern: Pattern = "opposed",
     start_speed: StartSpeed = None,
@@ -139,7 +139,7 @@ def pull_out(
 def stopping(
     out: Out,
     throttle: Throttle,
-    boat: BoatName = "swamp",
+    boat: BoatOption = "swamp",
     astern_throttle: Annotated[float, typer.Option(help="Share of full throttle astern.")] = 1.0,
     start_speed: StartSpeed = None,
     direction: Direction = 0.0,
@@ -155,7 +155,7 @@ def straight(
     out: Out,
     throttle: Throttle,
     astern: Annotated[bool, typer.Option("--astern", help="Run astern instead.")] = False,
-    boat: BoatName = "swamp",
+    boat: BoatOption = "swamp",
     duration: Annotated[float, typer.Option(help="Of the measured part (s).")] = 30.0,
     pattern: Pattern = "opposed",
     start_speed: StartSpeed = None,
@@ -187,7 +187,7 @@ def commands(
         typer.Argument(help="Runs (.csv or .parquet) whose commands are sailed, as next_trial.csv."),
     ],
     out: Annotated[Path, typer.Option(help="The folder for the runs.")],
-    boat: BoatName = "swamp",
+    boat: BoatOption = "swamp",
 ) -> None:
     """Commands of a file, as `diagnose --next` writes them, from the file's first state."""
     from swamp_rl.manoeuvres.commands import record_commands

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from swamp_rl.experiments.cli.trial import BoatName, trial_app
+from swamp_rl.experiments.cli.options import BoatOption
+from swamp_rl.experiments.cli.trial import trial_app
 
 SWEEP = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
 
@@ -30,7 +31,7 @@ def bollard(
     throttle: Sweep = None,
     jets: Jets = None,
     astern: Astern = False,
-    boat: BoatName = "swamp",
+    boat: BoatOption = "swamp",
 ) -> None:
     """Pull on a line at rest against the throttle, of one thruster to all of them."""
     _carry_out("bollard", out, boat, [0.0], throttle, jets or [], astern)
@@ -43,7 +44,7 @@ def towed(
     throttle: Sweep = None,
     jets: Jets = None,
     astern: Astern = False,
-    boat: BoatName = "swamp",
+    boat: BoatOption = "swamp",
 ) -> None:
     """Towing force under a carriage with the thrusters running, and 1 - t by it (thesis eq. 7.1)."""
     _carry_out("towed", out, boat, speed, throttle, jets or [], astern)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from swamp_rl.experiments.cli.options import BoatOption
 
 
 def watch(
@@ -14,7 +15,7 @@ def watch(
         typer.Option("--link", help="A vehicle's address, as `swamp-rl vehicle --address` takes it."),
     ] = None,
     mcap: Annotated[Path | None, typer.Option("--mcap", help="A recorded run, as an MCAP file.")] = None,
-    boat: Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")] = "swamp",
+    boat: BoatOption = "swamp",
     topic: Annotated[str | None, typer.Option(help="Of an MCAP file with several.")] = None,
     seconds: Annotated[
         float | None, typer.Option(min=1.0, max=1e7, help="End after so much of the stream.")

@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
 from swamp_rl.pilots.store import DESCRIPTION, load_pilot
 from swamp_rl.runs.dataset import files_of
 
@@ -26,8 +26,7 @@ def write_hashes(data: Path, folder: Path) -> str:
     """Write `data.sha256` into `folder`, to be checked there by `sha256sum -c`; the digest of all of it."""
     found = hashes(data)
     shown = Path(data.name) if data.parent == folder else data
-    with write_beside(folder / HASHES) as part:
-        part.write_text(_lines(found, shown), encoding="utf-8")
+    write_text(folder / HASHES, _lines(found, shown))
     return digest(found)
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from swamp_rl.experiments.config.learners import LEARNERS, Learner, learner
 from swamp_rl.experiments.config.schema import Experiment
 
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
 from swamp_rl.pilots.own import SHIPPED
 
 OWN = r"^[A-Za-z_][\w.]*:[A-Za-z_]\w*$"
@@ -123,5 +123,4 @@ def _pilot_by_kind() -> Schema:
 if __name__ == "__main__":
     if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
         raise SystemExit(__doc__)
-    with write_beside(Path(sys.argv[1])) as file:
-        file.write_text(schema_text(), encoding="utf-8")
+    write_text(Path(sys.argv[1]), schema_text())

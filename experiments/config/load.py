@@ -15,7 +15,7 @@ from swamp_rl.experiments.config.smoke import shrunk
 from swamp_rl import own_code
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
-from swamp_rl.files import find_config, is_file, read_yaml, validated
+from swamp_rl.files import config_beside, find_config, is_file, or_beside, read_yaml, validated
 from swamp_rl.own_code import is_code
 from swamp_rl.pilots.own import is_named, runs_code
 from swamp_rl.pilots.settings import settings_from
@@ -120,6 +120,8 @@ def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> d
     data = read_yaml(path)
     if path.name == KEPT:
         _refuse_code(path, data, allowed)
+    else:
+        _find_beside(path, data)
     base = data.pop("extends", None)
     if base is None:
         return data
@@ -132,6 +134,23 @@ def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> d
         else find_config("experiments", base)
     )
     return merged(_extended(found, (*seen, path.resolve()), allowed), data)
+
+
+def _find_beside(path: Path, data: dict[str, Any]) -> None:
+    """Replace the paths in `data`, read from `path`, that exist only from its folder."""
+    logged, evaluation, pilots = (_mapping(data.get(key)) for key in ("data", "evaluation", "pilots"))
+    if isinstance(logged.get("folder"), str):
+        logged["folder"] = or_beside(path, logged["folder"])
+    for holder in (data, _mapping(logged.get("record")), *map(_mapping, pilots.values())):
+        for key in ("boat", "course", "disturbances"):
+            if isinstance(holder.get(key), str):
+                holder[key] = config_beside(path, holder[key])
+    if isinstance(levels := evaluation.get("levels"), list):
+        evaluation["levels"] = [config_beside(path, one) if isinstance(one, str) else one for one in levels]
+
+
+def _mapping(data: Any) -> dict[str, Any]:
+    return data if isinstance(data, dict) else {}
 
 
 def _texts(data: Any) -> Iterator[str]:

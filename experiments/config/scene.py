@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from swamp_rl.envs.batched import GatesVectorEnv
-from swamp_rl.envs.observation import observed
+from swamp_rl.envs.task import Task
 from swamp_rl.experiments.config.schema import Experiment, senses_in
 
 from swamp_rl.boat import Boat, load_boat
@@ -65,13 +65,19 @@ def read_scene(experiment: Experiment) -> Scene:
     """The files that an experiment names; UserError for the first that is wrong."""
     boat = load_boat(experiment.boat)
     course = fitted(load_course(experiment.course), boat.length, reference_of(boat).speed)
-    scene = Scene(experiment, boat, limited(course, experiment.time_limit, experiment.bounds))
+    course = limited(
+        course,
+        experiment.time_limit,
+        experiment.bounds,
+        experiment.depth.model_dump() if experiment.depth else None,
+    )
+    scene = Scene(experiment, boat, course)
     for level in (None, *_levels(scene)):
         scene.boats_at(level)(1, ("north",)).close()
     for name, plan in experiment.pilots.items():
         for senses in senses_in(plan.options):
             try:
-                observed(senses)
+                Task.read(boat=boat, course=course, observation=senses)
             except UserError as error:
                 raise UserError(f"pilots.{name}.options.senses: {error}") from error
     return scene

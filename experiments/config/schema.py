@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from swamp_rl.experiments.config.claims import Claims
 
+from swamp_rl.course import Depth
 from swamp_rl.explain import nearest
 from swamp_rl.pilots.scripted import Skill
 
@@ -153,9 +154,9 @@ class Tracking(Part):
 class Experiment(Part):
     """One experiment, whole. boat, course and levels are names in `configs/` or paths; step in s.
 
-    reward: weights of terms by name, for training and evaluation alike. time_limit [s] and bounds [m], some
-    or all of the edges: in place of the course's. These are arguments of the environments too, and so are
-    the names that a pilot's `senses` give: docs/environment.md.
+    reward: weights of terms by name, for training and evaluation alike. time_limit [s], bounds [m], some or
+    all of the edges, and depth [m]: in place of the course's. These are arguments of the environments too,
+    and so are the names that a pilot's `senses` give: docs/environment.md.
 
     With `hidden` it closes the loop from logs to pilots, see `experiments.studies.closed_loop`; with `claims`
     it tests hypotheses, see `experiments.studies.claims`; with `smoke` it is made too small to say anything,
@@ -172,6 +173,7 @@ class Experiment(Part):
     reward: dict[str, float] = {}
     time_limit: float | None = None
     bounds: dict[Edge, float] = {}
+    depth: Depth | None = None
     data: Data = Data()
     pilots: Annotated[dict[Name, PilotPlan], Field(min_length=1), BeforeValidator(_few)]
     evaluation: Evaluation

@@ -7,23 +7,29 @@ from swamp_rl.experiments.evaluation.episodes import Tried
 from swamp_rl.experiments.evaluation.race import Race
 
 from swamp_rl.pilots.record import replayable
-from swamp_rl.runs import DatasetMeta, Run, RunMeta, create_dataset
+from swamp_rl.runs import Dataset, Run, RunMeta, create_dataset
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.runs.writer import append_runs
 
 NOTES = "Driven in evaluation by the pilot of that name; each run tells its level and its disturbances."
+
+
+def write_shown(dataset: Dataset, race: Race, folder: Path) -> None:
+    """The run of the data in the race as a dataset of its own, for results whose data lie elsewhere."""
+    empty = dataset.meta.model_copy(update={"copies": {}, "runs": []})
+    create_dataset(folder, empty, dataset.boat_file, dataset.course_file)
+    append_runs(folder, [race[dataset.meta.source]])
 
 
 def write_driven(scene: Scene, tried: Tried, race: Race, folder: Path) -> None:
     """The runs of `tried.shown` and of the race as one dataset for each pilot, `folder`/PILOT."""
     drawn = {level: _drawn(scene, level) for level in scene.levels}
     for pilot, plan in scene.experiment.pilots.items():
-        meta = DatasetMeta(
-            vehicle=scene.experiment.boat,
-            mass=scene.boat.mass,
-            draught=scene.boat.draught,
-            water_density=scene.boat.water_density,
-            sample_rate=1.0 / scene.experiment.step,
-            source="scripted" if plan.kind in ("scripted", "line-of-sight") else "learned",
+        meta = meta_of(
+            scene.boat,
+            scene.experiment.boat,
+            1.0 / scene.experiment.step,
+            "scripted" if plan.kind in ("scripted", "line-of-sight") else "learned",
             course=scene.experiment.course,
             notes=NOTES,
         )

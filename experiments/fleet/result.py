@@ -1,16 +1,18 @@
-"""The models of `fleet.json`; `Fleet.model_json_schema()` is its published schema.
+"""The models of `fleet.json`; `schema_text(Fleet, TITLE)` is its published schema.
 
 python -m swamp_rl.experiments.fleet.result docs/fleet.schema.json
 """
 
-import json
 import sys
 from pathlib import Path
 
 from pydantic import Field
 
 from swamp_rl.criticism.result import Part, Verdict
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
+from swamp_rl.json_text import schema_text
+
+TITLE = "fleet.json of swamp-rl fleet"
 
 
 class Member(Part):
@@ -86,22 +88,11 @@ class Fleet(Part):
     measured: dict[str, float]
 
 
-def schema_text() -> str:
-    """JSON Schema (draft 2020-12) of a fleet, as the file holds it."""
-    schema = Fleet.model_json_schema(mode="serialization")
-    named = {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "fleet.json of swamp-rl fleet",
-    }
-    return json.dumps(named | {k: v for k, v in schema.items() if k != "title"}, indent=2) + "\n"
-
-
 def main() -> None:
     """Write the schema to the file named on the command line."""
     if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
         raise SystemExit(__doc__)
-    with write_beside(Path(sys.argv[1])) as part:
-        part.write_text(schema_text(), encoding="utf-8")
+    write_text(Path(sys.argv[1]), schema_text(Fleet, TITLE))
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.criticism.data.checks import refuse_sources_inside
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
-from swamp_rl.files import refuse_to_replace, write_beside
+from swamp_rl.files import refuse_to_replace, write_text
 from swamp_rl.names import plain_name
 from swamp_rl.unfinished import locked, remove_dead
 from swamp_rl.workers import Pool, completed, open_pool
@@ -66,10 +66,8 @@ def diagnose_fleet(
             finally:
                 remove_dead(out)  # what interrupted processes were building
         fleet = fleet_of(members, out, wrong)
-        with write_beside(out / FLEET) as part:
-            part.write_text(fleet.model_dump_json(indent=2) + "\n", encoding="utf-8")
-        with write_beside(out / REPORT) as part:
-            part.write_text(page(fleet), encoding="utf-8")
+        write_text(out / FLEET, fleet.model_dump_json(indent=2) + "\n")
+        write_text(out / REPORT, page(fleet))
     return fleet
 
 

@@ -106,6 +106,8 @@ def changes_of(
                     continue
                 unit = next(iter(estimates.values())).unit
                 q = heterogeneity(list(values.values()), list(errors.values()), unit == "rad")
+                if math.isnan(q):
+                    continue  # of values beyond floating-point arithmetic
                 drifts.append(
                     Drift(
                         boat=boat,
@@ -122,11 +124,16 @@ def changes_of(
     return told, changes
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def heterogeneity(values: Sequence[float], errors: Sequence[float], angle: bool = False) -> float:
-    """Cochran's Q: the weighted sum of squared differences from the weighted mean; angles the short way."""
-    weight = 1.0 / np.asarray(errors, dtype=float) ** 2
+    """Cochran's Q: the weighted sum of squared differences from the weighted mean; angles the short way.
+
+    inf where it is too large for a float, nan where the differences are.
+    """
+    error = np.asarray(errors, dtype=float)
+    weight = (error.min() / error) ** 2
     away = np.asarray(values, dtype=float) - values[0]
     if angle:
         away = away - 2.0 * np.pi * np.round(away / (2.0 * np.pi))
     mean = float(weight @ away) / float(weight.sum())
-    return float(weight @ (away - mean) ** 2)
+    return float((((away - mean) / error) ** 2).sum())

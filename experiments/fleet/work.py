@@ -8,7 +8,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.boat.digest import boat_digest
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
-from swamp_rl.files import os_error, write_beside
+from swamp_rl.files import os_error, write_text
 from swamp_rl.json_text import parsed_json
 from swamp_rl.one_thread import one_thread
 from swamp_rl.ordinary import MOST_JSON, contents
@@ -34,8 +34,7 @@ def diagnose_one(job: str) -> str:
         found = diagnose(dataset, boat, out, ignore=asked["ignore"])
     except UserError as error:
         return json.dumps({"error": " ".join(str(error).split())})
-    with write_beside(out / INPUT) as part:
-        part.write_text(json.dumps(asked["input"], indent=1) + "\n", encoding="utf-8")
+    write_text(out / INPUT, json.dumps(asked["input"], indent=1) + "\n")
     return json.dumps({"verdict": found.verdict, "seconds": found.elapsed_s})
 
 

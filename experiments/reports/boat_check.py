@@ -11,8 +11,8 @@ from swamp_rl.experiments.reports.trial_figures import draw_trials
 
 from swamp_rl.boat import Boat, Provenance
 from swamp_rl.boat.quantity import ORIGINS, value_at
+from swamp_rl.constants import GRAVITY
 from swamp_rl.errors import UserError
-from swamp_rl.guidance.heading import GRAVITY
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
 from swamp_rl.manoeuvres.analysis.figure import Result
 from swamp_rl.manoeuvres.controller import Trial

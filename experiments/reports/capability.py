@@ -1,11 +1,11 @@
 """A boat's capability plot, as CSV and JSON besides."""
 
-import csv
 import json
 from pathlib import Path
 
 import numpy as np
 from swamp_rl.experiments.reports.guidance_figures import draw_capability
+from swamp_rl.experiments.reports.rows import write_rows
 
 from swamp_rl.boat import load_boat
 from swamp_rl.guidance.capability import capability
@@ -40,11 +40,8 @@ def write_capability(out: Path, boat_name: str, wind: float, current: float, fai
             "wind": found.wind.tolist(),
         }
         (part / DATA).write_text(json.dumps(content, indent=1, allow_nan=False), encoding="utf-8")
-        with (part / "capability.csv").open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(["direction_deg", "current", "wind"])
-            rows = np.stack([degrees, found.current, found.wind], axis=1)
-            writer.writerows([f"{value:.9g}" for value in row] for row in rows)
+        rows = np.stack([degrees, found.current, found.wind], axis=1)
+        write_rows(part / "capability.csv", ["direction_deg", "current", "wind"], rows)
         without = f" without {', '.join(failed)}" if failed else ""
         draw_capability(part / "capability.png", found, f"Capability of {boat.name}{without}")
     said = [

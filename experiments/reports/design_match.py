@@ -6,10 +6,10 @@ from pathlib import Path
 from swamp_rl.experiments.reports.design import Table, spec, write_design
 from swamp_rl.experiments.reports.design_match_figure import draw_match
 
+from swamp_rl.constants import KNOT
 from swamp_rl.design.matching import best_ranges, drag_of, load_match, matches
 
 FIGURE = "match.png"
-KNOT = 1852.0 / 3600.0  # m/s
 PROPELLERS = {
     "name": "",
     "pitch_ratio": "1",

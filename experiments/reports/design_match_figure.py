@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 from swamp_rl.experiments.reports.trial_figures import colours
 
+from swamp_rl.constants import KNOT
 from swamp_rl.design.matching import BestRange, Match, MatchDesign, drag_of, energy_per_metre
 from swamp_rl.design.propellers import linear_thrust_coefficient
 from swamp_rl.figure_style import sheet
-
-KNOT = 1852.0 / 3600.0  # m/s
 
 
 def draw_match(path: Path, design: MatchDesign, found: Sequence[Match], ranges: Sequence[BestRange]) -> None:

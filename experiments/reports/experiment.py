@@ -27,6 +27,7 @@ def report(results: Results) -> str:
     parts = [
         _opening,
         success,
+        failures,
         _returns,
         _targets,
         _training,
@@ -81,11 +82,29 @@ def success(results: Results) -> str:
     ]
     return (
         "## Success rate\n\n"
-        "All gates passed in their order and direction, no buoy touched, within the bounds and the time "
-        "limit. Percent, with Wilson's 95 % interval.\n\n"
+        "All gates passed in their order and direction, no buoy and no ground touched, within the bounds and "
+        "the time limit. Percent, with Wilson's 95 % interval.\n\n"
         + table(["pilot", *_levels(results)], rows)
         + "\n\n![Success rates](figures/success.png)"
     )
+
+
+def failures(results: Results) -> str:
+    """How the episodes ended that did not succeed, by pilot and level."""
+    rows = [
+        [name, *(_ended(pilot["levels"][level]) for level in _levels(results))]
+        for name, pilot in results["pilots"].items()
+    ]
+    return (
+        "## Failures\n\nHow the other episodes ended: a buoy touched, out of bounds, aground, or the time "
+        "limit reached.\n\n" + table(["pilot", *_levels(results)], rows)
+    )
+
+
+def _ended(summary: Mapping[str, Any]) -> str:
+    counts = {how: n for how, n in summary["outcomes"].items() if how != "success"}
+    by_count = sorted(counts.items(), key=lambda item: -item[1])
+    return ", ".join(f"{n} {how.replace('_', ' ')}" for how, n in by_count) or "none"
 
 
 def _returns(results: Results) -> str:
@@ -171,7 +190,8 @@ def _costs(results: Results) -> str:
     rows = [[who, *(_number(cost, costs[cost]) for cost in told)] for who, costs in means.items()]
     electric = (
         " Electric energy is what all battery packs give, the hotel load included; the range is what is left "
-        "above their reserve, at that energy per metre, of packs that were full at the start."
+        "above their reserve, at that energy per metre, of packs that were full at the start, or as low as "
+        "the level has them."
     )
     return (
         "## Costs of successful episodes\n\n"
@@ -202,7 +222,7 @@ def _again(results: Results) -> str:
     return (
         "## Files, and how to repeat this\n\n"
         "* `rerun demo.rrd` shows the run of the data and the learned pilots racing each other; "
-        "`swamp-rl demo` on this folder shows these and any other runs of `data/` and `driven/`.\n"
+        "`swamp-rl demo` on this folder shows these and any other run that is kept here.\n"
         "* `episodes.parquet` has a row for each episode of each pilot.\n"
         "* `pilots/` holds the pilots, `config/` the experiment with every option written out and copies of "
         "the files it names, `versions.json` the versions; `sha256sum -c data.sha256` checks the runs.\n"

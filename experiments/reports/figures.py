@@ -131,15 +131,13 @@ def success_rates(
         figure.suptitle(title, fontsize=11, fontweight="bold")
 
 
-def learning_curves(
-    path: Path, curves: Mapping[str, Sequence[Curve]], title: str, seed: int = 0, unit: str = "decisions"
-) -> None:
+def learning_curves(path: Path, curves: Mapping[str, Sequence[Curve]], title: str) -> None:
     """PNG of success against steps: for each name the interquartile mean over its seeds, and its 95 % band.
 
-    Each seed's own curve is drawn thinly behind. seed: of the bootstrap. UserError where the curves of a
-    name have no range of steps in common.
+    Each seed's own curve is drawn thinly behind. UserError where the curves of a name have no range of steps
+    in common.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     with write_beside(path) as part, sheet(part, 6.4, 3.6) as figure:
         axes = figure.subplots()
         for name, logged in curves.items():
@@ -152,7 +150,7 @@ def learning_curves(
             (line,) = axes.plot(steps, centre, lw=1.8, label=label, zorder=3)
             axes.fill_between(steps, low, high, color=line.get_color(), alpha=0.22, lw=0, zorder=2)
             axes.plot(steps, 100.0 * values.T, color=line.get_color(), lw=0.5, alpha=0.35, zorder=1)
-        axes.set(xlabel=unit, ylabel="success [%]", ylim=(-2, 102))
+        axes.set(xlabel="decisions", ylabel="success [%]", ylim=(-2, 102))
         axes.legend(loc="lower right")
         figure.suptitle(title, fontsize=11, fontweight="bold")
 

@@ -1,6 +1,5 @@
 """A followed path or a held station: its run as a dataset, with a report, JSON, CSV and a figure."""
 
-import csv
 import json
 import math
 from pathlib import Path
@@ -10,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.guidance_figures import draw_station, draw_track
+from swamp_rl.experiments.reports.rows import write_rows
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.energy.power import missing, pack_power
+from swamp_rl.constants import SWAMP_LENGTH
+from swamp_rl.energy import missing, pack_power
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.curve import Curve, joined
 from swamp_rl.guidance.curve_following import BehindVehicle, CurveFollower, Pace, SteadyPace
@@ -21,9 +22,10 @@ from swamp_rl.guidance.flight import STEP, Flight, flown, in_sea
 from swamp_rl.guidance.keep import drive_without, keeper_for
 from swamp_rl.guidance.path_file import load_path, speeds_of, spline
 from swamp_rl.guidance.places import LONGEST
-from swamp_rl.guidance.servo import SWAMP_LENGTH, servo_of
+from swamp_rl.guidance.servo import servo_of
 from swamp_rl.guidance.track_errors import along_and_across, spread, station_errors
 from swamp_rl.runs import DatasetMeta, append_run, dataset_beside, read_run
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE, SWAY
 
@@ -179,15 +181,7 @@ class Timed:
 
 
 def _meta(boat: Boat, boat_name: str) -> DatasetMeta:
-    return DatasetMeta(
-        vehicle=boat_name,
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=1.0 / STEP,
-        source="simulated",
-        notes=NOTES,
-    )
+    return meta_of(boat, boat_name, 1.0 / STEP, "simulated", notes=NOTES)
 
 
 def _title(boat: Boat, told: dict[str, Any]) -> str:
@@ -224,11 +218,8 @@ def _write(folder: Path, result: dict[str, Any], flight: Flight, extra: dict[str
         "units": UNITS | {"time": "s", "way": "m", "mean_speed": "m/s", "electric_energy": "J"}
     } | result
     (folder / "result.json").write_text(json.dumps(content, indent=1, allow_nan=False), encoding="utf-8")
-    with (folder / "track.csv").open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["time", "north", "east", "heading", *extra])
-        rows = [flight.time, *flight.track[:, [NORTH, EAST, HEADING]].T, *extra.values()]
-        writer.writerows([f"{value:.9g}" for value in row] for row in np.stack(rows, axis=1))
+    columns = [flight.time, *flight.track[:, [NORTH, EAST, HEADING]].T, *extra.values()]
+    write_rows(folder / "track.csv", ["time", "north", "east", "heading", *extra], np.stack(columns, axis=1))
     body = "\n".join(f"* {line}" for line in lines(result))
     text = f"# {result['what'].capitalize()} {result['name']}, {result['boat']}\n\nSimulated.\n\n{body}\n\n"
     (folder / "report.md").write_text(

@@ -1,12 +1,12 @@
 """A flown mission as a report for people, JSON and CSV for programmes, and a figure."""
 
-import csv
 import json
 from pathlib import Path
 
 import numpy as np
 from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.mission_figures import draw_mission
+from swamp_rl.experiments.reports.rows import write_rows
 
 from swamp_rl.energy.figures import leg_figures, summary
 from swamp_rl.energy.fly import STEP, Flight
@@ -42,7 +42,7 @@ def write_mission(out: Path, flight: Flight) -> None:
     something else."""
     with folder_beside(out, replaces=DATA) as part:
         (part / DATA).write_text(as_json(flight), encoding="utf-8")
-        write_rows(part / ROWS, flight)
+        write_track(part / ROWS, flight)
         draw_mission(part / PICTURE, flight)
         (part / REPORT).write_text(report(flight), encoding="utf-8")
 
@@ -74,7 +74,7 @@ def as_json(flight: Flight) -> str:
     return json.dumps(content, indent=1, allow_nan=False)
 
 
-def write_rows(path: Path, flight: Flight) -> None:
+def write_track(path: Path, flight: Flight) -> None:
     """A row every `EVERY` s: time, leg, pose, speed; power, current, voltage and charge of each pack.
 
     Power and current are those of the step that ends at the row.
@@ -82,17 +82,14 @@ def write_rows(path: Path, flight: Flight) -> None:
     names, packs = pack_names(flight.boat), flight.packs
     head = ["time", "leg", "north", "east", "heading", "speed"]
     head += [f"{what}_{name}" for name in names for what in ("power", "current", "voltage", "charge")]
-    time, speed = flight.time, flight.speed
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(head)
-        for i in range(0, len(flight.states), round(EVERY / STEP)):
-            step = max(i - 1, 0)
-            state = flight.states[i]
-            row = [time[i], flight.leg[step], state[NORTH], state[EAST], state[HEADING], speed[i]]
-            for k in range(len(names)):
-                row += [packs.power[step, k], packs.current[step, k], packs.voltage[i, k], packs.charge[i, k]]
-            writer.writerow([f"{value:.9g}" for value in row])
+    at = np.arange(0, len(flight.states), round(EVERY / STEP))
+    before = np.maximum(at - 1, 0)
+    columns = [flight.time[at], flight.leg[before], *flight.states[at][:, [NORTH, EAST, HEADING]].T]
+    columns.append(flight.speed[at])
+    for k in range(len(names)):
+        columns += [packs.power[before, k], packs.current[before, k]]
+        columns += [packs.voltage[at, k], packs.charge[at, k]]
+    write_rows(path, head, zip(*columns, strict=True))
 
 
 def report(flight: Flight) -> str:

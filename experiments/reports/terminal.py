@@ -9,14 +9,13 @@ import numpy as np
 from swamp_rl.experiments.reports.claims import print_claims
 from swamp_rl.experiments.reports.experiment import rate, targets_reached
 
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
     """Strict JSON, beside first and then renamed: what has no value is null, never NaN."""
     text = json.dumps(data, indent=2, allow_nan=False, default=_plain) + "\n"
-    with write_beside(path) as part:
-        part.write_text(text, encoding="utf-8")
+    write_text(path, text)
 
 
 def _plain(value: Any) -> Any:

@@ -20,6 +20,7 @@ from swamp_rl.experiments.config.schema import Logs
 from swamp_rl.experiments.evaluation.episodes import try_pilots
 from swamp_rl.experiments.training.train import get_data, train_pilots
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.diagnose import RESULT, diagnose
 from swamp_rl.criticism.result import Diagnosis
@@ -28,7 +29,8 @@ from swamp_rl.evaluation import Table, paired_difference, write_episodes
 from swamp_rl.pilots.record import NOTES, drive_episodes
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import save_pilot
-from swamp_rl.runs import DatasetMeta, Run, append_run, create_dataset
+from swamp_rl.runs import Run, append_run, create_dataset
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]
@@ -106,13 +108,11 @@ def write_logs(truth: Scene, logs: Logs, folder: Path) -> None:
     finally:
         boats.close()
     boat = load_boat(truth.experiment.boat)
-    meta = DatasetMeta(
-        vehicle=str(truth.experiment.boat),
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=1.0 / truth.experiment.step,
-        source="scripted",
+    meta = meta_of(
+        boat,
+        truth.experiment.boat,
+        1.0 / truth.experiment.step,
+        "scripted",
         course=truth.experiment.course,
         notes=NOTES,
     )
@@ -132,7 +132,7 @@ def noisy(run: Run, logs: Logs, rng: np.random.Generator) -> dict[str, Array]:
     )
     for name, size in zip(LOGGED[1:], sizes, strict=True):
         columns[name] += size * rng.standard_normal(len(columns[name]))
-    columns["heading"] = np.pi - np.mod(np.pi - columns["heading"], 2.0 * np.pi)
+    columns["heading"] = wrapped(columns["heading"])
     return columns
 
 

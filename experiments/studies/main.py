@@ -10,7 +10,7 @@ from swamp_rl.experiments.artifacts.stages import Stages, measured
 from swamp_rl.experiments.config.digests import pilot_hash, write_hashes
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.evaluation.episodes import Tried, try_pilots
-from swamp_rl.experiments.evaluation.pilot_runs import write_driven
+from swamp_rl.experiments.evaluation.pilot_runs import write_driven, write_shown
 from swamp_rl.experiments.evaluation.race import Race, fly_race
 from swamp_rl.experiments.reports.experiment import report
 from swamp_rl.experiments.reports.experiment_figures import draw_figures, write_race
@@ -51,7 +51,7 @@ def _show(
     progress: Stages,
 ) -> None:
     """Figures, recordings and the runs of the pilots, as far as an earlier life wrote any, anew."""
-    for name in ("figures", "driven"):
+    for name in ("figures", "driven", "shown"):
         shutil.rmtree(folder / name, ignore_errors=True)
     results["race"] = {"runs": {who: run.name for who, run in race.items()}}
     with progress.stage("draw figures"):
@@ -59,3 +59,5 @@ def _show(
     with progress.stage("write recordings"):
         write_race(scene, race, folder / "demo.rrd")
         write_driven(scene, tried, race, folder / "driven")
+        if scene.experiment.data.folder is not None:
+            write_shown(dataset, race, folder / "shown")

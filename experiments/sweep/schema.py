@@ -8,7 +8,7 @@ import yaml
 from pydantic import Field, model_validator
 from swamp_rl.experiments.config.schema import Count, Name, Part, Seed
 
-from swamp_rl.files import find_config, read_yaml, validated
+from swamp_rl.files import config_beside, find_config, read_yaml, validated
 
 MOST_TRIALS = 100_000
 Listed = Annotated[list[Any], Field(min_length=1)]
@@ -106,7 +106,10 @@ class Sweep(Part):
 def load_sweep(name_or_path: str | Path) -> Sweep:
     """The sweep of a file, by path or by its bare name in configs/sweeps; UserError names the first fault."""
     path = find_config("sweeps", name_or_path)
-    return validated(path, Sweep, read_yaml(path))
+    data = read_yaml(path)
+    if isinstance(data.get("experiment"), str):
+        data["experiment"] = config_beside(path, data["experiment"])
+    return validated(path, Sweep, data)
 
 
 def override(key: str, value: Any) -> str:

@@ -25,11 +25,12 @@ from swamp_rl.experiments.synthetic.draws import (
 )
 from swamp_rl.experiments.synthetic.drivers import RICH, Array, Driver, gate_run, straight
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.files import write_yaml
-from swamp_rl.runs import DatasetMeta, RunMeta
-from swamp_rl.runs.schema import Source
+from swamp_rl.runs import RunMeta
+from swamp_rl.runs.schema import Source, meta_of
 from swamp_rl.runs.table import write_table
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.delay import delayed_command
@@ -298,23 +299,24 @@ def write_case(
 
 
 def write_runs(
-    data: Path, vehicle: str, boat: Boat, tables: list[dict[str, NDArray[Any]]], source: Source, suffix: str
+    data: Path,
+    vehicle: str,
+    boat: Boat,
+    tables: list[dict[str, NDArray[Any]]],
+    source: Source,
+    suffix: str,
+    rate: float = 1 / DT,
 ) -> None:
-    """A file of that suffix for each run into the folder `data`, and the `dataset.yaml` of them all."""
+    """A file of that suffix for each run into the folder `data`, and the `dataset.yaml` of them all.
+
+    rate: rows a second.
+    """
     listed = []
     for number, columns in enumerate(tables):
         name = f"run_{number}.{suffix}"
         write_table(data / name, columns)
         listed.append(RunMeta(file=name, rows=len(columns["time"])))
-    meta = DatasetMeta(
-        vehicle=vehicle,
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=1 / DT,
-        source=source,
-        runs=listed,
-    )
+    meta = meta_of(boat, vehicle, rate, source, runs=listed)
     write_yaml(data / "dataset.yaml", meta.model_dump(exclude_defaults=True))
 
 
@@ -330,7 +332,7 @@ def measure(voyage: Voyage, noise: Array, rng: Rng) -> tuple[Array, NDArray[np.b
 def table(boat: Boat, measured: Array, asked: Array, velocities: bool) -> dict[str, Array]:
     """Columns of a run of `measured` (T, 6) channels under the commands `asked` (T, 2K)."""
     columns = {"time": DT * np.arange(len(measured)), "north": measured[:, 0], "east": measured[:, 1]}
-    columns["heading"] = np.pi - np.mod(np.pi - measured[:, 2], 2 * np.pi)
+    columns["heading"] = wrapped(measured[:, 2])
     if velocities:
         columns |= {"surge": measured[:, 3], "sway": measured[:, 4]}
     columns["yaw_rate"] = measured[:, 5]

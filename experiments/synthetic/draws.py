@@ -48,12 +48,12 @@ def wind_from(vector: dict[str, float]) -> dict[str, float]:
     return {"speed": math.hypot(north, east), "from": math.atan2(east, north)}
 
 
-def weather_by_run(rng: Rng, name: str, size: float, runs: int = RUNS) -> list[list[dict[str, Any]]]:
+def weather_by_run(rng: Rng, name: str, size: float) -> list[list[dict[str, Any]]]:
     """A wind or current of each run: Gaussian about a mean that all runs share."""
     mean, spread = WEATHER[name]
     common = polar(rng, mean * size)
     found = []
-    for _ in range(runs):
+    for _ in range(RUNS):
         vector = {key: value + spread * size * rng.normal() for key, value in common.items()}
         found.append([{"effect": name} | (wind_from(vector) if name == "wind" else vector)])
     return found

@@ -1,4 +1,4 @@
-"""Whether logged runs hold what a pilot meets where its evaluation starts."""
+"""Whether logged runs hold what a pilot meets in its evaluation: where it starts, and disturbances."""
 
 from collections.abc import Sequence
 
@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from swamp_rl.experiments.config.scene import Scene
 
+from swamp_rl.files import find_config, read_yaml
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.demonstrations import is_demonstration
 from swamp_rl.runs import Run
@@ -31,6 +32,23 @@ def warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
         f"{scene.boat.length:g} m from the {len(runs)} runs it learns from; record runs from the start of "
         f"{scene.course.name} on"
     )
+
+
+def calm_warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
+    """One line where most of the runs that the pilot of that name learns from met no disturbance, and it is
+    to be evaluated at levels with some; else None. Runs that do not tell theirs do not count as calm."""
+    rough = [told for told, level in scene.levels.items() if _disturbs(level)]
+    calm = sum(run.meta.disturbances in ([], "calm") for run in runs)
+    if not rough or 2 * calm <= len(runs):
+        return None
+    return (
+        f"pilots.{name}: {calm} of the {len(runs)} runs it learns from were driven without disturbances, and "
+        f"it is tried at {', '.join(rough)}; where it fails there, record runs with --disturbances {rough[0]}"
+    )
+
+
+def _disturbs(level: str) -> bool:
+    return bool(read_yaml(find_config("disturbances", level)).get("effects"))
 
 
 def _starts(scene: Scene, level: str) -> Array:

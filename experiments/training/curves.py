@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
 from swamp_rl.json_text import parsed_json
 from swamp_rl.ordinary import MOST_JSON, contents
 
@@ -25,8 +25,7 @@ CURVE = "curve.jsonl"
 
 def write_curve(path: Path, points: Iterable[Mapping[str, float]]) -> None:
     """Points with `step`, one of QUANTITIES and what else was logged, one a line; UserError if it cannot."""
-    with write_beside(path) as part:
-        part.write_text("".join(f"{json.dumps(dict(point))}\n" for point in points), encoding="utf-8")
+    write_text(path, "".join(f"{json.dumps(dict(point))}\n" for point in points))
 
 
 def quantity_of(points: Iterable[Mapping[str, float]]) -> str | None:

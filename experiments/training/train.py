@@ -10,7 +10,7 @@ from swamp_rl.experiments.artifacts.stages import Stages
 from swamp_rl.experiments.config.learners import Training, check_logged, in_order, learner
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
-from swamp_rl.experiments.training.coverage import warning
+from swamp_rl.experiments.training.coverage import calm_warning, warning
 from swamp_rl.experiments.training.curves import CURVE, write_curve
 from swamp_rl.experiments.training.tracking import tracked
 
@@ -102,9 +102,10 @@ def _train_into(
     curve: list[dict[str, float]] = []
     # With a takeover another pilot drives at the start.
     if learner(plan.kind).from_runs and plan.takeover == 0.0:
-        outside = warning(scene, name, choose_runs(dataset.runs, plan.runs, plan.outcomes, plan.skill))
-        if outside is not None:
-            say(outside)
+        runs = choose_runs(dataset.runs, plan.runs, plan.outcomes, plan.skill)
+        for line in (warning(scene, name, runs), calm_warning(scene, name, runs)):
+            if line is not None:
+                say(line)
     events = folder.parent / TENSORBOARD / name
     with progress.stage(f"train {name}", 1.0) as tick, tracked(events, scene.experiment, name) as log:
         hear = partial(_add_point, curve, log)

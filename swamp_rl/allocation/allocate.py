@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.allocation.jets import Jets, wrapped
+from swamp_rl.allocation.jets import Jets
 from swamp_rl.allocation.problem import Solution, Wish, solve_in
 from swamp_rl.allocation.sectors import TURN, Sector, sectors_of
+from swamp_rl.angles import wrapped_below
 from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
@@ -127,7 +128,7 @@ def goals(jets: Jets, forces: Array, now: Array, past_the_end: float = AT_THE_EN
 def _within(jets: Jets, k: int, azimuth: float, now: float, past_the_end: float) -> float:
     """The nearest azimuth to `now` equal to `azimuth` up to whole turns, inside the range of jet k."""
     low, high = float(jets.azimuth_min[k]), float(jets.azimuth_max[k])
-    nearest = now + wrapped(azimuth - now)
+    nearest = now + wrapped_below(azimuth - now)
     clipped = min(max(nearest, low), high)
     if abs(clipped - nearest) <= past_the_end:
         return clipped

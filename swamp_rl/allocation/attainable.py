@@ -40,23 +40,11 @@ def _multiple_in(jets: Jets, chosen: tuple[Sector, ...], wanted: Array) -> float
     return reached if reached > 1e-6 else 0.0
 
 
-def force_region(jets: Jets, moment: float = 0.0, directions: int = 72) -> Array:
-    """(n, 2) surge and sway force [N], the largest in evenly spread directions while `moment` [N m] is held.
+def force_region(jets: Jets, directions: int) -> Array:
+    """(n, 2) surge and sway force [N], the largest in evenly spread directions without a yaw moment.
 
-    The border of the attainable region's section; NaN rows where not even that moment can be held.
+    The border of the attainable region's section; 0 where a force of that direction cannot be held at all.
     """
-    own = [found for k in range(len(jets.names)) if (found := sectors_of(jets, k, 0.0, math.inf))]
     angles = np.arange(directions) * 2.0 * math.pi / directions
-    border = np.full((directions, 2), np.nan)
-    for row, angle in enumerate(angles):
-        along = np.array([math.cos(angle), math.sin(angle), 0.0])
-        reached = []
-        for chosen in itertools.product(*own):
-            program = Program(jets, chosen)
-            program.scale_up(along, UNBOUNDED, np.array([0.0, 0.0, moment]))
-            x = program.solved()
-            if x is not None:
-                reached.append(float(x[-1]))
-        if reached:
-            border[row] = max(reached) * along[:2]
-    return border
+    along = np.stack([np.cos(angles), np.sin(angles), np.zeros(directions)], axis=1)
+    return np.array([largest_multiple(jets, one) * one[:2] for one in along])

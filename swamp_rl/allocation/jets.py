@@ -1,6 +1,5 @@
 """What thrust allocation has to know of a boat's jets: where they stand, how hard and which way they push."""
 
-import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -123,8 +122,3 @@ def _refuse_strangers(given: Collection[str], names: Sequence[str], what: str) -
     for name in given:
         if name not in names:
             raise UserError(f"{what} {name!r}: the boat has {', '.join(names)}; name one of these")
-
-
-def wrapped(angle: float) -> float:
-    """The same angle [rad] in [-pi, pi)."""
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi

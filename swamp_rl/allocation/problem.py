@@ -46,8 +46,8 @@ class Solution:
     shortfall: Array
 
 
-@lru_cache(maxsize=1)
-def solver_settings(scaled: bool = True) -> Any:
+@lru_cache(maxsize=2)
+def solver_settings(scaled: bool) -> Any:
     """Clarabel's settings: silent, and exact enough for a force to be met to a micronewton.
 
     scaled: whether it scales rows and columns first.
@@ -152,17 +152,13 @@ class Program:
             self.squares[slack + axis] = 2.0
         self._add(clarabel.ZeroConeT(3), *rows)
 
-    def scale_up(self, direction: Array, most: float, base: Array | None = None) -> None:
-        """Maximise s up to `most` in B chi = base + s direction; s [1] is the last column."""
+    def scale_up(self, direction: Array, most: float) -> None:
+        """Maximise s up to `most` in B chi = s direction; s [1] is the last column."""
         import clarabel
 
         scale = self.columns
         self.columns += 1
-        base = np.zeros(3) if base is None else base
-        rows = [
-            (self._geometry_row(axis) | {scale: -float(direction[axis])}, float(base[axis]))
-            for axis in range(3)
-        ]
+        rows = [(self._geometry_row(axis) | {scale: -float(direction[axis])}, 0.0) for axis in range(3)]
         self._add(clarabel.ZeroConeT(3), *rows)
         self._add(clarabel.NonnegativeConeT(2), ({scale: -1.0}, 0.0), ({scale: 1.0}, most))
         self.linear[scale] = -1.0

@@ -16,6 +16,7 @@ from swamp_rl.simulator import parameters
 
 Array = NDArray[np.float64]
 HALVINGS = 40
+MOST = 50.0  # multiples of a wanted force beyond which no one asks
 
 
 @compiled
@@ -95,8 +96,8 @@ class Propellers:
         met = bool(np.hypot(*missing) <= MET * max(1.0, float(np.hypot(wanted[0], wanted[2] / self.lever))))
         return Allocation(angle, level, forces, wanted, achieved, met)
 
-    def largest_multiple(self, wanted: Array, velocity: Array, most: float = 50.0) -> float:
-        """The largest multiple [1], `most` at most, of `wanted` (3,) of which surge and yaw can be had.
+    def largest_multiple(self, wanted: Array, velocity: Array) -> float:
+        """The largest multiple [1], MOST at most, of `wanted` (3,) of which surge and yaw can be had.
 
         velocity: (3,) through the water [m/s, rad/s]. 0 where not even a hundredth of it can be had; the
         sway force is nobody's business here: see `swamp_rl.guidance.capability`.
@@ -108,7 +109,7 @@ class Propellers:
 
         if not had(0.01):
             return 0.0
-        low, high = 0.01, most
+        low, high = 0.01, MOST
         for _ in range(HALVINGS // 2):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if had(middle) else (low, middle)

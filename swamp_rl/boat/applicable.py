@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+from swamp_rl.boat.drawn import refuse_without_battery
 from swamp_rl.boat.propeller_rudder import PropellerRudder
 from swamp_rl.boat.resistance import DriftResistance
 from swamp_rl.boat.schema import Boat, Thruster
@@ -19,11 +20,18 @@ def able(thruster: Thruster | PropellerRudder, needs: str) -> bool:
     ]
 
 
-def refuse_inapplicable(boat: Boat, effects: Iterable[Effect], where: str) -> None:
-    """UserError that begins with `where` if one of the effects needs tests or a rudder that the boat does not
-    have.
+def refuse_inapplicable(boat: Boat, effects: Iterable[Effect], where: str, counted: bool = False) -> None:
+    """UserError that begins with `where` if one of the effects needs tests, a rudder or a battery that the
+    boat does not have, or a battery whose charge is not `counted`.
     """
     for effect in effects:
+        if effect.battery and not counted:
+            raise UserError(
+                f"{where}: {effect.name} acts in the episodes of an environment alone, which count the "
+                "charge; remove the effect"
+            )
+        if effect.battery:
+            refuse_without_battery(boat, f"{where}: {effect.name}")
         if effect.name == "shallow_water" and isinstance(boat.resistance, DriftResistance):
             raise UserError(
                 f"{where}: shallow_water needs the resistance of a towing tank at several depths, but "

@@ -4,8 +4,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from swamp_rl.boat.merge import is_quantity
+from swamp_rl.boat.merge import value_of
 from swamp_rl.boat.quantity import SPREAD
+from swamp_rl.effects.entries import is_number
 
 HEIGHT = 0.2  # of the profile above water, over the length
 FILLED = 0.75  # share of length times height that the lateral profile fills
@@ -97,6 +98,5 @@ def _left_out(section: Mapping[str, Any], given: Any) -> dict[str, Any]:
 
 def _number(given: Any) -> float:
     """The number of a leaf, 0 where it is none that is finite."""
-    value = given.get("value") if is_quantity(given) else given
-    is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-    return float(value) if is_number else 0.0
+    value = value_of(given)
+    return float(value) if is_number(value) else 0.0

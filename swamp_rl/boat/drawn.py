@@ -7,9 +7,25 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat.battery import PowerCurve, PowerTable
 from swamp_rl.boat.propeller_rudder import PropellerRudder
-from swamp_rl.boat.schema import Thruster
+from swamp_rl.boat.schema import Boat, Thruster
+from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
+
+
+def missing(boat: Boat) -> str | None:
+    """The key of the boat file without which there are no electric figures; None where all are there."""
+    for thruster in boat.thrusters:
+        if thruster.power is None:
+            return f"thrusters.{thruster.name}.power"
+    return "battery" if boat.battery is None else None
+
+
+def refuse_without_battery(boat: Boat, what: str = "energy") -> None:
+    """UserError where the boat file lacks the battery or the power of a thruster, which `what` needs."""
+    key = missing(boat)
+    if key is not None:
+        raise UserError(f"boat {boat.name}: {key}: is missing; {what} needs it, add it to the boat file")
 
 
 def size_at_rest(thruster: Thruster | PropellerRudder, level: Array, density: float) -> Array:
@@ -57,5 +73,5 @@ def full_power(
     screw = thruster.propeller
     most = np.where(level >= 0.0, screw.revolutions_max, screw.revolutions_max_astern)
     n = np.abs(level) * most
-    torque = (screw.torque_coefficient or 0.0) * density * n**2 * screw.diameter**5
-    return np.asarray(given.idle + 2.0 * math.pi * n * torque / given.efficiency * np.asarray(left) ** 1.5)
+    shaft = 2.0 * math.pi * n * screw.torque(n, density)
+    return np.asarray(given.idle + shaft / given.efficiency * np.asarray(left) ** 1.5)

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from swamp_rl.boat.defaults import assumed
 from swamp_rl.boat.estimate_hull import fullness
+from swamp_rl.constants import GRAVITY
 
-GRAVITY = 9.81  # m/s2
 STEEPNESS = 0.9  # of R / W = 0.9 Fn³, through the deepest curve of SWAMP's towing tank
 FASTEST = 1.0  # Froude number that is not exceeded where no top speed is given
 ASTERN = 0.6  # thrust astern over thrust ahead

@@ -11,6 +11,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 from swamp_rl.boat.applicable import refuse_inapplicable
 from swamp_rl.boat.battery import CURVE, MEASURED, SHAFT
 from swamp_rl.boat.defaults import defaults_of
+from swamp_rl.boat.magnitude import out_of_range
 from swamp_rl.boat.merge import Key, is_quantity, leaves, merge
 from swamp_rl.boat.plausible import implausible
 from swamp_rl.boat.quantity import SPREAD, Provenance, units
@@ -48,6 +49,7 @@ def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = Non
         origins = {key: origin for key, origin in origins.items() if key in left}
         origins |= {key: (path, leaf) for key, leaf in leaves(own)}
     asked = chain[-1][0]
+    _refuse(out_of_range(raw), origins, asked)
     whole = resolved(raw, asked)
     added = defaults_of(whole)
     origins |= {key: (asked, leaf) for key, leaf in leaves(added)}

@@ -6,7 +6,6 @@ from pydantic import BaseModel
 
 from swamp_rl.boat.quantity import SPREAD, Provenance, Unit
 from swamp_rl.boat.schema import Boat
-from swamp_rl.effects import EffectEntry
 from swamp_rl.effects.entries import entry_mapping
 
 
@@ -18,13 +17,8 @@ def boat_mapping(boat: Boat) -> dict[str, Any]:
     made = _section(boat, (), boat.provenance)
     made.pop("effects", None)
     if boat.effects:
-        made["effects"] = [effect_mapping(entry) for entry in boat.effects]
+        made["effects"] = [entry_mapping(entry) for entry in boat.effects]
     return made
-
-
-def effect_mapping(entry: EffectEntry) -> dict[str, Any]:
-    """An effect as it stands in a boat file."""
-    return entry_mapping(entry)
 
 
 def _section(model: BaseModel, at: tuple[str, ...], known: dict[str, Provenance]) -> dict[str, Any]:

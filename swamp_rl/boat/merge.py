@@ -13,6 +13,11 @@ def is_quantity(given: Any) -> bool:
     return isinstance(given, Mapping) and any(key in given for key in KEYS)
 
 
+def value_of(given: Any) -> Any:
+    """What a leaf holds, with its provenance or bare."""
+    return given.get("value") if is_quantity(given) else given
+
+
 def is_section(given: Any) -> bool:
     """Whether `given` holds further keys."""
     return isinstance(given, Mapping) and not is_quantity(given)

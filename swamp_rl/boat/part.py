@@ -1,11 +1,21 @@
 """What every section of a boat file is made of: the strict model, and the limits that its numbers share."""
 
 import math
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+
+def _filled(given: tuple[Any, ...]) -> tuple[Any, ...]:
+    # A least length declared as such would be missed, too, by a list whose items are at fault.
+    if not given:
+        raise ValueError("is empty; give at least one")
+    return given
+
+
+FILLED = AfterValidator(_filled)
 POSITIVE, NOT_NEGATIVE, NOT_POSITIVE = Field(gt=0), Field(ge=0), Field(le=0)
-FRACTION = Field(ge=0, le=1)
+FRACTION, BELOW_ONE = Field(ge=0, le=1), Field(lt=1)
 ANGLE = Field(ge=-2 * math.pi, le=2 * math.pi)
 FROM_LIST = Field(strict=False)  # YAML has lists, a frozen model holds tuples
 NAME = Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")

@@ -17,8 +17,8 @@ from swamp_rl.boat.quantity import units
 from swamp_rl.boat.resistance import DriftResistance
 from swamp_rl.boat.schema import Boat, Thruster
 from swamp_rl.boat.screw import Screw
+from swamp_rl.constants import GRAVITY
 
-GRAVITY = 9.81  # m/s2
 POWERS: dict[type, str] = {PowerCurve: "coefficient", PowerTable: "power", ShaftPower: "efficiency"}
 HULL = ("x_vr", "y_v", "y_r", "n_v", "n_r", "c_d", "c_ry", "c_rn")
 

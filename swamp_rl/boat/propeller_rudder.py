@@ -6,11 +6,10 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from swamp_rl.boat.battery import Power, ShaftPower
-from swamp_rl.boat.part import FROM_LIST, NAME, NOT_NEGATIVE, POSITIVE, Part
+from swamp_rl.boat.part import BELOW_ONE, FROM_LIST, NAME, NOT_NEGATIVE, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.boat.screw import OpenWater, bollard_factor
 
-BELOW_ONE = Field(lt=1)
 RUDDER_ANGLE = Field(gt=0, lt=math.pi / 2)
 Coefficients = Annotated[tuple[float, ...], FROM_LIST, Unit("1")]
 

@@ -1,12 +1,12 @@
 """What a boat file leaves to be worked out: thrusters' common block, draught by load, Yoshimura's C_D."""
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from swamp_rl.boat.loading import Loading, is_loading
-from swamp_rl.boat.merge import is_quantity, is_section, listed, merge, without_nulls
+from swamp_rl.boat.merge import is_quantity, is_section, listed, merge, value_of, without_nulls
+from swamp_rl.effects.entries import is_number
 from swamp_rl.errors import UserError
 from swamp_rl.explain import validated
 
@@ -29,21 +29,21 @@ def resolved(raw: Mapping[str, Any], path: Path) -> dict[str, Any]:
         thrusters = [item for item in listed(thrusters) if item is not None]
     if isinstance(thrusters, list):
         whole["thrusters"] = [merge(template, item) if is_section(item) else item for item in thrusters]
-    if is_loading(_value(raw.get("draught"))):
+    if is_loading(value_of(raw.get("draught"))):
         number = _by_load(raw, path)
         asked: Any = raw["draught"]
         whole["draught"] = {**asked, "value": number} if is_quantity(asked) else number
     hull: Any = raw["hull"] if isinstance(raw.get("hull"), Mapping) else {}
     given: Any = hull.get("c_d")
-    if _value(given) == REGRESSION:
-        number = _regression(_value(raw.get("length")), _value(whole.get("draught")), path)
+    if value_of(given) == REGRESSION:
+        number = _regression(value_of(raw.get("length")), value_of(whole.get("draught")), path)
         whole["hull"] = {**hull, "c_d": {**given, "value": number} if is_quantity(given) else number}
     return without_nulls(whole)
 
 
 def _by_load(raw: Mapping[str, Any], path: Path) -> float:
     """Draught [m] of the file's mass; UserError where the table, the mass or the density are none."""
-    mass, density = _value(raw.get("mass")), _value(raw.get("water_density"))
+    mass, density = value_of(raw.get("mass")), value_of(raw.get("water_density"))
     if raw.get("loading") is None:
         raise UserError(
             f"{path}: draught: loading: the file has no section loading; add it, or give a number"
@@ -77,10 +77,5 @@ def yoshimura_c_d(length: float, draught: float) -> float:
     return -0.0591 * length / draught + 1.848
 
 
-def _value(given: Any) -> Any:
-    return given.get("value") if is_quantity(given) else given
-
-
 def _is_positive(given: Any) -> bool:
-    is_number = isinstance(given, int | float) and not isinstance(given, bool)
-    return is_number and math.isfinite(given) and given > 0
+    return is_number(given) and given > 0

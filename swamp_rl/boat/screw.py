@@ -1,15 +1,17 @@
 """What a boat file holds of a thruster whose thrust depends on its speed of advance: propeller or table."""
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from swamp_rl.boat.part import FROM_LIST, NAME, NOT_NEGATIVE, POSITIVE, Part
+from swamp_rl.boat.part import BELOW_ONE, FROM_LIST, NAME, NOT_NEGATIVE, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.boat.resistance import increasing
 
-BELOW_ONE = Field(lt=1)
+Revolutions = TypeVar("Revolutions", float, NDArray[np.float64])
 REACHED, STEPS = 0.9, 200  # share of full revolutions that the mean acceleration counts to; its steps
 MOST = 100  # throttles or speeds of a table
 SERIES = Annotated[tuple[float, ...], FROM_LIST, Field(min_length=1, max_length=41), Unit("1")]
@@ -192,7 +194,7 @@ class Screw(Part):
         width = 2.0 * math.pi * REACHED * self.revolutions_max / STEPS
         return REACHED / sum(width * self.motor.inertia / torque for torque in left)
 
-    def torque(self, revolutions: float, water_density: float) -> float:
+    def torque(self, revolutions: Revolutions, water_density: float) -> Revolutions:
         """Q = K_q ρ n² d⁵ [N m] at rest."""
         return (self.torque_coefficient or 0.0) * water_density * revolutions**2 * self.diameter**5
 

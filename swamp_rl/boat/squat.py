@@ -3,9 +3,8 @@
 import math
 
 from swamp_rl.boat.schema import Boat
-
-GRAVITY = 9.81  # m/s2
-FACTOR = 2.4  # of ICORELS
+from swamp_rl.constants import GRAVITY
+from swamp_rl.physics.squat import sinkage
 
 
 def critical_speed(depth: float) -> float:
@@ -14,16 +13,13 @@ def critical_speed(depth: float) -> float:
 
 
 def squat(boat: Boat, speed: float, depth: float) -> float:
-    """Sinkage [m] of the lowest point at a speed [m/s] through water of a depth h [m]: ICORELS.
+    """Sinkage [m] of the lowest point at a speed [m/s] through water of a depth [m], by `physics.squat`.
 
-    2.4 (∇/L²) F²/√(1 − F²), F² = U²/(g h), ∇ = M/ρ (PIANC, Approach Channels, 1997). ValueError at and above
-    the critical speed. The draught is not in it: `Boat.draught` is that of the load.
+    ValueError at and above the critical speed. The draught is not in it: `Boat.draught` is that of the load.
     """
-    square = speed**2 / (GRAVITY * depth)
-    if square >= 1.0 - 1e-9:
+    if speed >= critical_speed(depth) * (1.0 - 1e-9):
         raise ValueError(f"{speed:g} m/s is not below the critical speed of {critical_speed(depth):.3g} m/s")
-    volume = boat.mass / boat.water_density
-    return FACTOR * volume / boat.length**2 * square / math.sqrt(1.0 - square)
+    return sinkage(boat.mass / boat.water_density, boat.length, speed, depth)
 
 
 def clearance(boat: Boat, speed: float, depth: float) -> float:

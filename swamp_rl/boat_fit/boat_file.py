@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from swamp_rl.boat import Boat
-from swamp_rl.boat.mapping import boat_mapping, effect_mapping
+from swamp_rl.boat.mapping import boat_mapping
 from swamp_rl.boat.quantity import SPREAD
 from swamp_rl.boat_fit.numbers import Number
+from swamp_rl.effects.entries import entry_mapping
 
 DIGITS = 5  # significant, of a number in the file
 SHOWN = (
@@ -43,7 +44,7 @@ def identified_mapping(boat: Boat, name: str, fitted: Sequence[Fitted], told_fro
         if not fields & {parameter.field for parameter in entry.effect.parameters}
     ]
     made = boat_mapping(boat)
-    made |= {"name": name, "effects": [effect_mapping(entry) for entry in kept]}
+    made |= {"name": name, "effects": [entry_mapping(entry) for entry in kept]}
     for one in fitted:
         if one.number.name.startswith("effects."):
             _add_effect(made["effects"], boat, one)

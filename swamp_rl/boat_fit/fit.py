@@ -9,10 +9,9 @@ from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.hypothesis import FreeBoat
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, fit, inverse
-from swamp_rl.criticism.likelihood.state_fit import fit_states
+from swamp_rl.criticism.likelihood.output_error import Fit, fit, fit_states, inverse
 from swamp_rl.criticism.model.scales import state_scale
-from swamp_rl.criticism.nuisance.model_error import correlation_samples, residual_rms, standardised_residual
+from swamp_rl.criticism.nuisance.process_noise import correlation_samples, residual_rms, standardised_residual
 from swamp_rl.errors import UserError
 from swamp_rl.simulator.reference import reference_of
 

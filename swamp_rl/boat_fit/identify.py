@@ -25,7 +25,7 @@ from swamp_rl.criticism.data.checks import refuse_other_vehicle
 from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
-from swamp_rl.criticism.inference.trivial_predictors import trivial_predictors
+from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.errors import UserError

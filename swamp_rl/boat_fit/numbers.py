@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.boat.plausible import Limit, ranges
 from swamp_rl.boat.resistance import TankResistance
-from swamp_rl.boat.screw import Linear
+from swamp_rl.boat.screw import Linear, OpenWater
 from swamp_rl.effects import Reference
 from swamp_rl.effects.limits import LONGEST_DELAY
 from swamp_rl.simulator import parameters
@@ -186,7 +186,8 @@ def _hull(boat: Boat, of: Reference) -> Iterable[Number]:
 
 def _jet(boat: Boat, k: int) -> Iterable[Number]:
     thruster, record = boat.thrusters[k], parameters(boat)[0]
-    key = f"thrusters.{thruster.name}"
+    assert isinstance(thruster, Thruster)
+    key, screw = f"thrusters.{thruster.name}", thruster.propeller
     for way, ahead in (("thrust", True), ("astern", False)):
         names = [f"{way}_{power}" for power in ("linear", "quadratic")]
         most = float(sum(record[name][k] for name in names))
@@ -196,12 +197,9 @@ def _jet(boat: Boat, k: int) -> Iterable[Number]:
         for name in names:
             start = float(record[name][k])
             yield Number(f"{key}.{name}", "N", name, start, 0.3 * most, trial, low=0.0, thrusters=(k,))
-    screw = thruster.propeller if isinstance(thruster, Thruster) else None
-    if screw is not None and isinstance(screw.open_water, Linear):
-        start, name = screw.open_water.bollard_coefficient, f"{key}.propeller.open_water.bollard_coefficient"
-        trial = f"several throttles of {thruster.name}"
-        yield Number(name, "1", "screw_bollard", start, 0.3 * start, trial, low=0.0, thrusters=(k,))
-    elif screw is None and record["nozzle_area"][k] > 0.0:
+    if screw is not None:
+        yield from _open_water(screw.open_water, key, k, f"several throttles of {thruster.name}")
+    elif thruster.thrust_table is None and record["nozzle_area"][k] > 0.0:
         start = float(record["advance_loss"][k])
         trial = "full throttle at speed"
         name = f"{key}.advance_loss"
@@ -211,6 +209,13 @@ def _jet(boat: Boat, k: int) -> Iterable[Number]:
         start = float(record["azimuth_offset"][k])
         name = f"{key}.azimuth_offset"
         yield Number(name, "rad", "azimuth_offset", start, 0.1, "straight runs", thrusters=(k,))
+
+
+def _open_water(model: OpenWater, key: str, k: int, trial: str) -> Iterable[Number]:
+    """The thrust at rest of a propeller's model, where that is a number of the file."""
+    if isinstance(model, Linear):
+        start, name = model.bollard_coefficient, f"{key}.propeller.open_water.bollard_coefficient"
+        yield Number(name, "1", "screw_bollard", start, 0.3 * start, trial, low=0.0, thrusters=(k,))
 
 
 def _dead_band(boat: Boat, k: int) -> Number:
@@ -251,7 +256,9 @@ def _positions(boat: Boat, k: int) -> Iterable[Number]:
 
 def _propeller(boat: Boat, k: int) -> Iterable[Number]:
     """Open-water thrust and wake of the propeller, and the forces of the rudder in its race."""
-    record, key = parameters(boat)[0], f"thrusters.{boat.thrusters[k].name}"
+    thruster, record = boat.thrusters[k], parameters(boat)[0]
+    assert isinstance(thruster, PropellerRudder)
+    key, model = f"thrusters.{thruster.name}", thruster.propeller.open_water
     thrust, astern, steered = "several revolutions ahead", "revolutions astern", "rudder angles at speed"
 
     def one(
@@ -264,8 +271,10 @@ def _propeller(boat: Boat, k: int) -> Iterable[Number]:
         start = float(record[field][k]) if record[field].ndim == 1 else 1.0
         return Number(f"{key}.{name}", "1", field, start, sd, trial, scaled=True, thrusters=(k,))
 
-    for name, elements, trial in (("k_t", 3, thrust), ("astern_thrust", 3, astern)):
-        for i in range(elements):
+    if model is not None:
+        yield from _open_water(model, key, k, thrust)
+    for name, trial in (("k_t", thrust), ("astern_thrust", astern)) if model is None else ():
+        for i in range(3):
             start = float(record[name][k, i])
             sd = 0.3 * max(abs(start), 0.3 * abs(float(record[name][k, 0])))
             number = f"{key}.propeller.{name}.{i}"

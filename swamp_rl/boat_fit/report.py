@@ -10,36 +10,36 @@ from swamp_rl.boat_fit.result import Identification
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.report.evidence import TRIVIAL
-from swamp_rl.criticism.report.page import STYLE
+from swamp_rl.criticism.report.page import document
+from swamp_rl.criticism.report.tables import table
 from swamp_rl.criticism.result import Predictors
 
 
 def page_of(found: Identification) -> str:
     """The whole HTML page."""
     title = f"Identification of {found.boat.name}"
-    body = "".join(
+    return document(
+        title,
         (
             f"<h1>{html.escape(title)}</h1>",
             *(f"<p>{html.escape(line)}</p>" for line in summary(found)),
             "<h2>Prediction error on held-out runs</h2>",
             f"<p>{html.escape(held_out_sentence(found))}</p>",
-            _table(("horizon", "start file", "identified", *TRIVIAL.values()), error_rows(found)),
+            table(("horizon", "start file", "identified", *TRIVIAL.values()), error_rows(found)),
             "<h2>Numbers</h2>",
             "<p>± is one standard error (sandwich covariance, prior included). Information: share of the "
             "posterior precision that the runs gave; the rest is the prior's.</p>",
-            _table(
+            table(
                 ("number", "start", "identified", "±", "prior ±", "unit", "information"),
                 number_rows(found.fitted),
             ),
             "<h2>Residual</h2>",
-            _table(("channel", "noise", "residual", "unit"), residual_rows(found)),
+            table(("channel", "noise", "residual", "unit"), residual_rows(found)),
             f"<p>{html.escape(residual_sentence(found))}</p>",
             "<h2>What to record next</h2>",
             "<ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in next_runs(found)) + "</ul>",
-        )
+        ),
     )
-    head = f'<meta charset="utf-8"><title>{html.escape(title)}</title><style>{STYLE}</style>'
-    return f'<!doctype html><html lang="en"><head>{head}</head><body>{body}</body></html>\n'
 
 
 def summary(found: Identification) -> list[str]:
@@ -167,11 +167,3 @@ def next_runs(found: Identification) -> list[str]:
             lacking.setdefault(one.number.trial, []).append(one.number.name)
     said = [f"{trial}: for {', '.join(names)}" for trial, names in lacking.items()]
     return [*said, *missing_motion(found.data.training, False)] or ["The runs show every number."]
-
-
-def _table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    cells = [
-        "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in row) + "</tr>"
-        for tag, row in (("th", header), *(("td", row) for row in rows))
-    ]
-    return f"<table>{''.join(cells)}</table>"

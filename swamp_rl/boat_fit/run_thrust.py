@@ -11,8 +11,7 @@ from swamp_rl.boat_fit.fit import SHORT, soft_weights
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import fit
-from swamp_rl.criticism.likelihood.state_fit import fit_states, losses
+from swamp_rl.criticism.likelihood.output_error import fit, fit_states, losses
 from swamp_rl.criticism.model.candidates import Hypothesis, instances_of
 from swamp_rl.effects import LIBRARY
 

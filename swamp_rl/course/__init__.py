@@ -4,6 +4,7 @@ from swamp_rl.course.fit import fitted
 from swamp_rl.course.schema import (
     Bounds,
     Course,
+    Depth,
     Gate,
     Point,
     Pose,
@@ -17,6 +18,7 @@ from swamp_rl.course.tables import buoy_table, gate_table
 __all__ = [
     "Bounds",
     "Course",
+    "Depth",
     "Gate",
     "Point",
     "Pose",

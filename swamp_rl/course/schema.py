@@ -5,15 +5,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+from swamp_rl.constants import DAY
 from swamp_rl.errors import UserError
 from swamp_rl.files import extended_config, find_config, read_yaml, validated
 
 Metres = Annotated[float, Field(ge=-1e6, le=1e6)]
 Radians = Annotated[float, Field(ge=-2.0 * math.pi, le=2.0 * math.pi)]
 Positive = Annotated[float, Field(gt=0.0, le=1e6)]
-SHORTEST, LONGEST = 1.0, 86400.0  # s
+SHORTEST, LONGEST = 1.0, DAY  # s
 Seconds = Annotated[float, Field(ge=SHORTEST, le=LONGEST)]
 
 
@@ -88,12 +89,49 @@ class Bounds(_Strict):
         )
 
 
+class Range(_Strict):
+    """A number drawn uniformly for each episode; `uniform: [least, most]`."""
+
+    uniform: Annotated[tuple[Positive, Positive], Field(strict=False)]
+
+    @property
+    def least(self) -> float:
+        """The least number."""
+        return self.uniform[0]
+
+    @property
+    def draws(self) -> int:
+        """How many uniforms in [0, 1) an episode takes: none where the number is always the same."""
+        return int(self.uniform[0] < self.uniform[1])
+
+    @model_validator(mode="after")
+    def _least_comes_first(self) -> "Range":
+        if self.uniform[0] > self.uniform[1]:
+            raise ValueError("uniform must be [least, most]")
+        return self
+
+
+def _range(given: Any) -> Any:
+    """A number as the `Range` that holds it alone."""
+    if isinstance(given, int | float) and not isinstance(given, bool):
+        if not given > 0.0:
+            raise ValueError(f"must be above 0 m, not {given:g}")
+        return {"uniform": [given, given]}
+    if not isinstance(given, Mapping | Range):
+        raise ValueError("must be a number [m], or {uniform: [least, most]}")
+    return given
+
+
+Depth = Annotated[Range, BeforeValidator(_range, json_schema_input_type=float | Range)]
+
+
 class Course(_Strict):
     """Gates to be passed in their order, each from behind; frozen, lengths in m, `time_limit` in s.
 
     boat_length [m]: of the boat that it is laid out for; for a boat of another length all its lengths are
     scaled (`swamp_rl.course.fit`). boat_speed [m/s]: top speed for which that boat needs no longer limit.
     Without boat_length the course is what it is, whatever boat sails it.
+    depth [m]: of the water, everywhere on it: a number, or one drawn for each episode; deep without.
     """
 
     name: Annotated[str, Field(min_length=1)]
@@ -105,6 +143,7 @@ class Course(_Strict):
     time_limit: Seconds
     boat_length: Positive | None = None
     boat_speed: Positive | None = None
+    depth: Depth | None = None
 
     @model_validator(mode="after")
     def _can_be_sailed(self) -> "Course":
@@ -127,8 +166,13 @@ class Course(_Strict):
         return tuple(buoy for gate in self.gates for buoy in gate.buoys)
 
 
-def limited(course: Course, time_limit: float | None, bounds: Mapping[Any, float] | None) -> Course:
-    """The course with another time limit [s], and with other edges [m] by their names in `Bounds`.
+def limited(
+    course: Course,
+    time_limit: float | None,
+    bounds: Mapping[Any, float] | None,
+    depth: float | Mapping[str, Any] | None = None,
+) -> Course:
+    """The course with another time limit [s], other edges [m] by their names in `Bounds`, another depth [m].
 
     UserError where the limits are no numbers that a course may have, or leave out a buoy or the start.
     """
@@ -137,13 +181,15 @@ def limited(course: Course, time_limit: float | None, bounds: Mapping[Any, float
     given: dict[str, Any] = {} if time_limit is None else {"time_limit": time_limit}
     if bounds:
         given["bounds"] = {**course.bounds.model_dump(), **bounds}
+    if depth is not None:
+        given["depth"] = depth
     if not given:
         return course
     return validated(f"course {course.name} with other limits", Course, {**course.model_dump(), **given})
 
 
 OWN_LAYOUT = {"gates", "start", "bounds", "buoy_radius"}
-LENGTHS = ("north", "east", "south", "west", "width", "buoy_radius")
+LENGTHS = ("north", "east", "south", "west", "width", "buoy_radius", "depth")
 
 
 def load_course(name_or_path: str | Path) -> Course:
@@ -182,9 +228,12 @@ def course_files(name_or_path: str | Path) -> list[Path]:
 def scaled_lengths(given: Any, scale: float, key: str = "") -> Any:
     """What a course file holds under `key`, with every length times `scale`."""
     if isinstance(given, dict):
-        return {name: scaled_lengths(value, scale, name) for name, value in given.items()}
+        return {
+            name: scaled_lengths(value, scale, key if key in LENGTHS else name)
+            for name, value in given.items()
+        }
     if isinstance(given, list):
-        return [scaled_lengths(item, scale) for item in given]
+        return [scaled_lengths(item, scale, key) for item in given]
     if isinstance(given, bool) or not isinstance(given, int | float):
         return given
     times = scale if key in LENGTHS else math.sqrt(scale) if key == "time_limit" else 1.0

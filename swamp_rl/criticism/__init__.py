@@ -1,3 +1,1 @@
-"""Model criticism: the difference between a simulated boat and measured runs, the effects that explain it,
-and the reduction of the prediction error when they are added.
-"""
+"""Model criticism: what makes a simulated boat differ from measured runs, and the gain of mending it."""

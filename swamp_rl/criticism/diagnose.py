@@ -14,47 +14,40 @@ from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet, read_run_set
-from swamp_rl.criticism.inference.carry_over import written_fit
-from swamp_rl.criticism.inference.cause_list import CauseList, list_causes
-from swamp_rl.criticism.inference.cause_share import Witness, witnesses
-from swamp_rl.criticism.inference.correlation import correlation
-from swamp_rl.criticism.inference.estimate import causes_of
+from swamp_rl.criticism.inference.cause_share import CauseList, Witness, list_causes, witnesses, written_fit
+from swamp_rl.criticism.inference.estimate import causes_of, correlation
 from swamp_rl.criticism.inference.finding import Finding
-from swamp_rl.criticism.inference.force_extension import ForceExtension, extend_by_force
+from swamp_rl.criticism.inference.force_extension import extend_by_force
 from swamp_rl.criticism.inference.force_regression import (
     residual_force_functions,
     without_process_noise,
 )
-from swamp_rl.criticism.inference.identifiability import contrast, separating_manoeuvre
+from swamp_rl.criticism.inference.identifiability import contrast, hidden_effects, separating_manoeuvre
 from swamp_rl.criticism.inference.next_trial import design_trial, question_of, write_trial
 from swamp_rl.criticism.inference.residual_force import residual_forces
 from swamp_rl.criticism.inference.self_trial import TWINS, Each, Method, self_trial, serially
-from swamp_rl.criticism.inference.trivial_predictors import trivial_predictors
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
-from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
-from swamp_rl.criticism.likelihood.prediction_error import gains
+from swamp_rl.criticism.likelihood.prediction_error import gains, trivial_predictors
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.model.trial_limits import TrialLimits
-from swamp_rl.criticism.nuisance.model_error import in_noise_units
+from swamp_rl.criticism.nuisance.process_noise import in_noise_units
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import (
     Candidate,
+    Contrast,
     Diagnosis,
-    Gain,
     GaussMarkovNoise,
     ResidualForce,
-    SmoothedNoise,
     Verdict,
 )
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation
-from swamp_rl.criticism.selection.hidden_effects import hidden_effects
-from swamp_rl.criticism.selection.model_selection import select_model
-from swamp_rl.criticism.selection.preparation import prepared
+from swamp_rl.criticism.selection.model_selection import prepared, select_model
+from swamp_rl.errors import UserError
 from swamp_rl.one_thread import one_thread
 from swamp_rl.unfinished import folder_beside
 
@@ -83,7 +76,7 @@ def diagnose(
     holdout: a folder of runs that the gain is measured on; without it, each run in turn (leave-one-run-out);
     ignore: measured weather that is left out (`wind`, `depth`); twins, method, each: of the self-trial, none
     with 0 twins; limits: of the next trial, which is designed and written as next_trial.csv where they are
-    given. UserError for data that no diagnosis is possible from, and where there is no trial to design.
+    given and there is something to separate or narrow. UserError for data that no diagnosis is possible from.
     """
     every = [Path(dataset)] if isinstance(dataset, Path | str) else list(dataset)
     label = ", ".join(map(str, every))
@@ -122,19 +115,10 @@ def examine(
 ) -> Finding:
     """The diagnosis of runs in memory; `other`: runs to measure the gain on; limits: of the next trial."""
     began = time.perf_counter()
-    LOG.info(
-        "%d runs, %.1f min: noise and candidates",
-        len(run_set.lengths),
-        run_set.lengths.sum() * run_set.dt / 60,
-    )
+    minutes = run_set.lengths.sum() * run_set.dt / 60
+    LOG.info("%d runs, %.1f min: noise and candidates", len(run_set.lengths), minutes)
     known = prepared(run_set)
-    smoothed, sigmas, weight, every, hull = (
-        known.smoothed,
-        known.sigmas,
-        known.weight,
-        known.instances,
-        known.hull,
-    )
+    sigmas, weight, every, hull = known.sigmas, known.weight, known.instances, known.hull
     with_noise, continuation, found = select_model(run_set, weight, every, hull)
     run_set = replace(run_set, commands=with_noise.commands)  # reconstructed
     LOG.info("the best hypothesis is %s; adequacy and missing forces", found.winner.hypothesis.label)
@@ -143,11 +127,9 @@ def examine(
     forces = residual_forces(run_set, weight, found.winner.hypothesis, found.winner.x)
 
     LOG.info("confirmation on held-out runs, prediction errors")
-    on = (
-        Witness(run_set, weight, False)
-        if other is None
-        else Witness(other, weights(other, noise_levels(other)), True)
-    )
+    on = Witness(run_set, weight, others=False)
+    if other is not None:
+        on = Witness(other, weights(other, noise_levels(other)), others=True)
     noise = {n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)}
     written, shares, left_out = written_fit(continuation, found.winner, found.stage, witnesses(on, rng), rng)
     listed = list_causes(judged, found, shares, left_out, noise)
@@ -157,14 +139,22 @@ def examine(
     leftover = list[ResidualForce]()
     if not found.adequate:
         rest = replace(run_set, gauss_markov=with_noise.gauss_markov)
-        leftover = residual_force_functions(rest, weight, _models(found.winner))
+        models = [(Hypothesis(), NONE), (found.winner.hypothesis, found.winner.x)]
+        several = bool(found.winner.hypothesis.instances)
+        leftover = residual_force_functions(rest, weight, models[: 1 + several])
         extension = extend_by_force(without_process_noise(rest), weight, written, leftover, on, rng)
-    applied = extension if extension and extension.told.written else None
+    predicting = continuation.problem(found.stage, written.hypothesis), written
+    if extension and extension.told.written:
+        predicting = extension.problem, extension.fit
 
     hidden = hidden_effects(run_set, weight, judged, found, [*every, *([hull] if hull else [])])
 
-    def apart(rival: Fit) -> float:
-        return continuation.criterion(rival) - continuation.criterion(found.winner)
+    names = [one.hypothesis.cause_label for one in (found.winner, *found.rivals)]
+
+    def rival(one: Fit) -> Contrast:
+        apart = continuation.criterion(one) - continuation.criterion(found.winner)
+        causes = causes_of(continuation.problem(found.stage, one.hypothesis), one)
+        return contrast(judged, found.winner, one, apart).model_copy(update={"rival": causes})
 
     diagnosis = Diagnosis(
         verdict=verdict_of(found, listed),
@@ -173,16 +163,9 @@ def examine(
         minor=listed.minor,
         nuisance=listed.nuisance,
         correlation=correlation(judged, found.winner, [*listed.causes, *listed.nuisance]),
-        indistinguishable=_sets(found),
-        contrasts=[
-            contrast(judged, found.winner, one, apart(one)).model_copy(
-                update={"rival": causes_of(continuation.problem(found.stage, one.hypothesis), one)}
-            )
-            for one in found.rivals
-        ],
-        separating_trial=separating_manoeuvre(with_noise, sigmas, found.winner, found.rivals)
-        if found.rivals
-        else None,
+        indistinguishable=[names] if found.rivals else [],
+        contrasts=[rival(one) for one in found.rivals],
+        separating_trial=separating_manoeuvre(with_noise, sigmas, found.winner, found.rivals),
         leftover=leftover,
         extension=extension.told if extension else None,
         candidates=_candidates(continuation, found, rng),
@@ -191,34 +174,24 @@ def examine(
         unseen=[label for label in found.unidentifiable if label not in hidden],
         hidden=hidden,
         missing_motion=missing_motion(run_set, other is not None),
-        gain=_gains(on, continuation.problem(found.stage, written.hypothesis), written, applied, rng),
+        gain=gains(on.run_set, on.weight, *judged_numbers(*predicting, on.runs, on.others), rng),
         gain_on="other_runs" if other else "same_run" if len(run_set.lengths) == 1 else "each_run_in_turn",
         noise=noise,
         wandering=_gauss_markov_noise(with_noise),
-        smoothed={
-            name: SmoothedNoise(
-                sample_noise=one.sample_noise,
-                standard_deviation=one.standard_deviation,
-                time_constant_s=one.time_constant,
-            )
-            for name, one in smoothed.items()
-        },
+        smoothed=known.smoothed,
         adequacy={"worst_excess": measure.worst, "channel": measure.channel, "adequate": found.adequate},
         elapsed_s=time.perf_counter() - began,
     )
     trial = None
     if limits:
         LOG.info("designing the next trial")
-        asked = question_of(with_noise, sigmas, judged, found.winner, found.rivals)
-        trial = design_trial(*asked, limits, rng)
-        diagnosis.next_trial = trial.told
+        try:
+            asked = question_of(with_noise, sigmas, judged, found.winner, found.rivals)
+            trial = design_trial(*asked, limits, rng)
+            diagnosis.next_trial = trial.told
+        except UserError as error:  # the diagnosis took minutes and stands without the trial
+            LOG.info("%s", error)
     return Finding(diagnosis, run_set, weight, continuation, found, forces, written, extension, trial)
-
-
-def _models(winner: Fit) -> list[tuple[Hypothesis, Array]]:
-    """The boat file alone, and extended by the winner."""
-    found = [(winner.hypothesis, winner.x)] if winner.hypothesis.instances else []
-    return [(Hypothesis(), NONE), *found]
 
 
 def verdict_of(found: Selection, listed: CauseList) -> Verdict:
@@ -243,42 +216,15 @@ def _gauss_markov_noise(run_set: RunSet) -> dict[str, GaussMarkovNoise]:
     }
 
 
-def _sets(found: Selection) -> list[list[str]]:
-    if not found.rivals:
-        return []
-    return [[one.hypothesis.cause_label for one in (found.winner, *found.rivals)]]
-
-
 def _candidates(continuation: Continuation, found: Selection, rng: np.random.Generator) -> list[Candidate]:
-    problem = continuation.problems[0]
-    nothing = continuation.fit(0, Hypothesis(), np.zeros(0))
-    fits: list[Fit] = [nothing, *found.tried]
+    problem, nothing = continuation.problems[0], continuation.boat_file(0)
     listed = []
-    for one in fits:
+    for one in [nothing, *found.tried]:
         loss = heldout_loss(problem, one)
         gains = nothing.loss - loss
-        low, high = bootstrap_interval(gains, 1.0 - 2.0 * options().tail, rng)
-        per_sample = float(loss.sum()) / problem.samples
+        interval = bootstrap_interval(gains, 1.0 - 2.0 * options().tail, rng)
+        score, gain = float(loss.sum()) / problem.samples, float(gains.sum())
         listed.append(
-            Candidate(
-                effect=one.hypothesis.label,
-                held_out_score=per_sample,
-                gain=float(gains.sum()),
-                gain_ci=(low, high),
-            )
+            Candidate(effect=one.hypothesis.label, held_out_score=score, gain=gain, gain_ci=interval)
         )
     return sorted(listed, key=lambda one: one.held_out_score)[: options().listed]
-
-
-def _gains(
-    on: Witness,
-    problem: Shooting,
-    written: Fit,
-    extension: ForceExtension | None,
-    rng: np.random.Generator,
-) -> list[Gain]:
-    runs = len(on.run_set.lengths)
-    if extension:
-        problem, written = extension.problem, extension.fit
-    hypothesis, numbers = judged_numbers(problem, written, runs, on.others)
-    return gains(on.run_set, on.weight, hypothesis, numbers, rng)

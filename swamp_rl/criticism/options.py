@@ -71,7 +71,6 @@ class Options:
     most_groups: int = 24  # beyond which the normal equations grow too large
     duration: float = 60.0  # s of a run where none is given: bound of the instant of a failure
     # ---- The manoeuvre that is proposed
-    manoeuvre_length: float = 60.0  # s
     zig_zag_period: float = 12.0  # s of a zig-zag
     # ---- Threads of the simulation
     thread_steps: int = 10_000  # boat steps that are worth a thread: about 5 ms
@@ -80,7 +79,6 @@ class Options:
     whiteness_scales: tuple[float, ...] = (1.0, 4.0)  # s over which residuals are averaged
     variance_bias: float = 1.06  # relative bias of a variance estimated from differences
     nearly_noise: float = 1.2  # chi2 a sample up to which gaps and initial states may explain the residual
-    dense_sensor: float = 0.6  # share of rows with a sample, below which a sensor is slower than the grid
     whiteness_limit: float = 5.0  # standard deviations of the excess: 3e-7 in each of 12 tests
     least_means: int = 4  # means of a channel that its excess is judged by
     # ---- Held-out gain
@@ -88,7 +86,7 @@ class Options:
     enough_runs: int = 4  # runs that are folds and blocks; with fewer, parts of runs are
     largest_tilt: float = -1e3  # of the bootstrap's saddlepoint, beyond which the sum is its least
     least_tilt: float = -1e-3  # of it, where the sum is its mean
-    held_out_stretch: float = 20.0  # s of a block of a long window
+    stretch: float = 20.0  # s of a block of a long window or run that is resampled; at least two horizons
     held_out_rounds: int = 8  # iterations of the initial states of a held-out window
     tail: float = 0.025  # probability below an interval: 95 %
     # ---- Sensitivity to forces
@@ -133,14 +131,14 @@ class Options:
     no_information: float = 1e42  # variance of a parameter that nothing depends on
     farthest_state: float = 4.0  # reaches: largest step of a window's state
     fit_steps: int = 8  # Jacobians of a fit
-    check_steps: int = 4  # the same where only chi2 is asked for
+    again_steps: int = 6  # the same where little changed: commands, noise, or one function more
+    check_steps: int = 4  # the same where only chi2 is asked for, or much is fitted
     glance_steps: int = 2  # the same of a fit that is expected to be worse by far
     part_steps: int = 1  # the same on a part of the windows, before score tests
     # ---- Prediction error
     horizons: tuple[float, ...] = (1.0, 5.0, 10.0, 30.0)  # s
     restart: float = 5.0  # s between restarts, at least
     error_resamples: int = 4000  # bootstrap samples
-    error_stretch: float = 20.0  # s of a block of a run, or two horizons where that is longer
     # ---- Sandwich covariance
     score_stretch: float = 8.0  # s of a run whose scores are summed to one block
     fewest_blocks: int = 8  # blocks from which the scatter is estimated
@@ -163,11 +161,10 @@ class Options:
     longest_gap: int = 5  # rows: commands of longer gaps are not estimated
     gap_rounds: int = 5  # iterations for the initial state of each window
     # ---- Weights from the model error
+    model_error_short: float = 10.0  # s: windows in which model error has grown little
     model_error_window: float = 30.0  # s: the longest horizon of prediction errors
     model_error_windows: int = 12  # windows of all runs together, at least
     model_error_rounds: int = 3  # repetitions of fit and estimate of the model error
-    model_error_steps: int = 4  # Jacobians of such a fit
-    model_error_begin: int = 12  # iterations of the first initial states
     # ---- Process noise
     # sizes of forces that the estimate begins with, in `force_scale`
     process_reach: tuple[float, ...] = (0.102, 0.102, 0.0826)
@@ -177,9 +174,7 @@ class Options:
     process_pieces: int = 60  # of a window, at most
     process_times: tuple[float, ...] = (2.0, 8.0, 32.0)  # s, of which the most likely is taken
     # ---- Random effects
-    least_spread: float = 1e-4  # typical sizes: grid of the spread
-    largest_spread: float = 1e2  # typical sizes
-    spreads_tried: int = 121  # values of that grid
+    spreads: tuple[float, float, int] = (1e-4, 1e2, 121)  # typical sizes: least, largest and number tried
     # ---- Channels that a filter smoothed
     smoothed_step: float = 0.2  # s between samples, above which the motion itself fills the strides
     strides: tuple[int, ...] = (1, 2, 4, 8)  # samples, of the fit
@@ -200,8 +195,8 @@ class Options:
     smallest_change: float = 0.02  # rad or of full throttle: smaller steps are not fitted
     # ---- Commands that stood in lost rows alone
     command_step: float = 0.1  # rad or of full throttle, of the finite difference
-    angle_reach: float = 1.5  # rad, standard deviation of the prior of a change
-    throttle_reach: float = 0.5  # the same of a throttle
+    # rad and of full throttle, standard deviations of the prior of a change
+    command_reach: tuple[float, float] = (1.5, 0.5)
     unlogged_gain: float = 40.0  # chi2 that a change must save: a run has tens of lost rows to choose from
     most_lost_rows: int = 60  # of a run, beyond which none is tried
     unlogged_limit: float = 2.0  # reaches, largest change
@@ -241,7 +236,6 @@ class Options:
     reconstruction_share: float = 0.2
     reconstruction_most: float = 3.0  # chi2 a sample above which none is accepted
     reconstruction_hopeless: float = 30.0  # chi2 a sample above which none is tried
-    reconstruction_steps: int = 6  # Jacobians of a fit with reconstructed commands
     reconstruction_rounds: int = 4  # repetitions of the fit of all switching times
     instant_gain: float = 1.0  # chi2 that every fitted instant must save in addition
     # ---- Continuation in the window length
@@ -252,7 +246,6 @@ class Options:
     most_corrections: int = 4  # repetitions of the search for unlogged commands
     far_from_data: float = 10.0  # chi2 a sample of a fit that is far from the data
     converged_share: float = 0.25  # of the expected fall of chi2, below which such a fit has not converged
-    close_to_data: float = 1.1  # chi2 a sample of a fit that is close to the data
     restart_share: float = 0.5  # of the shortest window, length of those that a fit is restarted from
     # ---- Frequency scan
     wave_piece: float = 0.5  # s of constant force
@@ -275,7 +268,6 @@ class Options:
     most_repeats: int = 3  # searches under re-estimated noise
     total_budget: float = 2e7  # boat steps of all searches, after which none is repeated
     most_reconstructions: int = 2  # searches with reconstructed commands
-    wander_steps: int = 6  # Jacobians of a fit under Gauss-Markov noise
     # ---- Score test
     instants: int = 17  # of a failure, evaluated about the best one
     grid_batch: int = 24  # grid points in one simulation
@@ -308,9 +300,6 @@ class Options:
     threshold_scale: float = 0.1  # of the range, typical size of a threshold
     jump_step: float = 0.02  # of the range: finite difference of a threshold at which the force jumps
     # ---- The missing force as an effect
-    extension_window: float = 10.0  # s, as in the regression of the residual force
-    extension_rounds: int = 12  # iterations of the initial states
-    extension_steps: int = 6  # Jacobians of a fit
     most_functions: int = 2  # together; one of both position coordinates counts as one
     # ---- Regression of the residual force
     # s of a window and of a coarse interval of constant force, fine intervals in it
@@ -330,10 +319,8 @@ class Options:
     knot_tail: float = 0.02  # of the samples beyond the first and the last knot
     knots_apart: float = 1e-3  # of the range, at least
     # ---- Residual force
-    force_window: float = 5.0  # s
-    force_piece: float = 2.5  # s of constant force
-    force_window_poses: float = 10.0  # s of a window where velocities were not measured
-    force_piece_poses: float = 5.0  # s of constant force there
+    force_spans: tuple[float, float] = (5.0, 2.5)  # s of a window and of constant force in it
+    force_spans_poses: tuple[float, float] = (10.0, 5.0)  # the same where velocities were not measured
     force_measured: float = 0.25  # of the positions in an interval, below which its force is not estimated
     force_rounds: int = 6  # iterations
     force_damping: float = 0.1  # the first after a step that fails
@@ -343,7 +330,6 @@ class Options:
     twin_out_of_reach: float = 100.0  # criterion above the best of a hypothesis that is left out
     twin_within_reach: float = 40.0  # the same of an expected criterion, which a fit only lowers
     twin_fits: int = 6  # score tests beside a simpler hypothesis whose hypotheses are fitted
-    twin_steps: int = 4  # Jacobians of a fit to runs without noise
     # ---- The next trial
     trial_seconds: float = 60.0  # s
     trial_durations: tuple[float, float] = (20.0, 600.0)  # s, shortest and longest
@@ -351,7 +337,6 @@ class Options:
     area_margin_lengths: float = 1.0  # boat lengths to the border of the area
     area_margin_side: float = 0.1  # of the shorter side, to the border
     least_area: float = 2.0  # boat lengths that remain for the tracks
-    trial_window: float = 20.0  # s, as the middle stage of a search has
     least_trial_evidence: float = 0.01  # below which a trial decides nothing
     trial_random: int = 32  # random sequences at first
     trial_parents: int = 4  # sequences kept of a round

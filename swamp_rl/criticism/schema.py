@@ -3,26 +3,21 @@
 python -m swamp_rl.criticism.schema docs/diagnosis.schema.json docs/figures_diagnosis.schema.json
 """
 
-import json
 import sys
 from pathlib import Path
 
 from pydantic import BaseModel
 
+from swamp_rl import json_text
 from swamp_rl.criticism.figures.result import FiguresDiagnosis
 from swamp_rl.criticism.result import Diagnosis
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
 
 
 def schema_text(model: type[BaseModel] = Diagnosis) -> str:
     """JSON Schema (draft 2020-12) of a diagnosis, as the file holds it."""
-    schema = model.model_json_schema(mode="serialization")
     of = "" if model is Diagnosis else " on printed figures"
-    named = {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": f"diagnosis.json of swamp-rl diagnose{of}",
-    }
-    return json.dumps(named | {k: v for k, v in schema.items() if k != "title"}, indent=2) + "\n"
+    return json_text.schema_text(model, f"diagnosis.json of swamp-rl diagnose{of}")
 
 
 def main() -> None:
@@ -31,8 +26,7 @@ def main() -> None:
         raise SystemExit(__doc__)
     models: list[type[BaseModel]] = [Diagnosis, FiguresDiagnosis]
     for name, model in zip(sys.argv[1:], models, strict=True):
-        with write_beside(Path(name)) as part:
-            part.write_text(schema_text(model), encoding="utf-8")
+        write_text(Path(name), schema_text(model))
 
 
 if __name__ == "__main__":

@@ -10,10 +10,10 @@ MOST = 20_000
 """Instants of a clock; of longer runs it shows fewer in a second."""
 
 
-def instants(scene: DemoScene, step: float | None = None) -> Array:
-    """(N,) s from 0 to the end of the last run: as far apart as the densest run's rows, or as `step` says."""
+def instants(scene: DemoScene) -> Array:
+    """(N,) s from 0 to the end of the last run, as far apart as the densest run's rows."""
     finest = min(float(np.median(np.diff(item.run.time))) for item in scene.shown)
-    step = max(step or finest, scene.end / MOST)
+    step = max(finest, scene.end / MOST)
     # To the microsecond, so that equal instants of two recordings are equal.
     return np.round(np.arange(np.ceil(scene.end / step - 1e-6) + 1.0) * step, 6)
 

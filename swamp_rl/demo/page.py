@@ -14,7 +14,7 @@ from swamp_rl.demo.layout import Layout
 from swamp_rl.demo.scene import DemoScene, Fleet, Shown, gate_colour
 from swamp_rl.demo.series import CURRENT, WIND, current, series_of, wind
 from swamp_rl.demo.shapes import OUTLINE
-from swamp_rl.files import write_beside
+from swamp_rl.files import write_text
 
 TEMPLATE = Path(__file__).with_name("page.html")
 STEP = 0.2
@@ -23,8 +23,7 @@ STEP = 0.2
 
 def write_page(path: Path | str, scene: DemoScene, layout: Layout = "overlay") -> None:
     """Write the replay as one HTML file. UserError where it cannot be written."""
-    with write_beside(path) as part:
-        part.write_text(page(scene, layout), encoding="utf-8")
+    write_text(path, page(scene, layout))
 
 
 def page(scene: DemoScene, layout: Layout = "overlay") -> str:

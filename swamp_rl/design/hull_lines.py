@@ -20,9 +20,9 @@ from numpy.polynomial.legendre import leggauss
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
-from swamp_rl.boat.part import FROM_LIST, NAME, NOT_NEGATIVE, POSITIVE, Part
+from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, NOT_NEGATIVE, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
-from swamp_rl.design.read import FILLED, read_design
+from swamp_rl.design.read import read_design
 
 Array = NDArray[np.float64]
 ORDER = 12  # of the Gauss-Legendre quadrature on each smooth piece; exact to polynomials of degree 23

@@ -18,11 +18,11 @@ from pydantic import Field, model_validator
 from scipy.optimize import minimize_scalar
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.boat.part import FROM_LIST, NAME, POSITIVE, Part
+from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.boat.resistance import TankResistance
 from swamp_rl.design.propellers import linear_thrust_coefficient
-from swamp_rl.design.read import FILLED, computable, read_design
+from swamp_rl.design.read import computable, read_design
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.captive import resistance_at
 
@@ -171,7 +171,8 @@ def drag_of(design: MatchDesign) -> Drag:
         return Drag(lambda speed: resistance_at(boat, speed), *_known_speeds(boat), boat.water_density)
     density = design.water_density
     assert density is not None and vehicle.drag_coefficient is not None and vehicle.diameter is not None
-    factor = drag_factor(vehicle.drag_coefficient, vehicle.diameter, density)
+    with computable(design.name):
+        factor = drag_factor(vehicle.drag_coefficient, vehicle.diameter, density)
     return Drag(lambda speed: factor * speed**2, 0.0, math.inf, density)
 
 

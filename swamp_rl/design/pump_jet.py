@@ -13,12 +13,11 @@ from pydantic import Field
 
 from swamp_rl.boat.part import NOT_NEGATIVE, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
+from swamp_rl.constants import FOOT, GRAVITY
 from swamp_rl.design.read import read_design
 from swamp_rl.design.velocity_triangles import STREAMLINES, Triangle, free_vortex_triangle, slip_factor
 from swamp_rl.errors import UserError
 
-GRAVITY = 9.81  # m/s2
-FOOT = 0.3048  # m
 GALLON_PER_MINUTE = 3.785411784e-3 / 60.0  # m3/s
 MINUTE = 60.0  # s
 OUTLET_ANGLES = math.radians(15.0), math.radians(35.0)  # vane angles that keep the efficiency, 5.3.1

@@ -3,10 +3,11 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from pydantic import AfterValidator, BaseModel
+from pydantic import BaseModel
 
+from swamp_rl.boat.magnitude import out_of_range
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml, validated
@@ -24,16 +25,6 @@ def computable(name: str) -> Iterator[None]:
         raise UserError(f"{name}: cannot be computed ({told}); check the sizes and their units") from error
 
 
-def _filled(given: tuple[Any, ...]) -> tuple[Any, ...]:
-    # A least length declared as such would be missed, too, by a list whose items are at fault.
-    if not given:
-        raise ValueError("is empty; give at least one")
-    return given
-
-
-FILLED = AfterValidator(_filled)
-
-
 def read_design(name_or_path: str | Path, kind: str, model: type[Model]) -> Model:
     """The design file given by path or, in configs/designs, by bare name, as a `model`.
 
@@ -44,4 +35,6 @@ def read_design(name_or_path: str | Path, kind: str, model: type[Model]) -> Mode
     if data.get("design") != kind:
         told = f"is {clipped(repr(data['design']))}" if "design" in data else "is missing"
         raise UserError(f"{path}: design: {told}; swamp-rl design {kind} takes files with design: {kind}")
+    if faults := list(out_of_range(data)):
+        raise UserError("\n".join(f"{path}: {key}: {told}" for key, told in faults))
     return validated(path, model, data)

@@ -32,6 +32,7 @@ def command_findings(runs: Sequence[Run]) -> list[Finding]:
         for name in names
         if all(name in run.columns for run in runs)
     }
+    joined = {name: values for name, values in joined.items() if np.isfinite(values).any()}
     constant = [name for name, values in joined.items() if np.ptp(values[np.isfinite(values)]) == 0.0]
     found = []
     own = [name for name in joined if not name.startswith("joy_")] or list(joined)
@@ -42,9 +43,12 @@ def command_findings(runs: Sequence[Run]) -> list[Finding]:
     elif constant:
         told, advice = "never vary", "their effect cannot be told from the others'"
         found.append(Finding("note", "command_constant", tuple(constant), told, advice))
+    levers = [values for name, values in joined.items() if name.startswith("joy_")]
     for name, values in joined.items():
         if name not in constant and (cut := _clipped(values)):
             level, share = cut
+            if any(np.all(np.abs(lever[values == level]) == 1.0) for lever in levers):
+                continue  # the driver's lever was at its end, and so was what it commands
             told = f"is {level:.6g} in {share:.0%} of the rows, a level at which it is cut off"
             advice = "check the mapping (limits of the pulse width, clip()) and the logger's range"
             found.append(

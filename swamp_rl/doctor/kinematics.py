@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from swamp_rl.constants import FOOT, KNOT
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.doctor.smooth import Motion
 
@@ -20,7 +21,7 @@ LARGEST_DRIFT = math.radians(30.0)
 larger or cannot be told from drift."""
 TIED = 0.7
 """Correlation from which the ratio of two records is a unit: half of the variance is common."""
-SPEEDS = {"kn": 3600.0 / 1852.0, "km/h": 3.6, "cm/s": 100.0, "mm/s": 1000.0, "ft/s": 1.0 / 0.3048}
+SPEEDS = {"kn": 1.0 / KNOT, "km/h": 3.6, "cm/s": 100.0, "mm/s": 1000.0, "ft/s": 1.0 / FOOT}
 TURNS = {"deg/s": 180.0 / math.pi, "rpm": 30.0 / math.pi}
 UNIT_TOLERANCE = 0.25
 """Of the logarithm of a ratio: half the distance between knots and feet per second, or 1 and knots, is 0.23

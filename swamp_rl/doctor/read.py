@@ -1,6 +1,5 @@
 """Folders of runs to be examined: our datasets, plain folders of tables, LeRobot's and Minari's."""
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,8 +12,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
-from swamp_rl.files import os_error
-from swamp_rl.json_text import parsed_json
+from swamp_rl.json_text import parsed_json, read_json
 from swamp_rl.ordinary import ordinary
 from swamp_rl.runs import Run
 from swamp_rl.runs.apart import apart
@@ -93,7 +91,11 @@ def _tables(folder: Path) -> Records:
     paths = sorted(path for path in folder.iterdir() if is_table(path))[:MOST_FILES]
     tables = {path: read_table(_own(path)) for path in paths}
     faults = [str(fault) for table in tables.values() for fault in table.faults]
-    runs = [Run(path.stem, table.columns) for path, table in tables.items() if table.columns]
+    timeless = [path for path, table in tables.items() if table.columns and "time" not in table.columns]
+    faults += [
+        f"{path.name}: has no column time; name it so, or import with --map time=COLUMN" for path in timeless
+    ]
+    runs = [Run(path.stem, table.columns) for path, table in tables.items() if "time" in table.columns]
     return Records(runs, "folder of tables", None, faults)
 
 
@@ -105,17 +107,22 @@ def _lerobot(folder: Path, boat: str | None) -> Records:
     paths = sorted((folder / "data").rglob("*.parquet"))[:MOST_FILES]
     rate = info.get("fps")
     runs: list[Run] = []
+    faults = []
     for path in paths:
         columns = _frames(path, features)
         episodes = columns.pop("episode_index", np.zeros(len(next(iter(columns.values()), []))))
-        for number in np.unique(episodes).tolist():
+        known = np.isfinite(episodes)
+        if not known.all():
+            faults.append(f"{path.name}: {(~known).sum()} rows have no episode_index; they are left out")
+        for number in np.unique(episodes[known]).tolist():
             taken = {name: values[episodes == number] for name, values in columns.items()}
             if "time" not in taken:
                 taken["time"] = _times(taken, rate)
             runs.append(Run(f"episode-{int(number)}", taken))
     own = folder / "meta" / "swamp_rl.json"
     told = _json(own) if own.is_file() else {}
-    return Records(runs, "LeRobot", _boat(folder / "meta", told, boat), measured=_measured(told))
+    vessel = _boat(folder / "meta", told, boat)
+    return Records(runs, "LeRobot", vessel, faults, _measured(told))
 
 
 def _measured(told: dict[str, Any]) -> bool:
@@ -252,12 +259,4 @@ def _episode(group: Any) -> dict[str, Array]:
 
 
 def _json(path: Path) -> dict[str, Any]:
-    try:
-        found = parsed_json(ordinary(_own(path), 2**26).read_bytes())
-    except OSError as error:
-        raise os_error(error, path) from error
-    except (ValueError, json.JSONDecodeError) as error:
-        raise UserError(f"{path}: is no JSON ({clipped(error, 100)}); restore it") from error
-    if not isinstance(found, dict):
-        raise UserError(f"{path}: holds no JSON object; restore it")
-    return found
+    return read_json(_own(path), "restore it")

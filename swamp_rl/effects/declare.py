@@ -70,7 +70,8 @@ class Effect:
     actuators follow their commands. steady: whether steady motion shows it. all_together: may act on all
     thrusters at once. alone_equals: what it is called on a boat with one thruster. contains:
     effects that are this one with some of its parameters equal or neutral, and so no rivals of it. sudden:
-    may begin while the boat sails, so that a live monitor looks for its onset.
+    may begin while the boat sails, so that a live monitor looks for its onset. battery: acts through the
+    charge of the boat's battery, which the episodes of an environment alone count.
     """
 
     name: str
@@ -94,6 +95,7 @@ class Effect:
     alone_equals: str = ""
     contains: tuple[str, ...] = ()
     sudden: bool = False
+    battery: bool = False
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name; KeyError if there is none."""

@@ -8,14 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.boat.resistance import TankResistance
-from swamp_rl.boat.squat import clearance, critical_speed, squat
-from swamp_rl.effects import LIBRARY
+from swamp_rl.boat.squat import clearance, critical_speed
 from swamp_rl.energy.mission import Mission
 from swamp_rl.errors import UserError
-from swamp_rl.physics.motion import water_velocity
 from swamp_rl.simulator import parameters
-from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, TIME
+from swamp_rl.simulator.ground import deep, speed_in_water, squat_of, tested, touches_ground
+from swamp_rl.simulator.state import EAST, NORTH, TIME
 
 Array = NDArray[np.float64]
 
@@ -55,17 +53,6 @@ def depths(boat: Boat, mission: Mission) -> list[float]:
     return found
 
 
-def deep() -> float:
-    """Depth over draught [1] from which water counts as deep."""
-    return LIBRARY["shallow_water"].parameter("depth_over_draught").neutral or math.inf
-
-
-def tested(boat: Boat) -> float:
-    """The least depth over draught [1] that the boat's resistance is known for."""
-    given = boat.resistance
-    return given.table[0].h_over_t if isinstance(given, TankResistance) else deep()
-
-
 def refuse_depths(boat: Boat, mission: Mission, where: object) -> None:
     """UserError for a leg above the critical speed, and for one in water shallower than the boat was towed in
     that does not touch ground."""
@@ -89,25 +76,10 @@ def refuse_depths(boat: Boat, mission: Mission, where: object) -> None:
             )
 
 
-def set_depth(params: NDArray[Any], boat: Boat, depth: float) -> None:
-    """Put a depth [m] into the records, at the shallowest that the boat was towed in where it is less."""
-    if math.isfinite(depth):
-        params["depth_over_draught"] = max(depth / boat.draught, tested(boat))
-
-
 def touched(boat: Boat, params: NDArray[Any], state: Array, leg: int, depth: float) -> Aground | None:
-    """Whether a boat in a state (S,) touches ground in water of a depth [m]; None where it floats.
-
-    At and above the critical speed it touches: it came through it.
-    """
-    if math.isinf(depth):
-        return None
-    heading = float(state[HEADING])
-    north, east = water_velocity(float(state[TIME]), params[0])
-    surge = state[SURGE] - (north * math.cos(heading) + east * math.sin(heading))
-    sway = state[SWAY] - (east * math.cos(heading) - north * math.sin(heading))
-    speed = min(float(math.hypot(surge, sway)), 0.999 * critical_speed(depth))
-    if clearance(boat, speed, depth) > 0.0:
+    """Where a boat in a state (S,) touches ground in water of a depth [m]; None where it floats."""
+    if not touches_ground(state, params[0], depth):
         return None
     place = float(state[TIME]), float(state[NORTH]), float(state[EAST])
-    return Aground(leg, *place, depth, boat.draught, squat(boat, speed, depth), speed)
+    sunk, speed = squat_of(state, params[0], depth), speed_in_water(state, params[0])
+    return Aground(leg, *place, depth, float(params["draught"][0]), float(sunk), float(speed))

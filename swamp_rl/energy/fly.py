@@ -8,14 +8,16 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat.battery import Battery
+from swamp_rl.boat.drawn import refuse_without_battery
 from swamp_rl.energy.charge import Discharge, charge_at, discharge, stored_energy
-from swamp_rl.energy.depth import Aground, depths, refuse_depths, set_depth, touched
+from swamp_rl.energy.depth import Aground, depths, refuse_depths, touched
 from swamp_rl.energy.mission import Mission
 from swamp_rl.energy.pilot import MissionPilot
-from swamp_rl.energy.power import pack_power, refuse_without_battery, thrust_left
+from swamp_rl.energy.power import pack_power, thrust_left
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.loop import closed_loop, truth
 from swamp_rl.simulator import initial_state, parameters
+from swamp_rl.simulator.ground import set_depth
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.state import ACTUATORS, NORTH, SURGE, SWAY
 

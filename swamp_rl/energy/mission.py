@@ -12,7 +12,7 @@ from swamp_rl.boat.part import FROM_LIST, NAME, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.files import find_config, read_yaml, validated
 from swamp_rl.guidance.line_of_sight import Waypoint
-from swamp_rl.guidance.places import CLOSEST, LONGEST, Coordinate, Degrees, Place
+from swamp_rl.guidance.places import CLOSEST, LONGEST, Degrees, Place, Start
 
 
 class Leg(Part):
@@ -39,17 +39,6 @@ class Leg(Part):
         return self
 
 
-class Start(Part):
-    """Where the boat lies at rest before the first leg."""
-
-    north: Annotated[Coordinate, Unit("m")] = 0.0
-    "Place."
-    east: Annotated[Coordinate, Unit("m")] = 0.0
-    "Place."
-    course_deg: Annotated[Degrees, Unit("deg")] = 0.0
-    "Heading, and the course of a first leg that has none."
-
-
 class Mission(Part):
     """A mission file, whole."""
 
@@ -60,7 +49,7 @@ class Mission(Part):
     boat: str
     "A name in configs/boats, or a boat file."
     start: Start = Start()
-    "Where the boat lies."
+    "Where the boat lies at rest; its course is that of a first leg that has none."
     charge: Annotated[float, Field(gt=0.0, le=1.0), Unit("1")] = 1.0
     "State of charge of every pack at the start."
     reserve: Annotated[float, Field(ge=0.0, lt=1.0), Unit("1")] | None = None

@@ -7,11 +7,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.energy.mission import Leg, Mission
 from swamp_rl.guidance.drive import drive_of
-from swamp_rl.guidance.following import RADIUS, PathFollower
-from swamp_rl.guidance.heading import wrapped
+from swamp_rl.guidance.following import PathFollower
 from swamp_rl.guidance.line_of_sight import Waypoint, leg_after, offset
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.guidance.servo import servo_of
@@ -34,7 +34,7 @@ class MissionPilot:
     """
 
     def __init__(self, boat: Boat, mission: Mission) -> None:
-        self.drive = drive_of(boat)
+        self.drive, self.length = drive_of(boat), boat.length
         self.servo = servo_of(boat)
         self.legs: Sequence[Leg] = mission.legs
         self.course = mission.course
@@ -60,7 +60,7 @@ class MissionPilot:
             return seen.time - self.begun > duration - 0.5 * dt
         way = self.follower.waypoints
         place = Waypoint(seen.north, seen.east)
-        return leg_after(place, way, self.follower.leg, RADIUS) >= len(way) - 1
+        return leg_after(place, way, self.follower.leg, self.follower.radius) >= len(way) - 1
 
     def _next(self, seen: Seen) -> None:
         """Begin the next leg from where the boat is."""
@@ -79,7 +79,7 @@ class MissionPilot:
             far = AHEAD * leg.speed * (leg.duration_s or 0.0) + 1.0
             north, east = far * math.cos(self.course), far * math.sin(self.course)
             way = [here, Waypoint(here.north + north, here.east + east)]
-        self.follower = PathFollower(self.drive, self.servo, way, leg.speed)
+        self.follower = PathFollower(self.drive, self.servo, way, leg.speed, self.length)
         length = sum(math.dist(a, b) for a, b in pairwise(way))
         self.expected = length / leg.speed if leg.duration_s is None else leg.duration_s
         self.begun, self.held, self.calm = seen.time, None, 0
@@ -108,5 +108,6 @@ class MissionPilot:
         place, line = Waypoint(seen.north, seen.east), follower.waypoints[follower.leg : follower.leg + 2]
         aside = offset(place, *line).across - offset(Waypoint(then.north, then.east), *line).across
         return (
-            abs(aside) > ASIDE or leg_after(place, follower.waypoints, follower.leg, RADIUS) != follower.leg
+            abs(aside) > ASIDE
+            or leg_after(place, follower.waypoints, follower.leg, follower.radius) != follower.leg
         )

@@ -4,26 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.boat.drawn import full_power
+from swamp_rl.boat.drawn import full_power, refuse_without_battery
 from swamp_rl.energy.charge import stored_energy, voltage_at
-from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
-
-
-def missing(boat: Boat) -> str | None:
-    """The key of the boat file without which there are no electric figures; None where all are there."""
-    for thruster in boat.thrusters:
-        if thruster.power is None:
-            return f"thrusters.{thruster.name}.power"
-    return "battery" if boat.battery is None else None
-
-
-def refuse_without_battery(boat: Boat) -> None:
-    """UserError where the boat file lacks the battery or the power of a thruster."""
-    key = missing(boat)
-    if key is not None:
-        raise UserError(f"boat {boat.name}: {key}: is missing; energy needs it, add it to the boat file")
 
 
 def thruster_power(boat: Boat, throttle: Array, left: Array | float = 1.0) -> Array:
@@ -46,12 +30,14 @@ def thruster_power(boat: Boat, throttle: Array, left: Array | float = 1.0) -> Ar
 def thrust_left(boat: Boat, charge: Array) -> Array:
     """Share [1] (..., K) that the packs' voltages leave of each thruster's thrust, (V(s) / V_f)^e.
 
-    charge: state of charge s of each pack (..., packs). A thruster on the centre line has the mean of both.
+    charge: state of charge s of each pack (..., packs). A thruster on the centre line has the mean of both;
+    an empty pack gives nothing.
     """
     refuse_without_battery(boat)
     assert boat.battery is not None
     ratio = voltage_at(boat.battery, charge) / boat.battery.voltage_full
-    return np.asarray(ratio**boat.battery.thrust_exponent @ shares(boat).T)
+    of_pack = np.where(charge > 0.0, ratio**boat.battery.thrust_exponent, 0.0)
+    return _sum(of_pack, shares(boat).T)
 
 
 def pack_names(boat: Boat) -> tuple[str, ...]:
@@ -73,16 +59,21 @@ def pack_power(boat: Boat, throttle: Array, left: Array | float = 1.0) -> Array:
 
     left: as in `thruster_power`. UserError where the boat file lacks a key.
     """
-    of_thrusters = thruster_power(boat, throttle, left) @ shares(boat)
+    of_thrusters = _sum(thruster_power(boat, throttle, left), shares(boat))
     return np.asarray(of_thrusters + (boat.battery.hotel_power if boat.battery else 0.0))
 
 
-def range_left(boat: Boat, used: Array, length: Array, start: float = 1.0) -> Array:
+def _sum(values: Array, weights: Array) -> Array:
+    """values (..., m) times weights (m, n), summed in order, so that a row has the same bits in any batch."""
+    return np.asarray(sum(values[..., i, None] * weights[i] for i in range(len(weights))))
+
+
+def range_left(boat: Boat, used: Array, length: Array, start: float | Array = 1.0) -> Array:
     """Distance [m] (...) that is left above the reserve after a track, at the energy per metre of that track.
 
     used: energy [J] (..., packs) drawn so far; length [m] (...) of the track; start: state of charge [1] at
-    its beginning. The pack that comes first to its reserve decides. 0 beyond the reserve, not a number
-    without way.
+    its beginning, a number or (..., packs). The pack that comes first to its reserve decides. 0 beyond the
+    reserve, not a number without way.
     """
     refuse_without_battery(boat)
     assert boat.battery is not None

@@ -3,12 +3,10 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from swamp_rl.evaluation.statistics import Interval
+from swamp_rl.evaluation.statistics import ENDS, RESAMPLES, Interval
 
 
-def crossed_mean(
-    values: ArrayLike, rng: np.random.Generator, resamples: int = 2000, confidence: float = 0.95
-) -> Interval:
+def crossed_mean(values: ArrayLike, rng: np.random.Generator, resamples: int = RESAMPLES) -> Interval:
     """Mean of values (S, E), of S trainings in E shared episodes, with a percentile interval; NaN left out.
 
     Trainings and episodes are both drawn anew, each for itself (the pigeonhole bootstrap of Owen 2007, Ann.
@@ -29,6 +27,5 @@ def crossed_mean(
     total = ((rows @ filled) * columns).sum(axis=1)
     count = ((rows @ known) * columns).sum(axis=1)
     means = total[count > 0] / count[count > 0]
-    tail = (1.0 - confidence) / 2.0
-    low, high = np.quantile(means, (tail, 1.0 - tail))
+    low, high = np.quantile(means, ENDS)
     return Interval(float(table[known].mean()), float(low), float(high), trainings)

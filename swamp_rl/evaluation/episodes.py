@@ -35,7 +35,7 @@ def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
 
     time [s]; path_length [m]; command_change [1]; energy [J]: kinetic, of the jets' wake, as `jet_power`;
     electric_energy [J]: drawn from all packs, the hotel load included; energy_per_metre [J/m]: that over the
-    path; range [m]: `range_left` with packs that were full at the start.
+    path; range [m]: `range_left` with the charge at the start, full packs where none was counted.
     """
     linear, quadratic = np.array([item.thrust_curve(boat.water_density) for item in boat.thrusters]).T
     power = jet_power(bollard_thrust(rollout.throttle, linear, quadratic), boat.water_density).sum(axis=-1)
@@ -54,13 +54,23 @@ def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
 
 
 def electric(rollout: Rollout, boat: Boat, step: float, path: NDArray[np.float64]) -> Table:
-    """`ELECTRIC` of each episode, (n,), from the throttles that the pumps had and the paths [m] (n,)."""
+    """`ELECTRIC` of each episode, (n,), from the throttles that the pumps had and the paths [m] (n,).
+
+    From the energy that was counted in the episodes, where it was.
+    """
     sailed = np.arange(rollout.throttle.shape[1]) < rollout.steps[:, None]
-    used = (pack_power(boat, rollout.throttle) * sailed[..., None]).sum(axis=1) * step
+    used = rollout.drawn
+    if used is None:
+        used = (pack_power(boat, rollout.throttle) * sailed[..., None]).sum(axis=1) * step
+    start = 1.0 if rollout.charge is None else rollout.charge
     total = used.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         per_metre = np.where(path > 0.0, total / path, np.nan)
-    return {"electric_energy": total, "energy_per_metre": per_metre, "range": range_left(boat, used, path)}
+    return {
+        "electric_energy": total,
+        "energy_per_metre": per_metre,
+        "range": range_left(boat, used, path, start),
+    }
 
 
 def costs_of(*tables: Table) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ def command_change(commands: Array) -> Array:
     return np.abs(np.diff(commands, axis=-2)).sum(axis=-1).mean(axis=-1)
 
 
-def jet_power(thrust: Array, water_density: float, nozzle_area: float = NOZZLE_AREA) -> Array:
+def jet_power(thrust: Array, water_density: float) -> Array:
     """Kinetic power [W] that jets of the given bollard thrust [N] leave in the water; any shape.
 
     By momentum T = ρ A_n V_o² the jet leaves at V_o = √(T / (ρ A_n)) and carries ½ ρ A_n V_o³ = ½ T V_o.
@@ -34,7 +34,7 @@ def jet_power(thrust: Array, water_density: float, nozzle_area: float = NOZZLE_A
     the battery gives is `swamp_rl.energy.pack_power`.
     """
     force = np.abs(thrust)
-    return 0.5 * force * np.sqrt(force / (water_density * nozzle_area))
+    return 0.5 * force * np.sqrt(force / (water_density * NOZZLE_AREA))
 
 
 def bollard_thrust(throttle: Array, linear: Array, quadratic: Array) -> Array:

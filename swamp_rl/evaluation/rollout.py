@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.one_thread import one_thread
 from swamp_rl.runs import Run, RunMeta
 
@@ -30,6 +31,18 @@ class Pilot(Protocol):
         """Levers (n, 2) from the observation (n, d)."""
 
 
+class Supply(Protocol):
+    """What evaluation asks of the batteries of n boats."""
+
+    @property
+    def start(self) -> Array:
+        """State of charge [1] of each pack at the start of the episode, (n, packs)."""
+
+    @property
+    def drawn(self) -> Array:
+        """Energy [J] drawn from each pack since then, (n, packs)."""
+
+
 class Boats(Protocol):
     """What evaluation asks of a batch of n boats: a gymnasium VectorEnv that shows its boats."""
 
@@ -40,6 +53,10 @@ class Boats(Protocol):
     @property
     def applied(self) -> Array:
         """What the actuators did, (n, 2K): azimuths [rad], then throttles [1]."""
+
+    @property
+    def supply(self) -> Supply | None:
+        """The batteries, where their charge is counted."""
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict]:
         """`options["episodes"]` (n,) are the episodes' seeds; with `options["once"]` a boat that has ended
@@ -77,6 +94,10 @@ class Rollout:
     "(n, T, K) what the pumps did [1]"
     returns: Array
     "(n,) sum of the rewards"
+    drawn: Array | None = None
+    "(n, packs) energy drawn from each pack [J], where its charge was counted"
+    charge: Array | None = None
+    "(n, packs) state of charge at the start [1], where it was counted"
 
     def track(self, i: int) -> Array:
         """Pose (steps + 1, 3) of episode i."""
@@ -94,7 +115,7 @@ class Rollout:
             "time": np.arange(len(track)) * step,
             "north": track[:, 0],
             "east": track[:, 1],
-            "heading": np.pi - np.mod(np.pi - track[:, 2], 2.0 * np.pi),
+            "heading": wrapped(track[:, 2]),
             "joy_thrust": levers[:, 0],
             "joy_angle": levers[:, 1],
         }
@@ -146,4 +167,5 @@ def _drive(pilot: Pilot, boats: Boats, seeds: Array, tick: Callable[[int], None]
         running &= ~ended
         tick(n - int(running.sum()))
     poses, actions, throttles = (np.stack(values, axis=1) for values in (pose, commands, throttle))
-    return Rollout(seeds, steps, outcome.astype(str), poses, actions, throttles, returns)
+    drawn, charge = (None, None) if boats.supply is None else (boats.supply.drawn, boats.supply.start)
+    return Rollout(seeds, steps, outcome.astype(str), poses, actions, throttles, returns, drawn, charge)

@@ -10,16 +10,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from swamp_rl.evaluation.statistics import Interval
+from swamp_rl.evaluation.statistics import ENDS, RESAMPLES, Interval
 
 Array = NDArray[np.float64]
 
-RESAMPLES = 2000
 
-
-def interquartile_mean(
-    scores: ArrayLike, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
-) -> Interval:
+def interquartile_mean(scores: ArrayLike, rng: np.random.Generator, resamples: int = RESAMPLES) -> Interval:
     """Mean of the middle half of all scores (S, M) with its interval; n is S.
 
     Less moved by an outlier than the mean, and more certain than the median. ValueError for an empty array or
@@ -28,16 +24,10 @@ def interquartile_mean(
     table = _scores(scores)
     value = float(_iqm(table.ravel(), axis=-1))
     drawn = _iqm(_resampled(table, rng, resamples).reshape(resamples, -1), axis=-1)
-    return _interval(value, drawn, confidence, len(table))
+    return _interval(value, drawn, len(table))
 
 
-def probability_of_improvement(
-    a: ArrayLike,
-    b: ArrayLike,
-    rng: np.random.Generator,
-    confidence: float = 0.95,
-    resamples: int = RESAMPLES,
-) -> Interval:
+def probability_of_improvement(a: ArrayLike, b: ArrayLike, rng: np.random.Generator) -> Interval:
     """Chance that a training of a scores above one of b, a tie counted half, averaged over the tasks.
 
     a (S, M), b (R, M) of the same tasks; Mann and Whitney's U over S R in each of them. n is the smaller of
@@ -47,12 +37,12 @@ def probability_of_improvement(
     if first.shape[1] != second.shape[1]:
         raise ValueError(f"scores of {first.shape[1]} and {second.shape[1]} tasks do not compare")
     value = float(_better(first, second))
-    drawn = _better(_resampled(first, rng, resamples), _resampled(second, rng, resamples))
-    return _interval(value, drawn, confidence, min(len(first), len(second)))
+    drawn = _better(_resampled(first, rng, RESAMPLES), _resampled(second, rng, RESAMPLES))
+    return _interval(value, drawn, min(len(first), len(second)))
 
 
 def curve_band(
-    curves: ArrayLike, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
+    curves: ArrayLike, rng: np.random.Generator, resamples: int = RESAMPLES
 ) -> tuple[Array, Array, Array]:
     """Interquartile mean over seeds of learning curves (S, T), and the two ends of its interval: each (T,).
 
@@ -65,8 +55,7 @@ def curve_band(
     if len(table) < 2:
         return centre, np.full(len(centre), np.nan), np.full(len(centre), np.nan)
     drawn = _iqm(table[picks], axis=1)
-    tail = (1.0 - confidence) / 2.0
-    low, high = np.quantile(drawn, (tail, 1.0 - tail), axis=0)
+    low, high = np.quantile(drawn, ENDS, axis=0)
     return centre, low, high
 
 
@@ -110,9 +99,8 @@ def _better(a: Array, b: Array) -> Array:
     return (0.5 * (first > second) + 0.5 * (first >= second)).mean(axis=(-3, -2, -1))
 
 
-def _interval(value: float, drawn: Array, confidence: float, n: int) -> Interval:
+def _interval(value: float, drawn: Array, n: int) -> Interval:
     if n < 2:
         return Interval(value, float("nan"), float("nan"), n)
-    tail = (1.0 - confidence) / 2.0
-    low, high = np.quantile(drawn, (tail, 1.0 - tail))
+    low, high = np.quantile(drawn, ENDS)
     return Interval(value, float(low), float(high), n)

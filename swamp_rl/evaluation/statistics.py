@@ -5,6 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+CONFIDENCE = 0.95  # of every interval
+ENDS = (1.0 - CONFIDENCE) / 2.0, 1.0 - (1.0 - CONFIDENCE) / 2.0  # quantiles of its two ends
+RESAMPLES = 2000
+
 
 @dataclass(frozen=True)
 class Interval:
@@ -16,7 +20,7 @@ class Interval:
     n: int
 
 
-def wilson(successes: int, n: int, confidence: float = 0.95) -> Interval:
+def wilson(successes: int, n: int) -> Interval:
     """Success rate with Wilson's score interval (Wilson 1927; method 3 of Newcombe 1998, Stat. Med. 17).
 
     Unlike rate ± 1.96 standard errors it stays inside [0, 1] and keeps a width at 0 and at n successes.
@@ -25,16 +29,12 @@ def wilson(successes: int, n: int, confidence: float = 0.95) -> Interval:
     from scipy.stats import binomtest
 
     result = binomtest(int(successes), int(n))
-    ends = result.proportion_ci(confidence, method="wilson")
+    ends = result.proportion_ci(CONFIDENCE, method="wilson")
     return Interval(result.statistic, float(ends.low), float(ends.high), int(n))
 
 
 def paired_difference(
-    a: ArrayLike,
-    b: ArrayLike,
-    rng: np.random.Generator,
-    resamples: int = 2000,
-    confidence: float = 0.95,
+    a: ArrayLike, b: ArrayLike, rng: np.random.Generator, resamples: int = RESAMPLES
 ) -> Interval:
     """Mean of a − b over episodes driven by both pilots, with a bootstrap percentile interval.
 
@@ -49,8 +49,7 @@ def paired_difference(
         return Interval(float("nan"), float("nan"), float("nan"), 0)
     picks = (rng.integers(0, n, (100, n), dtype=np.int32) for _ in range(resamples // 100))
     means = [difference[pick].mean(axis=1) for pick in picks]
-    tail = (1.0 - confidence) / 2.0
-    low, high = np.quantile(np.concatenate(means), (tail, 1.0 - tail))
+    low, high = np.quantile(np.concatenate(means), ENDS)
     return Interval(float(difference.mean()), float(low), float(high), n)
 
 

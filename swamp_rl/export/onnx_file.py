@@ -14,6 +14,8 @@ from swamp_rl.files import write_beside
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.seal import BLANK, KEY, sealed
 
+STEPS = 100  # of the comparison with the file
+
 
 def write_onnx(pilot: Pilot, path: Path | str, about: dict[str, str] | None = None) -> None:
     """Write the step of `pilot` to `path`; UserError where it has none in ONNX, or onnx is not installed.
@@ -36,7 +38,7 @@ def write_onnx(pilot: Pilot, path: Path | str, about: dict[str, str] | None = No
         part.write_bytes(sealed(model.SerializeToString()))
 
 
-def greatest_difference(pilot: Pilot, path: Path | str, rng: np.random.Generator, steps: int = 100) -> float:
+def greatest_difference(pilot: Pilot, path: Path | str, rng: np.random.Generator) -> float:
     """Greatest difference of any lever between `pilot` and its file over runs of 8 boats that see noise.
 
     Half of the boats begin anew half-way.
@@ -46,8 +48,8 @@ def greatest_difference(pilot: Pilot, path: Path | str, rng: np.random.Generator
     exported.reset(boats)
     places = [pilot.senses.index(name) for name in exported.senses]
     greatest = 0.0
-    for i in range(steps):
-        if i == steps // 2:
+    for i in range(STEPS):
+        if i == STEPS // 2:
             again = np.arange(boats) % 2 == 0
             pilot.reset_boats(again)
             exported.reset_boats(again)

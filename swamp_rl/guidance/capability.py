@@ -35,8 +35,6 @@ class Capability:
     direction: Array
     current: Array
     wind: Array
-    wind_beside: float
-    current_beside: float
 
 
 def capability(
@@ -58,8 +56,6 @@ def capability(
         angles,
         np.array([strongest(partial(held, angle, wind=wind), top) for angle in angles]),
         np.array([strongest(partial(held, angle, current), MOST_WIND) for angle in angles]),
-        wind,
-        current,
     )
 
 

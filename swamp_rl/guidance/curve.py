@@ -43,10 +43,6 @@ class Curve:
         """Curvature [1/m]."""
         return float(np.interp(along, self.along, self.curvature))
 
-    def place_at(self, along: Array | float) -> Array:
-        """(..., 2) north, east [m]."""
-        return np.stack([np.interp(along, self.along, self.places[:, axis]) for axis in (0, 1)], axis=-1)
-
     def nearest(self, north: float, east: float, since: float, ahead: float) -> Nearest:
         """The nearest point between `since` and `since + ahead` [m] along the curve.
 

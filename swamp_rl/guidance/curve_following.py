@@ -6,12 +6,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.curve import Curve
 from swamp_rl.guidance.drive import Drive
 from swamp_rl.guidance.following import LOOKAHEAD, YAW_RATE_LIMIT, steered, turning_to
 from swamp_rl.guidance.heading import slowest_speed
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.guidance.servo import SWAMP_LENGTH, VelocityServo
+from swamp_rl.guidance.servo import VelocityServo
 
 Array = NDArray[np.float64]
 
@@ -57,16 +58,14 @@ class BehindVehicle:
     Its speed and what is missing of the distance: U = U_l + k (s_l − b − s), from 0 to `fastest` [m/s].
     """
 
-    def __init__(
-        self, time: Array, way: Array, behind: float, fastest: float, gain: float = CATCHING
-    ) -> None:
-        self.time, self.way, self.behind, self.fastest, self.gain = time, way, behind, fastest, gain
+    def __init__(self, time: Array, way: Array, behind: float, fastest: float) -> None:
+        self.time, self.way, self.behind, self.fastest = time, way, behind, fastest
         self.rate = np.gradient(way, time)
 
     def speed(self, time: float, along: float) -> float:
         leader = float(np.interp(time, self.time, self.rate)) if time < self.time[-1] else 0.0
         missing = self.known(time) - self.behind - along
-        return min(max(leader + self.gain * missing, 0.0), self.fastest)
+        return min(max(leader + CATCHING * missing, 0.0), self.fastest)
 
     def known(self, time: float) -> float:
         return float(np.interp(time, self.time, self.way))

@@ -5,12 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.drive import Drive, allocated
-from swamp_rl.guidance.heading import wrapped
 from swamp_rl.guidance.integral_line_of_sight import drift_corrected
 from swamp_rl.guidance.line_of_sight import Waypoint, leg_after
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.guidance.servo import SWAMP_LENGTH, VelocityServo
+from swamp_rl.guidance.servo import VelocityServo
 
 Array = NDArray[np.float64]
 
@@ -39,6 +40,7 @@ class PathFollower:
     ) -> None:
         self.drive = drive
         self.scale = length / SWAMP_LENGTH
+        self.radius = RADIUS * self.scale
         self.servo = servo
         self.waypoints = waypoints
         self.speed = speed
@@ -48,7 +50,7 @@ class PathFollower:
     def act(self, seen: Seen, dt: float) -> Array:
         """(2K,) azimuths [rad] then throttles [1]."""
         place = Waypoint(seen.north, seen.east)
-        leg = leg_after(place, self.waypoints, self.leg, RADIUS * self.scale)
+        leg = leg_after(place, self.waypoints, self.leg, self.radius)
         if leg != self.leg:
             self.leg, self.drift = leg, 0.0
         if self.leg >= len(self.waypoints) - 1:

@@ -2,15 +2,12 @@
 
 import math
 
+from swamp_rl.angles import wrapped
+from swamp_rl.constants import GRAVITY
+
 STIFFNESS, DAMPING = 2.0, 8.0
 "Steering angle per heading error [1], and per yaw rate in lengths sailed [1]."
 SLOWEST = 0.03  # Froude number below which the damping grows no more: a boat at rest has no length per second
-GRAVITY = 9.81
-
-
-def wrapped(angle: float) -> float:
-    """The same direction in (-pi, pi]."""
-    return math.pi - (math.pi - angle) % (2.0 * math.pi)
 
 
 def slowest_speed(length: float) -> float:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.allocation import Jets, largest_multiple
-from swamp_rl.allocation.jets import wrapped
 from swamp_rl.allocation.sectors import sectors_of
+from swamp_rl.angles import wrapped_below
 from swamp_rl.boat import Boat
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.motion import external_forces, water_velocity
@@ -129,7 +129,7 @@ def _through(boat: Boat, jets: Jets, k: int, heading: float) -> Holding:
     needed = steady_force(boat, heading)
     direction = math.atan2(needed[1], needed[0]) - float(jets.offset[k])
     if not any(
-        sector.whole or abs(wrapped(direction - 0.5 * (sector.low + sector.high))) <= 0.5 * sector.width
+        sector.whole or abs(wrapped_below(direction - 0.5 * (sector.low + sector.high))) <= 0.5 * sector.width
         for sector in sectors_of(jets, k, 0.0, math.inf)
         if not sector.astern
     ):

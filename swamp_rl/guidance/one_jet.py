@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.allocation import Jets, allocate
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
-from swamp_rl.guidance.heading import wrapped
 from swamp_rl.guidance.holding import Holding
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.physics.force_curve import JET

@@ -15,7 +15,7 @@ from swamp_rl.boat.quantity import Unit
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml, validated
 from swamp_rl.guidance.curve import Curve, joined
-from swamp_rl.guidance.places import CLOSEST, FARTHEST, LONGEST, Coordinate, Degrees, Place
+from swamp_rl.guidance.places import CLOSEST, FARTHEST, LONGEST, Place, Start
 
 Array = NDArray[np.float64]
 Piece3 = tuple[Array, Array, Array]
@@ -24,17 +24,6 @@ ARC_STEP = math.radians(1.0)
 SPLINE_STEPS = 64  # between two places
 MOST_PLACES = 500_000  # of a curve
 Radius = Annotated[float, Field(ge=CLOSEST, le=FARTHEST), Unit("m")]
-
-
-class Start(Part):
-    """Where a path begins, and the course of its first piece where that is an arc or lines."""
-
-    north: Annotated[Coordinate, Unit("m")] = 0.0
-    "Place."
-    east: Annotated[Coordinate, Unit("m")] = 0.0
-    "Place."
-    course_deg: Annotated[Degrees, Unit("deg")] = 0.0
-    "Direction."
 
 
 class Line(Part):
@@ -111,7 +100,7 @@ class PathFile(Part):
     speed: Annotated[float, Field(gt=0.0, le=50.0), Unit("m/s")]
     "Over ground; less where the boat could not turn as fast as the curve does."
     start: Start = Start()
-    "Where the path begins."
+    "Where the path begins, and the course of a first piece that is an arc or lines."
     pieces: Annotated[tuple[Piece, ...], FROM_LIST, Field(min_length=1, max_length=1000)]
     "In their order."
 

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.constants import SWAMP_LENGTH
 
 Array = NDArray[np.float64]
 
 DAMPING = 1.0  # of both poles: no overshoot of the linear loop
 BANDWIDTH = (0.8, 0.8, 1.2)  # rad/s of surge, sway, yaw, of a boat as long as SWAMP
-SWAMP_LENGTH = 1.24  # m
 
 
 def inertia_of(boat: Boat) -> Array:

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.allocation import Jets, Wish, allocate
-from swamp_rl.guidance.heading import wrapped
+from swamp_rl.angles import wrapped
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.guidance.servo import SWAMP_LENGTH, VelocityServo
+from swamp_rl.guidance.servo import VelocityServo
 
 Array = NDArray[np.float64]
 
@@ -38,13 +39,11 @@ class StationKeeper:
         jets: Jets,
         servo: VelocityServo,
         station: Station,
-        wish: Wish = WISH,
         length: float = SWAMP_LENGTH,
     ) -> None:
         self.jets = jets
         self.servo = servo
         self.station = station
-        self.wish = wish
         self.pace = (length / SWAMP_LENGTH) ** 0.5
         self.before = np.zeros((len(jets.names), 2))
 
@@ -52,7 +51,7 @@ class StationKeeper:
         """(2K,) azimuths [rad] then throttles [1]."""
         wanted, actual = self.velocity_wanted(seen), seen.velocity
         asked = self.servo.force(wanted, actual)
-        found = allocate(self.jets, asked, seen.azimuth, dt, self.wish, self.before)
+        found = allocate(self.jets, asked, seen.azimuth, dt, WISH, self.before)
         self.servo.learn(wanted, actual, asked, found.achieved, dt)
         self.before = found.forces
         return found.commands

@@ -5,9 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.curve import Curve, progress
 from swamp_rl.guidance.following import LOOKAHEAD
-from swamp_rl.guidance.servo import SWAMP_LENGTH
 from swamp_rl.simulator.state import EAST, HEADING, NORTH
 
 Array = NDArray[np.float64]
@@ -33,5 +34,5 @@ def along_and_across(curve: Curve, track: Array, length: float) -> Array:
 def station_errors(track: Array, place: tuple[float, float], heading: float) -> tuple[Array, Array]:
     """(T,) distance [m] from a place, and (T,) heading error [rad] of states (T, S)."""
     away = np.hypot(track[:, NORTH] - place[0], track[:, EAST] - place[1])
-    turned = np.pi - np.mod(np.pi - (track[:, HEADING] - heading), 2.0 * np.pi)
+    turned = wrapped(track[:, HEADING] - heading)
     return away, turned

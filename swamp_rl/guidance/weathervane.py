@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from swamp_rl.allocation import Jets, largest_multiple
 from swamp_rl.boat import Boat
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.drive import Drive
 from swamp_rl.guidance.following import LOOKAHEAD, steered, turning_to
 from swamp_rl.guidance.holding import GUST, HALVINGS, HEADINGS, Holding, steady_force
 from swamp_rl.guidance.loop import Seen
-from swamp_rl.guidance.servo import SWAMP_LENGTH, VelocityServo
+from swamp_rl.guidance.servo import VelocityServo
 from swamp_rl.guidance.station import POSITION_GAIN, SPEED_LIMIT
 from swamp_rl.simulator import parameters
 

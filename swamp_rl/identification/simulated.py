@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.runs import Run
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
@@ -17,6 +18,7 @@ Array = NDArray[np.float64]
 
 STEPS = (0.4, 0.8, 0.6, 1.0, 0.3, 0.0)  # throttles that an elementary motion goes through
 HELD = 20.0  # s of each
+STRAIGHT = 60.0  # s of a straight run at one throttle
 
 
 def record_run(
@@ -33,7 +35,7 @@ def record_run(
     track = simulate(params, tank(boat), start, commands[None], seeds, dt, substeps_of(dt))[:, :-1]
     measured = add_noise(observe(track, params, dt)[0], noise, rng)
     columns = {"time": np.arange(len(commands)) * dt} | dict(zip(CHANNELS, measured.T, strict=True))
-    columns["heading"] = np.pi - np.mod(np.pi - columns["heading"], 2.0 * np.pi)
+    columns["heading"] = wrapped(columns["heading"])
     for k, thruster in enumerate(boat.thrusters):
         angle, level = thruster.command_columns
         if angle is not None:
@@ -68,9 +70,9 @@ def on_the_spot(boat: Boat, dt: float) -> Array:
     return _rows(boat, 0.5 * math.pi * side, throttle)
 
 
-def straights(boat: Boat, dt: float, throttles: Sequence[float], ahead: bool, seconds: float = 60.0) -> Array:
+def straights(boat: Boat, dt: float, throttles: Sequence[float], ahead: bool) -> Array:
     """(T, 2K) straight runs at each throttle in turn, ahead or astern (thesis 7.3.5)."""
-    throttle = np.repeat(throttles, round(seconds / dt))
+    throttle = np.repeat(throttles, round(STRAIGHT / dt))
     rows = _rows(boat, np.zeros(len(throttle)), throttle)
     rows[:, : len(boat.thrusters)] = 0.0 if ahead else math.pi
     return rows

@@ -67,7 +67,8 @@ class Vehicle(Part):
 
     @model_validator(mode="after")
     def _can_be_sailed(self) -> Self:
-        top = np.sqrt(self.forces / self.drags)
+        with np.errstate(over="ignore"):  # then infinite, and refused
+            top = np.sqrt(self.forces / self.drags)
         for axis, speed, mass, drag in zip(
             ("surge", "heave", "yaw"), top, self.masses, self.drags, strict=True
         ):

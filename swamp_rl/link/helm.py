@@ -20,7 +20,8 @@ from swamp_rl.link.protocol import (
     Command,
     throttle_reference,
 )
-from swamp_rl.link.sensor_line import CAMOGLI, read_sensor_line
+from swamp_rl.link.sensor_line import CAMOGLI, read_sensor_line, words_of
+from swamp_rl.link.socket_link import PATIENCE
 from swamp_rl.link.stamps import Stamps
 from swamp_rl.runs.local_frame import Place, from_local
 from swamp_rl.runs.thruster_telemetry import azimuth_steps
@@ -33,8 +34,6 @@ LEAD = 0.004
 """Time [s] from the first telemetry to the first command's schedule: each then has a sample of its own."""
 HOLD = 0.5
 """Seconds for which a pilot may go on without new telemetry; then the pumps are stopped."""
-PATIENCE = 3.0
-"""Seconds without telemetry after which the link is given up."""
 SETTLE = 10
 """Periods at the start in which the motors are switched on and the jets turn ahead, without thrust: the first
 datagrams may be lost, and the log begins with commands that are known to be in force."""
@@ -103,7 +102,7 @@ class Latest:
     def feed(self, packet: bytes, now: float) -> None:
         """Take a packet that came at `now` [s]; what is no newer motion is counted."""
         try:
-            words = packet.replace(b"\0", b"").decode("ascii").split()
+            words = words_of(packet)
             stamp, senses = read_sensor_line(words, self._origin)
         except (ValueError, OverflowError):
             self.ignored += 1

@@ -24,7 +24,7 @@ from swamp_rl.link.protocol import (
     encoded,
     throttle_reference,
 )
-from swamp_rl.link.sensor_line import read_sensor_line
+from swamp_rl.link.sensor_line import read_sensor_line, words_of
 from swamp_rl.link.vehicle import TICK, Packet, Vehicle, refuse_other_thrusters
 from swamp_rl.physics.thrusters import effective_thrust
 from swamp_rl.runs.thruster_telemetry import FIRST_MODULE, azimuth_angle, azimuth_steps
@@ -166,7 +166,7 @@ class Pair:
 
     def _deliver(self, packet: Packet) -> None:
         """Telemetry: of sensors to the computer that they are in, of a module to whom it was told."""
-        words = packet.payload.replace(b"\0", b"").decode("ascii").split()
+        words = words_of(packet.payload)
         ends = self.vehicle.addresses
         if packet.source in ends.sensors:
             computer = self.computers[ends.sensors.index(packet.source)]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.runs.import_telemetry import FIELDS, VALID, WHOLE, velocity
 from swamp_rl.runs.local_frame import Place, from_local, to_local
 
@@ -36,7 +37,7 @@ def sensor_line(motion: Array, utc: int, sender: int, origin: Place, valid: bool
     speed = math.hypot(*over_ground)
     values: dict[str, Any] = dict.fromkeys(FIELDS, 0.0) | {
         "sender": sender,
-        "yaw": math.pi - (math.pi - heading) % (2.0 * math.pi),
+        "yaw": wrapped(heading),
         "latitude": float(latitude[0]),
         "longitude": float(longitude[0]),
         "position_flags": int(valid),
@@ -63,6 +64,11 @@ def sensor_line(motion: Array, utc: int, sender: int, origin: Place, valid: bool
         for name, value in values.items()
     )
     return " ".join(words) + END
+
+
+def words_of(packet: bytes) -> list[str]:
+    """The words of a telemetry packet; ValueError where it is not ASCII."""
+    return packet.replace(b"\0", b"").decode("ascii").split()
 
 
 def read_sensor_line(words: Sequence[str], origin: Place) -> tuple[int, Array]:

@@ -12,6 +12,8 @@ from swamp_rl.link.protocol import INSERT_RECIPIENT, REMOVE_RECIPIENT, TELEMETRY
 
 LARGEST = 2048
 """Bytes of a packet that is read; a telemetry line has some 450."""
+PATIENCE = 3.0
+"""Seconds without telemetry after which a link is given up."""
 ASK_AGAIN = 1.0
 """Seconds without telemetry after which it is asked for again: the first request may have been lost."""
 

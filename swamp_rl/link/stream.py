@@ -12,8 +12,8 @@ from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.link.addresses import addresses
 from swamp_rl.link.module_line import ModuleLine, read_module_line
-from swamp_rl.link.sensor_line import CAMOGLI, read_sensor_line
-from swamp_rl.link.socket_link import packets, socket_link
+from swamp_rl.link.sensor_line import CAMOGLI, read_sensor_line, words_of
+from swamp_rl.link.socket_link import PATIENCE, packets, socket_link
 from swamp_rl.link.stamps import Stamps
 from swamp_rl.runs.import_foreign import Wishes, runs_from
 from swamp_rl.runs.local_frame import Place
@@ -24,8 +24,6 @@ from swamp_rl.simulator.replay import fixed_thrusters
 Array = NDArray[np.float64]
 
 SENSES = ("north", "east", "heading", "surge", "sway", "yaw_rate")
-PATIENCE = 3.0
-"""Seconds without telemetry after which a link is given up."""
 SENSELESS = 10.0
 """Times the patience after which a link is given up whose packets give no sample."""
 REMEMBERED = 64
@@ -108,7 +106,7 @@ class Assembler:
     def feed(self, packet: bytes) -> Sample | None:
         """Take a packet; the sample that it completes, if it does."""
         try:
-            words = packet.replace(b"\0", b"").decode("ascii").split()
+            words = words_of(packet)
             if len(words) == len(ModuleLine._fields):
                 self._keep(read_module_line(words))
                 return None

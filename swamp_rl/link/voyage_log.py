@@ -2,28 +2,27 @@
 
 import math
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.link.helm import PERIOD, Voyage
 from swamp_rl.link.stream import SENSES
 from swamp_rl.runs.import_dataset import About, import_tables
 from swamp_rl.runs.import_foreign import Foreign, Wishes
-from swamp_rl.runs.resample import wrapped
 from swamp_rl.runs.schema import DatasetMeta
 from swamp_rl.runs.table import Table
 
 FILL = 0.25
 """Seconds without telemetry that are interpolated in the log; a longer gap divides the run."""
+NAME = "helm"  # of the run
 EVEN = 1e-4
 """Seconds by which a step between rows may differ from the period."""
-Driver = Literal["learned", "scripted"]
 
 
-def write_voyage(out: Path, voyage: Voyage, boat: Boat, about: About, name: str = "helm") -> DatasetMeta:
+def write_voyage(out: Path, voyage: Voyage, boat: Boat, about: About) -> DatasetMeta:
     """Write the rows of a voyage as a new dataset `out`; what it then says.
 
     Where telemetry was lost, the rows are resampled at the commands' rate and divided at longer gaps.
@@ -33,7 +32,7 @@ def write_voyage(out: Path, voyage: Voyage, boat: Boat, about: About, name: str 
     rows = np.arange(1, len(voyage.rows) + 1)
     even = len(rows) > 1 and np.allclose(np.diff(columns["time"]), PERIOD, rtol=0.0, atol=EVEN)
     wishes = Wishes() if even else Wishes(resample=1.0 / PERIOD, bad_rows="split", fill=FILL)
-    return import_tables([Foreign(name, name, Table(columns, rows))], out, about, wishes)
+    return import_tables([Foreign(NAME, NAME, Table(columns, rows))], out, about, wishes)
 
 
 def columns_of(voyage: Voyage, boat: Boat) -> dict[str, np.ndarray]:

@@ -223,6 +223,7 @@ def _rate(log: Log, series: Mapped[str, Series]) -> float:
 def _clocks(log: Log, mapping: Mapping, stamps: Mapped[str, Stamps]) -> dict[str, tuple[float, str]]:
     """The offsets [s] to add to the times of tables, as asked by pairs of expressions, and what to tell."""
     found: dict[str, tuple[float, str]] = {}
+    settled: set[str] = set()
     for pair in mapping.clock:
         where = f"--clock {clipped(pair)}"
         one, sign, other = pair.partition("~")
@@ -236,11 +237,18 @@ def _clocks(log: Log, mapping: Mapping, stamps: Mapped[str, Stamps]) -> dict[str
                 raise UserError(f"{where}: table {column.table or '(none)'} is not used by the mapping")
         if first.table == second.table:
             raise UserError(f"{where}: both are of table {first.table}, which has one clock")
+        if second.table in settled:
+            raise UserError(
+                f"{where}: the clock of {second.table} is settled by an earlier --clock; exchange the two "
+                "sides, or leave one of them out"
+            )
+        settled |= {first.table, second.table}
         begin = min(stamps[first.table].start, stamps[second.table].start)
         records = [_record(log, column, stamps[column.table], begin) for column in (first, second)]
         offset = clock_offset(records[0], records[1], f"{log.file}: {where}")
-        told = f"{second.table} shifted by {offset.seconds:+.3f} s (correlation {offset.correlation:.2f})"
-        found[second.table] = (offset.seconds, told)
+        shift = offset.seconds + found.get(first.table, (0.0, ""))[0]
+        told = f"{second.table} shifted by {shift:+.3f} s (correlation {offset.correlation:.2f})"
+        found[second.table] = (shift, told)
     return found
 
 
@@ -260,6 +268,6 @@ def _left_out(log: Log, mapping: Mapping, found: Mapped[str, Column], used: list
         column if len(log.tables) == 1 else f"{name}.{column}"
         for name in used
         for column in log.tables[name].table.columns
-        if (name, column) not in read and column not in time
+        if (name, column) not in read and not time & {column, f"{name}.{column}"}
     ]
     return {"not_imported": ", ".join(map(clipped, others[:40]))} if others else {}

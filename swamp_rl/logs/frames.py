@@ -6,9 +6,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.errors import UserError
 from swamp_rl.logs.mapping import Frame
-from swamp_rl.runs.resample import wrapped
 
 Array = NDArray[np.float64]
 

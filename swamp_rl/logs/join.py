@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
 from swamp_rl.runs.faults import Fault
-from swamp_rl.runs.resample import ANGLES, HELD, most_rows, wrapped
+from swamp_rl.runs.resample import at_times, is_held, most_rows
 
 Array = NDArray[np.float64]
 
@@ -35,11 +35,6 @@ class Joined:
     unread: dict[str, NDArray[np.bool_]]
     faults: list[Fault]
     told: str
-
-
-def is_held(name: str) -> bool:
-    """Whether a column keeps its value until the next message."""
-    return name.startswith(HELD)
 
 
 def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) -> Joined:
@@ -69,7 +64,7 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
     unread: dict[str, NDArray[np.bool_]] = {}
     faults: list[Fault] = []
     for name, one in series.items():
-        columns[name] = at_times(name, one, even)
+        columns[name] = at_times("heading" if name == "yaw" else name, one.time, one.values, even)
         if is_held(name):
             continue
         missing, found = _pauses(file, name, one, even, max(fill, 1.0 / rate))
@@ -77,15 +72,6 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
             unread[name], columns[name] = missing, np.where(missing, np.nan, columns[name])
             faults += found
     return Joined(columns, unread, faults, _told(series, rate))
-
-
-def at_times(name: str, one: Series, even: Array) -> Array:
-    """The values of a column at other times."""
-    if is_held(name):
-        return one.values[np.maximum(np.searchsorted(one.time, even + 1e-9, side="right") - 1, 0)]
-    if name in ANGLES or name == "yaw" or name.startswith("applied_azimuth_"):
-        return wrapped(np.interp(even, one.time, np.unwrap(one.values)))
-    return np.interp(even, one.time, one.values)
 
 
 def _whole(file: str, name: str, one: Series) -> Series:

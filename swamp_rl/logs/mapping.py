@@ -103,6 +103,7 @@ def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequen
                 continue
             whole = value if isinstance(value, Given) else Given(value=value)
             columns[name] = _told(f"{option}: columns.{name}", str(whole.value))
+            units.pop(name, None)
             units |= {name: whole.unit} if whole.unit else {}
     return Mapping(columns, units, frame or said or "ned", tuple(clocks))
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, PropellerRudder
 from swamp_rl.boat.resistance import TankResistance
+from swamp_rl.constants import GRAVITY
 from swamp_rl.errors import UserError
-from swamp_rl.guidance.heading import GRAVITY
 from swamp_rl.manoeuvres.controller import Order
 from swamp_rl.manoeuvres.steering import commands_of, refuse_astern
 from swamp_rl.physics.force_curve import JET

@@ -5,7 +5,8 @@ from pathlib import Path
 
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
-from swamp_rl.runs import DatasetMeta, Run, append_runs, dataset_beside, read_run
+from swamp_rl.runs import Run, append_runs, dataset_beside, read_run
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.replay import replay, sample_step
 
 NOTES = "Commands of other runs sailed by swamp_rl on its own simulator; nothing of this was measured."
@@ -28,15 +29,7 @@ def record_commands(out: Path | str, boat_name: str, files: Sequence[Path]) -> l
                 f"{path}: a row every {step:g} s, in {files[0]} every {steps[0]:g} s; sail them apart"
             )
     sailed = [replay(boat, run) for run in read]
-    meta = DatasetMeta(
-        vehicle=boat_name,
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=round(1.0 / steps[0], 9),
-        source="simulated",
-        notes=NOTES,
-    )
+    meta = meta_of(boat, boat_name, round(1.0 / steps[0], 9), "simulated", notes=NOTES)
     with dataset_beside(out, meta) as part:
         append_runs(part, sailed)
     return sailed

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from swamp_rl.guidance.heading import GRAVITY
+from swamp_rl.constants import GRAVITY
 from swamp_rl.guidance.loop import Seen
 
 Kind = Literal["turning-circle", "zig-zag", "spiral", "reverse-spiral", "pull-out", "stopping", "straight"]

@@ -6,9 +6,9 @@ from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, model_validator
 
-from swamp_rl.boat.part import FROM_LIST, NAME, Part
+from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, Part
 from swamp_rl.files import find_config, read_yaml, validated
 from swamp_rl.manoeuvres.approach import Area
 from swamp_rl.manoeuvres.controller import Kind, Pattern, Trial
@@ -18,14 +18,6 @@ Share = Annotated[float, Field(gt=0.0, le=1.0)]
 Positive = Annotated[float, Field(gt=0.0)]
 
 
-def _filled(given: tuple[Any, ...]) -> tuple[Any, ...]:
-    # A least length declared as such would be missed, too, by a list whose items are at fault.
-    if not given:
-        raise ValueError("is empty; give at least one")
-    return given
-
-
-FILLED = AfterValidator(_filled)
 Several = Annotated[tuple[Positive, ...], FROM_LIST, FILLED]
 
 STEERED = {"angle_deg", "pattern"}

@@ -12,7 +12,8 @@ from swamp_rl.guidance.flight import command_columns
 from swamp_rl.manoeuvres.approach import Area
 from swamp_rl.manoeuvres.controller import APPROACH, Trial
 from swamp_rl.manoeuvres.execute import STEP, Executed, execute
-from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_runs, dataset_beside
+from swamp_rl.runs import Run, RunMeta, append_runs, dataset_beside
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.replay import run_of
 from swamp_rl.simulator.sensors import CHANNELS
 
@@ -68,15 +69,7 @@ def record_trials(
     UserError where the boat cannot do a trial, or the folder holds something else.
     """
     boat = load_boat(boat_name)
-    meta = DatasetMeta(
-        vehicle=boat_name,
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=1.0 / STEP,
-        source="simulated",
-        notes=NOTES,
-    )
+    meta = meta_of(boat, boat_name, 1.0 / STEP, "simulated", notes=NOTES)
     with dataset_beside(out, meta) as part:
         executed = execute(boat, trials, area, seed)
         append_runs(part, runs_of_trials(executed, boat, seed))

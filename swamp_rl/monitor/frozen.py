@@ -6,19 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.link.stream import Sample
+from swamp_rl.monitor.options import DEFAULT, Options
 
 Array = NDArray[np.float64]
 
 SENSORS = {"position": [0, 1], "heading": [2], "velocity": [3, 4], "yaw_rate": [5]}
 "What one instrument measures: it freezes, and comes back, as one."
-LEAST = 0.8  # s for which a reading must repeat
-MULTIPLE = 3.0  # of the longest repetition that is usual
 
 
 @dataclass
 class Repetition:
     """For how long each channel has had the same value; usual: (6,) the longest of a working sensor [s]."""
 
+    options: Options = DEFAULT
     since: Array = field(default_factory=lambda: np.full(6, np.nan))
     last: Array = field(default_factory=lambda: np.full(6, np.nan))
     usual: Array = field(default_factory=lambda: np.zeros(6))
@@ -26,15 +26,15 @@ class Repetition:
 
     def learn(self, sample: Sample) -> None:
         """Take a sample of working sensors."""
-        self._take(sample)
+        self.take(sample)
         self.usual = np.fmax(self.usual, np.nan_to_num(sample.time - self.since))
 
     def add(self, sample: Sample, moved: NDArray[np.bool_]) -> tuple[list[str], list[str]]:
-        """Sensors that this sample shows to have frozen, and those that are back. moved: (6,) whether a
-        working one would have changed since.
+        """Sensors that the sample taken last shows to have frozen, and those that are back. moved: (6,)
+        whether a working one would have changed since.
         """
-        self._take(sample)
-        stuck = (sample.time - self.since >= np.maximum(LEAST, MULTIPLE * self.usual)) & moved
+        of = self.options
+        stuck = (sample.time - self.since >= np.maximum(of.repeats, of.repeats_usual * self.usual)) & moved
         began, back = [], []
         for name, channels in SENSORS.items():
             if name in self.frozen and (sample.time - self.since[channels] == 0.0).all():
@@ -50,7 +50,9 @@ class Repetition:
         """Those of frozen sensors."""
         return [channel for name in self.frozen for channel in SENSORS[name]]
 
-    def _take(self, sample: Sample) -> None:
+    def take(self, sample: Sample) -> bool:
+        """Take the next sample; whether a channel repeats its reading, or did."""
         changed = np.isfinite(sample.senses) & (sample.senses != self.last)
         self.since = np.where(changed, sample.time, self.since)
         self.last = np.where(changed, sample.senses, self.last)
+        return bool(self.frozen) or not changed.all()

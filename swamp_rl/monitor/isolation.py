@@ -15,14 +15,11 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, instances_of
 from swamp_rl.effects import LIBRARY
+from swamp_rl.monitor.options import DEFAULT, Options
 from swamp_rl.monitor.signature import signatures, white_of
 from swamp_rl.monitor.tracker import Step
 
 Array = NDArray[np.float64]
-
-ONSETS = 0.5  # s between the onsets that are tried first
-LEADERS = 4  # candidates whose onset and size are then refined
-ITERATIONS = 3  # Gauss-Newton steps of their size
 
 
 @dataclass(frozen=True)
@@ -70,26 +67,31 @@ def free(instance: EffectInstance) -> int:
 
 
 def isolate(
-    boat: Boat, record: NDArray[Any], history: Sequence[Step], instances: Sequence[EffectInstance], dt: float
+    boat: Boat,
+    record: NDArray[Any],
+    history: Sequence[Step],
+    instances: Sequence[EffectInstance],
+    dt: float,
+    options: Options = DEFAULT,
 ) -> list[Onset]:
-    """The best onset of every candidate, the greatest criterion first: onsets ONSETS apart for all, then
-    every step about the best for the first LEADERS.
+    """The best onset of every candidate, the greatest criterion first: onsets `onsets` apart for all, then
+    every step about the best for the first `leaders`.
     """
-    stride = max(1, round(ONSETS / dt))
+    stride = max(1, round(options.onsets / dt))
     best: dict[str, Onset] = {}
 
     def consider(places: Sequence[int], of: Sequence[EffectInstance], iterations: int) -> None:
         for place in places:
-            for found in _from(boat, record, history, of, place, dt, iterations):
+            for found in _from(boat, record, history, of, place, dt, iterations, options):
                 label = found.instance.label
                 if label not in best or found.gain > best[label].gain:
                     best[label] = found
 
     last = len(history) - 2
     consider(range(0, last, stride), instances, 1)
-    for leader in sorted(best.values(), key=lambda one: -one.criterion)[:LEADERS]:
+    for leader in sorted(best.values(), key=lambda one: -one.criterion)[: options.leaders]:
         near = range(max(0, leader.place - stride + 1), min(last, leader.place + stride))
-        consider(near, [leader.instance], ITERATIONS)
+        consider(near, [leader.instance], options.iterations)
     return sorted(best.values(), key=lambda one: -one.criterion)
 
 
@@ -101,8 +103,11 @@ def _from(
     place: int,
     dt: float,
     iterations: int,
+    options: Options,
 ) -> list[Onset]:
-    """Every candidate with its onset at one step, its size by that many Gauss-Newton steps from neutral."""
+    """Every candidate with its onset at one step, its size by Gauss-Newton from neutral, in so many steps at
+    most, of each the share that leaves the least chi2.
+    """
     window = list(history)[place:]
     white, rows = white_of(window), sum(step.taken for step in window[1:])
     sizes = [neutral_x(instance, window[0].time) for instance in instances]
@@ -113,20 +118,29 @@ def _from(
         return signatures(boat, np.concatenate([record, *own]), window, dt)
 
     own = np.zeros((len(instances), len(white)))
+    left = np.full(len(instances), white @ white)
     for _ in range(iterations if sized else 0):
         steps = {i: moved(instances[i], sizes[i]) for i in sized}
         there = iter(changes([(instances[i], x) for i in sized for x in steps[i]]))
+        tried = {}
         for i in sized:
             added = np.array([next(there) for _ in steps[i]]) - own[i]
             slopes = (added / np.diag(steps[i] - sizes[i])[:, None]).T
             change = np.linalg.lstsq(slopes, white - own[i], rcond=1e-9)[0]
             low, high = np.array([(spec.low, spec.high) for spec in instances[i].specs]).T
-            sizes[i] = np.clip(sizes[i] + change, low, high)
-        own[sized] = changes([(instances[i], sizes[i]) for i in sized])
+            tried[i] = np.clip(sizes[i] + np.outer(options.shares, change), low, high)
+        there, before = iter(changes([(instances[i], x) for i in sized for x in tried[i]])), left.sum()
+        for i in sized:
+            for x in tried[i]:
+                added = next(there)
+                if (rest := float(np.sum((white - added) ** 2))) < left[i]:
+                    sizes[i], own[i], left[i] = x, added, rest
+        if before - left.sum() < options.converged:
+            break
     others = [i for i in range(len(instances)) if i not in sized]
     if others:
         own[others] = changes([(instances[i], sizes[i]) for i in others])
-    left = np.sum((white - own) ** 2, axis=1)
+        left[others] = np.sum((white - own[others]) ** 2, axis=1)
     gain = float(white @ white) - left
     return [
         Onset(instance, window[0].time, place, sizes[i], float(gain[i]), float(left[i]), rows)

@@ -14,21 +14,12 @@ from swamp_rl.link.stream import Sample
 from swamp_rl.monitor.change_test import ChangeTest
 from swamp_rl.monitor.frozen import SENSORS, Repetition
 from swamp_rl.monitor.isolation import Onset, isolate, nested, onset_candidates, simplest
-from swamp_rl.monitor.tracker import CURRENT, SETTLED, Tracker, tracker_of
+from swamp_rl.monitor.options import DEFAULT, Options
+from swamp_rl.monitor.tracker import CURRENT, Tracker, tracker_of
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.sensors import CHANNELS
 
 Array = NDArray[np.float64]
-
-WARM_UP = 30.0  # s that noise and usual innovations are estimated from
-THRESHOLD = 6.5  # standard deviations; `python -m benchmarks.monitor` counts its false alarms
-CLEAR = 9.0  # of the criterion, by which a cause leads its rivals when it is named at once
-RIVAL = 6.0  # of the criterion, within which a rival is named too
-TENABLE = 3.0  # standard deviations by which the chi2 that a cause leaves may exceed its mean
-SOONEST = 0.5  # s from an alarm to the earliest naming
-PATIENCE = 2.0  # s from an alarm to the latest naming
-REFINED = 15.0  # s for which the size of a cause is corrected without another notice
-AGAIN = 0.3  # s between two isolations
 
 
 @dataclass(frozen=True)
@@ -58,26 +49,19 @@ class Notice:
 class Monitor:
     """Feed it samples; it says what began.
 
-    boat: as the pilot believes it to be; threshold: of the test for a change [standard deviations]; warm_up:
-    [s] that noise and usual innovations are estimated from; least_walk: of the filter's process noise, for
-    streams that may be rougher than the first seconds.
+    boat: as the pilot believes it to be.
     """
 
-    def __init__(
-        self,
-        boat: Boat,
-        threshold: float = THRESHOLD,
-        warm_up: float = WARM_UP,
-        least_walk: float = 0.0,
-    ) -> None:
-        self.boat, self.threshold = boat, threshold
-        self.warm_up, self.least_walk = warm_up, least_walk
+    def __init__(self, boat: Boat, options: Options = DEFAULT) -> None:
+        self.boat, self.options = boat, options
         self.record = parameters(boat)
         self.instances = onset_candidates(boat)
         self.first: list[Sample] = []
-        self.repetition = Repetition()
+        self.repetition = Repetition(options)
         self.tracker: Tracker | None = None
         self.alarm: float | None = None
+        self.peak = 0.0
+        "Of the statistic since the alarm, over its threshold."
         self.settled = -np.inf
         "Time [s] before which the filter of a stream that has begun again is not judged."
         self.again = False
@@ -94,7 +78,7 @@ class Monitor:
         """Take the next sample as the first of another stream of the boat and its sensors, from the boat file
         again; what is known of the noise and of usual innovations is kept.
         """
-        self.first, self.repetition = [], Repetition(usual=self.repetition.usual)
+        self.first, self.repetition = [], Repetition(self.options, usual=self.repetition.usual)
         self.again = self.tracker is not None
 
     def feed(self, sample: Sample) -> list[Notice]:
@@ -116,11 +100,12 @@ class Monitor:
         self.samples.append(sample)
         if sample.time < self.settled:
             return []
-        self.test.add(step.white)
+        self.test.add(step.white, usual=self.alarm is None)
         changed = self.test.exceeded
+        self.peak = max(self.peak, float(changed.max())) if self.alarm is not None else float(changed.max())
         if self.alarm is None and changed.max() > 1.0:
             self.alarm = sample.time
-        if self.alarm is not None and sample.time - self.asked >= AGAIN - 1e-9:
+        if self.alarm is not None and sample.time - self.asked >= self.options.again - 1e-9:
             self.asked = sample.time
             notices += self._named(sample.time, changed)
         self.notices += len(notices)
@@ -129,11 +114,11 @@ class Monitor:
     def _warm_up(self, sample: Sample) -> None:
         self.first.append(sample)
         self.repetition.learn(sample)
-        if sample.time - self.first[0].time < self.warm_up:
+        if sample.time - self.first[0].time < self.options.warm_up:
             return
         dt = float(np.median(np.diff([one.time for one in self.first])))
-        self.tracker, white = tracker_of(self.boat, self.record, self.first, dt, self.least_walk)
-        self.test = ChangeTest(dt, self.threshold)
+        self.tracker, white = tracker_of(self.boat, self.record, self.first, dt, self.options)
+        self.test = ChangeTest(dt, self.options)
         for one in white:
             self.test.add(one)
         self.samples: deque[Sample] = deque(
@@ -146,20 +131,22 @@ class Monitor:
         assert self.tracker is not None
         old = self.tracker
         self.record = parameters(self.boat)
-        self.tracker = Tracker(self.boat, self.record, old.sigmas, old.walk, sample, old.dt)
+        self.tracker = Tracker(self.boat, self.record, old.sigmas, old.walk, sample, old.dt, self.options)
         self.samples.clear()
         self.test.clear()
         self.alarm, self.again = None, False
         self.asked = -np.inf
         self.said = "", -np.inf
-        self.settled = sample.time + SETTLED
+        self.settled = sample.time + self.options.settled
 
     def _frozen(self, sample: Sample) -> list[Notice]:
         """Sensors that repeat a reading which noise or the boat's motion would have changed."""
         assert self.tracker is not None
+        since = self.repetition.since
+        if not self.repetition.take(sample):
+            return []
         apart = np.abs(self.tracker.navigator.x[:6] - np.nan_to_num(sample.senses))
-        moved = self.noisy | (apart > 5.0 * self.tracker.sigmas)
-        since = self.repetition.since.copy()
+        moved = self.noisy | (apart > self.options.beyond_noise * self.tracker.sigmas)
         began, back = self.repetition.add(sample, moved)
         notices = [
             Notice(sample.time, float(since[SENSORS[name]].max()), f"{name} frozen", {}) for name in began
@@ -171,29 +158,33 @@ class Monitor:
         is over.
         """
         assert self.tracker is not None and self.alarm is not None
-        found = isolate(self.boat, self.record, self.tracker.history, self.instances, self.tracker.dt)
+        of, history = self.options, self.tracker.history
+        found = isolate(self.boat, self.record, history, self.instances, self.tracker.dt, of)
         usual = float(self.test.square[0].mean())
-        first = simplest(found, RIVAL * usual)
+        first = simplest(found, of.rival * usual)
         behind = {
             other.instance.label: (first.criterion - other.criterion) / usual
             for other in found
             if other is not first and not nested(first, other)
         }
-        tenable = first.left <= usual * (first.rows + TENABLE * math.sqrt(2.0 * first.rows))
-        clear = min(behind.values(), default=CLEAR) >= CLEAR
+        tenable = first.left <= usual * (first.rows + of.tenable * math.sqrt(2.0 * first.rows))
+        clear = min(behind.values(), default=of.clear) >= of.clear
         waited = now - self.alarm + 1e-9
-        if waited < PATIENCE and not (waited > SOONEST and clear and tenable):
+        if waited < of.patience and not (waited > of.soonest and clear and tenable):
             return []
         self.alarm = None
+        if first.instance.effect.name in of.weather and self.peak < of.gust:
+            self.test.accept()
+            return []
         channels = tuple(CHANNELS[place] for place in np.flatnonzero(changed > 1.0))
         if not self._adopt(first):
             return [Notice(now, first.time, "unexplained", {}, channels=channels)]
         label = first.instance.label
-        refined = label == self.said[0] and now - self.said[1] < REFINED
+        refined = label == self.said[0] and now - self.said[1] < of.refined
         self.said = label, now
         if refined:
             return []
-        rivals = tuple(name for name, gap in behind.items() if gap < RIVAL)
+        rivals = tuple(name for name, gap in behind.items() if gap < of.rival)
         values = {name: float(value) for name, value in entries_of(first.instance, first.x)[0].values.items()}
         return [Notice(now, first.time, label, values, rivals, channels)]
 
@@ -211,11 +202,11 @@ class Monitor:
         self.tracker.restart(history[onset.place], samples[0], record, shift)
         self.test.clear()
         for sample in samples[1:]:
-            self.test.add(self.tracker.advance(sample, self.repetition.channels).white)
+            self.test.add(self.tracker.advance(sample, self.repetition.channels).white, usual=False)
         adequate = bool(self.test.exceeded.max() <= 1.0)
         self.record = record if adequate else before
         if not adequate:
-            self.test.square = np.maximum(self.test.square, self.test.statistic**2)
+            self.test.accept()
             self.tracker.set_record(before)
         self.samples = deque(samples, self.samples.maxlen)
         self.test.clear()

@@ -13,6 +13,7 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.link.stream import Sample
+from swamp_rl.monitor.options import DEFAULT, Options
 from swamp_rl.navigation.filter import Navigator
 from swamp_rl.navigation.predict import STATES, BoatModel
 from swamp_rl.navigation.sensors import Fix
@@ -22,14 +23,6 @@ from swamp_rl.simulator.state import ACTUATORS, HEADING, TIME
 
 Array = NDArray[np.float64]
 
-KEPT = 6.0  # s of history
-SETTLED = 5.0  # s after which the actuators no longer depend on where they stood at first
-# Standard deviations at first, in `scale_of`, and random walk in that per sqrt(L/U): length L, top speed U
-START = np.array([0.8, 0.8, 0.05, 0.09, 0.09, 0.05, 0.13, 0.13])
-WALK = np.array([0.0, 0.0, 0.0, 0.045, 0.045, 0.033, 0.018, 0.018])
-WALKS = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # of `WALK`, tried for the process noise
-OUTLIER = 5.0  # standard deviations of an innovation that is left out,
-AGAIN = 3  # unless it comes that many times in a row
 CURRENT = ("current_north", "current_east")  # fields of the record that are states of the filter, 6 and 7
 BEYOND_OFFSETS = (
     "antenna_x",
@@ -68,16 +61,25 @@ class Tracker:
     """
 
     def __init__(
-        self, boat: Boat, record: NDArray[Any], sigmas: Array, walk: Array, first: Sample, dt: float
+        self,
+        boat: Boat,
+        record: NDArray[Any],
+        sigmas: Array,
+        walk: Array,
+        first: Sample,
+        dt: float,
+        options: Options = DEFAULT,
     ) -> None:
         self.model = BoatModel(boat)
-        self.sigmas, self.walk, self.dt = sigmas, walk, dt
+        self.sigmas, self.walk, self.dt, self.options = sigmas, walk, dt, options
         self.set_record(record)
         x = np.zeros(STATES)
         x[:6] = np.nan_to_num(first.senses)
-        self.navigator = Navigator(self.model, x, walk, np.diag((START * scale_of(boat)) ** 2))
+        self.navigator = Navigator(
+            self.model, x, walk, np.diag((np.array(options.start) * scale_of(boat)) ** 2)
+        )
         self.model.actuators[ACTUATORS:] = first.commands
-        self.history: deque[Step] = deque(maxlen=max(4, round(KEPT / dt)))
+        self.history: deque[Step] = deque(maxlen=max(4, round(options.kept / dt)))
         self.last = first
         self.refused = np.zeros(6, dtype=int)
 
@@ -96,23 +98,23 @@ class Tracker:
         fresh[list(blind)] = False
         apart = differences(measured - self.navigator.x[:6])
         deviation = np.sqrt(self.navigator.P.diagonal()[:6] + self.sigmas**2)
-        out = fresh & (np.abs(apart) > OUTLIER * deviation)
+        out = fresh & (np.abs(apart) > self.options.outlier * deviation)
         self.refused = np.where(out, self.refused + 1, 0)
-        taken = fresh & (~out | (self.refused >= AGAIN))
+        taken = fresh & (~out | (self.refused >= self.options.outliers))
         step = self._update([int(place) for place in np.flatnonzero(taken)], measured, jacobian, sample)
-        step.white[fresh & ~taken] = np.sign(apart)[fresh & ~taken] * OUTLIER
+        step.white[fresh & ~taken] = np.sign(apart)[fresh & ~taken] * self.options.outlier
         self.last = sample
         self.history.append(step)
         return step
 
     def restart(self, step: Step, sample: Sample, record: NDArray[Any], current: Array) -> None:
         """Go back to a step of the history and the sample it was of, with another record (1,); current: (2,)
-        how much more of it [m/s] there is from then on, as uncertain as that.
+        how much more of it [m/s] there is from then on, in any direction as uncertain as that.
         """
         self.set_record(record)
         self.navigator.x, self.navigator.P = step.x.copy(), step.P.copy()
         self.navigator.x[6:] += current
-        self.navigator.P[[6, 7], [6, 7]] += current**2
+        self.navigator.P[[6, 7], [6, 7]] += float(current @ current)
         self.model.actuators = step.state.copy()
         self.last = sample
         self.refused[:] = 0
@@ -185,21 +187,21 @@ def noise_of(boat: Boat, samples: Sequence[Sample], dt: float) -> Array:
 
 
 def tracker_of(
-    boat: Boat, record: NDArray[Any], samples: Sequence[Sample], dt: float, least_walk: float = 0.0
+    boat: Boat, record: NDArray[Any], samples: Sequence[Sample], dt: float, options: Options = DEFAULT
 ) -> tuple[Tracker, list[Array]]:
     """The filter after the first samples, and their normalised innovations (6,). Its process noise is that
-    multiple of `WALK`, `least_walk` or more, under which the innovations are most likely (Mehra 1970).
+    multiple of `walk`, `least_walk` or more, under which the innovations are most likely (Mehra 1970).
     """
     sigmas = noise_of(boat, samples, dt)
     tried: list[tuple[float, int, Tracker, list[Array]]] = []
     per_second = np.sqrt(reference_of(boat).speed / boat.length)
-    for multiple in (one for one in WALKS if one >= least_walk):
-        walk = multiple * WALK * scale_of(boat) * per_second
-        tracker = Tracker(boat, record, sigmas, walk, samples[0], dt)
+    for multiple in (one for one in options.walks if one >= options.least_walk):
+        walk = multiple * np.array(options.walk) * scale_of(boat) * per_second
+        tracker = Tracker(boat, record, sigmas, walk, samples[0], dt, options)
         loss, white = 0.0, []
         for sample in samples[1:]:
             step = tracker.advance(sample)
-            if sample.time - samples[0].time < SETTLED:
+            if sample.time - samples[0].time < options.settled:
                 continue
             loss += float(np.sum((step.whitener @ step.innovation) ** 2))
             scales = step.whitener.diagonal()

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.guidance.heading import wrapped
+from swamp_rl.angles import wrapped
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.navigation.kalman import propagated, updated
 from swamp_rl.navigation.predict import Predictor

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, YAW_RATE
 
 Array = NDArray[np.float64]
@@ -42,7 +43,7 @@ class Sensors:
         """Heading, wrapped to (-pi, pi] as an instrument gives it, and yaw rate of a state (S,)."""
         deviations = np.array([self.heading, self.yaw_rate])
         values = state[[HEADING, YAW_RATE]] + deviations * rng.standard_normal(2)
-        values[0] = np.pi - (np.pi - values[0]) % (2 * np.pi)
+        values[0] = wrapped(values[0])
         return Fix((2, 5), values, deviations)
 
 

@@ -33,11 +33,6 @@ def times(rows: Array, matrix: Array) -> Array:
     return (whole @ matrix)[:n]
 
 
-def wrap(angle: Array) -> Array:
-    """Wrap an angle [rad] of any shape to [-pi, pi)."""
-    return np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
-
-
 def levers_of(actions: Array) -> Array:
     """Map actions in [-1, 1] to levers (..., 2) over their whole range; actions beyond are clipped."""
     middle, reach = 0.5 * (HIGHEST + LOWEST), 0.5 * (HIGHEST - LOWEST)

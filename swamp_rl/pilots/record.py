@@ -7,11 +7,14 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
-from swamp_rl.pilots.scripted import SWAMP_LENGTH, Habits, ScriptedPilot, Skill, habits_of
-from swamp_rl.runs import DatasetMeta, Run, RunMeta, append_run, dataset_beside
+from swamp_rl.pilots.scripted import Habits, ScriptedPilot, Skill, habits_of
+from swamp_rl.runs import Run, RunMeta, append_run, dataset_beside
+from swamp_rl.runs.schema import meta_of
 
 AT_ONCE = 64
 "Boats in a batch; fixed, so that the first runs do not depend on how many are asked for."
@@ -117,16 +120,7 @@ def record_scripted(
     UserError where the folder holds other data or the pilot hardly ever succeeds.
     """
     vehicle = load_boat(boat)
-    meta = DatasetMeta(
-        vehicle=str(boat),
-        mass=vehicle.mass,
-        draught=vehicle.draught,
-        water_density=vehicle.water_density,
-        sample_rate=1.0 / step,
-        source="scripted",
-        course=course,
-        notes=NOTES,
-    )
+    meta = meta_of(vehicle, boat, 1.0 / step, "scripted", course=course, notes=NOTES)
     boats = make_boats(AT_ONCE, ScriptedPilot.senses)
     try:
         with dataset_beside(out, meta) as part:
@@ -220,7 +214,7 @@ def _columns(parts: list[Array], vehicle: Boat, step: float) -> dict[str, Array]
         "time": np.arange(len(pose)) * step,
         "north": pose[:, 0],
         "east": pose[:, 1],
-        "heading": np.pi - np.mod(np.pi - pose[:, 2], 2.0 * np.pi),
+        "heading": wrapped(pose[:, 2]),
         "surge": velocity[:, 0],
         "sway": velocity[:, 1],
         "yaw_rate": velocity[:, 2],
@@ -241,7 +235,7 @@ def replayable(boats: Boats, i: int) -> dict[str, Any]:
         "initial_state": dict(
             zip(names, [*boats.pose[i].tolist(), *boats.velocity[i].tolist()], strict=True)
         ),
-        "disturbances": drawn["effects"],
-        "gust_seed": drawn["gust_seed"],
+        "disturbances": drawn.pop("effects"),
+        **drawn,
         "level": boats.fleet.level.name,
     }

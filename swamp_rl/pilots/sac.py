@@ -60,10 +60,10 @@ def train_sac(
     settings = settings or SACSettings()
     scaled = VecNormalize(boats, norm_reward=False, clip_obs=REACH)
     with one_thread(torch=True):
-        learner = _learner(scaled, settings)
+        learner = learner_of(scaled, settings)
         legs = _legs(learner, scaled, settings, tick)
         train_in_legs(legs, settings.model_dump(mode="json"), settings.decisions, log, checkpoint)
-    return _pilot(learner, scaled, settings)
+    return pilot_of(learner, scaled, settings)
 
 
 def _legs(learner: Any, scaled: Any, settings: SACSettings, tick: Tick) -> Legs:
@@ -99,7 +99,8 @@ def _legs(learner: Any, scaled: Any, settings: SACSettings, tick: Tick) -> Legs:
     return Legs(learner, drive, tensors, restore)
 
 
-def _learner(scaled: Any, settings: SACSettings) -> Any:
+def learner_of(scaled: Any, settings: SACSettings) -> Any:
+    """The untrained learner of stable-baselines3."""
     import torch
     from stable_baselines3 import SAC
 
@@ -118,7 +119,7 @@ def _learner(scaled: Any, settings: SACSettings) -> Any:
     )
 
 
-def _pilot(learner: Any, scaled: Any, settings: SACSettings) -> NetworkPilot:
+def pilot_of(learner: Any, scaled: Any, settings: SACSettings) -> NetworkPilot:
     """Return the mean of the policy; its final tanh is one more layer before the scaling to the levers."""
     actor = learner.policy.actor
     layers = layers_of([*actor.latent_pi, actor.mu])

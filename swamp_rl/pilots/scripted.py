@@ -8,11 +8,11 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from swamp_rl.pilots.arrays import Array, wrap
+from swamp_rl.angles import wrapped_below
+from swamp_rl.constants import SWAMP_LENGTH
+from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.demonstrations import GATE, MOTION
 from swamp_rl.pilots.settings import NotNegative, Positive, Range, Settings, Share
-
-SWAMP_LENGTH = 1.24  # m
 
 
 class Habits(Settings):
@@ -233,7 +233,7 @@ def _course_error(observation: Array, traits: Array) -> Array:
         to_along * gate_sin + to_across * gate_cos, to_along * gate_cos - to_across * gate_sin
     )
     drift = np.where(surge > 0.3, np.arctan2(sway, np.maximum(surge, 0.3)), 0.0)
-    return wrap(bearing - traits["drift_seen"] * drift) - traits["anticipation"] * yaw_rate
+    return wrapped_below(bearing - traits["drift_seen"] * drift) - traits["anticipation"] * yaw_rate
 
 
 def _aim(along: Array, across: Array, traits: Array) -> tuple[Array, Array]:

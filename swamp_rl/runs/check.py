@@ -25,6 +25,7 @@ ODD_NAME = (
 )
 
 
+@np.errstate(over="ignore", invalid="ignore")  # differences of numbers near the end of their range
 def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float | None) -> list[Fault]:
     """Every fault of one run's table; without a `sample_rate` the run's own mean rate must be fixed."""
     faults = list(table.faults)

@@ -7,6 +7,7 @@ from pathlib import Path
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.course import Course, fitted, load_course
 from swamp_rl.errors import UserError
+from swamp_rl.files import is_file
 from swamp_rl.names import YAML, file_in
 from swamp_rl.runs.check import check_table, unknown_columns
 from swamp_rl.runs.copies import boat_file, boat_of, course_file
@@ -104,6 +105,8 @@ def inspect_dataset(
     boat, course: as for `read_dataset`.
     """
     folder = Path(folder)
+    if is_file(folder):
+        raise UserError(f"{folder}: is a file, not a folder of runs; swamp-rl runs import makes one of a log")
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder; name one that holds a {META}")
     told, faults = parse(folder, boat, course)

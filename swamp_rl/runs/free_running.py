@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, PropellerRudder
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import ordinary
@@ -86,5 +87,5 @@ def _renamed(table: Table, boat: Boat, count: int) -> dict[str, NDArray[np.float
         ours.format(name=actuator.name): table.columns[theirs][:count] for theirs, ours in COLUMNS.items()
     }
     for name in ANGLES:
-        columns[name] = np.pi - np.mod(np.pi - columns[name], 2.0 * np.pi)
+        columns[name] = wrapped(columns[name])
     return columns

@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
+from swamp_rl.constants import FOOT, KNOT
 from swamp_rl.errors import UserError
 from swamp_rl.runs.bad_rows import BadRows, listed, stretches
 from swamp_rl.runs.check import check_table
 from swamp_rl.runs.columns import REQUIRED
 from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
 from swamp_rl.runs.local_frame import Place, to_local
-from swamp_rl.runs.resample import ANGLES, resampled, wrapped
+from swamp_rl.runs.resample import ANGLES, resampled
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from swamp_rl.runs.table import Table
@@ -31,8 +33,8 @@ UNITS = {
     "mm": 1e-3,
     "cm": 1e-2,
     "km": 1e3,
-    "ft": 0.3048,
-    "kn": 1852.0 / 3600.0,
+    "ft": FOOT,
+    "kn": KNOT,
     "km/h": 1.0 / 3.6,
     "ms": 1e-3,
     "us": 1e-6,

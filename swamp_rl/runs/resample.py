@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
@@ -23,6 +24,7 @@ def most_rows(columns: int, given: int) -> int:
     return min(MOST_ROWS, MOST_CELLS // columns, max(MOST_BETWEEN * given, ALWAYS))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # times near the end of their range make too many rows
 def resampled(columns: Mapping[str, Array], rate: float) -> dict[str, Array]:
     """Columns (T,) with increasing times as columns at `rate` [Hz] from the first time on.
 
@@ -38,18 +40,18 @@ def resampled(columns: Mapping[str, Array], rate: float) -> dict[str, Array]:
             "resample at a lower rate, or divide the run where its times jump"
         )
     even = time[0] + np.arange(math.floor(rows)) / rate
-    row = np.searchsorted(time, even + 1e-9, side="right") - 1
-    found = {}
-    for name, values in columns.items():
-        if name.startswith(HELD):
-            found[name] = values[row]
-        elif name in ANGLES or name.startswith("applied_azimuth_"):
-            found[name] = wrapped(np.interp(even, time, np.unwrap(values)))
-        else:
-            found[name] = np.interp(even, time, values)
-    return found | {"time": even}
+    return {name: at_times(name, time, values, even) for name, values in columns.items()} | {"time": even}
 
 
-def wrapped(angles: Array) -> Array:
-    """The same angles [rad] in (−π, π]."""
-    return math.pi - np.mod(math.pi - angles, 2.0 * math.pi)
+def is_held(name: str) -> bool:
+    """Whether a column keeps its value until the next row."""
+    return name.startswith(HELD)
+
+
+def at_times(name: str, time: Array, values: Array, even: Array) -> Array:
+    """The values (T,) of a column, known at `time` (T,), at other times (N,), as `resampled` has them."""
+    if is_held(name):
+        return values[np.maximum(np.searchsorted(time, even + 1e-9, side="right") - 1, 0)]
+    if name in ANGLES or name.startswith("applied_azimuth_"):
+        return wrapped(np.interp(even, time, np.unwrap(values)))
+    return np.interp(even, time, values)

@@ -1,11 +1,12 @@
 """What `dataset.yaml` says about a dataset and each of its runs."""
 
 from collections.abc import Mapping
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
+from swamp_rl.boat import Boat
 from swamp_rl.names import YAML, plain_name
 from swamp_rl.runs.table import FORMATS
 
@@ -98,3 +99,16 @@ class DatasetMeta(BaseModel):
 def meta_told(data: Mapping[str, Any]) -> DatasetMeta:
     """What a file says of a dataset, wherever it comes from; ValidationError where a name is a path."""
     return DatasetMeta.model_validate(data, context=FROM_A_FILE)
+
+
+def meta_of(boat: Boat, vehicle: str | Path, rate: float, source: Source, **more: Any) -> DatasetMeta:
+    """What a dataset of a boat says: the boat as it is, under its name or file `vehicle`; rate [Hz]."""
+    return DatasetMeta(
+        vehicle=str(vehicle),
+        mass=boat.mass,
+        draught=boat.draught,
+        water_density=boat.water_density,
+        sample_rate=rate,
+        source=source,
+        **more,
+    )

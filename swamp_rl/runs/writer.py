@@ -10,7 +10,7 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
-from swamp_rl.files import flush, os_error, write_beside, yaml_text
+from swamp_rl.files import flush, os_error, write_beside, write_text, yaml_text
 from swamp_rl.names import file_in
 from swamp_rl.runs.check import check_table
 from swamp_rl.runs.copies import boat_of, standing_alone
@@ -152,8 +152,7 @@ def _as_yaml(folder: Path, meta: DatasetMeta) -> str:
 def _write_meta(folder: Path, text: str) -> None:
     # From now on the folder is no longer as it was exported.
     (folder / SUMS).unlink(missing_ok=True)
-    with write_beside(folder / META) as part:
-        part.write_text(text, encoding="utf-8")
+    write_text(folder / META, text)
 
 
 def _refuse_faults(path: Path, run: Run, boat: Boat | None, sample_rate: float | None) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.constants import GRAVITY
 from swamp_rl.errors import UserError
 from swamp_rl.physics.compile import cache_folder
 from swamp_rl.simulator.state import ACTUATORS, SURGE, YAW_RATE, state_size
@@ -15,7 +16,6 @@ from swamp_rl.simulator.step import SUBSTEP, simulate
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.81  # m/s2
 FROUDE = 0.5  # of the runs at speed
 SPAN = 10.0  # duration of a run over sqrt(length / g)
 MOST_STEPS = 100

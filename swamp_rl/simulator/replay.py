@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
@@ -65,7 +66,7 @@ def start_of(run: Run, boat: Boat, params: NDArray[Any], commands: Array) -> Arr
 def run_of(track: Array, measured: Array, time: Array, source: Run, boat: Boat) -> Run:
     """A simulated track (T, S), measured as (T, 6), as a run; commands and levers kept from `source`."""
     columns = {"time": time} | dict(zip(CHANNELS, measured.T, strict=True))
-    columns["heading"] = np.pi - np.mod(np.pi - columns["heading"], 2 * np.pi)  # in (-pi, pi]
+    columns["heading"] = wrapped(columns["heading"])
     kept = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_", "wind_", "depth")
     columns |= {name: values for name, values in source.columns.items() if name.startswith(kept)}
     for k, thruster in enumerate(boat.thrusters):

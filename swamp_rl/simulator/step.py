@@ -208,7 +208,6 @@ def step_parallel(
             step_boat(state[i], params[i], tank, commands[i], seeds[i], dt, substeps, jets)
 
 
-@compiled
 def simulate(params: Any, tank: Any, start: Any, commands: Any, seeds: Any, dt: float, substeps: int) -> Any:
     """Tracks of n boats under given commands, which act late where `command_delay` says so.
 
@@ -230,7 +229,8 @@ def simulate_in_weather(
     own, states, measured = params.copy(), uncounted(track), uncounted(weather)
     for i in range(boats):
         forget_outputs(jets)
-        track[i, 0] = start[i]
+        for c in range(start.shape[1]):  # no slice: numba would compile its error's text as well
+            states[i, 0, c] = start[i, c]
         constants = constants_of(own[i], curves)
         for j in range(steps):
             for c in range(start.shape[1]):

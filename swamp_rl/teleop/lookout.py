@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.link.stream import Sample
 from swamp_rl.monitor import Monitor
+from swamp_rl.monitor.options import DEFAULT
 
 Array = NDArray[np.float64]
 
@@ -20,8 +21,9 @@ LINES = 64
 """Lines that are kept until they are fetched."""
 WARM_UP = 15.0
 """Seconds of driving in which the monitor learns; a run has some 30."""
-LEAST_WALK = 0.2
+LEAST_WALK = 0.05
 """Of the monitor's process noise: another run may be in other weather than the one in which it learns."""
+OPTIONS = replace(DEFAULT, warm_up=WARM_UP, least_walk=LEAST_WALK)
 LEARNS, WATCHES = "learns the noise of the sensors", "watching"
 
 
@@ -88,9 +90,7 @@ class Lookout:
                     watched = monitor.watching
                     self._lines.extend(notice.text for notice in notices)
                 else:
-                    monitor = self._monitors.setdefault(
-                        order.name, Monitor(order, warm_up=WARM_UP, least_walk=LEAST_WALK)
-                    )
+                    monitor = self._monitors.setdefault(order.name, Monitor(order, OPTIONS))
                     monitor.begin_again()
                     watched = False
                     self._lines.append(LEARNS)

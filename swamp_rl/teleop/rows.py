@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.applicable import refuse_inapplicable
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.runs import Run
 from swamp_rl.simulator import parameters, tank
@@ -55,11 +56,6 @@ def row_of(
     ]
 
 
-def wrapped(heading: Any) -> Any:
-    """The heading [rad] in (-pi, pi]."""
-    return np.pi - np.mod(np.pi - heading, 2.0 * np.pi)
-
-
 def initial_state(boat: Boat, state: Array) -> dict[str, float]:
     """The whole state (S,) by name: full turns, gusts and all actuators are not in the first row."""
     return dict(zip(_state_names(boat), state.tolist(), strict=True))
@@ -78,6 +74,8 @@ def sailed_again(run: Run, boat: Boat) -> Array:
 
     Exactly what the recorder sailed: the same compiled step from the same numbers.
     """
+    effects = parse_effects(run.meta.disturbances or [], run.name, boat.thruster_names)
+    refuse_inapplicable(boat, (entry.effect for entry in effects), f"run {run.name}: disturbances")
     params = disturbed(run, boat)
     start = run.meta.initial_state or {}
     state = np.array([[start[name] for name in _state_names(boat)]])

@@ -342,7 +342,7 @@ class Session:
             "seed": self.boat.seed,
             "initial_state": self._start,
             "disturbances": self.boat.drawn["effects"],
-            "gust_seed": self.boat.drawn["gust_seed"],
+            **{name: value for name, value in self.boat.drawn.items() if name != "effects"},
             "nickname": self.nickname,
             "level": self.level,
             "helm": drivers,

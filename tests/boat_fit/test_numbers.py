@@ -17,6 +17,9 @@ from tests.support.from_scratch import written
 
 
 def boat_of(kind: str, folder: Path) -> Boat:
+    if kind in OTHERS:
+        (folder / f"{kind}.yaml").write_text(OTHERS[kind])
+        return load_boat(folder / f"{kind}.yaml")
     return load_boat(written(folder, kind) if kind in ("twin", "ferry") else kind)
 
 
@@ -32,7 +35,28 @@ def moved(hypothesis: FreeBoat) -> np.ndarray:
     return np.where(up <= high, np.maximum(up, low), down)
 
 
-KINDS = ("twin", "ferry", "swamp", "esso_osaka")
+KINDS = ("twin", "ferry", "swamp", "esso_osaka", "open_water", "table")
+OTHERS = {  # a propeller with a rudder by its open-water model, and jets by a measured table
+    "open_water": """
+extends: esso_osaka
+thrusters:
+  main:
+    propeller:
+      k_t: null
+      astern_thrust: null
+      open_water: {kind: linear, bollard_coefficient: 0.33, null_advance: 0.8}
+""",
+    "table": """
+extends: swamp
+thruster_model:
+  thrust_linear: null
+  thrust_quadratic: null
+  astern_linear: null
+  astern_quadratic: null
+  advance_loss: null
+  thrust_table: {speed: [0.0, 1.0], rows: [{throttle: 1.0, thrust: [12.0, 8.0]}]}
+""",
+}
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -8,8 +8,7 @@ import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.inference.carry_over import written_fit
-from swamp_rl.criticism.inference.cause_share import Witness, witnesses
+from swamp_rl.criticism.inference.cause_share import Witness, witnesses, written_fit
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates, differing
 from swamp_rl.criticism.selection.continuation import Continuation, continuation_of

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.inference.correlation import correlation
-from swamp_rl.criticism.inference.estimate import causes_of
+from swamp_rl.criticism.inference.estimate import causes_of, correlation
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates

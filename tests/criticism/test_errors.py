@@ -7,7 +7,7 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.inference.cause_list import list_causes
+from swamp_rl.criticism.inference.cause_share import list_causes
 from swamp_rl.criticism.inference.estimate import causes_of, sides_of
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit

@@ -11,10 +11,10 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.diagnose import diagnose
-from swamp_rl.criticism.inference.carry_over import carries_over
-from swamp_rl.criticism.inference.cause_share import is_minor
-from swamp_rl.criticism.inference.trivial_predictors import trivial_predictors
-from swamp_rl.criticism.result import Share
+from swamp_rl.criticism.inference.cause_share import carries_over, is_minor
+from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
+from swamp_rl.criticism.report.evidence import predictors_sentence
+from swamp_rl.criticism.result import Diagnosis, Gain, Paired, Predictors, Share
 from swamp_rl.effects import parse_effects
 from swamp_rl.runs import Run, write_run
 from swamp_rl.simulator.replay import replay
@@ -61,6 +61,21 @@ def test_a_boat_at_rest_is_predicted_best_by_staying_at_rest() -> None:
     )
     errors = predictors_of(replace(runs, measured=still))[10.0]
     assert errors["at_rest"] == min(errors.values())
+
+
+@pytest.mark.parametrize(
+    ("verdict", "after", "advised"),
+    [("cause", 0.1, False), ("cause", 9.9, True), ("unexplained", 0.1, True)],
+)
+def test_to_fit_the_numbers_is_advised_unless_a_cause_mends_the_prediction(
+    verdict: str, after: float, advised: bool
+) -> None:
+    errors = Predictors(horizon_s=30.0, boat_file=17.0, at_rest=26.0, constant_velocity=9.0, no_thrust=18.0)
+    paired = Paired(before=17.0, after=after, ci95=(1.0, 2.0))
+    gain = Gain(horizon_s=30.0, restarts=9, blocks="windows", position_rmse_m=paired)
+    said = predictors_sentence(Diagnosis.model_construct(verdict=verdict, predictors=[errors], gain=[gain]))
+    assert "no better than constant velocity: 17 m against 9 m" in said
+    assert ("identify boat" in said) == advised
 
 
 def test_a_cause_is_minor_only_below_two_percent_and_below_the_noise() -> None:

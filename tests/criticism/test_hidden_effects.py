@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.inference.identifiability import hidden_effects
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, by_label, candidates
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection
-from swamp_rl.criticism.selection.hidden_effects import hidden_effects
 from swamp_rl.criticism.selection.score_test import score_tests
 from tests.support.criticism import SECONDS, simulated_runs
 

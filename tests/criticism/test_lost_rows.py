@@ -10,7 +10,7 @@ from swamp_rl.criticism.likelihood.initial_states import levels_and_slopes, smoo
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis
-from swamp_rl.criticism.nuisance.unlogged_commands import with_unlogged_commands
+from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
 from tests.support.criticism import commands, driven
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]

@@ -11,6 +11,7 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.diagnose import examine
 from swamp_rl.criticism.inference.next_trial import Designed, design_trial, question_of, write_trial
 from swamp_rl.criticism.inference.trial_evidence import Explanation, Question, rate
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
@@ -221,3 +222,12 @@ def test_without_rivals_and_causes_there_is_no_trial_to_design() -> None:
     nothing = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states())
     with pytest.raises(UserError, match="no trial to design"):
         question_of(clean, SIGMA, problem, nothing, [])
+
+
+@pytest.mark.slow
+@pytest.mark.numerical
+def test_a_diagnosis_stands_where_there_is_no_trial_to_design() -> None:
+    clean = driven([], ZIG_ZAG[None].repeat(3, axis=0), 0.0, seed=3)
+    finding = examine(clean, None, np.random.default_rng(0), trial_limits("30x30", BOAT, SECONDS))
+    assert finding.diagnosis.verdict == "nothing_wrong"
+    assert finding.diagnosis.next_trial is None and finding.next_trial is None

@@ -18,12 +18,21 @@ from swamp_rl.criticism.data.measurement_noise import (
 )
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.linearised_selection import linearised_answers
-from swamp_rl.criticism.inference.self_trial import OMITTED, Twins, causes_in, noise_of, searched
-from swamp_rl.criticism.inference.twins import SensorNoise, sensor_noise, with_noise, without_noise
+from swamp_rl.criticism.inference.self_trial import (
+    OMITTED,
+    SensorNoise,
+    Twins,
+    causes_in,
+    noise_of,
+    searched,
+    sensor_noise,
+    with_noise,
+    without_noise,
+)
 from swamp_rl.criticism.model.candidates import candidates
-from swamp_rl.criticism.nuisance.smoothed_channels import Smoothing, smoothed_channels
-from swamp_rl.criticism.report.self_trial import self_trial_section, self_trial_sentence
-from swamp_rl.criticism.result import Diagnosis, SelfTrial
+from swamp_rl.criticism.nuisance.smoothed_channels import smoothed_channels
+from swamp_rl.criticism.report.evidence import self_trial_section, self_trial_sentence
+from swamp_rl.criticism.result import Diagnosis, SelfTrial, SmoothedNoise
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.continuation import Continuation, continuation_of
@@ -79,7 +88,7 @@ def test_a_wandering_position_has_the_estimated_size_and_time_constant() -> None
 
 
 def test_the_noise_of_a_smoothed_channel_is_recognised_as_the_filter_that_it_was_estimated_as() -> None:
-    told = {"heading": Smoothing(sample_noise=0.002, standard_deviation=0.01, time_constant=0.4)}
+    told = {"heading": SmoothedNoise(sample_noise=0.002, standard_deviation=0.01, time_constant_s=0.4)}
     noise = sensor_noise(SIGMA, told, None, DT)
     still = simulated_runs([])
     drawn = noise.drawn(np.random.default_rng(3), 3, 3000, DT)
@@ -90,7 +99,7 @@ def test_the_noise_of_a_smoothed_channel_is_recognised_as_the_filter_that_it_was
     )
     found = smoothed_channels(runs)
     assert list(found) == ["heading"]
-    assert found["heading"].time_constant == pytest.approx(0.4, rel=0.2)
+    assert found["heading"].time_constant_s == pytest.approx(0.4, rel=0.2)
 
 
 def test_a_twin_lacks_and_repeats_what_the_measured_runs_lack_and_repeat() -> None:

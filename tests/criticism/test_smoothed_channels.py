@@ -61,7 +61,7 @@ def test_smoothed_channels_are_recognised_and_the_others_are_not(way: Filter, se
         assert one.sample_noise < 0.5 * true
         assert true < 1.3 * one.standard_deviation
     if way is one_pole:
-        assert found["north"].time_constant == pytest.approx(SECONDS, rel=0.5)
+        assert found["north"].time_constant_s == pytest.approx(SECONDS, rel=0.5)
 
 
 @pytest.mark.parametrize("seed", range(40))

@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.doctor.examine import examine
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
-from swamp_rl.runs.resample import wrapped
 from swamp_rl.simulator.replay import replay
 from tests.support.from_scratch import written
 
@@ -137,6 +137,17 @@ def test_a_seeded_fault_is_named_with_its_column(what: str, sound: list[Run], tw
     found = faults([Run(run.name, change(dict(run.columns))) for run in sound], twin)
     assert any(finding.code == code and column in finding.columns for finding in found), found
     assert all("\n" not in str(finding) for finding in found)
+
+
+def test_a_command_at_its_lever_s_end_is_not_cut_off(sound: list[Run], twin: Boat) -> None:
+    def driven(columns: Columns) -> Columns:
+        lever = np.clip(columns["throttle_port"] / 0.6, -1.0, 1.0)
+        return {**columns, "throttle_port": 0.6 * lever, "joy_thrust": lever}
+
+    joined = [Run(run.name, driven(dict(run.columns))) for run in sound]
+    without = [Run(r.name, {n: v for n, v in r.columns.items() if n != "joy_thrust"}) for r in joined]
+    assert "command_clipped" in [finding.code for finding in faults(without, twin)]
+    assert "command_clipped" not in [finding.code for finding in faults(joined, twin)]
 
 
 def test_sides_are_known_by_their_names_without_a_boat(sound: list[Run]) -> None:

@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from swamp_rl.doctor.read import read_records
@@ -44,6 +46,36 @@ def test_the_verb_prints_findings_or_json_and_its_status_tells(call: Call, folde
     told = json.loads(said)
     assert code == 1 and "time_repeated" in [finding["code"] for finding in told["findings"]]
     assert told["findings"][0]["runs"] == ["one"]
+
+
+@pytest.mark.parametrize("cell", ["", "left"])
+def test_a_command_without_a_number_is_not_examined(call: Call, tmp_path: Path, cell: str) -> None:
+    rows = [f"{0.1 * i:.1f},{0.1 * i:.1f},0,0,{cell},{0.01 * i:.2f}" for i in range(50)]
+    text = "\n".join(["time,north,east,heading,throttle_port,throttle_starboard", *rows])
+    (tmp_path / "run.csv").write_text(text + "\n")
+    code, said, _ = call("runs", "doctor", tmp_path)
+    assert code == 1 and "column throttle_port: " in said and "Traceback" not in said
+
+
+def test_a_table_without_times_is_told_and_left_out(call: Call, folder: Path) -> None:
+    (folder / "dataset.yaml").unlink()
+    (folder / "two.csv").write_text("north,east\n" + "1,2\n" * 50)
+    code, said, _ = call("runs", "doctor", folder)
+    assert code == 1 and "two.csv: has no column time" in said
+    for path in set(folder.iterdir()) - {folder / "two.csv"}:
+        path.unlink()
+    assert_complains(call("runs", "doctor", folder), "two.csv: has no column time")
+
+
+def test_rows_of_no_episode_are_told_and_left_out(tmp_path: Path) -> None:
+    for name in ("meta", "data"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "meta" / "info.json").write_text('{"fps": 10, "features": {}}')
+    frames = {"episode_index": pa.array([0, None, 1]), "timestamp": [0.0, 0.1, 0.0], "north": [0.0, 1.0, 2.0]}
+    pq.write_table(pa.table(frames), tmp_path / "data" / "file.parquet")
+    found = read_records(tmp_path)
+    assert [run.name for run in found.runs] == ["episode-0", "episode-1"]
+    assert found.faults == ["file.parquet: 1 rows have no episode_index; they are left out"]
 
 
 def test_what_is_no_folder_of_runs_is_one_line(call: Call, tmp_path: Path) -> None:

@@ -42,6 +42,7 @@ def test_the_library_has_the_projects_vocabulary() -> None:
         "wind": ("speed", "from"),
         "gusts": ("speed_std", "direction_std", "time_constant"),
         "shallow_water": ("depth_over_draught",),
+        "low_battery": ("charge",),
         "thruster_gain": ("gain",),
         "azimuth_lag": ("time_constant",),
         "thruster_kick": ("time", "duration", "throttle", "azimuth"),

@@ -31,7 +31,9 @@ from tests.support.effects import (
 )
 
 
-@pytest.mark.parametrize("name", [name for name, effect in LIBRARY.items() if effect.needs != "rudder"])
+@pytest.mark.parametrize(
+    "name", [name for name, effect in LIBRARY.items() if effect.needs != "rudder" and not effect.battery]
+)
 def test_every_effect_of_the_library_changes_what_is_measured(name: str) -> None:
     without = observe(track(lively())[None], record(), DT)
     params = record({"effect": name} | STRONG[name])

@@ -14,6 +14,7 @@ from swamp_rl.energy.fly import fly
 from swamp_rl.energy.mission import Mission
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.captive import thrust_at_rest
+from swamp_rl.simulator.state import EAST, NORTH
 
 NO_CURVE = dict.fromkeys(
     ("thrust_linear", "thrust_quadratic", "astern_linear", "astern_quadratic", "advance_loss"), None
@@ -102,3 +103,10 @@ def test_power_by_torque_without_a_torque_coefficient_is_refused() -> None:
     keys = {**NO_CURVE, "propeller": without, "power": gone | SHAFT}
     with pytest.raises(UserError, match=r"needs propeller\.torque_coefficient"):
         load_boat("swamp", {"thruster_model": keys})
+
+
+def test_a_ship_turns_from_leg_to_leg_within_its_own_length() -> None:
+    legs = [{"speed": 0.4, "waypoints": [[25.0, 0.0], [25.0, 25.0]]}]
+    flight = fly(ship(), Mission.model_validate({"name": "m", "boat": "esso_osaka", "legs": legs}), "m.yaml")
+    north, east = flight.states[:, NORTH], flight.states[:, EAST]
+    assert np.abs(north[east > 12.5] - 25.0).max() < ship().length

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from swamp_rl.guidance.heading import steering_angle, wrapped
+from swamp_rl.angles import wrapped
+from swamp_rl.guidance.heading import steering_angle
 from swamp_rl.guidance.line_of_sight import Waypoint, bearing, leg_after, line_of_sight, offset
 
 metres = st.floats(-50.0, 50.0)

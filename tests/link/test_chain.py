@@ -13,7 +13,6 @@ from swamp_rl.errors import UserError
 from swamp_rl.link.helm import Voyage, helm
 from swamp_rl.link.network import Faults
 from swamp_rl.link.sensor_line import CAMOGLI
-from swamp_rl.link.simulated_link import SimulatedLink
 from swamp_rl.link.vehicle import Conduct
 from swamp_rl.link.voyage_log import lateness_figures, write_voyage
 from swamp_rl.navigation.sensors import Sensors
@@ -23,6 +22,7 @@ from swamp_rl.runs.import_dataset import About, import_runs
 from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.simulator.replay import replay
 from tests.support.link import vehicle_of
+from tests.support.simulated_link import SimulatedLink
 
 WIFI = Faults(loss=0.02, delay=(0.001, 0.004))
 """Of a link between modules on one deck."""

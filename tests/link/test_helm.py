@@ -12,11 +12,11 @@ from swamp_rl.course import load_course
 from swamp_rl.link.helm import HOLD, PATIENCE, Voyage, helm
 from swamp_rl.link.module import TIMEOUT
 from swamp_rl.link.network import Faults
-from swamp_rl.link.simulated_link import SimulatedLink
 from swamp_rl.link.vehicle import Vehicle
 from swamp_rl.pilots.line_of_sight import LineOfSightPilot
 from swamp_rl.simulator.state import ACTUATORS
 from tests.support.link import swamp, vehicle_of
+from tests.support.simulated_link import SimulatedLink
 
 POOR = Faults(loss=0.2, doubled=0.1, delay=(0.0, 0.15))
 """A fifth of the datagrams lost, a tenth doubled, and many overtaken by the next."""

@@ -1,6 +1,7 @@
 """Tables of others by a mapping: expressions, times, frames, several tables, bad rows."""
 
 import os
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -138,6 +139,9 @@ def test_tables_are_joined_at_the_rate_of_the_places_and_it_is_told(tmp_path: Pa
     assert_is_the_run(run, ("heading", "throttle_port"))
     joined = (run.meta.model_extra or {})["joined"]
     assert joined == "gps 5 Hz, ahrs 20 Hz; at 5 Hz, linear between messages, commands held"
+    shutil.rmtree(tmp_path / "out")
+    (run,) = imported(two_tables(tmp_path)[:1], boat, ["time=gps.t", *JOINED[1:3], "heading=gps.course"])
+    assert "not_imported" not in (run.meta.model_extra or {})
 
 
 def test_joined_tables_have_no_more_rows_than_their_messages_can_fill(tmp_path: Path, boat: str) -> None:
@@ -150,6 +154,25 @@ def test_the_offset_between_two_clocks_is_found_and_told(tmp_path: Path, boat: s
     (run,) = imported(two_tables(tmp_path, shift=1.3), boat, JOINED, join="trip", clock=clock)
     assert_is_the_run(run, ("heading",), 0.02)
     assert "ahrs shifted by -1.3" in (run.meta.model_extra or {})["clocks"]
+
+
+def test_clocks_of_three_tables_are_compared_in_a_chain(tmp_path: Path, boat: str) -> None:
+    paths = two_tables(tmp_path, shift=1.3)
+    fast = weaving(rate=20.0)
+    columns = {"t": (fast["time"] + 3.0).round(6), "turn": np.gradient(fast["heading"], fast["time"])}
+    columns["p"] = fast["throttle_port"]
+    paths.append(csv_of(tmp_path / "imu.csv", {k: [repr(float(x)) for x in v] for k, v in columns.items()}))
+    options = ["throttle_port=imu.p" if one == "throttle_port=ahrs.p" else one for one in JOINED]
+    to_gps, to_ahrs = (
+        "turn_rate(gps.course) ~ turn_rate(radians(ahrs.psi))",
+        "turn_rate(radians(ahrs.psi)) ~ imu.turn",
+    )
+    (run,) = imported(paths, boat, options, join="trip", clock=[to_gps, to_ahrs])
+    told = (run.meta.model_extra or {})["clocks"]
+    assert "ahrs shifted by -1.3" in told and re.search(r"imu shifted by -(3\.0|2\.99)", told)
+    shutil.rmtree(tmp_path / "out")
+    with pytest.raises(UserError, match="the clock of ahrs is settled by an earlier --clock"):
+        imported(paths, boat, options, join="trip", clock=[to_ahrs, to_gps])
 
 
 def test_a_clock_of_quantities_that_differ_is_refused(tmp_path: Path, boat: str) -> None:
@@ -278,6 +301,12 @@ def test_options_hold_over_a_file(tmp_path: Path, boat: str) -> None:
     for wrong in (["north"], ["a=1", "a=2"], ["a=(1"]):
         with pytest.raises(UserError, match="--map"):
             mapping_of(wrong)
+
+
+def test_a_column_of_a_later_file_has_that_files_unit(tmp_path: Path) -> None:
+    (tmp_path / "one.yaml").write_text("columns: {heading: {value: compass, unit: deg}}\n")
+    (tmp_path / "two.yaml").write_text("columns: {heading: psi}\n")
+    assert mapping_of([str(tmp_path / "one.yaml"), str(tmp_path / "two.yaml")]).units == {}
 
 
 @pytest.mark.parametrize("name", ["\x1b[2J.csv", "a\nb.csv", "x" * 230 + ".csv"])

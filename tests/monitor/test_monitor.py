@@ -9,14 +9,15 @@ import pytest
 
 from swamp_rl.link import Sample
 from swamp_rl.monitor import Monitor, Notice
+from swamp_rl.monitor.options import DEFAULT, Options
 from tests.support.live_stream import BOAT, stream
 
 BEGINS = 45.0
 BAR = 3.0  # s
 
 
-def said(samples: Iterable[Sample]) -> list[Notice]:
-    monitor = Monitor(BOAT)
+def said(samples: Iterable[Sample], options: Options = DEFAULT) -> list[Notice]:
+    monitor = Monitor(BOAT, options)
     return [notice for sample in samples for notice in monitor.feed(sample)]
 
 
@@ -38,6 +39,14 @@ def test_what_begins_is_named_within_three_seconds(effect: dict[str, Any], cause
     assert first.cause == cause
     assert BEGINS <= first.time <= BEGINS + BAR
     assert abs(first.since - BEGINS) < 0.6
+
+
+def test_a_force_as_small_as_a_gusts_is_not_told() -> None:
+    effect = {"effect": "external_force", "north": 0.0, "east": 1.5}
+    loud = replace(DEFAULT, gust=0.0)
+    samples = list(stream(BEGINS + 10.0, BEGINS, [effect]))
+    assert [notice.cause for notice in said(samples, loud)] == ["external_force"]
+    assert said(samples) == []
 
 
 def test_its_size_is_that_of_the_current_that_rose() -> None:

@@ -56,6 +56,14 @@ def test_a_current_that_rises_is_named_on_a_ship(tmp_path: Path) -> None:
     assert first.values["north"] > 0.0 > first.values["east"]
 
 
+def test_the_current_of_a_model_ship_has_the_size_of_the_one_that_rose() -> None:
+    effect = {"effect": "current", "north": 0.3, "east": -0.2}
+    first = said(load_boat("esso_osaka"), BEGINS + 5.0, [effect])[0]
+    assert first.cause == "current"
+    assert first.values["north"] == pytest.approx(0.3, abs=0.1)
+    assert first.values["east"] == pytest.approx(-0.2, abs=0.1)
+
+
 def test_the_filter_expects_the_speeds_that_the_boat_reaches(tmp_path: Path) -> None:
     boat = made(tmp_path, SHIP)
     reached = sailed(boat, 0.0, 400.0, throttle=1.0)[-1, 3]

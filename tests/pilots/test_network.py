@@ -1,5 +1,10 @@
 """Networks as pilots: the same in NumPy as in torch, cloned from runs or learned by trying."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 import torch
@@ -11,6 +16,7 @@ from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.demonstrations import observed
 from swamp_rl.pilots.network import NetworkPilot, layers_of
 from swamp_rl.pilots.ppo import PPOSettings, train_ppo
+from tests.support.patience import PATIENCE
 from tests.support.steering_runs import RUNS, wandering
 
 POSE = ("north", "east", "cos_heading", "sin_heading")
@@ -147,3 +153,14 @@ def test_ppo_leaves_torch_with_the_threads_it_had() -> None:
         assert torch.get_num_threads() == 2
     finally:
         torch.set_num_threads(before)
+
+
+def test_an_optimiser_leaves_nothing_in_the_temporary_directory(tmp_path: Path) -> None:
+    temporary, cache = tmp_path / "temporary", tmp_path / "cache"
+    temporary.mkdir()
+    environment = os.environ | {"TMPDIR": str(temporary), "XDG_CACHE_HOME": str(cache)}
+    environment.pop("TORCHINDUCTOR_CACHE_DIR", None)
+    script = "import swamp_rl.pilots, torch\ntorch.optim.AdamW([torch.zeros(1, requires_grad=True)])"
+    subprocess.run([sys.executable, "-c", script], env=environment, check=True, timeout=PATIENCE)
+    assert list(temporary.iterdir()) == []
+    assert (cache / "torchinductor").is_dir()

@@ -11,7 +11,7 @@ from swamp_rl.envs.sb3 import GatesVecEnv
 
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.network import NetworkPilot
-from swamp_rl.pilots.sac import SACSettings, _learner, _pilot, train_sac
+from swamp_rl.pilots.sac import SACSettings, learner_of, pilot_of, train_sac
 from swamp_rl.pilots.store import load_pilot
 from tests.support.killed_sac import SETTINGS, trained
 
@@ -28,10 +28,10 @@ def test_the_pilot_drives_as_the_policy_without_its_noise() -> None:
 
     settings = SACSettings(boats=2)
     scaled = VecNormalize(boats_of(settings), norm_reward=False)
-    learner = _learner(scaled, settings)
+    learner = learner_of(scaled, settings)
     seen = np.random.default_rng(0).normal(size=(40, len(settings.senses))).astype(np.float32)
     asked, _ = learner.predict(seen, deterministic=True)
-    levers = _pilot(learner, scaled, settings).act(seen)
+    levers = pilot_of(learner, scaled, settings).act(seen)
     np.testing.assert_allclose(levers, asked * [0.5, 1.0] + [0.5, 0.0], atol=1e-5)
 
 

@@ -62,6 +62,12 @@ def test_a_folder_that_does_not_exist_is_an_error(tmp_path: Path) -> None:
         check_dataset(tmp_path / "nowhere")
 
 
+def test_a_log_in_the_place_of_a_dataset_is_told_how_to_become_one(tmp_path: Path) -> None:
+    (tmp_path / "trip.csv").write_text("time\n0\n")
+    with pytest.raises(UserError, match=r"trip\.csv: is a file.*swamp-rl runs import"):
+        check_dataset(tmp_path / "trip.csv")
+
+
 def test_a_table_that_is_not_listed_is_a_fault(folder: Path) -> None:
     (folder / "stray.csv").write_text((folder / "one.csv").read_text())
     (fault,) = check_dataset(folder)

@@ -9,6 +9,7 @@ from swamp_rl.envs.single import GatesEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.runs import DatasetMeta
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, YAW_RATE
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.lookout import Lookout
@@ -21,16 +22,9 @@ BOAT = load_boat("swamp")
 
 def meta(**changes: object) -> DatasetMeta:
     """What the tests record: runs of a programme, so never called human."""
-    return DatasetMeta(
-        vehicle="swamp",
-        mass=BOAT.mass,
-        draught=BOAT.draught,
-        water_density=BOAT.water_density,
-        sample_rate=10.0,
-        source="scripted",
-        course="camogli",
-        notes="Driven by a test.",
-    ).model_copy(update=changes)
+    return meta_of(BOAT, "swamp", 10.0, "scripted", course="camogli", notes="Driven by a test.").model_copy(
+        update=changes
+    )
 
 
 def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:

@@ -43,6 +43,7 @@ STRONG: dict[str, dict[str, Any]] = {  # every effect far enough from neutral fo
     "crossflow_thrust_loss": {"coefficient": 1.0},
     "thrust_deduction": {"low": 0.6, "high": 0.9},
     "thrust_sag": {"rate": 0.01},
+    "low_battery": {"charge": 0.1},
     "resistance": {"scale": 1.4},
     "linear_drag": {"coefficient": 4.0},
     "linear_sway_damping": {"coefficient": 8.0},

@@ -8,7 +8,8 @@ import numpy as np
 from swamp_rl.boat import Boat
 from swamp_rl.identification.motion import Motion
 from swamp_rl.identification.yaw_model import PUBLISHED, rollout
-from swamp_rl.runs import DatasetMeta, Run, append_run, create_dataset
+from swamp_rl.runs import Run, append_run, create_dataset
+from swamp_rl.runs.schema import meta_of
 
 QUIET = np.zeros(6)
 NOISY = np.array([0.3, 0.3, 0.02, 0.03, 0.03, 0.01])
@@ -30,14 +31,7 @@ def own_motion(noise: float, dt: float = 0.02, seed: int = 0) -> Motion:
 
 
 def folder_of(path: Path, boat: Boat, runs: list[Run]) -> Path:
-    meta = DatasetMeta(
-        vehicle=boat.name,
-        mass=boat.mass,
-        draught=boat.draught,
-        water_density=boat.water_density,
-        sample_rate=10.0,
-        source="simulated",
-    )
+    meta = meta_of(boat, boat.name, 10.0, "simulated")
     create_dataset(path, meta)
     for run in runs:
         append_run(path, run)

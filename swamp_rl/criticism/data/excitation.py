@@ -51,9 +51,7 @@ def missing_motion(run_set: RunSet, held_out: bool = False) -> list[str]:
 
 
 def _read(run_set: RunSet) -> list[tuple[Array, Array, Array]]:
-    """Speed over ground [m/s], turning rate [rad/s] and heading [rad] of each run, by differences over
-    SPAN.
-    """
+    """Speed over ground [m/s], turning rate [rad/s] and heading [rad] of each run, over `speed_span`."""
     reach = max(1, round(options().speed_span / run_set.dt))
     found = []
     for run, length in enumerate(run_set.lengths):

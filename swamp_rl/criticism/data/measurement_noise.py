@@ -56,18 +56,14 @@ def weights(run_set: RunSet, sigmas: Array) -> Array:
 
 
 def repeated_samples(measured: Array) -> NDArray[np.bool_]:
-    """(R, T, 6) whether a sample equals the one before to the last bit, so that it holds no new
-    measurement.
-    """
+    """(R, T, 6) whether a sample equals the one before to the last bit: no new measurement."""
     held = np.zeros(measured.shape, dtype=bool)
     held[:, 1:] = measured[:, 1:] == measured[:, :-1]
     return held
 
 
 def outliers(measured: Array, sigmas: Array) -> NDArray[np.bool_]:
-    """(R, T, 6) samples more than `outlier` sigmas from the median of `outlier_neighbours` samples about
-    them (Hampel filter).
-    """
+    """(R, T, 6) samples farther than `outlier` sigmas from the local median (Hampel filter)."""
     half = options().outlier_neighbours // 2
     padded = np.pad(measured, ((0, 0), (half, half), (0, 0)), constant_values=np.nan)
     views = np.lib.stride_tricks.sliding_window_view(padded, options().outlier_neighbours, axis=1)

@@ -34,9 +34,7 @@ UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
 
 @dataclass(frozen=True)
 class Gap:
-    """Lost rows over which the command changed: `rows` of them from `row` on. The commands in them are
-    unknown.
-    """
+    """`rows` lost rows from `row` on, over which the command changed to an unknown time."""
 
     run: int
     row: int
@@ -83,18 +81,18 @@ class RunSet:
 
     def subset(self, runs: list[int]) -> "RunSet":
         """The set of those runs alone."""
-        return RunSet(
-            self.boat,
-            self.dt,
-            tuple(self.names[run] for run in runs),
-            self.commands[runs],
-            self.measured[runs],
-            self.lengths[runs],
-            tuple(Gap(runs.index(gap.run), gap.row, gap.rows) for gap in self.gaps if gap.run in runs),
-            self.gauss_markov,
+        return replace(
+            self,
+            names=tuple(self.names[run] for run in runs),
+            commands=self.commands[runs],
+            measured=self.measured[runs],
+            lengths=self.lengths[runs],
+            gaps=tuple(Gap(runs.index(gap.run), gap.row, gap.rows) for gap in self.gaps if gap.run in runs),
             weather=self.weather[runs] if len(self.weather) else self.weather,
             ignored=self.ignored[runs] if len(self.ignored) else self.ignored,
             origin=tuple(int(self.origins[run]) for run in runs),
+            too_short=(),
+            days=(),
         )
 
     def copies(self, runs: list[int], commands: Array) -> "RunSet":
@@ -196,23 +194,10 @@ def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] 
     names = tuple(run.name for run in runs)
     short = tuple(run.name for run in every if run.duration < options().shortest_run)
     days = tuple(run.meta.group or run.name for run in runs)
-    run_set = RunSet(
-        boat,
-        dt,
-        names,
-        commands,
-        measured,
-        lengths,
-        gaps,
-        too_short=short,
-        weather=weather,
-        ignored=ignored,
-        days=days,
-    )
-    refuse_unexciting(
-        [command for command, _, _ in placed], [track[:, :3] for _, track, _ in placed], dt, boat, folder
-    )
-    return run_set
+    tracks = [track[:, :3] for _, track, _ in placed]
+    refuse_unexciting([command for command, _, _ in placed], tracks, dt, boat, folder)
+    sailed = names, commands, measured, lengths, gaps
+    return RunSet(boat, dt, *sailed, too_short=short, weather=weather, ignored=ignored, days=days)
 
 
 def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array, list[tuple[int, int]]]:

@@ -1,6 +1,6 @@
 """Windows of runs that are compared with simulations."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,19 @@ class Windows:
     pad: int
     rows: int
 
+    def part(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> "Windows":
+        """Some of the windows, by flags (W,) or by numbers (n,)."""
+        arrays = {
+            name: getattr(self, name)[chosen] for name in ("run", "first", "steps", "measured", "weight")
+        }
+        return replace(self, **arrays)
+
     @property
     def count(self) -> int:
         """W."""
         return len(self.run)
+
+    @property
+    def samples(self) -> int:
+        """Number of samples that are compared."""
+        return int((self.weight[:, self.pad :] > 0).sum())

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.constants import GRAVITY
 from swamp_rl.effects import EffectEntry
-from swamp_rl.guidance.heading import GRAVITY
 from swamp_rl.identification.motion import motions_of
 from swamp_rl.identification.yaw_model import YawModel, by_pseudo_inverse
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
@@ -65,9 +65,7 @@ class Loaded:
         return {}
 
     def captive(self, throttle: float, thrusters: tuple[str, ...]) -> tuple[Array, float]:
-        """The settled command (2K,) of thrusters (all where none is named) that push along the hull, and
-        their thrust [N] at rest by the boat file, without deduction.
-        """
+        """The settled command (2K,) of thrusters that push along the hull, and their thrust [N] at rest."""
         if (throttle, thrusters) not in self._captive:
             command = command_of(self.boat, throttle, thrusters or self.boat.thruster_names)
             self._captive[throttle, thrusters] = command, thrust_at_rest(self.boat, command)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.figures.result import FiguresDiagnosis, GroupFound, StageFound
 from swamp_rl.criticism.figures.schema import FiguresFile
-from swamp_rl.criticism.report.page import document, table
+from swamp_rl.criticism.report.page import CAUSES, document, table
 from swamp_rl.criticism.report.words import cause_rows, minus, readable, rounded
 from swamp_rl.criticism.result import Cause
 
@@ -17,7 +17,6 @@ MEANING = {
     "unexplained": "No set of effects that was tried explains the figures within their errors.",
     "nothing_wrong": "The boat file explains the figures within their errors.",
 }
-HEADS = ("effect", "description", "parameter", "value", "95 % interval", "unit", "boat file")
 
 
 def page(found: FiguresDiagnosis, file: FiguresFile, boat: Boat) -> str:
@@ -38,7 +37,7 @@ def page(found: FiguresDiagnosis, file: FiguresFile, boat: Boat) -> str:
 
 
 def _numbers(causes: Sequence[Cause], boat: Boat) -> str:
-    return table(HEADS, cause_rows(causes, boat), numbers=(3, 4, 6)) if causes else "<p>Nothing.</p>"
+    return table(CAUSES, cause_rows(causes, boat), numbers=(3, 4, 6)) if causes else "<p>Nothing.</p>"
 
 
 def _figures(found: FiguresDiagnosis) -> str:
@@ -55,10 +54,8 @@ def _figures(found: FiguresDiagnosis) -> str:
         )
         for one in found.figures
     ]
-    heads = (
-        *("group", "figure", "printed ± one standard deviation", "boat file", "extended"),
-        *("use", "source and reading"),
-    )
+    printed = "printed ± one standard deviation"
+    heads = ("group", "figure", printed, "boat file", "extended", "use", "source and reading")
     return (
         "<h2>Figures</h2><p>In brackets: difference from the printed value, in its standard deviations. "
         "<i>alternative</i>: another reading of the same words, shown and not used.</p>"

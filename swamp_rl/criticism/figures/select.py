@@ -1,6 +1,4 @@
-"""Selection of effects from printed figures: least squares for every candidate, and the marginal
-likelihood.
-"""
+"""Selection of effects from printed figures, by least squares and the marginal likelihood."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -92,9 +90,7 @@ class Problem:
     priors: Priors
 
     def prior(self, hypothesis: Hypothesis) -> tuple[Array, Array]:
-        """(p,) mean and (p,) standard deviation of every parameter, infinite where it has no Gaussian
-        prior.
-        """
+        """(p,) mean and (p,) standard deviation, infinite where there is no Gaussian prior."""
         mean, precision = hypothesis.prior()
         deviation = np.where(precision > 0.0, 1.0 / np.sqrt(np.maximum(precision, 1e-300)), math.inf)
         places = (
@@ -112,9 +108,7 @@ class Problem:
         return misfits(self.figures, predicted(self.fleet, self.figures, hypothesis, x))
 
     def fit(self, hypothesis: Hypothesis, starts: Sequence[Array], charge: float = 0.0) -> Fitted:
-        """The hypothesis at its maximum posterior, begun from each of `starts` (p,); charge: penalty for the
-        choice.
-        """
+        """The maximum posterior, begun from each of `starts` (p,); charge: for the choice of the effects."""
         from scipy.optimize import least_squares
 
         if not hypothesis.size:
@@ -122,7 +116,7 @@ class Problem:
             return Fitted(hypothesis, NOWHERE, np.zeros((0, 0)), chi2, chi2 + charge, np.zeros(0, bool))
         low, high = hypothesis.bounds()
         mean, deviation = self.prior(hypothesis)
-        scale = np.array([spec.scale for spec in hypothesis.specs])
+        scale = hypothesis.scales
         inside = 1e-6 * np.minimum(scale, high - low)
 
         def residuals(x: Array) -> Array:
@@ -201,7 +195,7 @@ def identifiable_in(
         moved = 0.0
         for start in starts_of(instance)[:1]:
             for step in (0.0, 0.5):
-                own = start + step * np.array([spec.scale for spec in instance.specs])
+                own = start + step * instance.scales
                 x = placed(together, base, {instance.label: own})
                 moved = max(moved, float(np.abs(problem.misfits(together, x) - plain).max()))
         if moved > options().least_change:
@@ -231,9 +225,7 @@ def fits_by_evidence(problem: Problem, before: Fitted, instances: Sequence[Effec
 
 
 def added(problem: Problem, before: Fitted, instance: EffectInstance, size: int, count: int) -> Fitted:
-    """`before` and one more instance, all parameters fitted; penalised as `size` chosen among `count`
-    (extended BIC).
-    """
+    """`before` and one more instance, all fitted; charged as `size` chosen among `count` (extended BIC)."""
     hypothesis = before.hypothesis.with_instance(instance)
     starts = starts_of(instance)[: options().figure_starts if size == 1 else 1]
     charge = 2.0 * math.log(math.comb(count, size))

@@ -1,20 +1,30 @@
-"""How much of the prediction error each cause accounts for: leave it out."""
+"""What each cause accounts for: its share of the prediction error, whether it carries over, and the list."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.likelihood.cross_validation import judged_numbers
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
-from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES, blocks_of, change, errors_at
+from swamp_rl.criticism.likelihood.prediction_error import (
+    QUANTITIES,
+    blocks_of,
+    boat_file_errors,
+    change,
+    errors_at,
+)
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.result import Judged, Share, Wind
-from swamp_rl.criticism.selection.backward_elimination import without
+from swamp_rl.criticism.result import Cause, HeldOut, Judged, Share, Wind
+from swamp_rl.criticism.selection.backward_elimination import Selection, without
 from swamp_rl.criticism.selection.continuation import Continuation
+from swamp_rl.effects import LIBRARY
 
 Array = NDArray[np.float64]
 Predicted = tuple[Array, NDArray[np.int64]]  # errors (n, 6) and the block of each (n,)
@@ -35,26 +45,26 @@ class Witness:
     measured_wind: bool = False
 
     @property
+    def runs(self) -> int:
+        """R."""
+        return len(self.run_set.lengths)
+
+    @property
     def wind(self) -> Wind:
         """The wind that its predictions are made in."""
         return "measured" if self.measured_wind else "fitted"
 
     def judges(self, instance: EffectInstance) -> bool:
-        """Whether an effect instance is one that predictions here depend on: not what other runs had of their
-        own.
-        """
+        """Whether predictions here depend on an instance: not on what other runs had of their own."""
         if self.others and instance.groups:
             return False
         return not self.measured_wind or instance.effect.scope == "boat"
 
     def errors(self, continuation: Continuation, stage: int, of: Fit, horizon: float) -> Predicted:
         """Errors of predictions under a fit at a stage."""
-        runs = len(self.run_set.lengths)
         problem = continuation.problem(stage, of.hypothesis)
-        hypothesis, numbers = judged_numbers(problem, of, runs, self.others)
-        kept = np.array(
-            [self.judges(instance) for instance in hypothesis.instances for _ in instance.specs], dtype=bool
-        )
+        hypothesis, numbers = judged_numbers(problem, of, self.runs, self.others)
+        kept = np.array([self.judges(one) for one in hypothesis.instances for _ in one.specs], dtype=bool)
         hypothesis = Hypothesis(tuple(one for one in hypothesis.instances if self.judges(one)))
         made = errors_at(self.run_set, self.weight, horizon, hypothesis, numbers[:, kept])
         return made.error, blocks_of(made, horizon)[0]
@@ -67,8 +77,8 @@ def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
     blown = on.run_set.in_ignored_wind
     if blown is None:
         return [on]
-    horizon, none = options().judged_horizons[-1], np.zeros((len(blown.lengths), 0))
-    calm, windy = (errors_at(one, on.weight, horizon, Hypothesis(), none) for one in (on.run_set, blown))
+    horizon = options().judged_horizons[-1]
+    calm, windy = (boat_file_errors(one, on.weight, horizon) for one in (on.run_set, blown))
     positions = QUANTITIES[JUDGED[0]]
     paired = change(calm.error[:, positions], windy.error[:, positions], blocks_of(calm, horizon)[0], rng)
     helps = paired is not None and paired.ci95[0] > 0.0
@@ -78,10 +88,7 @@ def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
 def cause_shares(
     continuation: Continuation, of: Fit, stage: int, on: list[Witness], rng: np.random.Generator
 ) -> dict[str, list[Share]]:
-    """Of each effect instance of a fit at a stage, by its label: errors without it and with it.
-
-    Without it the others are fitted anew.
-    """
+    """By effect instance of a fit at a stage: errors with it, and without it, the others fitted anew."""
     shares: dict[str, list[Share]] = {}
     whole = {
         (i, horizon): one.errors(continuation, stage, of, horizon)
@@ -110,18 +117,18 @@ def shares_of(
     wind: Wind = "fitted",
 ) -> list[Share]:
     """The shares of one cause at one horizon, from errors (n, 6) without it and with it in blocks (n,)."""
-    return [
-        Share(
-            horizon_s=horizon,
-            quantity=name,
-            without=paired.before,
-            with_cause=paired.after,
-            ci95=paired.ci95,
-            wind=wind,
-        )
-        for name in JUDGED
-        if (paired := change(before[:, QUANTITIES[name]], after[:, QUANTITIES[name]], block, rng))
-    ]
+    found = []
+    for name in JUDGED:
+        columns = QUANTITIES[name]
+        one = change(before[:, columns], after[:, columns], block, rng)
+        if one is not None:
+            less, more = one.before, one.after
+            found.append(
+                Share(
+                    horizon_s=horizon, quantity=name, without=less, with_cause=more, ci95=one.ci95, wind=wind
+                )
+            )
+    return found
 
 
 def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
@@ -129,11 +136,109 @@ def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
 
     noise: standard deviation by channel (SI, rad). False where no error could be measured.
     """
-    sizes = {
-        "position_rmse_m": np.hypot(noise.get("north", 0.0), noise.get("east", 0.0)),
-        "heading_rmse_rad": noise.get("heading", 0.0),
-    }
+    position = np.hypot(noise.get("north", 0.0), noise.get("east", 0.0))
+    sizes = dict(zip(JUDGED, (position, noise.get("heading", 0.0)), strict=True))
     return bool(shares) and all(
         abs(one.without - one.with_cause) < min(options().minor * one.without, sizes[one.quantity])
         for one in shares
     )
+
+
+POSITIONS = QUANTITIES["position_rmse_m"]
+
+
+def written_fit(
+    continuation: Continuation, winner: Fit, stage: int, on: list[Witness], rng: np.random.Generator
+) -> tuple[Fit, dict[str, list[Share]], list[str]]:
+    """The winner less what does not carry over, fitted anew; the shares of every effect instance by its
+    label, of one that was left out those that it failed by; and the labels of those.
+
+    The worst is left out first, and so on while all together predict worse than the boat file.
+    """
+    found = cause_shares(continuation, winner, stage, on, rng)
+    written, now, left_out = winner, found, list[str]()
+    while now:
+        failed = [label for label, shares in now.items() if not carries_over(shares)]
+        if not failed and not is_worse(continuation, written, stage, on, rng):
+            break
+        worst = min(failed or now, key=lambda label: least_gain(now[label]))
+        found = found | {worst: now[worst]}
+        left_out.append(worst)
+        written = without(continuation, written, worst, stage)
+        now = cause_shares(continuation, written, stage, on, rng)
+    return written, found, left_out
+
+
+def carries_over(shares: Sequence[Share]) -> bool:
+    """Whether no position error at any horizon is larger with the cause beyond chance."""
+    return least_gain(shares) >= 0.0
+
+
+def least_gain(shares: Sequence[Share]) -> float:
+    """Upper end of the interval [m] of the position errors' gains, the least of all; infinite for none."""
+    return min((one.ci95[1] for one in shares if one.quantity == "position_rmse_m"), default=math.inf)
+
+
+def is_worse(
+    continuation: Continuation, written: Fit, stage: int, on: Sequence[Witness], rng: np.random.Generator
+) -> bool:
+    """Whether a position error at any horizon is larger than the boat file's beyond chance."""
+    nothing = continuation.boat_file(stage)
+    for one in on:
+        for horizon in options().judged_horizons:
+            before, _ = one.errors(continuation, stage, nothing, horizon)
+            after, block = one.errors(continuation, stage, written, horizon)
+            paired = change(before[:, POSITIONS], after[:, POSITIONS], block, rng)
+            if paired is not None and paired.ci95[1] < 0.0:
+                return True
+    return False
+
+
+@dataclass(frozen=True)
+class CauseList:
+    """causes: by their share of the prediction error, the largest first; minor: those that do not matter;
+    nuisance: the hull's derivatives beside a cause; sound: whether every number and standard error is finite.
+    """
+
+    causes: list[Cause]
+    minor: list[Cause]
+    nuisance: list[Cause]
+    sound: bool
+
+
+def list_causes(
+    problem: Shooting,
+    found: Selection,
+    shares: Mapping[str, Sequence[Share]],
+    left_out: Sequence[str],
+    noise: Mapping[str, float],
+) -> CauseList:
+    """Every effect instance of the winner as a cause, a nuisance or a minor cause.
+
+    shares, left_out: of `written_fit`; noise: standard deviation by channel (SI, rad).
+    """
+    every = causes_of(problem, found.winner)
+    for cause in every:
+        cause.share = list(shares.get(cause.label, []))
+        cause.carries_over = cause.label not in left_out
+        if one := found.confirmed.get(cause.label):
+            cause.held_out = HeldOut(gain=one.gain, low=one.low, level=one.level)
+    claimed = [cause for cause in every if _is_finite(cause)]
+    alone = all(LIBRARY[cause.effect].nuisance for cause in claimed)
+    named = [cause for cause in claimed if LIBRARY[cause.effect].nuisance == alone]
+    return CauseList(
+        causes=sorted((one for one in named if not is_minor(one.share, noise)), key=_size, reverse=True),
+        minor=[one for one in named if is_minor(one.share, noise)],
+        nuisance=[cause for cause in claimed if LIBRARY[cause.effect].nuisance and not alone],
+        sound=len(claimed) == len(every),
+    )
+
+
+def _size(cause: Cause) -> float:
+    """The largest part of an error that a cause accounts for [1]."""
+    fitted = [one for one in cause.share if one.wind == "fitted"]
+    return max(((one.without - one.with_cause) / one.without for one in fitted), default=0.0)
+
+
+def _is_finite(cause: Cause) -> bool:
+    return all(math.isfinite(p.value + p.standard_error) for p in cause.parameters.values())

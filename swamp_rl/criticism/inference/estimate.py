@@ -1,5 +1,6 @@
 """Parameter estimates and their standard errors, in the effects' own parameters."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ def causes_of(problem: Shooting, at: Fit) -> list[Cause]:
     """Every named effect of a fit as a cause."""
     covariance = sandwich_covariance(problem, at)
     causes = []
-    for instance, own in at.hypothesis.parts(at.x):
+    for instance, own in at.parts():
         mine = at.hypothesis.columns(instance.label)
         if not instance.curve:
             causes.append(_cause(instance, own, covariance[np.ix_(mine, mine)], problem.run_set))
@@ -36,7 +37,7 @@ def _cause(instance: EffectInstance, x: Array, covariance: Array, run_set: RunSe
     if not instance.groups:
         return _of_all(one, x, covariance)
     values = instance.by_group(x)
-    scale = np.array([spec.scale for spec in one.specs])
+    scale = one.scales
     drawn = random_effect(values, covariance, scale)
     found = _of_all(one, drawn.mean, drawn.covariance)
     found.scope = "day" if instance.by == "day" else "run"
@@ -91,23 +92,19 @@ def _estimates(instance: EffectInstance, x: Array, covariance: Array) -> dict[st
 
 def sides_of(instance: EffectInstance, x: Array) -> Array:
     """(p,) -1 for each parameter at its lower bound, 1 at its upper one, 0 in between."""
-    room = options().at_bound * np.array([spec.scale for spec in instance.specs])
+    room = options().at_bound * instance.scales
     low, high = np.array([s.low for s in instance.specs]), np.array([s.high for s in instance.specs])
     return np.asarray((x >= high - room).astype(float) - (x <= low + room))
 
 
 def _limit(outwards: Array) -> Limit | None:
-    """The direction in which a parameter is bounded, from its derivatives (p,) by the fitted numbers at
-    bounds.
-    """
+    """The side on which a parameter is bounded, from its derivatives (p,) by the numbers at bounds."""
     ways = set(np.sign(outwards[outwards != 0.0]))
     return ("at_least" if ways == {1.0} else "at_most") if len(ways) == 1 else None
 
 
 def slopes_of(instance: EffectInstance, x: Array) -> dict[str, Array]:
-    """Derivatives (p,) of each of the effect's parameters by the fitted ones: the identity, except where
-    these are vector components.
-    """
+    """Derivatives (p,) of each of the effect's parameters by the fitted ones."""
     values = {name: float(value) for name, value in entries_of(instance, x)[0].values.items()}
     slopes = {name: np.zeros(len(x)) for name in values}
     for i, spec in enumerate(instance.specs):
@@ -116,3 +113,25 @@ def slopes_of(instance: EffectInstance, x: Array) -> dict[str, Array]:
         for name, value in entries_of(instance, moved)[0].values.items():
             slopes[name][i] = (float(value) - values[name]) / (1e-6 * spec.scale)
     return slopes
+
+
+def correlation(problem: Shooting, at: Fit, causes: Sequence[Cause]) -> list[list[float]]:
+    """Correlation of the parameters of `causes`, 0 where one has no variance; sandwich covariance of `at`."""
+    covariance = sandwich_covariance(problem, at)
+    slopes: dict[tuple[str, str], Array] = {}
+    for instance, own in at.parts():
+        mean = instance.by_group(own).mean(axis=0)
+        for name, slope in slopes_of(instance.of_one, mean).items():
+            row = slopes[instance.label, name] = np.zeros(at.hypothesis.size)
+            row[at.hypothesis.columns(instance.label)] = np.tile(slope, instance.count) / instance.count
+    rows = [slopes[cause.label, name] for cause in causes for name in cause.parameters]
+    if not rows:
+        return []
+    joint = np.array(rows) @ covariance @ np.array(rows).T
+    spread = np.sqrt(np.abs(np.diag(joint)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = np.clip(joint / np.outer(spread, spread), -1.0, 1.0)
+    found[~np.isfinite(found)] = 0.0
+    found = 0.5 * (found + found.T)
+    np.fill_diagonal(found, 1.0)
+    return [[float(value) for value in row] for row in found]

@@ -36,6 +36,16 @@ class Finding:
     next_trial: Designed | None = None
 
     @property
+    def winner(self) -> Fit:
+        """The fit of the selected effects."""
+        return self.selection.winner
+
+    @property
+    def extended(self) -> bool:
+        """Whether anything was added to the boat file."""
+        return bool(self.winner.hypothesis.instances)
+
+    @property
     def written_effects(self) -> tuple[Hypothesis, Array]:
         """The named effects that go into files, and their parameters (p,)."""
         if self.extension and self.extension.told.written:

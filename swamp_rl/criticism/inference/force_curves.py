@@ -25,18 +25,15 @@ POWER = {"proportional": 1, "dead_zone": 1, "square": 2, "cube": 3}
 
 @dataclass(frozen=True)
 class Function:
-    """One function of the residual force, or two where it has both position coordinates; starts: values of
-    each instance that a fit begins from.
-    """
+    """One function of the residual force, or one of both position coordinates; starts: of its fit."""
 
     instances: tuple[EffectInstance, ...]
     starts: tuple[Array, ...]
 
 
 def curve_instances(run_set: RunSet, leftover: Sequence[ResidualForce]) -> list[Function]:
-    """The functions of the residual force by knots over the data's range, a horizontal force that depends on
-    the position before them: one function with two components, tried even where it is not listed, since a
-    line that pulls the boat about makes its force a function of the speed as well.
+    """The functions of the residual force by knots over the data's range. A horizontal force that depends on
+    the position is tried first, listed or not: a line's force is a function of the speed as well.
     """
     listed = {(one.force, one.variable): one for one in leftover if len(one.curve) > 1}
     place = [listed.pop(key) if key in listed else _zero(run_set, *key) for key in PLACE]

@@ -1,9 +1,7 @@
 """The force that no named effect explains, as effects `force_curve` of the extended boat.
 
-The functions of the residual force are fitted anew by output error, as the parameters of any effect are, and
-selected by chi2 on held-out halves of runs: a variable may reach some of its values in one run only. A
-formula takes the place of the knots where its information criterion is no greater. Nothing is written whose
-reduction of the position error on held-out halves has no interval above zero.
+Functions of the residual force are fitted by output error and selected by chi2 on held-out halves of runs. A
+formula replaces the knots where its criterion is no greater. What is written reduces the position error.
 """
 
 from collections.abc import Sequence
@@ -21,15 +19,15 @@ from swamp_rl.criticism.inference.force_curves import Function, curve_instances,
 from swamp_rl.criticism.likelihood.cross_validation import (
     Confirmation,
     confirmed_at,
+    halves_of,
     judged_numbers,
     numbers_without,
     saturated,
 )
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.likelihood.output_error import Fit, first_states, fit, fit_states
 from swamp_rl.criticism.likelihood.prediction_error import Errors, blocks_of, errors_at
 from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
-from swamp_rl.criticism.likelihood.state_fit import fit_states
 from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
@@ -54,7 +52,7 @@ class ForceExtension:
     @property
     def others(self) -> tuple[Hypothesis, Array]:
         """What was fitted beside the force, and its parameters."""
-        return joined((one, x) for one, x in self.fit.hypothesis.parts(self.fit.x) if not one.curve)
+        return joined((one, x) for one, x in self.fit.parts() if not one.curve)
 
     @property
     def entries(self) -> list[dict[str, Any]]:
@@ -79,7 +77,7 @@ def extend_by_force(
     leftover: the functions, and what they were estimated beside. weight: (R, T, 6). judged: runs that the
     prediction error is of.
     """
-    problem = Shooting(run_set, weight, options().extension_window)
+    problem = Shooting(run_set, weight, options().regression_spans[0])
     named = base.hypothesis if leftover and leftover[0].beside else Hypothesis()
     less = _fitted(problem, named, base.x[: named.size])
     at, waiting = less, curve_instances(run_set, leftover) if leftover else []
@@ -116,38 +114,28 @@ def held_out_losses(problem: Shooting, at: Fit) -> Array:
     """(W,) saturated chi2 of each window, n ln(1 + chi2 / n), under the parameters fitted to all but the half
     of its run that it is in; only the initial state is refitted.
     """
-    loss, fold = at.loss.copy(), halves(problem)
+    loss, fold = at.loss.copy(), halves_of(problem.windows)
     if at.hypothesis.size:
         for number, x in enumerate(numbers_without(at, fold, 2 * len(problem.run_set.lengths))):
             mine = fold == number
             if not mine.any():
                 continue
-            residual = fit_states(
-                problem.part(mine), at.hypothesis, x, at.states[mine], options().extension_rounds
-            )[2]
+            part, rounds = problem.part(mine), options().first_rounds
+            residual = fit_states(part, at.hypothesis, x, at.states[mine], rounds)[2]
             loss[mine] = (residual**2).sum(axis=1)
     return saturated(problem, loss)
 
 
-def halves(problem: Shooting) -> NDArray[np.int64]:
-    """(W,) fold of each window: twice its run, and one more in the second half of that."""
-    win = problem.windows
-    middle = np.zeros(len(problem.run_set.lengths))
-    for run in np.unique(win.run):
-        middle[run] = np.median(win.first[win.run == run])
-    return np.asarray(2 * win.run + (win.first > middle[win.run]))
-
-
 def _fitted(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array | None = None) -> Fit:
     start = problem.initial_states() if states is None else states
-    states, _, _ = fit_states(problem, hypothesis, x, start, options().extension_rounds)
-    return fit(problem, hypothesis, x, states, options().extension_steps, fresh=True)
+    states = first_states(problem, hypothesis, x, start)
+    return fit(problem, hypothesis, x, states, options().again_steps, fresh=True)
 
 
 def _with(problem: Shooting, at: Fit, function: Function) -> Fit:
     """The fit of one more function."""
     more = zip(function.instances, function.starts, strict=True)
-    return _fitted(problem, *joined([*at.hypothesis.parts(at.x), *more]), at.states)
+    return _fitted(problem, *joined([*at.parts(), *more]), at.states)
 
 
 def _with_formulas(problem: Shooting, at: Fit, boat: Boat) -> Fit:
@@ -159,23 +147,18 @@ def _with_formulas(problem: Shooting, at: Fit, boat: Boat) -> Fit:
     excess = max(1.0, at.chi2 / problem.samples)
     criterion = information_criterion(problem.run_set, float(problem.samples))
     for instance in [one for one in at.hypothesis.instances if one.curve]:
-        parts = at.hypothesis.parts(at.x)
         own = at.hypothesis.columns(instance.label)
         error = np.sqrt(np.maximum(np.diag(sandwich_covariance(problem, at))[own], 1e-30))
         tried = [at]
         for formula, start in formula_instances(boat, instance, at.x[own], error):
-            swapped = [(formula, start) if one.label == instance.label else (one, x) for one, x in parts]
-            tried.append(_fitted(problem, *joined(swapped), at.states))
+            swapped = joined([*at.parts(but=instance.label), (formula, start)])
+            tried.append(_fitted(problem, *swapped, at.states))
         at = min(tried, key=lambda one: one.chi2 / excess + criterion.charge(one.hypothesis))
     return at
 
 
 def prediction_shares(
-    problem: Shooting,
-    less: Fit,
-    whole: Fit,
-    judged: Witness,
-    rng: np.random.Generator,
+    problem: Shooting, less: Fit, whole: Fit, judged: Witness, rng: np.random.Generator
 ) -> list[Share]:
     """Prediction errors without the force and with it, on other runs or on held-out halves of the same."""
     shares = []
@@ -192,7 +175,7 @@ def _errors(problem: Shooting, at: Fit, judged: Witness, horizon: float) -> Erro
     runs, win = len(run_set.lengths), problem.windows
     if judged.others:
         return errors_at(run_set, weight, horizon, *judged_numbers(problem, at, runs, judged.others))
-    fold = halves(problem)
+    fold = halves_of(win)
     numbers = numbers_without(at, fold, 2 * runs)
     found = []
     for half in range(2):
@@ -237,7 +220,7 @@ def _curves(problem: Shooting, at: Fit) -> list[tuple[Curve, str | None, dict[st
     """Each curve with its standard errors, its thruster and its values by name."""
     error = np.sqrt(np.maximum(np.diag(sandwich_covariance(problem, at)), 0.0))
     found = []
-    for instance, x in at.hypothesis.parts(at.x):
+    for instance, x in at.parts():
         if instance.curve:
             names = instance.curve.value_names
             doubt = dict(zip(names, error[at.hypothesis.columns(instance.label)], strict=True))

@@ -1,8 +1,7 @@
 """Regression of the residual force on each variable, by simulation.
 
-The sensitivity of every window to short force pulses is computed once, about a track that follows the data. A
-force that is a function of a variable is a weighted sum of such pulses, so each pair of a force and a
-variable costs a few linear equations, and is judged on held-out runs.
+A force that is a function of a variable is a weighted sum of short pulses, whose sensitivities are computed
+once, about a track that follows the data. Each pair of a force and a variable is judged on held-out runs.
 """
 
 import itertools
@@ -231,9 +230,7 @@ def marginal_likelihood(found: ForceLikelihood, known: Array) -> MarginalLikelih
 
 @dataclass(frozen=True)
 class HeldOutGain:
-    """Fall of chi2 by a pair on held-out folds, the force (W, 3 B) that it predicts there, and the prior
-    standard deviation [N] of its weights.
-    """
+    """Fall of chi2 on held-out folds, predicted force (W, 3 B), prior standard deviation [N] of weights."""
 
     gain: float
     predicted_force: Array
@@ -317,9 +314,7 @@ def select_functions(found: ForceLikelihood) -> tuple[float, list[ResidualForce]
 def power_share(
     pair: Pair, predicted_force: Array, marginal: MarginalLikelihood, first: MarginalLikelihood
 ) -> float:
-    """Share of variance that a pair's predicted force (W, 3 B) explains, of that and the process noise, along
-    the pair's axes.
-    """
+    """Share of variance along the pair's axes that its force (W, 3 B) explains beside the process noise."""
     axes = list(AXES_OF.get(pair.force, range(AXES)))
     explained = (predicted_force**2).reshape(-1, AXES).mean(axis=0)[axes] / first.power[axes]
     left = marginal.power[axes] / first.power[axes]
@@ -333,9 +328,7 @@ def _labels(pair: Pair) -> list[tuple[str, str]]:
 
 
 def without_process_noise(run_set: RunSet) -> RunSet:
-    """The runs with white noise where it has a Gauss-Markov part in all channels, which is the residual
-    force.
-    """
+    """The runs with white noise where all channels have a Gauss-Markov part: the residual force."""
     if run_set.gauss_markov is not None and (run_set.gauss_markov[OTHERS, 0] > 0).any():
         return replace(run_set, gauss_markov=None)
     return run_set
@@ -344,9 +337,7 @@ def without_process_noise(run_set: RunSet) -> RunSet:
 def residual_force_functions(
     run_set: RunSet, weight: Array, every: Sequence[tuple[Hypothesis, Array]]
 ) -> list[ResidualForce]:
-    """The residual force as functions of variables, under the hypothesis, of some with parameters (p,), whose
-    information criterion is then least.
-    """
+    """The residual force as functions, under the hypothesis at (p,) of least information criterion."""
     run_set = without_process_noise(run_set)
     criterion = information_criterion(run_set, float((weight > 0).sum()))
     results = []

@@ -1,6 +1,6 @@
-"""Indistinguishable hypotheses: angle between their sensitivities, and the manoeuvre that separates them."""
+"""Identifiability: indistinguishable hypotheses, what separates them, and effects hidden by model error."""
 
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,12 +8,16 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.trial_evidence import Question, explanation_of, rate
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.likelihood.output_error import Fit, fit, noise_free
 from swamp_rl.criticism.likelihood.sandwich_covariance import sensitivities
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.trial_limits import UNLIMITED
+from swamp_rl.criticism.nuisance.process_noise import correlation_samples, standardised_residual
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Contrast, Manoeuvre
+from swamp_rl.criticism.selection.backward_elimination import Selection
+from swamp_rl.criticism.selection.score_test import score_tests
 
 Array = NDArray[np.float64]
 
@@ -29,9 +33,7 @@ def contrast(problem: Shooting, winner: Fit, rival: Fit, evidence: float) -> Con
 
 
 def angle_between(problem: Shooting, one: Fit, other: Fit) -> float:
-    """Smallest principal angle [rad] between the sensitivities of two fits; pi/2 where one has no
-    parameter.
-    """
+    """Smallest principal angle [rad] between two fits' sensitivities; pi/2 without parameters."""
     if not one.hypothesis.size or not other.hypothesis.size:
         return float(np.pi / 2)
     bases = [np.linalg.qr(sensitivities(problem, at))[0] for at in (one, other)]
@@ -41,22 +43,45 @@ def angle_between(problem: Shooting, one: Fit, other: Fit) -> float:
 
 def refit(problem: Shooting, truth: Fit, other: Fit) -> float:
     """chi2 that remains when `other` is fitted to the noise-free prediction of `truth`."""
-    track = problem.predict(truth.hypothesis, truth.x[None], truth.states[None])[0]
-    synthetic = Shooting(
-        problem.run_set, problem.weight, problem.seconds, replace(problem.windows, measured=track)
-    )
-    return float(fit(synthetic, other.hypothesis, other.x, other.states, options().check_steps).loss.sum())
+    ideal = noise_free(problem, truth)
+    return float(fit(ideal, other.hypothesis, other.x, other.states, options().check_steps).loss.sum())
 
 
-def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: list[Fit]) -> Manoeuvre:
-    """The manoeuvre with the greatest least distance between any two of the winner and its rivals, in
-    standard errors.
-    """
+def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: list[Fit]) -> Manoeuvre | None:
+    """The manoeuvre of greatest least distance between any two of the fits, in standard errors."""
+    if not rivals:
+        return None
     names, commands = zip(*manoeuvres(run_set.boat, run_set.dt).items(), strict=True)
     explanations = tuple(explanation_of(one, one.covariance) for one in (winner, *rivals))
     rated = rate(Question(run_set, sigmas, explanations), np.array(commands), UNLIMITED)
     apart = np.sqrt(rated.least)
     best = int(apart.argmax())
-    return Manoeuvre(
-        manoeuvre=names[best], separation=float(apart[best]), duration_s=options().manoeuvre_length
-    )
+    return Manoeuvre(manoeuvre=names[best], separation=float(apart[best]), duration_s=options().trial_seconds)
+
+
+def hidden_effects(
+    run_set: RunSet, weight: Array, judged: Shooting, found: Selection, instances: Sequence[EffectInstance]
+) -> list[str]:
+    """Labels of effects whose standard error is small under the measurement noise (`least_information`) and
+    large under the model error; none where the residual is noise.
+
+    weight: (R, T, 6) by the noise; judged: the problem of the winner's stage.
+    """
+    if found.adequate:
+        return []
+    if judged.correlation_samples > 1.0:  # it is weighted by the model error
+        unseen = [one for one in instances if one.label in found.unidentifiable]
+        problem = Shooting(run_set, weight, options().window_lengths[0])
+        nothing = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states(), options().stage_steps[0])
+        scores = score_tests(problem, nothing, unseen)
+        return [one.instance.label for one in scores if one.information >= options().least_information]
+    # variance of an estimate under errors of that size and correlation, over that under white noise
+    size = max(found.winner.chi2 / judged.samples, 1.0)
+    wider = size * correlation_samples(standardised_residual(judged, found.winner))
+    kept = {instance.label for instance in found.winner.hypothesis.instances}
+    return [
+        one.instance.label
+        for one in found.first
+        if options().least_information <= one.information < wider * options().least_information
+        and one.instance.label not in kept
+    ]

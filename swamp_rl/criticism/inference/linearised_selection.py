@@ -1,6 +1,4 @@
-"""Model selection on many twins at once: the criterion of the answer and of its competitors, linearised about
-fits to the runs without noise.
-"""
+"""Selection on many twins at once: the criterion of answer and competitors, linearised about them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,21 +13,19 @@ from swamp_rl.criticism.likelihood.output_error import (
     bounded_step,
     fit,
     inverse,
+    noise_free,
     normal_equations,
     prior_penalty,
 )
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.information_criterion import InformationCriterion
-from swamp_rl.criticism.selection.score_test import at_neutral_values, score_tests
+from swamp_rl.criticism.selection.score_test import at_neutral_values, neutral_start, score_tests
 from swamp_rl.criticism.selection.small_effects import is_small
 
 Array = NDArray[np.float64]
-
-# difference of the criterion from which a hypothesis is out of reach: noise changes a difference d by a
-# standard deviation of 2 sqrt(d), of which this is five
 
 
 @dataclass(frozen=True)
@@ -86,9 +82,9 @@ def linearised_answers(
 ) -> list[Hypothesis]:
     """The hypothesis that each twin selects. noises: (R, T, 6) of each twin; instances: all candidates."""
     winner = found.winner
-    problem = _without_noise(continuation.problem(found.stage, winner.hypothesis), winner)
+    problem = noise_free(continuation.problem(found.stage, winner.hypothesis), winner)
     noise = np.stack([_standardised(problem, one) for one in noises], axis=2)
-    at = fit(problem, winner.hypothesis, winner.x, winner.states, options().twin_steps, fresh=True)
+    at = _fitted(problem, winner.hypothesis, winner.x, winner.states)
     fits = [at, *_competing_fits(problem, continuation, found, at, instances)]
     made = [_competitor(problem, one.hypothesis, one.x, one.states, at, noise) for one in fits]
     made += _with_one_more(problem, at, instances, noise)
@@ -96,10 +92,8 @@ def linearised_answers(
     return _selected(competitors, folds_of(problem.windows), continuation.criterion)
 
 
-def _without_noise(judged: Shooting, answer: Fit) -> Shooting:
-    """The windows of a problem with the answer's prediction as their measurements."""
-    track = judged.predict(answer.hypothesis, answer.x[None], answer.states[None])[0]
-    return Shooting(judged.run_set, judged.weight, judged.seconds, replace(judged.windows, measured=track))
+def _fitted(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array) -> Fit:
+    return fit(problem, hypothesis, x, states, options().check_steps, fresh=True)
 
 
 def _standardised(problem: Shooting, noise: Array) -> Array:
@@ -117,9 +111,7 @@ def _competing_fits(
     at: Fit,
     instances: Sequence[EffectInstance],
 ) -> list[Fit]:
-    """Fits of the hypotheses within reach to the runs without noise: the answer less each effect, with
-    another in its place, the rivals, and what the search fitted.
-    """
+    """Noise-free fits within reach: the answer less an effect or with another, rivals, and what was tried."""
     criterion, winner = continuation.criterion, found.winner
     short = continuation.fits.get((0, winner.hypothesis.label))
     limit = -np.inf if short is None else criterion(short) + options().twin_out_of_reach
@@ -130,20 +122,16 @@ def _competing_fits(
         less = winner.hypothesis.without(instance.label)
         if _is_out_of_reach(continuation, winner.hypothesis, less):
             continue
-        kept = [own for one, own in at.hypothesis.parts(at.x) if one.label != instance.label]
-        x = np.concatenate([np.zeros(0), *kept])
-        simpler = made[less.label] = fit(problem, less, x, at.states, options().twin_steps, fresh=True)
+        simpler = made[less.label] = _fitted(problem, *joined(at.parts(but=instance.label)), at.states)
         made |= _replacements(problem, criterion, simpler, criterion(at), instances)
     for label, one in starts.items():
         if label not in made and label != at.hypothesis.label:
-            made[label] = fit(problem, one.hypothesis, one.x, at.states, options().twin_steps, fresh=True)
+            made[label] = _fitted(problem, one.hypothesis, one.x, at.states)
     return list(made.values())
 
 
 def _is_out_of_reach(continuation: Continuation, whole: Hypothesis, less: Hypothesis) -> bool:
-    """Whether the measured runs refuse `less` beside `whole` beyond what noise could change, at any stage
-    at which both were fitted.
-    """
+    """Whether the measured runs refuse `less` beside `whole`, at a stage, beyond what noise could change."""
     stages = {stage for stage, label in continuation.fits if label == whole.label}
     return any(
         continuation.criterion(continuation.fits[stage, less.label])
@@ -160,20 +148,13 @@ def _replacements(
     best: float,
     instances: Sequence[EffectInstance],
 ) -> dict[str, Fit]:
-    """Fits of `simpler` with one effect more, of those within reach of the criterion `best` by score tests
-    from the neutral values.
-    """
+    """Fits of `simpler` with one effect more, those within reach of the criterion `best` by score tests."""
     begun = [at_neutral_values(one, problem.boat) for one in instances if _is_gradual(one)]
-    scores = sorted(
-        score_tests(problem, simpler, begun),
-        key=lambda one: one.expected_chi2 + criterion.charge(one.hypothesis),
-    )
+    scores = sorted(score_tests(problem, simpler, begun), key=criterion.expected)
     return {
-        one.hypothesis.label: fit(
-            problem, one.hypothesis, one.x, one.states, options().twin_steps, fresh=True
-        )
+        one.hypothesis.label: _fitted(problem, one.hypothesis, one.x, one.states)
         for one in scores[: options().twin_fits]
-        if one.expected_chi2 + criterion.charge(one.hypothesis) < best + options().twin_within_reach
+        if criterion.expected(one) < best + options().twin_within_reach
     }
 
 
@@ -191,12 +172,8 @@ def _with_one_more(
     for instance in instances:
         if instance.label in kept or not _is_gradual(instance):
             continue
-        more = at.hypothesis.with_instance(instance)
-        (neutral,) = at_neutral_values(instance, problem.boat).starts
-        own = {a.label: x for a, x in at.hypothesis.parts(at.x)} | {
-            instance.label: np.array(neutral * instance.count)
-        }
-        x = np.concatenate([own[one.label] for one in more.instances])
+        own = np.array(neutral_start(instance, problem.boat) * instance.count)
+        more, x = joined([*at.parts(), (instance, own)])
         found.append(_competitor(problem, more, x, at.states, at, noise))
     return found
 
@@ -204,18 +181,14 @@ def _with_one_more(
 def _competitor(
     problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, at: Fit, noise: Array
 ) -> Competitor:
-    base = problem.predict(hypothesis, x[None], states[None])[0]
-    by_state = (
-        at.states_jacobian
-        if np.array_equal(states, at.states)
-        else problem.state_jacobian(hypothesis, x, states, base)
-    )
+    base = problem.track(hypothesis, x, states)
+    by_state = at.states_jacobian
+    if not np.array_equal(states, at.states):
+        by_state = problem.state_jacobian(hypothesis, x, states, base)
     by_x = problem.parameter_jacobian(hypothesis, x, states, base)
     residual = problem.residuals(base)
-    normal = normal_equations(
-        by_state, np.concatenate([by_x, residual[..., None] + noise], axis=2), np.zeros_like(residual)
-    )
-    size = hypothesis.size
+    columns = np.concatenate([by_x, residual[..., None] + noise], axis=2)
+    normal, size = normal_equations(by_state, columns, np.zeros_like(residual)), hypothesis.size
     squares = np.einsum("wnn->wn", normal.information[:, size:, size:])
     return Competitor(
         hypothesis, x, normal.information[:, :size, :size], normal.information[:, :size, size:], squares
@@ -237,9 +210,7 @@ def _selected(
 
 
 def _confirmed(hypothesis: Hypothesis, held_out: Mapping[str, float]) -> Hypothesis:
-    """The hypothesis less the effects without which held-out runs are predicted as well; what differs between
-    runs, no other run can confirm.
-    """
+    """The hypothesis less what does not help on held-out runs, as far as other runs can confirm it."""
     for instance in hypothesis.instances:
         less = hypothesis.without(instance.label)
         known = less.label in held_out and not instance.groups

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,6 @@ from swamp_rl.criticism.inference.trial_evidence import Question, Rated, explana
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
 from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
-from swamp_rl.criticism.model.candidates import EffectInstance
 from swamp_rl.criticism.model.command_family import CommandFamily, command_family
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.trial_limits import TrialLimits, start_in
@@ -54,35 +54,25 @@ def question_of(
     if rivals:
         every = tuple(explanation_of(one, one.covariance) for one in (winner, *rivals))
         return Question(run_set, sigmas, every), None
-    covariance = sandwich_covariance(problem, winner)
-    explanation = explanation_of(winner, covariance)
-    widest: tuple[float, int, Narrowed] | None = None
-    for column, (instance, own, place) in enumerate(_parameters(winner)):
-        deviation = math.sqrt(abs(inverse(explanation.precision)[column, column]))
-        if instance.groups or sides_of(instance, own)[place] or not math.isfinite(deviation):
-            continue
-        name, unit = components(instance)[place]
-        relative = deviation / instance.specs[place].scale
-        if widest is None or relative > widest[0]:
-            told = Narrowed(
-                effect=instance.label, parameter=name, unit=unit, before=deviation, after=deviation
-            )
-            widest = relative, column, told
-    if widest is None:
+    explanation = explanation_of(winner, sandwich_covariance(problem, winner))
+    deviations = np.sqrt(np.abs(np.diag(inverse(explanation.precision))))
+    of_one_run = [(one, own, place) for one, own in winner.parts() for place in range(one.of_one.size)]
+    candidates = [
+        (deviation / one.specs[place].scale, column)
+        for column, ((one, own, place), deviation) in enumerate(zip(of_one_run, deviations, strict=True))
+        if not (one.groups or sides_of(one, own)[place] or not math.isfinite(deviation))
+    ]
+    if not candidates:
         raise UserError(
             "--next: no trial to design: no hypotheses are indistinguishable, and no cause has an interval "
-            "that a trial can narrow; leave --next out"
+            "that a trial can narrow"
         )
-    return Question(run_set, sigmas, (explanation,), widest[1]), widest[2]
-
-
-def _parameters(at: Fit) -> list[tuple[EffectInstance, Array, int]]:
-    """Effect instance, its parameters (q,) and the place among them, of each parameter that one run has."""
-    return [
-        (instance, own, place)
-        for instance, own in at.hypothesis.parts(at.x)
-        for place in range(instance.of_one.size)
-    ]
+    column = max(candidates, key=lambda one: one[0])[1]
+    instance, _, place = of_one_run[column]
+    name, unit = components(instance)[place]
+    now = float(deviations[column])
+    told = Narrowed(effect=instance.label, parameter=name, unit=unit, before=now, after=now)
+    return Question(run_set, sigmas, (explanation,), column), told
 
 
 def design_trial(
@@ -113,6 +103,10 @@ def design_trial(
     tracks = rated.tracks[:, best, :rows].copy()
     start = start_in(limits, tracks)
     tracks[..., :2] += start
+    if narrows:
+        after = narrows.before / math.sqrt(1.0 + rated.least[best])
+        narrows = narrows.model_copy(update={"after": after})
+    every = zip(fixed, of_list.least, of_list.rows, strict=True)
     told = NextTrial(
         file=FILE,
         duration_s=rows * dt,
@@ -122,13 +116,11 @@ def design_trial(
         top_speed=float(np.hypot(tracks[..., 3], tracks[..., 4]).max()),
         evidence=float(rated.least[best]),
         separates=_separated(question, rated, best),
-        narrows=narrows.model_copy(update={"after": narrows.before / math.sqrt(1.0 + rated.least[best])})
-        if narrows
-        else None,
+        narrows=narrows,
         of_list=sorted(
             (
                 RatedManoeuvre(manoeuvre=name, evidence=float(worth), duration_s=float(count * dt))
-                for name, worth, count in zip(fixed, of_list.least, of_list.rows, strict=True)
+                for name, worth, count in every
             ),
             key=lambda one: one.evidence,
             reverse=True,
@@ -138,9 +130,7 @@ def design_trial(
 
 
 def write_trial(folder: Path, trial: Designed, boat: Boat, dt: float) -> None:
-    """Write the commands into `folder` as a run, with the motion that the first explanation predicts; a row
-    each dt [s].
-    """
+    """Write the commands, with the motion that the first explanation predicts, a row each dt [s]."""
     motion = dict(zip(CHANNELS, trial.tracks[0].T, strict=True))
     motion["heading"] = np.pi - np.mod(np.pi - motion["heading"], 2 * np.pi)  # in (-pi, pi]
     columns = {"time": dt * np.arange(len(trial.commands))} | motion | command_columns(boat, trial.commands)
@@ -178,13 +168,10 @@ def _merit(rated: Rated, dt: float) -> Array:
 def _separated(question: Question, rated: Rated, trial: int) -> list[Separated]:
     """Each pair of explanations, the least separated first."""
     names = [one.label for one in question.explanations]
+    evidence = np.minimum(rated.evidence[..., trial], rated.evidence[..., trial].T)
     pairs = [
-        Separated(
-            effects=[names[a], names[b]],
-            separation=math.sqrt(min(rated.evidence[a, b, trial], rated.evidence[b, a, trial])),
-        )
-        for a in range(len(names))
-        for b in range(a + 1, len(names))
+        Separated(effects=[names[a], names[b]], separation=math.sqrt(evidence[a, b]))
+        for a, b in combinations(range(len(names)), 2)
     ]
     return sorted(pairs, key=lambda one: one.separation)
 

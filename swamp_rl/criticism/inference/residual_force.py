@@ -1,6 +1,4 @@
-"""Residual forces: forces missing from the model, constant in short intervals, with the boat's motion
-there.
-"""
+"""Forces missing from the model, constant in short intervals, and the boat's motion there."""
 
 from dataclasses import dataclass
 
@@ -15,7 +13,7 @@ from swamp_rl.criticism.likelihood.force_sensitivity import (
     force_normal_equations,
 )
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, wrap
-from swamp_rl.criticism.likelihood.output_error import fit_states
+from swamp_rl.criticism.likelihood.output_error import fit_states, next_damping
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 
@@ -40,9 +38,8 @@ def residual_forces(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: A
     """Surge and sway force and yaw moment, constant in each interval, that reproduce the measured motion;
     fitted by least squares together with the initial states. x: (p,) of the hypothesis.
     """
-    seconds, piece = options().force_window, options().force_piece
-    if "surge" not in run_set.present:
-        seconds, piece = options().force_window_poses, options().force_piece_poses
+    spans = options().force_spans if "surge" in run_set.present else options().force_spans_poses
+    seconds, piece = spans
     problem = Shooting(run_set, weight, seconds, before=run_set.dt)
     grid = force_grid(problem, piece)
     made = fit_forces(problem, hypothesis, x, grid)
@@ -72,9 +69,7 @@ def residual_forces(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: A
 
 @dataclass(frozen=True)
 class ForceFit:
-    """Windows under fitted forces: states (W, 6) at their starts, track (W, T, 6), force (W, B, 3) [N, N, N
-    m] and its covariance (W, 3 B, 3 B).
-    """
+    """Initial states (W, 6), track (W, T, 6), force (W, B, 3) [N, N, N m], its covariance (W, 3 B, 3 B)."""
 
     states: Array
     track: Array
@@ -92,7 +87,6 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
     prior = np.tile(1.0 / np.array([reach, reach, reach * problem.boat.length]), grid.count) ** 2
     force = np.zeros(shape)
     damping = np.zeros(shape[0])
-    first, factor = options().force_damping, options().damping_factor
     covariance = np.zeros((shape[0], AXES * shape[1], AXES * shape[1]))
     for _ in range(options().force_rounds):
         acting = force.reshape(-1, grid.count, AXES)
@@ -106,10 +100,7 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
         H = H + (damping[:, None] * np.einsum("wii->wi", H))[..., None] * np.eye(H.shape[1])
         g = normal.gradient - prior * force.reshape(shape[0], -1)
         step = np.asarray(np.linalg.solve(H, g[..., None])[..., 0])
-        shift = np.linalg.solve(
-            normal.states_information,
-            (normal.states_gradient - (normal.cross @ step[..., None])[..., 0])[..., None],
-        )[..., 0]
+        shift = normal.shift(step)
         tried: Array = force + step.reshape(shape)
         acceleration = np.asarray(tried / grid.inertia)
         moved = problem.predict(hypothesis, x[None], (states + shift)[None], acceleration, grid.block)[0]
@@ -117,15 +108,12 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
         better = (left**2).sum(axis=1) < (residual**2).sum(axis=1)
         states[better] += shift[better]
         force[better], track[better], residual[better] = tried[better], moved[better], left[better]
-        less = np.where(damping < first, 0.0, damping / factor)
-        damping = np.where(better, less, factor * damping + first)
+        damping = next_damping(damping, better, options().force_damping)
     return ForceFit(states, track, force, covariance)
 
 
 def motion_variables(time: Array, at: Array) -> dict[str, Array]:
-    """Variables of the motion that a force may depend on, by name (...): time (...) [s], states at (...,
-    6).
-    """
+    """Variables that a force may depend on, by name (...): of time (...) [s] and states at (..., 6)."""
     north, east, heading, surge, sway, yaw_rate = np.moveaxis(at, -1, 0)
     return {
         "time": time,

@@ -68,9 +68,7 @@ class Rated:
 
 
 def explanation_of(at: Fit, covariance: Array) -> Explanation:
-    """A fit with covariance (p, p), for a run yet to come: what differs between runs is known to within its
-    variance between them.
-    """
+    """A fit with covariance (p, p) for another run, with the variance of what differs between runs."""
     hypothesis, x, columns = at.hypothesis.of_run(at.x, 0)
     between = [np.zeros(0)]
     for instance, own in at.hypothesis.parts(at.x):
@@ -136,29 +134,17 @@ def _problem(question: Question, commands: Array) -> Shooting:
     """The trials (W, T, 2K) cut in equal windows, W by W, from where a diagnosis begins to compare."""
     trials, steps = commands.shape[:2]
     run_set = question.run_set
-    planned = RunSet(
-        run_set.boat,
-        run_set.dt,
-        tuple(map(str, range(trials))),
-        commands,
-        np.zeros((trials, steps, 6)),
-        np.full(trials, steps),
-        gauss_markov=run_set.gauss_markov,
-    )
+    names = tuple(map(str, range(trials)))
+    sailed = names, commands, np.zeros((trials, steps, 6)), np.full(trials, steps)
+    planned = RunSet(run_set.boat, run_set.dt, *sailed, gauss_markov=run_set.gauss_markov)
     weight = np.where(np.isfinite(question.sigmas), 1.0 / question.sigmas, 0.0)
     transient = math.ceil(options().least_transient / run_set.dt)
-    pieces = max(1, round((steps - transient) * run_set.dt / options().trial_window))
+    pieces = max(1, round((steps - transient) * run_set.dt / options().window_lengths[1]))
     length = (steps - transient) // pieces
     weights = np.tile(weight, (trials * pieces, length, 1))
-    windows = Windows(
-        np.repeat(np.arange(trials), pieces),
-        np.tile(transient + length * np.arange(pieces), trials),
-        np.full(trials * pieces, length - 1),
-        np.zeros_like(weights),
-        weights,
-        0,
-        length,
-    )
+    run = np.repeat(np.arange(trials), pieces)
+    first = np.tile(transient + length * np.arange(pieces), trials)
+    windows = Windows(run, first, np.full(len(run), length - 1), np.zeros_like(weights), weights, 0, length)
     problem = Shooting(planned, np.broadcast_to(weight, planned.measured.shape), np.inf, windows)
     problem.substeps = max(1, math.ceil(run_set.dt / options().substep - 1e-9))
     return problem
@@ -166,7 +152,7 @@ def _problem(question: Question, commands: Array) -> Shooting:
 
 def _response(problem: Shooting, one: Explanation, states: Array, seen: NDArray[np.bool_]) -> _Response:
     """From the states (V, 6) at the windows' starts; what is not `seen` (V, T) has no derivative."""
-    base = problem.predict(one.hypothesis, one.x[None], states[None])[0]
+    base = problem.track(one.hypothesis, one.x, states)
     by_state = problem.state_jacobian(one.hypothesis, one.x, states, base)
     by_x = problem.parameter_jacobian(one.hypothesis, one.x, states, base)
     channels = np.repeat(seen, base.shape[2], axis=1) & np.isfinite(by_state).all(axis=2)

@@ -50,9 +50,7 @@ def adequacy(problem: Shooting, at: Fit) -> Adequacy:
         sums = residual[:, :steps].reshape(len(residual), -1, block, len(CHANNELS)).sum(axis=2)
         counts = seen[:, :steps].reshape(len(residual), -1, block, len(CHANNELS)).sum(axis=2)
         for c in range(len(CHANNELS)):
-            enough = (
-                block // 2 if share[c] > options().dense_sensor else max(1, round(0.5 * share[c] * block))
-            )
+            enough = block // 2 if share[c] > options().slow_sensor else max(1, round(0.5 * share[c] * block))
             full = counts[..., c] >= enough
             if full.sum() >= options().least_means:
                 excess[s, c] = _excess(sums[..., c][full] ** 2 / counts[..., c][full])

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, inverse
-from swamp_rl.criticism.likelihood.state_fit import fit_states
+from swamp_rl.criticism.likelihood.output_error import Fit, fit_states, inverse
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 
@@ -37,25 +36,28 @@ def folds_of(windows: Windows, halves: bool = False) -> NDArray[np.int64]:
     """(W,) fold of each window: its run where there are `enough_runs`, else half a run; of a single run each
     window. halves: half a run in any case, for parameters that each run has its own of.
     """
-    every = np.unique(windows.run)
-    if len(every) >= options().enough_runs and not halves:
+    count = len(np.unique(windows.run))
+    if count >= options().enough_runs and not halves:
         return windows.run
-    if len(every) == 1:
-        return np.arange(windows.count)
-    middle = np.array([np.median(windows.first[windows.run == run]) for run in every])
-    place = np.searchsorted(every, windows.run)
-    return np.asarray(2 * place + (windows.first > middle[place]))
+    return np.arange(windows.count) if count == 1 else halves_of(windows)
+
+
+def halves_of(windows: Windows) -> NDArray[np.int64]:
+    """(W,) fold of each window: twice its run, and one more in the second half of that."""
+    middle = np.zeros(int(windows.run.max()) + 1)
+    for run in np.unique(windows.run):
+        middle[run] = np.median(windows.first[windows.run == run])
+    return np.asarray(2 * windows.run + (windows.first > middle[windows.run]))
 
 
 def heldout_numbers(problem: Shooting, at: Fit) -> Array:
     """(R, p) parameters fitted to all runs but each one; those of the fit where there is one run. What each
     group of runs has its own of is that of the fit, where no other run is of the group.
     """
-    windows = problem.windows.run
     runs = len(problem.run_set.lengths)
     if runs == 1 or at.hypothesis.size == 0:
         return np.repeat(at.x[None], runs, axis=0)
-    return numbers_without(at, windows, runs)
+    return numbers_without(at, problem.windows.run, runs)
 
 
 def numbers_without(at: Fit, fold: NDArray[np.int64], folds: int) -> Array:
@@ -125,7 +127,9 @@ def confirmed_at(gains: Array, comparisons: int) -> Confirmation:
     from scipy.special import ndtri, stdtrit
 
     tail, count, total = options().tail / comparisons, len(gains), float(gains.sum())
-    wider = float("inf") if count < 2 else -stdtrit(count - 1, tail) / -ndtri(tail) * (count / (count - 1)) ** 0.5
+    wider = (
+        float("inf") if count < 2 else -stdtrit(count - 1, tail) / -ndtri(tail) * (count / (count - 1)) ** 0.5
+    )
     low = bootstrap_quantile(gains, tail)
     return Confirmation(total, total - wider * (total - low), 1.0 - 2.0 * tail)
 
@@ -180,7 +184,7 @@ def stretch_losses(problem: Shooting, at: Fit) -> Array:
                 residual[mine] = fit_states(
                     problem.part(mine), at.hypothesis, x, states, options().held_out_rounds
                 )[2]
-    rows = max(1, round(options().held_out_stretch / problem.dt))
+    rows = max(1, round(options().stretch / problem.dt))
     squares = (residual**2).reshape(len(residual), -1, problem.windows.weight.shape[2]).sum(axis=2)
     starts = np.arange(0, squares.shape[1], rows)
     chi2 = np.add.reduceat(squares, starts, axis=1)

@@ -111,13 +111,8 @@ def force_jacobian(
         variants = len(pieces)
         moved = np.repeat(acting[None], variants, axis=0)
         moved[np.arange(variants), :, pieces, axis] += step[axis]
-        track = problem.predict(
-            hypothesis,
-            np.repeat(x[None], variants, axis=0),
-            np.repeat(states[None], variants, axis=0),
-            moved.reshape(-1, count, AXES),
-            grid.block,
-        )
+        same = np.repeat(x[None], variants, axis=0), np.repeat(states[None], variants, axis=0)
+        track = problem.predict(hypothesis, *same, moved.reshape(-1, count, AXES), grid.block)
         track -= base
         track /= step[axis] * grid.inertia[axis]
         slopes[pieces, column] = problem.standardised(track)

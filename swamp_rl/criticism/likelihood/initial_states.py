@@ -54,9 +54,7 @@ def _smoothed(
 def _across(
     run_set: RunSet, weight: Array, of: tuple[np.int64, np.int64], rows: NDArray[np.int64]
 ) -> tuple[float, float]:
-    """Value and slope at the middle one of three rows with samples on one side at most: by linear
-    interpolation, since a quadratic must not be extrapolated.
-    """
+    """Value and slope at the middle row by linear interpolation: a quadratic must not be extrapolated."""
     run, channel = of
     there = np.flatnonzero(weight[run, :, channel] > 0)
     if not len(there):

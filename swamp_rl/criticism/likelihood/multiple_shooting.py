@@ -13,14 +13,15 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.likelihood.gauss_markov import kalman_filter
 from swamp_rl.criticism.likelihood.initial_states import smoothed_states
+from swamp_rl.criticism.model.actuator_history import actuator_states
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
-from swamp_rl.criticism.model.rollout import roll, roll_actuators
+from swamp_rl.criticism.model.rollout import roll
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.options import options
-from swamp_rl.simulator import initial_state, parameters, tank
+from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.sensors import observe, rows_ahead
-from swamp_rl.simulator.state import ACTUATORS, TIME
+from swamp_rl.simulator.state import TIME
 
 Array = NDArray[np.float64]
 
@@ -39,9 +40,8 @@ def cut(run_set: RunSet, weight: Array, seconds: float, before: float | None = N
     for run, length in enumerate(run_set.lengths):
         transient = max(pad, int(run_set.first_compared[run]))
         available = int(length) - transient
-        pieces = (
-            2 ** max(0, round(math.log2(available * run_set.dt / seconds))) if math.isfinite(seconds) else 1
-        )
+        ratio = available * run_set.dt / seconds if math.isfinite(seconds) else 1.0
+        pieces = 2 ** max(0, round(math.log2(ratio)))
         edges = np.linspace(transient, length, pieces + 1).round().astype(int)
         lost = [(gap.row, gap.row + gap.rows) for gap in run_set.gaps if gap.run == run]
         for a, b in pairwise(edges):
@@ -82,9 +82,7 @@ def wrap(angle: Array) -> Array:
 
 
 def moved_together(hypothesis: Hypothesis) -> list[tuple[NDArray[np.int64], EffectInstance]]:
-    """Columns of x that one simulation moves, and the effect that they are of: one alone, or the same
-    parameter of all groups.
-    """
+    """Columns of x that one simulation moves, the same parameter of all groups, and their effect."""
     found: list[tuple[NDArray[np.int64], EffectInstance]] = []
     start = 0
     for own in hypothesis.instances:
@@ -117,17 +115,10 @@ class Shooting:
         self.record = parameters(run_set.boat)
         self.scale = state_scale(run_set.boat)
         self.dt = run_set.dt
-        self.windows = (
-            self._with_start_prior(cut(run_set, weight, seconds, before)) if windows is None else windows
-        )
-        self.substeps = max(
-            1,
-            math.ceil(
-                run_set.dt / (options().substep if math.isfinite(seconds) else options().substep_of_runs)
-                - 1e-9
-            ),
-        )
-        self.samples = int((self.windows.weight[:, self.windows.pad :] > 0).sum())
+        self.windows = windows or self._with_start_prior(cut(run_set, weight, seconds, before))
+        longest = options().substep if math.isfinite(seconds) else options().substep_of_runs
+        self.substeps = max(1, math.ceil(run_set.dt / longest - 1e-9))
+        self.samples = self.windows.samples
         process = run_set.gauss_markov
         self.filter = None if process is None else kalman_filter(self.windows, process, run_set.dt)
         self.last = int(self.windows.first.max()) + 1
@@ -138,17 +129,13 @@ class Shooting:
         self.last_records: list[Any] = []  # hypothesis, numbers and what `_records` made of them
 
     def _with_start_prior(self, windows: Windows) -> Windows:
-        """The windows with a Gaussian prior on the initial states: the first row holds the smoothed measured
-        state.
-        """
+        """The windows with a Gaussian prior about the smoothed initial states as their first row."""
         if windows.pad > 0:
             best = self.weight.max(axis=(0, 1))
             noise = np.where(best > 0.0, 1.0 / np.maximum(best, 1e-300), 0.0)  # 0 where nothing was measured
             windows.measured[:, 0] = self.initial_states(windows)
-            windows.weight[:, 0] = 1.0 / np.maximum(
-                np.array(options().start_sd) * self.scale,
-                options().start_sd_in_noise * noise,
-            )
+            least = np.array(options().start_sd) * self.scale
+            windows.weight[:, 0] = 1.0 / np.maximum(least, options().start_sd_in_noise * noise)
         return windows
 
     @cached_property
@@ -165,20 +152,10 @@ class Shooting:
 
     def part(self, chosen: NDArray[np.bool_]) -> "Shooting":
         """The problem on some of its windows (W,)."""
-        win = self.windows
-        windows = Windows(
-            win.run[chosen],
-            win.first[chosen],
-            win.steps[chosen],
-            win.measured[chosen],
-            win.weight[chosen],
-            win.pad,
-            win.measured.shape[1],
-        )
         made = copy(self)
-        made.windows = windows
+        made.windows = self.windows.part(chosen)
         made.filter = self.filter.part(chosen) if self.filter is not None else None
-        made.samples = int((windows.weight[:, windows.pad :] > 0).sum())
+        made.samples = made.windows.samples
         made.plain_actuators = self.plain_actuators[chosen]
         return made
 
@@ -198,23 +175,11 @@ class Shooting:
         """(R, rows, S - 6) time and actuators up to the last window's start under x (p,)."""
         key = hypothesis.label, x.tobytes()
         if key not in self.histories:
-            runs = len(self.run_set.lengths)
             records = hypothesis.records(self.boat, x[None], self.record, self.run_set.origins)
-            start = initial_state(records, np.zeros((runs, 3)))
-            start[:, ACTUATORS:] = self._first_actuators(start.shape[1] - ACTUATORS)
-            states = np.empty((runs, self.last, start.shape[1] - 6))
-            roll_actuators(records, start, self.run_set.commands, np.arange(runs), self.dt, states)
             if len(self.histories) >= options().most_histories:
                 del self.histories[next(iter(self.histories))]
-            self.histories[key] = states
+            self.histories[key] = actuator_states(records, self.run_set.commands, self.last, self.dt)
         return self.histories[key]
-
-    def _first_actuators(self, width: int) -> Array:
-        """(R, width) actuators at their first commands."""
-        first = np.zeros((len(self.run_set.lengths), width))
-        commands = self.run_set.commands[:, 0]
-        first[:, : commands.shape[1]] = commands
-        return first
 
     def _records(self, hypothesis: Hypothesis, x: Array) -> NDArray[Any]:
         """(V W,) parameter records under each row of x (V, p), a copy. Those of the last numbers are kept: a
@@ -253,24 +218,14 @@ class Shooting:
         seeds = np.zeros(len(start), np.uint64)
         steps += ahead
         self.boat_steps[0] += int(steps.sum()) * self.substeps
-        roll(
-            batch,
-            self.tank,
-            start,
-            self.run_set.commands,
-            self.run_set.weather,
-            run,
-            first,
-            steps,
-            seeds,
-            self.dt,
-            self.substeps,
-            acceleration,
-            block,
-            track,
-        )
+        boats = batch, self.tank, start, self.run_set.commands, self.run_set.weather, run, first, steps
+        roll(*boats, seeds, self.dt, self.substeps, acceleration, block, track)
         track = observe(track, batch, self.dt, start[:, TIME])[:, : win.rows]
         return track.reshape(variants, win.count, *track.shape[1:])
+
+    def track(self, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
+        """(W, T + 1, 6) predicted measurements for x (p,) and rigid states (W, 6) at the starts."""
+        return self.predict(hypothesis, x[None], states[None])[0]
 
     def residuals(self, prediction: Array) -> Array:
         """(..., W, M) measured less predicted in standard deviations, 0 where nothing was measured."""
@@ -284,9 +239,7 @@ class Shooting:
         return difference
 
     def standardised(self, difference: Array) -> Array:
-        """(..., W, M) of differences (..., W, T, 6) between tracks, in standard deviations, whitened where
-        the noise has a Gauss-Markov part.
-        """
+        """(..., W, M) differences (..., W, T, 6) of tracks in standard deviations, whitened."""
         standardised = difference * self.windows.weight
         if self.filter is not None:
             standardised = self.filter.whitened(standardised)

@@ -1,13 +1,12 @@
-"""Output-error fit by Gauss-Newton: parameters common to all windows, an initial state for each."""
+"""Output-error fit by damped Gauss-Newton: parameters common to all windows, an initial state for each."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.state_fit import fit_states, losses, min_decrease
-from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
@@ -29,8 +28,9 @@ class Normal:
     profile_chi2: Array
 
     def shift(self, step: Array) -> Array:
-        """(W, 6) change of the initial states that goes with a step (p,) of the parameters."""
-        wanted = self.states_gradient - self.cross @ step
+        """(W, 6) change of the initial states that goes with a step of the parameters, (p,) or (W, p)."""
+        by = self.cross @ step if step.ndim == 1 else (self.cross @ step[..., None])[..., 0]
+        wanted = self.states_gradient - by
         return np.asarray(np.linalg.solve(self.states_information, wanted[..., None])[..., 0], dtype=float)
 
 
@@ -73,6 +73,10 @@ class Fit:
     def chi2(self) -> float:
         """Sum of squared standardised residuals, prior included."""
         return float(self.loss.sum()) + self.penalty
+
+    def parts(self, but: str = "") -> list[tuple[EffectInstance, Array]]:
+        """Each effect with its parameters, but the one of that label."""
+        return [(one, x) for one, x in self.hypothesis.parts(self.x) if one.label != but]
 
     @property
     def covariance(self) -> Array:
@@ -126,6 +130,86 @@ def bounded_step(H: Array, g: Array, x: Array, low: Array, high: Array) -> Array
     return step
 
 
+def fit_states(
+    problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, rounds: int
+) -> tuple[Array, Array, Array]:
+    """States (W, 6), prediction and residual at least chi2 under x (p,), by Levenberg-Marquardt.
+
+    Converged windows are not simulated again; a Jacobian is kept until its window moves.
+    """
+    count = len(states)
+    states = states.copy()
+    base = problem.track(hypothesis, x, states)
+    residual = problem.residuals(base)
+    damping = np.zeros(count)
+    A, b = np.zeros((count, 6, 6)), np.zeros((count, 6))
+    active = moved = np.ones(count, dtype=bool)
+    for _ in range(rounds):
+        if moved.any():
+            slopes = _chosen(problem, moved).state_jacobian(hypothesis, x, states[moved], base[moved])
+            transposed = np.swapaxes(slopes, 1, 2)
+            A[moved], b[moved] = transposed @ slopes, (transposed @ residual[moved, :, None])[..., 0]
+        step = np.linalg.solve(_ridged(A, damping), b[..., None])[..., 0]
+        active &= (step * b).sum(axis=1) > options().window_decrease
+        if not active.any():
+            break
+        part, tried = _chosen(problem, active), states[active] + step[active]
+        prediction = part.track(hypothesis, x, tried)
+        left = part.residuals(prediction)
+        better = losses(residual[active]) - losses(left) > 0.0
+        place = np.flatnonzero(active)
+        won, lost = place[better], place[~better]
+        states[won], base[won], residual[won] = tried[better], prediction[better], left[better]
+        active = active.copy()
+        active[lost[damping[lost] > options().last_damping]] = False
+        damping[place] = next_damping(damping[place], better, options().first_damping)
+        moved = np.zeros(count, dtype=bool)
+        moved[won] = True
+    return states, base, residual
+
+
+def first_states(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
+    """(W, 6) initial states that a fit of x (p,) begins with, fitted from those smoothed from the data."""
+    return fit_states(problem, hypothesis, x, states, options().first_rounds)[0]
+
+
+def noise_free(problem: Shooting, truth: Fit) -> Shooting:
+    """The windows with the prediction of a fit as their measurements."""
+    track = problem.track(truth.hypothesis, truth.x, truth.states)
+    return Shooting(
+        problem.run_set, problem.weight, problem.seconds, replace(problem.windows, measured=track)
+    )
+
+
+def next_damping(damping: Array, better: NDArray[np.bool_], first: float) -> Array:
+    """(W,) Marquardt's damping after a step that was better or not; first: that after the first failure."""
+    factor = options().damping_factor
+    less = np.where(damping < first, 0.0, damping / factor)
+    return np.where(better, less, factor * damping + first)
+
+
+def losses(residual: Array) -> Array:
+    """(W,) chi2 of each window's residuals (W, M), infinite where a simulation diverged."""
+    with np.errstate(over="ignore"):
+        return np.asarray((residual**2).sum(axis=1))
+
+
+def min_decrease(problem: Shooting, chi2: float) -> float:
+    """Fall of chi2 below which a fit ends; larger where the fit is far from the data."""
+    above_noise = chi2 - options().noise_chi2 * problem.samples
+    return max(options().least_decrease, options().least_decrease_share * above_noise)
+
+
+def _chosen(problem: Shooting, chosen: NDArray[np.bool_]) -> Shooting:
+    return problem if chosen.all() else problem.part(chosen)
+
+
+def _ridged(A: Array, damping: Array) -> Array:
+    """(W, 6, 6) with Marquardt's multiple of the diagonal added."""
+    diagonal = np.einsum("wii->wi", A) * (1e-11 + damping[:, None]) + 1e-12
+    return np.asarray(A + diagonal[..., None] * np.eye(6))
+
+
 def stray_windows(problem: Shooting, residual: Array) -> NDArray[np.bool_]:
     """(W,) windows that fit far worse than the others: their initial state has not converged."""
     seen = np.maximum((problem.windows.weight > 0).sum(axis=(1, 2)), 1)
@@ -173,16 +257,10 @@ def fit(
     """
     steps = options().fit_steps if steps is None else steps
     x, states = np.array(x, dtype=float), np.array(states, dtype=float)
-    base = problem.predict(hypothesis, x[None], states[None])[0]
+    base = problem.track(hypothesis, x, states)
     at = Iterate(x, states, base, problem.residuals(base), prior_penalty(hypothesis, x))
-    refitted = _with_states_refitted(
-        problem,
-        hypothesis,
-        at,
-        problem.state_jacobian(hypothesis, x, states, base),
-        options().window_increase,
-    )
-    at = refitted or at
+    by_state = problem.state_jacobian(hypothesis, x, states, base)
+    at = _with_states_refitted(problem, hypothesis, at, by_state, options().window_increase) or at
     slopes, start, used = jacobians_at(problem, hypothesis, at), 0, 1
     newest, first, refits = True, True, 0
     while True:
@@ -191,33 +269,22 @@ def fit(
         gain = at.chi2 - moved.chi2
         at, newest = moved, newest and gain == 0.0
         least = min_decrease(problem, at.chi2)
-        if gain > least and gain_ratio > (
-            options().gain_ratio if gain < options().close_gain else options().gain_ratio_far
-        ):
+        good = options().gain_ratio if gain < options().close_gain else options().gain_ratio_far
+        if gain > least and gain_ratio > good:
             continue
         if newest or used >= steps or (gain_ratio > options().gain_ratio and not fresh):
-            refitted = (
-                _with_states_refitted(problem, hypothesis, at, slopes[0], max(options().state_gain, least))
-                if refits < options().most_refits
-                else None
-            )
+            if refits == options().most_refits:
+                break
+            least = max(options().state_gain, least)
+            refitted = _with_states_refitted(problem, hypothesis, at, slopes[0], least)
             if refitted is None:
                 break
             at, refits = refitted, refits + 1
         slopes, used, newest = jacobians_at(problem, hypothesis, at), used + 1, True
     if fresh and not newest:
         slopes = jacobians_at(problem, hypothesis, at)
-    return Fit(
-        hypothesis,
-        at.x,
-        at.states,
-        at.residual,
-        at.loss,
-        normal_equations(*slopes, at.residual),
-        at.penalty,
-        slopes[0],
-        used,
-    )
+    normal = normal_equations(*slopes, at.residual)
+    return Fit(hypothesis, at.x, at.states, at.residual, at.loss, normal, at.penalty, slopes[0], used)
 
 
 def jacobians_at(problem: Shooting, hypothesis: Hypothesis, at: Iterate) -> Jacobians:
@@ -236,7 +303,7 @@ def _step(
     """
     mean, precision = hypothesis.prior()
     low, high = hypothesis.bounds()
-    reach = np.array([spec.scale for spec in hypothesis.specs])
+    reach = hypothesis.scales
     for number in range(start, len(options().dampings)):
         damping = options().dampings[number]
         normal = normal_equations(*slopes, at.residual, damping / state_reach(problem))
@@ -283,7 +350,7 @@ def _moved(
     become worse are refitted, at the first step also those of stray windows.
     """
     x, states = at.x + step, at.states + shift
-    base = problem.predict(hypothesis, x[None], states[None])[0]
+    base = problem.track(hypothesis, x, states)
     residual = problem.residuals(base)
     loss = losses(residual)
     far = np.abs(shift) > options().farthest_state * state_reach(problem)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, Windows, wrap
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.result import Gain, Paired
+from swamp_rl.criticism.result import Gain, Paired, Predictors
 from swamp_rl.simulator.sensors import true_motion
 
 Array = NDArray[np.float64]
@@ -43,10 +43,9 @@ def gains(
 
     weight: (R, T, 6); numbers: (R, p), the parameters for each run, fitted without it.
     """
-    none = np.zeros((len(run_set.lengths), 0))
     found = []
     for horizon in options().horizons:
-        before = errors_at(run_set, weight, horizon, Hypothesis(), none)
+        before = boat_file_errors(run_set, weight, horizon)
         after = errors_at(run_set, weight, horizon, hypothesis, numbers)
         block, called = blocks_of(before, horizon)
         kept = {
@@ -65,6 +64,11 @@ def errors_at(run_set: RunSet, weight: Array, horizon: float, hypothesis: Hypoth
         return start.predict(hypothesis, x[run])[:, -1]
 
     return errors_of(run_set, weight, horizon, ends)
+
+
+def boat_file_errors(run_set: RunSet, weight: Array, horizon: float) -> Errors:
+    """Errors of the boat file alone."""
+    return errors_at(run_set, weight, horizon, Hypothesis(), np.zeros((len(run_set.lengths), 0)))
 
 
 def errors_of(
@@ -88,11 +92,7 @@ def errors_of(
 
 @dataclass(frozen=True)
 class Restarts:
-    """Where the predictions of a run start.
-
-    first: (n,) samples; steps: of each prediction; states: (n, 6) smoothed from the measurements about them,
-    in the order of CHANNELS.
-    """
+    """Where predictions start: first (n,) samples; steps of each; states (n, 6), smoothed, as CHANNELS."""
 
     problem: Shooting
     first: NDArray[np.int64]
@@ -104,29 +104,20 @@ class Restarts:
         origins = self.problem.run_set.origins[self.problem.windows.run]
         records = hypothesis.records(self.problem.boat, x[None], runs=origins)
         states = true_motion(self.states, records, np.asarray(self.first * self.problem.dt, dtype=float))
-        return self.problem.predict(hypothesis, x[None], states[None])[0]
+        return self.problem.track(hypothesis, x, states)
 
 
 def restarts(run_set: RunSet, weight: Array, run: int, horizon: float) -> Restarts | None:
     """Of one run, for predictions of `horizon` [s]; None for a run too short."""
-    one = run_set.subset([run])
-    windows = _restarts(one, horizon, int(run_set.first_compared[run]))
-    if windows is None:
-        return None
-    problem = Shooting(one, weight[run : run + 1], horizon, windows)
-    return Restarts(problem, windows.first, windows.rows - 1, problem.initial_states())
-
-
-def _restarts(run_set: RunSet, horizon: float, begin: int) -> Windows | None:
     steps = round(horizon / run_set.dt)
     every = max(1, round(max(horizon, options().restart) / run_set.dt))
-    first = np.arange(begin, int(run_set.lengths[0]) - steps, every)
+    first = np.arange(int(run_set.first_compared[run]), int(run_set.lengths[run]) - steps, every)
     if len(first) == 0:
         return None
-    nothing = np.zeros((len(first), steps + 1, len(CHANNELS)))
-    return Windows(
-        np.zeros(len(first), int), first, np.full(len(first), steps), nothing, nothing, 0, steps + 1
-    )
+    count, nothing = len(first), np.zeros((len(first), steps + 1, len(CHANNELS)))
+    windows = Windows(np.zeros(count, int), first, np.full(count, steps), nothing, nothing, 0, steps + 1)
+    problem = Shooting(run_set.subset([run]), weight[run : run + 1], horizon, windows)
+    return Restarts(problem, first, steps, problem.initial_states())
 
 
 def blocks_of(errors: Errors, horizon: float) -> tuple[NDArray[np.int64], str]:
@@ -137,7 +128,7 @@ def blocks_of(errors: Errors, horizon: float) -> tuple[NDArray[np.int64], str]:
     """
     if len(np.unique(errors.run)) >= options().enough_runs:
         return errors.run, "runs"
-    seconds = max(options().error_stretch, 2.0 * horizon)
+    seconds = max(options().stretch, 2.0 * horizon)
     place = np.stack([errors.run, (errors.end // seconds).astype(int)], axis=1)
     _, block = np.unique(place, axis=0, return_inverse=True)
     return np.asarray(block.reshape(-1), dtype=int), f"stretches of {seconds:g} s"
@@ -172,3 +163,54 @@ def expanded_tail(count: int) -> float:
     from scipy.special import ndtr, stdtrit
 
     return float(ndtr(math.sqrt(count / (count - 1)) * stdtrit(count - 1, options().tail)))
+
+
+def trivial_predictors(run_set: RunSet, weight: Array) -> list[Predictors]:
+    """Position errors of the boat file and of three trivial predictors at every horizon that the runs hold.
+
+    weight: (R, T, 6).
+    """
+    found = []
+    for horizon in options().horizons:
+        own = boat_file_errors(run_set, weight, horizon)
+        if not np.isfinite(own.error[:, :2]).all(axis=1).any():
+            continue
+        found.append(
+            Predictors(
+                horizon_s=horizon,
+                boat_file=_rmse(own),
+                at_rest=_rmse(errors_of(run_set, weight, horizon, _at_rest)),
+                constant_velocity=_rmse(errors_of(run_set, weight, horizon, _constant_velocity)),
+                no_thrust=_rmse(boat_file_errors(_without_thrust(run_set), weight, horizon)),
+            )
+        )
+    return found
+
+
+def _at_rest(run: int, start: Restarts) -> Array:
+    """(n, 6): the boat stays where it is."""
+    return np.concatenate([start.states[:, :3], np.zeros((len(start.states), 3))], axis=1)
+
+
+def _constant_velocity(run: int, start: Restarts) -> Array:
+    """(n, 6): straight on at the velocity over ground, turning at the yaw rate."""
+    states = start.states.copy()
+    seconds = start.steps * start.problem.dt
+    cos, sin = np.cos(states[:, 2]), np.sin(states[:, 2])
+    surge, sway, yaw_rate = states[:, 3:].T
+    states[:, 0] += seconds * (surge * cos - sway * sin)
+    states[:, 1] += seconds * (surge * sin + sway * cos)
+    states[:, 2] += seconds * yaw_rate
+    return states
+
+
+def _without_thrust(run_set: RunSet) -> RunSet:
+    commands = run_set.commands.copy()
+    commands[..., commands.shape[2] // 2 :] = 0.0
+    return replace(run_set, commands=commands)
+
+
+def _rmse(errors: Errors) -> float:
+    """Root mean square of the distance [m]."""
+    squares = (errors.error[:, :2] ** 2).sum(axis=1)
+    return float(np.sqrt(np.nanmean(squares)))

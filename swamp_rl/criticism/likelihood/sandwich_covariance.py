@@ -36,11 +36,8 @@ def scattered_covariance(problem: Shooting, at: Fit) -> tuple[Array, Array]:
     win = problem.windows
     slopes = sensitivities(problem, at).reshape(win.count, win.rows, -1, at.hypothesis.size)
     scores = np.einsum("wtc,wtcp->wtp", at.residual.reshape(win.count, win.rows, -1), slopes)[:, win.pad :]
-    rows = (
-        max(1, round(options().score_stretch / problem.dt))
-        if problem.correlation_samples == 1.0
-        else win.rows
-    )
+    white = problem.correlation_samples == 1.0
+    rows = max(1, round(options().score_stretch / problem.dt)) if white else win.rows
     starts = np.arange(0, scores.shape[1], rows)
     blocks = np.add.reduceat(scores, starts, axis=1).reshape(-1, at.hypothesis.size)
     blocks = blocks[(blocks != 0.0).any(axis=1)]
@@ -58,7 +55,7 @@ def scattered_covariance(problem: Shooting, at: Fit) -> tuple[Array, Array]:
 
 def sensitivities(problem: Shooting, at: Fit) -> Array:
     """(W M, p) sensitivities of the predictions to the parameters, initial states projected out."""
-    base = problem.predict(at.hypothesis, at.x[None], at.states[None])[0]
+    base = problem.track(at.hypothesis, at.x, at.states)
     slopes = problem.parameter_jacobian(at.hypothesis, at.x, at.states, base)
     transposed = np.swapaxes(at.states_jacobian, 1, 2)
     A = at.normal.states_information

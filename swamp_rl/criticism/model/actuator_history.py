@@ -1,6 +1,7 @@
 """Azimuths and throttles along runs from the commands, and from when on the start is irrelevant."""
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,14 +23,21 @@ def actuator_history(boat: Boat, commands: Array, dt: float, at_first_commands: 
     commands: (R, T, 2K), a row each dt [s]. The actuators are at their first commands at the start, or
     straight ahead and stopped.
     """
-    runs, samples = commands.shape[:2]
-    records = parameters(boat, runs)
+    records = parameters(boat, len(commands))
+    return actuator_states(records, commands, commands.shape[1], dt, at_first_commands)[..., FIRST_ACTUATOR:]
+
+
+def actuator_states(
+    records: NDArray[Any], commands: Array, rows: int, dt: float, at_first_commands: bool = True
+) -> Array:
+    """Time and actuators (R, rows, S - 6) of R boats with parameter records (R,)."""
+    runs = len(commands)
     start = initial_state(records, np.zeros((runs, 3)))
     if at_first_commands:
         start[:, ACTUATORS:] = commands[:, 0]
-    states = np.empty((runs, samples, start.shape[1] - 6))
+    states = np.empty((runs, rows, start.shape[1] - 6))
     roll_actuators(records, start, commands, np.arange(runs), dt, states)
-    return states[..., FIRST_ACTUATOR:]
+    return states
 
 
 def first_compared(boat: Boat, commands: Array, lengths: NDArray[np.int64], dt: float) -> NDArray[np.int64]:

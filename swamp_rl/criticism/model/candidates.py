@@ -1,6 +1,4 @@
-"""Candidate causes: every effect of the library, on every thruster, with the parameters that a fit
-estimates.
-"""
+"""Candidate causes: every effect of the library on every thruster, with the parameters of its fit."""
 
 import itertools
 import math
@@ -72,6 +70,11 @@ class EffectInstance:
         return len(self.specs)
 
     @property
+    def scales(self) -> Array:
+        """(p,) typical sizes of the parameters."""
+        return np.array([spec.scale for spec in self.specs])
+
+    @property
     def count(self) -> int:
         """Number of groups, 1 where all runs share the parameters."""
         return max(self.groups, default=0) + 1
@@ -126,15 +129,18 @@ class Hypothesis:
         return len(self.specs)
 
     @property
+    def scales(self) -> Array:
+        """(p,) typical sizes of the parameters."""
+        return np.array([spec.scale for spec in self.specs])
+
+    @property
     def label(self) -> str:
         """Labels of the effects, joined by plus signs."""
         return " + ".join(instance.label for instance in self.instances) or "nothing"
 
     @property
     def cause_label(self) -> str:
-        """Label without the hull's linear derivatives, which are a nuisance, unless there is no other
-        effect.
-        """
+        """Label without the hull's derivatives, a nuisance, unless there is no other effect."""
         named = [instance.label for instance in self.instances if not instance.effect.nuisance]
         return " + ".join(named) or self.label
 
@@ -319,9 +325,7 @@ def selectors(effect: Effect, boat: Boat) -> list[tuple[str, ...]]:
 
 
 def hull_nuisance(boat: Boat) -> EffectInstance | None:
-    """Scales of the hull's linear derivatives, each with a Gaussian prior about 1; None where the library has
-    no such effect.
-    """
+    """Scales of the hull's linear derivatives, with a Gaussian prior about 1; None without such an effect."""
     effect = next((effect for effect in LIBRARY.values() if effect.nuisance), None)
     return instances_of(effect, boat)[0] if effect else None
 

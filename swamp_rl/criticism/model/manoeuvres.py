@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 def manoeuvres(boat: Boat, dt: float, seconds: float | None = None) -> dict[str, Array]:
     """Commands (T, 2K) by name, for the boat's thrusters within their azimuth limits."""
-    seconds = options().manoeuvre_length if seconds is None else seconds
+    seconds = options().trial_seconds if seconds is None else seconds
     time = np.arange(round(seconds / dt)) * dt
     record = parameters(boat)[0]
     low, high = record["azimuth_min"], record["azimuth_max"]

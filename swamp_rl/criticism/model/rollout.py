@@ -98,8 +98,10 @@ def _roll(
     )
     for i in range(start.shape[0]):
         forget_outputs(jets)
-        state[:] = start[i]
-        track[i, 0] = state[:6]
+        for c in range(start.shape[1]):  # no slice: numba would compile its error's text as well
+            state[c] = start[i, c]
+        for c in range(6):
+            filled[i, 0, c] = state[c]
         constants = constants_of(params[i], curves)
         for j in range(track.shape[1] - 1):
             if j < steps[i]:
@@ -128,9 +130,11 @@ def _roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float,
     given = uncounted(commands)
     for i in range(start.shape[0]):
         forget_outputs(jets)
-        state[:] = start[i]
+        for c in range(start.shape[1]):
+            state[c] = start[i, c]
         for j in range(states.shape[1]):
-            states[i, j] = state[6:]
+            for c in range(states.shape[2]):
+                states[i, j, c] = state[6 + c]
             delayed_command(given[run[i]], j, params[i].command_delay / dt, arrived)
             move_actuators(state, arrived, dt, jets, params[i])
             state[TIME] += dt

@@ -89,9 +89,7 @@ def rows_within(limits: TrialLimits, tracks: Array, length: float) -> NDArray[np
 
 
 def start_in(limits: TrialLimits, tracks: Array) -> Array:
-    """(2,) north and east [m] of the start from the area's south-west corner, so that the tracks (H, T, 6)
-    are in its middle.
-    """
+    """(2,) north and east [m] of the start in the area, so that the tracks (H, T, 6) are in its middle."""
     places = tracks[..., :2].reshape(-1, 2)
     middle = 0.5 * (places.max(axis=0) + places.min(axis=0))
     return np.asarray(np.array([limits.north, limits.east]) / 2.0 - middle + tracks[0, 0, :2])

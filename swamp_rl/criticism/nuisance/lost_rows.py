@@ -98,7 +98,7 @@ def with_commands_refined(problem: Shooting, at: Fit, every: Sequence[Gap]) -> R
             changed = run_set.commands.copy()
             changed[gap.run, rows] = reading
             one = one.with_commands(replace(run_set, commands=changed))
-            track = one.predict(at.hypothesis, at.x[None], at.states[window][None])[0]
+            track = one.track(at.hypothesis, at.x, at.states[window])
             none = np.zeros((1, track.size, 0))
             normal = normal_equations(at.states_jacobian[window], none, one.residuals(track))
             losses.append(needed + float(normal.profile_chi2.sum()))
@@ -111,10 +111,7 @@ def with_commands_refined(problem: Shooting, at: Fit, every: Sequence[Gap]) -> R
 def _windows_of_each(
     run_set: RunSet, weight: Array, gaps: Sequence[Gap], ends_alone: bool = False
 ) -> tuple[Shooting, NDArray[np.int64]]:
-    """One window about each gap for each possible command, as separate runs, and (W,) the gap of each.
-
-    ends_alone: only the latest and the earliest change.
-    """
+    """A window for each possible command in each gap, or for the ends alone, and (W,) the gap of each."""
     every = [possible_commands(run_set, gap) for gap in gaps]
     rows = [
         (number, reading)

@@ -1,13 +1,15 @@
-"""Process noise against measurement noise: the likelihoods of Gauss-Markov forces and position errors."""
+"""Model error: its process noise against measurement noise, and weights from its size."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.likelihood.force_sensitivity import AXES, force_grid, force_normal_equations
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit
+from swamp_rl.criticism.likelihood.output_error import Fit, first_states, fit
+from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import force_scale
 from swamp_rl.criticism.options import options
 
@@ -41,17 +43,13 @@ def random_forces(
     apart = np.abs(np.subtract.outer(np.arange(pieces), np.arange(pieces))) * piece
     alike = np.linalg.inv(np.exp(-apart / correlation_time))
     power: Array = (np.array(options().process_reach) * scale) ** 2
+    least = (np.array(options().process_least) * scale) ** 2
     for _ in range(options().process_rounds):
         prior = np.kron(alike, np.diag(1.0 / power))
         spread = np.linalg.inv(information + prior)
         force = (spread @ gradient[..., None])[..., 0]
         squares: Array = force**2 + np.einsum("wii->wi", spread)
-        power_before, power = (
-            power,
-            np.maximum(
-                squares.reshape(-1, AXES).mean(axis=0), (np.array(options().process_least) * scale) ** 2
-            ),
-        )
+        power_before, power = power, np.maximum(squares.reshape(-1, AXES).mean(axis=0), least)
     volume = np.linalg.slogdet(spread)[1].sum() + windows * np.linalg.slogdet(prior)[1]
     return RandomForces(
         np.asarray(prior), spread, force, power_before, float((gradient * force).sum() + volume)
@@ -60,10 +58,8 @@ def random_forces(
 
 def process_noise_gain(problem: Shooting, at: Fit) -> float:
     """2 log likelihood ratio of Gauss-Markov forces beside a fit, its parameters fixed."""
-    grid = force_grid(
-        problem,
-        max(options().process_piece, (problem.windows.rows - 1) * problem.dt / options().process_pieces),
-    )
+    shortest = (problem.windows.rows - 1) * problem.dt / options().process_pieces
+    grid = force_grid(problem, max(options().process_piece, shortest))
     where = (problem, at.hypothesis, at.x, at.states, grid, (0, 1, 2))
     normal = force_normal_equations(*where, at.states_jacobian, at.residual)
     piece, scale = grid.block * problem.dt, force_scale(problem.boat)
@@ -74,10 +70,104 @@ def process_noise_gain(problem: Shooting, at: Fit) -> float:
 
 
 def measurement_noise_gain(white: Fit, aware: Shooting, at: Fit) -> float:
-    """2 log likelihood ratio of Gauss-Markov measurement noise to white noise; at: the fit under the
-    former.
-    """
+    """2 log likelihood ratio of Gauss-Markov measurement noise, under which `at` is, to white noise."""
     if aware.filter is None:
         return 0.0
     scale = aware.filter.scale
     return white.chi2 - at.chi2 + 2.0 * float(np.log(scale[scale > 0.0]).sum())
+
+
+POSITIONS = slice(0, 2)
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """Windows weighted by the model error, and the fit whose residual it was estimated from.
+
+    errors: (6, 2) standard deviation [the channel's unit] of the residual, 0 where nothing was measured, and
+    its correlation time [s].
+    """
+
+    problem: Shooting
+    fit: Fit
+    errors: Array
+
+    @property
+    def run_set(self) -> RunSet:
+        """The runs with the model error as Gauss-Markov noise."""
+        return replace(self.problem.run_set, gauss_markov=self.errors)
+
+    @property
+    def volume(self) -> float:
+        """Sum of the logarithms of the standard deviations."""
+        sizes = self.errors[:, 0]
+        return float(np.log(sizes[sizes > 0.0]).sum())
+
+
+def model_error(
+    run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: Array, longest: float | None = None
+) -> ModelError:
+    """Windows weighted by the standard deviation of each channel's residual, one for north and east, no
+    longer than `longest` [s], `model_error_window` by default, nor so long that they are too few.
+
+    Weights are divided by the root of the residual's integrated autocorrelation time, so that chi2 counts
+    independent samples. weight: (R, T, 6); x: (p,).
+    """
+    every = float(run_set.lengths.sum() * run_set.dt)
+    seconds = min(longest or options().model_error_window, every / options().model_error_windows)
+    seen = weight > 0
+    sigma = 1.0 / np.where(seen.any(axis=(0, 1)), weight.max(axis=(0, 1)), 1.0)
+    problem = Shooting(run_set, seen / sigma, seconds)
+    states = first_states(problem, hypothesis, x, problem.initial_states())
+    steps = options().check_steps
+    for _ in range(options().model_error_rounds):
+        made = fit(problem, hypothesis, x, states, steps)
+        x, states = made.x, made.states
+        sigma = sigma * residual_rms(problem, made)
+        problem = Shooting(run_set, seen / sigma, seconds)
+    samples = correlation_samples(standardised_residual(problem, fit(problem, hypothesis, x, states, steps)))
+    problem = Shooting(run_set, seen / (sigma * np.sqrt(samples)), seconds)
+    problem.correlation_samples = samples
+    sizes = np.where(seen.any(axis=(0, 1)), sigma, 0.0)
+    times = np.full(len(CHANNELS), 0.5 * samples * run_set.dt)
+    made = fit(problem, hypothesis, x, states, steps)
+    return ModelError(problem, made, np.column_stack([sizes, times]))
+
+
+def in_noise_units(at: Fit, problem: Shooting, weight: Array) -> Fit:
+    """A fit with its residual in standard deviations of the noise that gives weight (R, T, 6)."""
+    own, noise = (np.maximum(one.max(axis=(0, 1)), 1e-12) for one in (problem.weight, weight))
+    residual = at.residual.reshape(len(at.residual), -1, len(CHANNELS)) * (noise / own)
+    return replace(at, residual=residual.reshape(at.residual.shape))
+
+
+def standardised_residual(problem: Shooting, at: Fit) -> Array:
+    """(W, T, 6) residual of a fit in standard deviations, without the rows that are only simulated."""
+    return at.residual.reshape(len(at.residual), -1, len(CHANNELS))[:, problem.windows.pad :]
+
+
+def residual_rms(problem: Shooting, at: Fit) -> Array:
+    """(6,) root mean square residual of each channel in standard deviations; 1 where nothing was measured."""
+    seen = problem.windows.weight[:, problem.windows.pad :] > 0
+    count = seen.sum(axis=(0, 1))
+    power = (standardised_residual(problem, at) ** 2).sum(axis=(0, 1)) / np.maximum(count, 1)
+    power[POSITIONS] = power[POSITIONS].mean()
+    return np.where(count > 0, np.sqrt(np.maximum(power, 1e-12)), 1.0)
+
+
+def correlation_samples(errors: Array) -> float:
+    """Integrated autocorrelation time in samples, 1 for white noise: 1 + 2 times the sum of autocorrelations
+    up to the first negative one, mean over the channels of errors (W, T, 6).
+    """
+    errors = errors[..., (errors != 0.0).any(axis=(0, 1))]
+    if not errors.size:
+        return 1.0
+    power = (errors**2).sum(axis=(0, 1))
+    total, alive = np.ones_like(power), np.ones(power.shape, dtype=bool)
+    for lag in range(1, errors.shape[1] // 2):
+        share = (errors[:, lag:] * errors[:, :-lag]).sum(axis=(0, 1)) / power
+        alive &= share > 0.0
+        if not alive.any():
+            break
+        total += 2.0 * np.where(alive, share, 0.0)
+    return float(total.mean())

@@ -40,12 +40,11 @@ def random_effect(values: Array, covariance: Array, scale: Array) -> RandomEffec
     def loss(log_spread: float) -> float:
         return _restricted(y, noise, float(np.exp(log_spread)), len(scale))[0]
 
-    tried = np.linspace(
-        np.log(options().least_spread), np.log(options().largest_spread), options().spreads_tried
-    )
+    smallest, largest, count = options().spreads
+    tried = np.linspace(np.log(smallest), np.log(largest), count)
     losses = np.array([loss(one) for one in tried])
     at = int(np.argmin(losses))
-    ends = tried[max(at - 1, 0)], tried[min(at + 1, options().spreads_tried - 1)]
+    ends = tried[max(at - 1, 0)], tried[min(at + 1, count - 1)]
     best = float(minimize_scalar(loss, bounds=ends, method="bounded").x) if at > 0 else float(tried[0])
     least = min(loss(best), float(losses[at]))
 
@@ -53,9 +52,7 @@ def random_effect(values: Array, covariance: Array, scale: Array) -> RandomEffec
         return loss(log_spread) - least - CHI2_95
 
     low = float(np.exp(brentq(above, tried[0], best))) if above(tried[0]) > 0.0 else 0.0
-    high = (
-        float(np.exp(brentq(above, best, tried[-1]))) if above(tried[-1]) > 0.0 else options().largest_spread
-    )
+    high = float(np.exp(brentq(above, best, tried[-1]))) if above(tried[-1]) > 0.0 else largest
     spread = float(np.exp(best)) if at > 0 else 0.0
     _, mean, of_mean = _restricted(y, noise, spread, len(scale))
     if spread > 0.0:

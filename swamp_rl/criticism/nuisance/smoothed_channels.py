@@ -1,14 +1,12 @@
 """Channels that an onboard filter smoothed, and the standard deviation that they are weighted by instead.
 
-A filter takes the noise at the sample rate away and leaves that of low frequencies, which third differences
-do not hold: the channel would be weighted by far too small a standard deviation. White noise has third
-differences of equal variance over any stride; smoothed noise has larger ones over longer strides.
+Third differences do not hold the low frequencies that a filter leaves. Over longer strides those of smoothed
+noise have a larger variance; those of white noise have the same.
 """
 
 import itertools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +14,7 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.data.measurement_noise import NORMAL_OF_MAD, repeated_samples
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.options import options
+from swamp_rl.criticism.result import SmoothedNoise
 
 Array = NDArray[np.float64]
 
@@ -24,19 +23,10 @@ OF_A_VARIANCE = 4.6
 LAGGING = slice(2, 6)  # channels whose lag no effect of the library is
 
 
-@dataclass(frozen=True)
-class Smoothing:
-    """sample_noise: standard deviation at the sample rate, from third differences; standard_deviation: of the
-    white noise that is as large at low frequencies, lag included; time_constant: of the filter [s].
+def smoothed_channels(run_set: RunSet) -> dict[str, SmoothedNoise]:
+    """The smoothed channels by name: standard deviations at the sample rate, from third differences, and of
+    the white noise that is as large at low frequencies, lag included; time constant of the filter [s].
     """
-
-    sample_noise: float
-    standard_deviation: float
-    time_constant: float
-
-
-def smoothed_channels(run_set: RunSet) -> dict[str, Smoothing]:
-    """The smoothed channels by name."""
     if run_set.dt > options().smoothed_step:
         return {}
     own = np.where(repeated_samples(run_set.measured), np.nan, run_set.measured)
@@ -53,7 +43,7 @@ def smoothed_channels(run_set: RunSet) -> dict[str, Smoothing]:
     return found
 
 
-def raised(sigmas: Array, smoothed: Mapping[str, Smoothing]) -> Array:
+def raised(sigmas: Array, smoothed: Mapping[str, SmoothedNoise]) -> Array:
     """(6,) standard deviations with those of the smoothed channels, where these are larger."""
     wanted = [smoothed[name].standard_deviation if name in smoothed else 0.0 for name in CHANNELS]
     return np.asarray(np.where(np.isfinite(sigmas), np.maximum(sigmas, wanted), sigmas))
@@ -66,12 +56,10 @@ def command_activity(run_set: RunSet) -> Array:
     return np.asarray(np.cumsum(np.nan_to_num(steps).sum(axis=2), axis=1))
 
 
-def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothing | None:
+def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> SmoothedNoise | None:
     """Of one channel (R, T), None where its noise is white."""
-    variance = {
-        stride: _variance(values, activity, stride, dt)
-        for stride in {*options().strides, options().judged_stride}
-    }
+    strides = {*options().strides, options().judged_stride}
+    variance = {stride: _variance(values, activity, stride, dt) for stride in strides}
     fine, coarse = variance[1], variance[options().judged_stride]
     if fine is None or coarse is None or fine[0] <= 0.0:
         return None
@@ -92,13 +80,12 @@ def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothi
     seconds = -dt / math.log(pole)
     if lags and exponent < options().first_order_exponent:
         low += _lag_power(values, seconds, dt)
-    return Smoothing(math.sqrt(fine[0] / 20), math.sqrt(low), seconds)
+    fine_sigma = math.sqrt(fine[0] / 20)
+    return SmoothedNoise(sample_noise=fine_sigma, standard_deviation=math.sqrt(low), time_constant_s=seconds)
 
 
 def _variance(values: Array, activity: Array, stride: int, dt: float) -> tuple[float, int] | None:
-    """Variance of the third differences over a stride, of the half during which commands changed least, those
-    beyond `difference_clip` left out; and their number.
-    """
+    """Variance and number of third differences over a stride, where commands change little, less outliers."""
     span, before = 3 * stride, math.ceil(options().settled / dt)
     if values.shape[1] <= span + before:
         return None
@@ -110,9 +97,8 @@ def _variance(values: Array, activity: Array, stride: int, dt: float) -> tuple[f
     kept = differences[quiet]
     if len(kept) < options().fewest_differences:
         return None
-    near = kept[
-        np.abs(kept) <= options().difference_clip * max(NORMAL_OF_MAD * float(np.median(np.abs(kept))), 1e-12)
-    ]
+    rough = NORMAL_OF_MAD * float(np.median(np.abs(kept)))
+    near = kept[np.abs(kept) <= options().difference_clip * max(rough, 1e-12)]
     return (float(np.mean(near**2)), len(near)) if len(near) else None
 
 

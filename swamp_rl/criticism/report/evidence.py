@@ -1,8 +1,9 @@
 """What the causes account for, and what the boat file is compared with: sentences and tables."""
 
-import math
+import html
 
-from swamp_rl.criticism.report.words import label_of, minus, readable, shown_unit
+from swamp_rl.criticism.report.figures import SHOWN
+from swamp_rl.criticism.report.words import minus, readable, shown_unit
 from swamp_rl.criticism.result import Cause, Diagnosis, Predictors, Share
 
 TRIVIAL = {
@@ -11,10 +12,6 @@ TRIVIAL = {
     "no_thrust": "the same boat without thrust",
 }
 FROM = 5.0  # s, below which every predictor that starts from the measured state is good
-SCALES = {
-    "position_rmse_m": (1.0, "m", "position"),
-    "heading_rmse_rad": (180.0 / math.pi, "degrees", "heading"),
-}
 
 
 def as_good(one: Predictors) -> list[str]:
@@ -28,11 +25,19 @@ def predictors_sentence(found: Diagnosis) -> str:
         if one.horizon_s >= FROM and (names := as_good(one)):
             best = min(names, key=lambda name: float(getattr(one, name)))
             advice = " Fit its numbers before reading causes: swamp-rl identify boat."
+            if _explained(found, one.horizon_s, getattr(one, best)):
+                advice = " The extended boat predicts better than both."
             return (
                 f"The boat file predicts positions {one.horizon_s:g} s ahead no better than {TRIVIAL[best]}: "
                 f"{one.boat_file:.3g} m against {getattr(one, best):.3g} m.{advice}"
             )
     return ""
+
+
+def _explained(found: Diagnosis, horizon: float, trivial: float) -> bool:
+    """Whether the causes alone bring the position error at a horizon below a trivial predictor's."""
+    gains = [one.position_rmse_m for one in found.gain if one.horizon_s == horizon]
+    return found.verdict == "cause" and any(one is not None and one.after < trivial for one in gains)
 
 
 def predictor_rows(found: Diagnosis) -> list[tuple[str, ...]]:
@@ -49,21 +54,16 @@ def carry_over_sentence(found: Diagnosis) -> str:
     for cause in (*found.causes, *found.minor, *found.nuisance):
         if cause.carries_over:
             continue
-        worst = min(
-            (one for one in cause.share if one.quantity == "position_rmse_m"), key=lambda one: one.ci95[1]
+        positions = [one for one in cause.share if one.quantity == "position_rmse_m"]
+        worst = min(positions, key=lambda one: one.ci95[1])
+        measured = " in the measured wind" if worst.wind == "measured" else ""
+        why = (
+            f"{worst.horizon_s:g} s ahead on held-out runs the position error{measured} is "
+            f"{worst.with_cause:.3g} m with it and {worst.without:.3g} m without"
         )
         if worst.ci95[1] >= 0.0:
-            parts.append(
-                f"{readable(label_of(cause))} does not carry over: with all effects the position error on "
-                "held-out runs is larger than the boat file's. It is written to no file."
-            )
-            continue
-        measured = " in the measured wind" if worst.wind == "measured" else ""
-        parts.append(
-            f"{readable(label_of(cause))} does not carry over: {worst.horizon_s:g} s ahead on held-out runs "
-            f"the position error{measured} is {worst.with_cause:.3g} m with it and {worst.without:.3g} m "
-            "without. It is written to no file."
-        )
+            why = "with all effects the position error on held-out runs is larger than the boat file's"
+        parts.append(f"{readable(cause.label)} does not carry over: {why}. It is written to no file.")
     return " ".join(parts)
 
 
@@ -71,7 +71,7 @@ def minor_sentence(found: Diagnosis) -> str:
     """The minor causes."""
     if not found.minor:
         return ""
-    names = readable(" + ".join(label_of(cause) for cause in found.minor))
+    names = readable(" + ".join(cause.label for cause in found.minor))
     return f"Significant, but minor: {names} (below 2 % of every prediction error and below the noise)."
 
 
@@ -97,7 +97,7 @@ def share_rows(causes: list[Cause]) -> list[tuple[str, ...]]:
     """Errors without and with each cause, the share that it accounts for and its 95 % interval."""
     rows: list[tuple[str, ...]] = []
     for cause in causes:
-        name = readable(label_of(cause))
+        name = readable(cause.label)
         for one in cause.share:
             rows.append((name, *_share_cells(one)))
             name = ""
@@ -122,7 +122,7 @@ def percent(one: Share) -> str:
 
 
 def _share_cells(one: Share) -> tuple[str, ...]:
-    scale, unit, quantity = SCALES[one.quantity]
+    quantity, unit, scale, _ = SHOWN[one.quantity]
     less, low, high = (scale * end for end in (one.without - one.with_cause, *one.ci95))
     return (
         f"{quantity}, {one.horizon_s:g} s" + (", measured wind" if one.wind == "measured" else ""),
@@ -132,3 +132,47 @@ def _share_cells(one: Share) -> tuple[str, ...]:
         minus(f"{less:.3g} ({low:.3g} to {high:.3g})"),
         unit,
     )
+
+
+COUNTS = {1: "once", 2: "twice"}
+
+
+def times(count: int) -> str:
+    """`once`, `twice`, `3 times`."""
+    return COUNTS.get(count, f"{count} times")
+
+
+def self_trial_sentence(found: Diagnosis) -> str:
+    """How often twins of the answer are diagnosed alike; empty where there was no self-trial."""
+    trial = found.self_trial
+    if trial is None:
+        return ""
+    if trial.omitted is not None:
+        return f"No self-trial: {trial.omitted[0].lower()}{trial.omitted[1:]}"
+    own = "diagnosed as nothing wrong" if found.verdict == "nothing_wrong" else "named"
+    others = [f"{times(count)} {_said(label)} instead" for label, count in trial.confused_with.items()]
+    return f"{'; '.join([f'Self-trial: {own} {trial.named} of {trial.of} times', *others])}."
+
+
+def _said(label: str) -> str:
+    return "nothing" if label == "nothing" else label if label == "unexplained" else readable(label)
+
+
+def self_trial_section(found: Diagnosis) -> str:
+    """The section of the page; empty where there was no self-trial."""
+    said = self_trial_sentence(found)
+    if not said or found.self_trial is None:
+        return ""
+    how = (
+        "by a search of its own"
+        if found.self_trial.method == "search"
+        else "by the criterion of this answer and of its competitors, linearised about fits without noise"
+    )
+    note = (
+        ""
+        if found.self_trial.omitted
+        else "<p>Twins are runs simulated from this answer with the same commands, lengths, sampling and "
+        f"estimated noise. Each was diagnosed from the boat file again, {how}. The rate is that at which an "
+        "answer of this size would be found again, if it is true.</p>"
+    )
+    return f"<h2>Self-trial</h2><p><b>{html.escape(said)}</b></p>{note}"

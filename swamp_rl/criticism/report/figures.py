@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -48,46 +48,21 @@ SHOWN = {
 }
 
 
-@dataclass(frozen=True)
-class Misfit:
-    """Data of the figures: the runs, and the boat file without and with the causes."""
-
-    diagnosis: Diagnosis
-    run_set: RunSet
-    weight: Array
-    hypothesis: Hypothesis
-    x: Array
-    forces: Forces
-
-    @classmethod
-    def of(cls, finding: Finding) -> "Misfit":
-        """Of a finding."""
-        winner = finding.selection.winner
-        return cls(
-            finding.diagnosis, finding.run_set, finding.weight, winner.hypothesis, winner.x, finding.forces
-        )
-
-    @property
-    def extended(self) -> bool:
-        """Whether anything was added to the boat file."""
-        return bool(self.hypothesis.instances)
-
-
-def draw(path: Path, misfit: Misfit, picture: Callable[[Any, Misfit], None]) -> Path:
+def draw(path: Path, finding: Finding, picture: Callable[[Any, Finding], None]) -> Path:
     """Save a picture as PNG; returns `path`."""
     with sheet(path, 10.5, 6.0) as figure:
-        picture(figure, misfit)
+        picture(figure, finding)
     return path
 
 
-def draw_tracks(figure: Any, misfit: Misfit) -> None:
+def draw_tracks(figure: Any, finding: Finding) -> None:
     """Measured tracks, and predictions of WINDOW from measured states, without and with the causes."""
-    run_set = misfit.run_set
+    run_set = finding.run_set
     runs = min(SHOWN_RUNS, len(run_set.lengths))
     rows, columns = (2, math.ceil(runs / 2)) if runs > 3 else (1, runs)
     figure.set_size_inches(10.5, 3.9 * rows)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
-    rough = misfit.diagnosis.noise.get("north", 0.0) > ROUGH * run_set.boat.length
+    rough = finding.diagnosis.noise.get("north", 0.0) > ROUGH * run_set.boat.length
     seconds = min(WINDOW, 0.4 * float(run_set.lengths[:runs].min()) * run_set.dt)
     for run, axes in enumerate(grid[:runs]):
         measured = run_set.measured[run, : run_set.lengths[run]]
@@ -95,9 +70,10 @@ def draw_tracks(figure: Any, misfit: Misfit) -> None:
             axes.plot(measured[:, 1], measured[:, 0], ".", color=MEASURED, ms=3.5, mew=0)
         else:
             axes.plot(measured[:, 1], measured[:, 0], color=MEASURED, lw=4, solid_capstyle="round")
-        nothing = (Hypothesis(), np.zeros(0), BEFORE)
-        for hypothesis, x, colour in [nothing, (misfit.hypothesis, misfit.x, AFTER)][: 1 + misfit.extended]:
-            start = restarts(run_set, misfit.weight, run, seconds)
+        drawn = [(Hypothesis(), np.zeros(0), BEFORE)]
+        drawn += [(finding.winner.hypothesis, finding.winner.x, AFTER)] * finding.extended
+        for hypothesis, x, colour in drawn:
+            start = restarts(run_set, finding.weight, run, seconds)
             for track in start.predict(hypothesis, x) if start else ():
                 axes.plot(track[:, 1], track[:, 0], color=colour, lw=1.3)
                 axes.plot(*track[0, 1::-1], ".", color="#222222", ms=4, zorder=5)
@@ -106,7 +82,7 @@ def draw_tracks(figure: Any, misfit: Misfit) -> None:
     for axes in grid[runs:]:
         axes.remove()
     legend = [(MEASURED, 4, "measured"), (BEFORE, 1.5, "predicted by the boat file")]
-    legend += [(AFTER, 1.5, "predicted by the extended boat")] * misfit.extended
+    legend += [(AFTER, 1.5, "predicted by the extended boat")] * finding.extended
     _legend(figure, legend, f"restart, every {seconds:.3g} s", cloud=rough)
 
 
@@ -132,24 +108,24 @@ def _legend(
     figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
 
 
-def draw_errors(figure: Any, misfit: Misfit) -> None:
+def draw_errors(figure: Any, finding: Finding) -> None:
     """Root mean square errors against the horizon, without and with the causes, and the measurement noise."""
-    gains = misfit.diagnosis.gain
+    gains = finding.diagnosis.gain
     names = [name for name in QUANTITIES if any(getattr(gain, name) for gain in gains)]
     figure.set_size_inches(10.5, 3.4)
     if not names:
         figure.text(0.5, 0.5, "The runs are too short to measure prediction errors.", ha="center")
         return
-    own = misfit.diagnosis.gain_on != "other_runs"
-    perfect = perfect_errors(misfit, np.random.default_rng(0)) if own else {}
+    own = finding.diagnosis.gain_on != "other_runs"
+    perfect = perfect_errors(finding, np.random.default_rng(0)) if own else {}
     for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
         title, unit, factor, channel = SHOWN[name]
         kept = [(gain.horizon_s, paired) for gain in gains if (paired := getattr(gain, name))]
         horizons = [horizon for horizon, _ in kept]
         axes.loglog(horizons, [factor * one.before for _, one in kept], "o-", color=BEFORE)
-        if misfit.extended:
+        if finding.extended:
             axes.loglog(horizons, [factor * one.after for _, one in kept], "s-", color=AFTER)
-        noise = factor * misfit.diagnosis.noise[channel] * math.sqrt(len(QUANTITIES[name]))
+        noise = factor * finding.diagnosis.noise[channel] * math.sqrt(len(QUANTITIES[name]))
         axes.axhline(noise, color="#555555", ls=":", lw=1.2)
         if name in perfect:
             known = [(h, factor * perfect[name][h]) for h in horizons]
@@ -157,50 +133,48 @@ def draw_errors(figure: Any, misfit: Misfit) -> None:
         _plain_ticks(axes, horizons)
         axes.set(title=title, xlabel="seconds ahead")
         axes.set_ylabel(f"error [{unit}]")
-    lines = [(BEFORE, 1.5, "boat file")] + [(AFTER, 1.5, "extended boat")] * misfit.extended
+    lines = [(BEFORE, 1.5, "boat file")] + [(AFTER, 1.5, "extended boat")] * finding.extended
     _legend(figure, lines, noise=True, perfect=own)
 
 
-def perfect_errors(misfit: Misfit, rng: np.random.Generator) -> dict[str, dict[float, float]]:
+def perfect_errors(finding: Finding, rng: np.random.Generator) -> dict[str, dict[float, float]]:
     """Errors of a perfect model, by quantity and horizon [s], in SI: the extended boat predicts its own
     simulated runs with noise of the estimated size. They grow with time, since the initial state has the
     error of the measurement.
     """
-    numbers = np.repeat(misfit.x[None], len(misfit.run_set.lengths), axis=0)
+    numbers = np.repeat(finding.winner.x[None], len(finding.run_set.lengths), axis=0)
     squares: dict[float, Array] = {}
     for _ in range(PERFECT):
-        synthetic = perfect_run_set(misfit, rng)
-        for gain in misfit.diagnosis.gain:
-            made = errors_at(synthetic, misfit.weight, gain.horizon_s, misfit.hypothesis, numbers)
+        synthetic = perfect_run_set(finding, rng)
+        for gain in finding.diagnosis.gain:
+            made = errors_at(synthetic, finding.weight, gain.horizon_s, finding.winner.hypothesis, numbers)
             before = squares.get(gain.horizon_s, np.zeros((0, len(CHANNELS))))
             squares[gain.horizon_s] = np.concatenate([before, made.error**2])
     return {
         name: {h: math.sqrt(np.nanmean(e[:, c]) * len(c)) for h, e in squares.items() if len(e)}
         for name, c in QUANTITIES.items()
-        if np.isfinite(misfit.run_set.measured[..., c]).any()
+        if np.isfinite(finding.run_set.measured[..., c]).any()
     }
 
 
-def perfect_run_set(misfit: Misfit, rng: np.random.Generator) -> RunSet:
+def perfect_run_set(finding: Finding, rng: np.random.Generator) -> RunSet:
     """The runs simulated with the extended boat, under the same noise."""
-    run_set, noise = misfit.run_set, misfit.diagnosis.noise
+    run_set, noise = finding.run_set, finding.diagnosis.noise
     sigma = np.array([noise.get(name, 0.0) for name in CHANNELS])
     measured = run_set.measured.copy()
     for run, length in enumerate(run_set.lengths):
         whole = (int(length) - 1 - int(run_set.first_compared[run])) * run_set.dt
-        start = restarts(run_set, misfit.weight, run, whole)
+        start = restarts(run_set, finding.weight, run, whole)
         if start is not None:
             first = int(start.first[0])
-            track = start.predict(misfit.hypothesis, misfit.x)[0][: int(length) - first]
+            track = start.predict(finding.winner.hypothesis, finding.winner.x)[0][: int(length) - first]
             measured[run, first : first + len(track)] = track + sigma * rng.standard_normal(track.shape)
     measured[np.isnan(run_set.measured)] = np.nan
     return replace(run_set, measured=measured)
 
 
 def _plain_ticks(axes: Any, horizons: list[float]) -> None:
-    """Ticks at the horizons, and at 1, 2 and 5 times powers of ten on the vertical axis, as decimal
-    numbers.
-    """
+    """Ticks at the horizons, and vertical ones at 1, 2 and 5 times powers of ten, as decimal numbers."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axes.set_xticks(horizons, labels=[f"{horizon:g}" for horizon in horizons])
@@ -214,28 +188,28 @@ def _plain_ticks(axes: Any, horizons: list[float]) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def draw_forces(figure: Any, misfit: Misfit) -> None:
+def draw_forces(figure: Any, finding: Finding) -> None:
     """Residual surge and sway force and yaw moment against the boat's motion and commands."""
-    before = residual_forces(misfit.run_set, misfit.weight, Hypothesis(), np.zeros(0))
-    chosen = shown_variables(misfit.run_set, before, thrusters_of_causes(misfit.diagnosis))
+    before = residual_forces(finding.run_set, finding.weight, Hypothesis(), np.zeros(0))
+    chosen = shown_variables(finding.run_set, before, thrusters_of_causes(finding.diagnosis))
     figure.set_size_inches(10.5, 6.3)
     axes = figure.subplots(3, len(chosen), squeeze=False, sharey="row", sharex="col")
     titles = ("surge force [N]", "sway force [N]", "yaw moment [N m]")
     for row, title in enumerate(titles):
-        every = [np.abs(forces.force[:, row]) for forces in (before, misfit.forces)[: 1 + misfit.extended]]
+        every = [np.abs(forces.force[:, row]) for forces in (before, finding.forces)[: 1 + finding.extended]]
         reach = 1.3 * max(float(np.quantile(one, 0.93)) for one in every)
         for column, (name, (label, factor)) in enumerate(chosen.items()):
             ax = axes[row, column]
             ax.axhline(0, color="#888888", lw=0.8)
             _scatter(ax, factor * before.variables[name], before.force[:, row], BEFORE)
-            if misfit.extended and name in misfit.forces.variables:
-                _scatter(ax, factor * misfit.forces.variables[name], misfit.forces.force[:, row], AFTER)
+            if finding.extended and name in finding.forces.variables:
+                _scatter(ax, factor * finding.forces.variables[name], finding.forces.force[:, row], AFTER)
             ax.set_ylim(-reach, reach)
             if row == 2:
                 ax.set_xlabel(label)
         axes[row, 0].set_ylabel(title)
     lines = [(BEFORE, 1.5, "missing from the boat file")]
-    _legend(figure, lines + [(AFTER, 1.5, "missing from the extended boat")] * misfit.extended)
+    _legend(figure, lines + [(AFTER, 1.5, "missing from the extended boat")] * finding.extended)
 
 
 def thrusters_of_causes(found: Diagnosis) -> list[str]:
@@ -248,9 +222,7 @@ def thrusters_of_causes(found: Diagnosis) -> list[str]:
 def shown_variables(
     run_set: RunSet, forces: Forces, preferred: Sequence[str] = ()
 ) -> dict[str, tuple[str, float]]:
-    """Label and factor by name of the variables to draw against: the boat's motion, azimuth and throttle of
-    the first preferred thruster, else of those used most, heading, and time.
-    """
+    """Label and factor by name: motion, and azimuth and throttle of a preferred or the most used thruster."""
     names = [
         name for name in run_set.boat.thruster_names if name in preferred[:1]
     ] or run_set.boat.thruster_names
@@ -267,9 +239,9 @@ def labelled(variable: str) -> tuple[str, float]:
     return f"{variable} [{unit}]", factor
 
 
-def draw_missing(figure: Any, misfit: Misfit) -> None:
+def draw_missing(figure: Any, finding: Finding) -> None:
     """Each residual force as a function of its variable, with its 95 % interval."""
-    functions = [one for one in misfit.diagnosis.leftover if one.curve]
+    functions = [one for one in finding.diagnosis.leftover if one.curve]
     figure.set_size_inches(10.5, 3.2)
     axes = figure.subplots(1, max(3, len(functions)), squeeze=False)[0]
     for ax in axes[len(functions) :]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.inference.next_trial import Designed
-from swamp_rl.criticism.report.tables import table
+from swamp_rl.criticism.report.tables import image, table
 from swamp_rl.criticism.report.words import manoeuvre_words, readable, rounded
 from swamp_rl.criticism.result import Diagnosis, NextTrial
 from swamp_rl.figure_style import sheet
@@ -59,11 +59,7 @@ def next_trial_section(found: Diagnosis, boat: Boat, images: Mapping[str, str]) 
         for one in trial.of_list[:LISTED]
     ]
     unit = "information, in multiples of the present" if trial.narrows else "evidence [χ²]"
-    picture = (
-        f'<div class="wide"><img alt="Next trial" src="data:image/png;base64,{images["next_trial"]}"></div>'
-        if "next_trial" in images
-        else ""
-    )
+    picture = image(images["next_trial"], "Next trial") if "next_trial" in images else ""
     return (
         f"<h2>The next trial</h2><ul>{listed}</ul>{picture}<p>Evidence is twice the expected difference of "
         "log likelihood between the two explanations that are separated least, their parameters and the "

@@ -1,24 +1,35 @@
 """The report as one HTML page: sentences, tables and figures."""
 
+import base64
 import html
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from swamp_rl.criticism.data.measurement_noise import noise_floor
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
+from swamp_rl.criticism.inference.finding import Finding
 from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES
 from swamp_rl.criticism.report.evidence import (
     carry_over_sentence,
     minor_sentence,
     predictor_rows,
     predictors_sentence,
+    self_trial_section,
     share_rows,
     smoothed_sentence,
 )
 from swamp_rl.criticism.report.extension import extension_section, is_extended
-from swamp_rl.criticism.report.figures import DEGREES, SHOWN
-from swamp_rl.criticism.report.next_trial import next_trial_section
-from swamp_rl.criticism.report.self_trial import self_trial_section
-from swamp_rl.criticism.report.tables import table
+from swamp_rl.criticism.report.figures import (
+    DEGREES,
+    SHOWN,
+    draw,
+    draw_errors,
+    draw_forces,
+    draw_missing,
+    draw_tracks,
+)
+from swamp_rl.criticism.report.next_trial import draw_next_trial, next_trial_section
+from swamp_rl.criticism.report.tables import image, table
 from swamp_rl.criticism.report.words import (
     GAINED_ON,
     cause_rows,
@@ -67,6 +78,7 @@ img{width:100%;height:auto;margin:.4rem 0}summary{cursor:pointer;color:var(--sof
 
 PREDICTORS = ("seconds ahead", "boat file", "at rest", "constant velocity", "no thrust")
 SHARES = ("cause", "error, horizon", "without", "with", "share", "reduction (95 % interval)", "unit")
+CAUSES = ("effect", "description", "parameter", "value", "95 % interval", "unit", "boat file")
 CHI2 = "χ² is the sum of squared errors over the measurement noise's variance: 1 a sample for noise alone."
 
 
@@ -161,21 +173,12 @@ def errors_section(found: Diagnosis, images: Mapping[str, str]) -> str:
     )
 
 
-def image(data: str, title: str) -> str:
-    """A figure held in the page."""
-    return f'<div class="wide"><img alt="{html.escape(title)}" src="data:image/png;base64,{data}"></div>'
-
-
 def causes_section(found: Diagnosis, run_set: RunSet) -> str:
     """The causes with their parameters."""
     if not found.causes:
         return ""
-    titles = {
-        "unexplained": "Partial causes",
-        "indistinguishable": "The explanation with the lowest χ²",
-    }
+    titles = {"unexplained": "Partial causes", "indistinguishable": "The explanation with the lowest χ²"}
     title = titles.get(found.verdict, "Causes")
-    heads = ("effect", "description", "parameter", "value", "95 % interval", "unit", "boat file")
     rows = cause_rows(found.causes, run_set.boat)
     note = ""
     if found.nuisance:
@@ -193,7 +196,7 @@ def causes_section(found: Diagnosis, run_set: RunSet) -> str:
         "and with it. Shares need not add up to 100 %.</p>"
         + table(SHARES, share_rows([*found.causes, *found.minor]), numbers=(2, 3, 4, 5))
     )
-    return f"<h2>{title}</h2>{note}" + table(heads, rows, numbers=(3, 4, 6), unbroken=(2,)) + shares
+    return f"<h2>{title}</h2>{note}" + table(CAUSES, rows, numbers=(3, 4, 6), unbroken=(2,)) + shares
 
 
 def identifiability_section(found: Diagnosis, run_set: RunSet) -> str:
@@ -230,7 +233,7 @@ def rivals_numbers(found: Diagnosis, run_set: RunSet) -> str:
             title = ""
     if not rows:
         return ""
-    heads = ("explanation", "effect", "parameter", "value", "95 % interval", "unit", "boat file")
+    heads = ("explanation", "effect", *CAUSES[2:])
     return "<p>Parameters of the others:</p>" + table(heads, rows, numbers=(3, 4, 6))
 
 
@@ -272,14 +275,7 @@ def gain_section(found: Diagnosis) -> str:
         rows = [(*row[:3], row[5]) for row in rows]
         heads: tuple[str, ...] = ("seconds ahead (restarts)", "error", "boat file", "unit")
         return "<h2>Prediction errors</h2>" + cards(found) + table(heads, rows, numbers=(0, 2))
-    heads = (
-        "seconds ahead (restarts)",
-        "error",
-        "boat file",
-        "extended",
-        "reduction (95 % interval)",
-        "unit",
-    )
+    heads = ("seconds ahead (restarts)", "error", "boat file", "extended", SHARES[5], "unit")
     return (
         f"<h2>Prediction errors, boat file and extended boat</h2>{cards(found)}"
         f"<p>Root mean square errors {GAINED_ON[found.gain_on]}. The "
@@ -299,9 +295,8 @@ def gain_rows(gain: Gain) -> list[tuple[str, ...]]:
         title, unit, factor, _ = SHOWN[name]
         before, after, low, high = (factor * v for v in (paired.before, paired.after, *paired.ci95))
         places = places_of(before)
-        cells = [
-            f"{round(value, places) + 0.0:.{places}f}" for value in (before, after, before - after, low, high)
-        ]
+        shown = (before, after, before - after, low, high)
+        cells = [f"{round(value, places) + 0.0:.{places}f}" for value in shown]
         span = minus(f"{cells[2]} ({cells[3]} to {cells[4]})")
         ahead = f"{gain.horizon_s:g} ({gain.restarts})" if not rows else ""
         rows.append((ahead, title, cells[0], cells[1], span, unit))
@@ -314,22 +309,21 @@ def limits_section(found: Diagnosis, run_set: RunSet) -> str:
     hidden = html.escape(effects_listed(found.hidden, run_set.boat))
     if not unseen and not hidden and not found.missing_motion:
         return ""
-    wanted = "".join(f"<li>{html.escape(one)}</li>" for one in found.missing_motion)
-    return (
-        "<h2>Limits of these data</h2>"
-        + (
-            "<p>Not identifiable from these data, whatever the model (the standard error exceeds a third of "
-            f"the effect's typical size): {unseen}.</p>"
-            if unseen
-            else ""
-        )
-        + (
-            f"<p>Identifiable under the measurement noise, but below the error of this model: {hidden}.</p>"
-            if hidden
-            else ""
-        )
-        + (f"<p>Missing in them, to be recorded next time:</p><ul>{wanted}</ul>" if wanted else "")
-    )
+    said = "<h2>Limits of these data</h2>"
+    if unseen:
+        said += "<p>Not identifiable from these data, whatever the model (the standard error exceeds a third "
+        said += f"of the effect's typical size): {unseen}.</p>"
+    if hidden:
+        said += "<p>Identifiable under the measurement noise, but below the error of this model: "
+        said += f"{hidden}.</p>"
+    if found.missing_motion:
+        wanted = "".join(f"<li>{html.escape(one)}</li>" for one in found.missing_motion)
+        said += f"<p>Missing in them, to be recorded next time:</p><ul>{wanted}</ul>"
+    return said
+
+
+def _interval(low: float, high: float) -> str:
+    return f"{low:.0f} to {high:.0f}"
 
 
 def details(found: Diagnosis, run_set: RunSet) -> str:
@@ -342,12 +336,7 @@ def details(found: Diagnosis, run_set: RunSet) -> str:
             below = "below " if level <= least else ""
             rows.append((name.replace("_", " "), below + rounded(factor * max(level, least)), shown))
     tried = [
-        (
-            readable(c.effect),
-            f"{c.held_out_score:.3f}",
-            minus(f"{c.gain:.0f}"),
-            minus("{:.0f} to {:.0f}".format(*c.gain_ci)),
-        )
+        (readable(c.effect), f"{c.held_out_score:.3f}", minus(f"{c.gain:.0f}"), minus(_interval(*c.gain_ci)))
         for c in found.candidates
     ]
     heads = ("hypothesis", "χ² a sample (noise alone: 1)", "reduction [χ²]", "95 % interval")
@@ -363,3 +352,21 @@ def details(found: Diagnosis, run_set: RunSet) -> str:
         + f'<p class="soft">Found in {found.elapsed_s:.0f} s. <code>diagnosis.json</code> holds every '
         f"number. {html.escape(files_sentence(found))}</p>"
     )
+
+
+def write_report(folder: Path, finding: Finding) -> None:
+    """Write report.html, self-contained, and its figures as PNG into `folder`."""
+    paths = {
+        "tracks": draw(folder / "tracks.png", finding, draw_tracks),
+        "errors": draw(folder / "errors.png", finding, draw_errors),
+        "forces": draw(folder / "forces.png", finding, draw_forces),
+    }
+    if any(one.curve for one in finding.diagnosis.leftover):
+        paths["missing"] = draw(folder / "missing.png", finding, draw_missing)
+    if finding.next_trial:
+        paths["next_trial"] = draw_next_trial(
+            folder / "next_trial.png", finding.next_trial, finding.run_set.boat, finding.run_set.dt
+        )
+    images = {name: base64.b64encode(path.read_bytes()).decode() for name, path in paths.items()}
+    text = page(finding.diagnosis, finding.run_set, images)
+    (folder / "report.html").write_text(text, encoding="utf-8")

@@ -1,7 +1,12 @@
-"""Tables of the report."""
+"""Tables and figures in HTML."""
 
 import html
 from collections.abc import Sequence
+
+
+def image(data: str, title: str) -> str:
+    """A figure held in the page; data: PNG in base64."""
+    return f'<div class="wide"><img alt="{html.escape(title)}" src="data:image/png;base64,{data}"></div>'
 
 
 def table(
@@ -11,9 +16,7 @@ def table(
     raw: bool = False,
     unbroken: Sequence[int] = (),
 ) -> str:
-    """An HTML table, the columns `numbers` aligned right, those and `unbroken` on one line; raw: cells are
-    HTML already.
-    """
+    """An HTML table; columns `numbers` are aligned right, they and `unbroken` not broken; raw: HTML cells."""
     if not rows:
         return "<p>None.</p>"
     kinds = [

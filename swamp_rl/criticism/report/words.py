@@ -27,14 +27,9 @@ def readable(label: str) -> str:
     return " and ".join([", ".join(found[:-1]), found[-1]] if len(found) > 1 else found)
 
 
-def label_of(cause: Cause) -> str:
-    """Effect and thrusters of a cause."""
-    return cause.label
-
-
 def causes(found: Diagnosis) -> str:
     """The causes by name, joined."""
-    return readable(" + ".join(label_of(cause) for cause in found.causes)) if found.causes else "nothing"
+    return readable(" + ".join(cause.label for cause in found.causes)) if found.causes else "nothing"
 
 
 def headline(found: Diagnosis) -> str:
@@ -44,11 +39,8 @@ def headline(found: Diagnosis) -> str:
     if found.verdict == "nothing_wrong":
         return "No model error is detectable: the residuals are measurement noise."
     if found.verdict == "cause":
-        return (
-            f"The model lacks one effect: {causes(found)}."
-            if len(found.causes) == 1
-            else (f"The model lacks {len(found.causes)} effects: {causes(found)}.")
-        )
+        count = "one effect" if len(found.causes) == 1 else f"{len(found.causes)} effects"
+        return f"The model lacks {count}: {causes(found)}."
     if found.verdict == "indistinguishable":
         names = [readable(name) for name in found.indistinguishable[0]] if found.indistinguishable else []
         if len(names) > 2:
@@ -88,10 +80,8 @@ def meaning(found: Diagnosis) -> str:
         added = "it" if len(found.causes) == 1 else "them"
         text = f"With {added}, the residuals are measurement noise. {files_sentence(found)}"
         if any(one.at_bound for cause in found.causes for one in cause.parameters.values()):
-            text += (
-                " One value ended at a bound of the fit, so its effect may be a substitute for another "
-                "cause: check it."
-            )
+            text += " One value ended at a bound of the fit, so its effect may be a substitute for another "
+            text += "cause: check it."
         return text
     if found.verdict == "indistinguishable":
         return (

@@ -1,13 +1,11 @@
-"""Backward elimination on whole runs, confirmation on held-out runs, and the hypotheses that are
-indistinguishable from the selected one.
-"""
+"""Backward elimination on whole runs, confirmation on held-out runs, and indistinguishable hypotheses."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from swamp_rl.criticism.likelihood.adequacy import adequacy, near
+from swamp_rl.criticism.likelihood.adequacy import near
 from swamp_rl.criticism.likelihood.cross_validation import (
     Confirmation,
     confirmation,
@@ -26,10 +24,9 @@ class Selection:
     """The result of a search.
 
     winner: the fit at the deepest stage used; adequate: whether its residual is noise; stage: the longest
-    windows on which it is adequate, the middle ones where it is on none; rivals: fits that are
-    indistinguishable from the winner; tried: every fit, on the shortest windows; first: score tests beside no
-    effect, in order, on the shortest windows; unidentifiable: labels of effects with too little information;
-    confirmed: of each cause, by its label.
+    windows on which it is adequate, else the middle ones; rivals: fits indistinguishable from the winner;
+    tried: every fit, and first: score tests beside no effect, on the shortest windows; unidentifiable: labels
+    of effects with too little information; confirmed: of each cause, by label.
     """
 
     winner: Fit
@@ -49,17 +46,20 @@ def fit_by_continuation(continuation: Continuation, hypothesis: Hypothesis, x: n
 
 
 def adequate_stage(continuation: Continuation, at: Fit) -> int | None:
-    """The stage at which the residual of a fit to the middle windows is noise, or None: those windows, or
-    whole runs, in which commands in gaps are estimated.
-    """
-    if adequacy(continuation.problems[1], at).adequate:
+    """The stage, middle windows or whole runs, on which the residual of a fit is noise, or None."""
+    if continuation.is_adequate(1, at):
         return 1
     if near(continuation.problems[1], at):
-        for stage in (LAST, CORRECTED):
-            whole = continuation.fit(stage, at.hypothesis, at.x)
-            if adequacy(continuation.problem(stage, at.hypothesis), whole).adequate:
-                return stage
+        return next((stage for stage, _ in adequate_whole(continuation, at)), None)
     return None
+
+
+def adequate_whole(continuation: Continuation, at: Fit) -> Iterator[tuple[int, Fit]]:
+    """The stages of whole runs on which a hypothesis leaves noise, and its fit there."""
+    for stage in (LAST, CORRECTED):
+        whole = continuation.at(stage, at)
+        if continuation.is_adequate(stage, whole):
+            yield stage, whole
 
 
 def conclude(
@@ -72,60 +72,43 @@ def conclude(
 ) -> Selection:
     """The selection after elimination and confirmation of `best`; instances: all candidates."""
     comparisons = len(instances) * (1 + len(best.hypothesis.instances))
-    found = adequate_stage(continuation, best)
-    stage, adequate = found or 1, found is not None
+    deepest = adequate_stage(continuation, best)
+    stage, adequate = deepest or 1, deepest is not None
     if adequate:
-        for longest in (LAST, CORRECTED):
-            whole = continuation.fit(longest, best.hypothesis, best.x)
-            if adequacy(continuation.problem(longest, best.hypothesis), whole).adequate:
-                best, stage = whole, longest
-                break
+        stage, best = next(adequate_whole(continuation, best), (stage, best))
         best = pruned(continuation, best, stage)
     confirmed = confirmations(continuation, best, best.hypothesis.instances, comparisons)
     for label, one in confirmed.items():
         if adequate and not one.gains:
             less = without(continuation, best, label, stage)
-            if adequacy(continuation.problem(stage, less.hypothesis), less).adequate:
-                best = less
-            else:
-                adequate = False
+            adequate = continuation.is_adequate(stage, less)
+            best = less if adequate else best
     kept = {instance.label for instance in best.hypothesis.instances}
     confirmed = {label: one for label, one in confirmed.items() if label in kept}
-    rivals: list[Fit] = []
-    if adequate:
-        best, rivals, stage, confirmed = _best_and_rivals(
-            continuation, best, tried, instances, stage, confirmed
-        )
-    return Selection(best, adequate, stage, rivals, tried, first, unidentifiable, confirmed)
+    found = Selection(best, adequate, stage, [], tried, first, unidentifiable, confirmed)
+    return _with_rivals(continuation, found, instances) if adequate else found
 
 
-def _best_and_rivals(
-    continuation: Continuation,
-    confirmed_fit: Fit,
-    tried: Sequence[Fit],
-    instances: Sequence[EffectInstance],
-    stage: int,
-    confirmed: dict[str, Confirmation],
-) -> tuple[Fit, list[Fit], int, dict[str, Confirmation]]:
-    """The best of all fits, its rivals, their stage and the confirmations; `confirmed_fit` where no held-out
-    run confirms what would replace it, which is then a rival.
-    """
-    special = alternatives_to_nuisance(continuation, confirmed_fit, instances)
-    best, rivals, deepest = compare(continuation, confirmed_fit, [*tried, *special], stage)
-    best = with_special_cases(continuation, best, instances, deepest)
-    put = [instance for instance in best.hypothesis.instances if instance.label not in confirmed]
+def _with_rivals(
+    continuation: Continuation, found: Selection, instances: Sequence[EffectInstance]
+) -> Selection:
+    """The best of all fits and its rivals; what replaces the winner must be confirmed on held-out runs."""
+    special = alternatives_to_nuisance(continuation, found.winner, instances)
+    best, rivals, stage = compare(continuation, found.winner, [*found.tried, *special], found.stage)
+    best = with_special_cases(continuation, best, instances, stage)
+    put = [instance for instance in best.hypothesis.instances if instance.label not in found.confirmed]
     new = confirmations(continuation, best, put, len(instances) * (1 + len(best.hypothesis.instances)))
     if not all(one.gains for one in new.values()):
-        rivals = [best] if confirmed_fit.hypothesis.instances else []
-        best, deepest, new = confirmed_fit, stage, {}
+        rivals = [best] if found.winner.hypothesis.instances else []
+        best, stage, new = found.winner, found.stage, {}
     rivals = [
         one
         for one in rivals
         if not nested(best.hypothesis, one.hypothesis)
         or continuation.criterion(one) < continuation.criterion(best) + options().separation_general
         or any(one.hypothesis.label == other.hypothesis.label for other in special)
-    ]
-    return best, rivals[: options().most_rivals], deepest, confirmed | new
+    ][: options().most_rivals]
+    return replace(found, winner=best, stage=stage, rivals=rivals, confirmed=found.confirmed | new)
 
 
 def without_unconfirmed(
@@ -147,11 +130,10 @@ def without(continuation: Continuation, best: Fit, label: str, stage: int) -> Fi
     known = continuation.fits.get((stage, less.label))
     if known is not None and not less.instances:
         return known
-    _, x = joined((one, own) for one, own in best.hypothesis.parts(best.x) if one.label != label)
+    _, x = joined(best.parts(but=label))
     if known is not None and known.chi2 > best.chi2 + options().overwhelming:
-        glance = fit(
-            continuation.problem(stage, less), less, x, best.states, options().glance_steps
-        )  # the known fit may not have converged
+        # the known fit may not have converged
+        glance = fit(continuation.problem(stage, less), less, x, best.states, options().glance_steps)
         if glance.chi2 > best.chi2 + options().overwhelming:
             return known
     before = continuation.problem(stage, less)
@@ -174,11 +156,9 @@ def pruned(continuation: Continuation, best: Fit, stage: int) -> Fit:
 
 
 def indispensable(continuation: Continuation, best: Fit, label: str, stage: int) -> bool:
-    """Whether the removal of an effect raises the criterion by `clearly` on shorter windows already: a bound
-    that makes the fit to longer ones unnecessary.
-    """
+    """Whether removing an effect raises the criterion by `clearly` on shorter windows already."""
     for shorter in range(stage):
-        whole = continuation.fit(shorter, best.hypothesis, best.x)
+        whole = continuation.at(shorter, best)
         less = without(continuation, whole, label, shorter)
         if continuation.criterion(less) > continuation.criterion(best) + options().clearly:
             return True
@@ -194,7 +174,7 @@ def confirmations(
         if instance.effect.nuisance and len(best.hypothesis.instances) > 1:
             continue
         for stage in (0, 1, LAST):
-            whole = continuation.fit(stage, best.hypothesis, best.x)
+            whole = continuation.at(stage, best)
             less = without(continuation, whole, instance.label, stage)
             one = confirmed_on(continuation, stage, whole, less, options().stages_tested * comparisons)
             known = found.get(instance.label)
@@ -219,21 +199,14 @@ def confirmed_on(
 def with_special_cases(
     continuation: Continuation, best: Fit, instances: Sequence[EffectInstance], stage: int
 ) -> Fit:
-    """The best fit with special cases in place of effects whose further parameters do not lower the
-    criterion, where the residual is noise without them too.
-    """
+    """The best fit with special cases of its effects, where adequate and of no greater criterion."""
     for instance in best.hypothesis.instances:
         for special in instances:
-            fields = {parameter.field for parameter in special.effect.parameters}
-            if (
-                special.label == instance.label
-                or special.groups
-                or not nested(Hypothesis((special,)), Hypothesis((instance,)))
-                or not fields
-            ):
+            is_case = nested(Hypothesis((special,)), Hypothesis((instance,))) and special.effect.parameters
+            if special.label == instance.label or special.groups or not is_case:
                 continue
             plain = _with_special(continuation, best, instance, special, stage)
-            noise = adequacy(continuation.problem(stage, plain.hypothesis), plain).adequate
+            noise = continuation.is_adequate(stage, plain)
             if noise and continuation.criterion(plain) <= continuation.criterion(best):
                 return with_special_cases(continuation, plain, instances, stage)
     return best
@@ -247,19 +220,16 @@ def _with_special(
     numbers = {p.field: x for p, x in zip(instance.effect.parameters, shared, strict=True)}
     begin = zip(special.effect.parameters, (special.starts or special.grid)[0], strict=True)
     own = np.array([numbers.get(p.field, start) for p, start in begin])
-    kept = [(one, x) for one, x in best.hypothesis.parts(best.x) if one.label != instance.label]
-    return continuation.fit(stage, *joined([*kept, (special, own)]), best.states)
+    return continuation.fit(stage, *joined([*best.parts(but=instance.label), (special, own)]), best.states)
 
 
 def alternatives_to_nuisance(
     continuation: Continuation, best: Fit, instances: Sequence[EffectInstance]
 ) -> list[Fit]:
-    """The best fit with an effect that acts on the same coefficient as one of the hull's derivatives, where
-    the estimate of that derivative is far from its prior.
-    """
+    """The best fit with another effect on a hull derivative that is far from its prior."""
     far = {
         parameter.field
-        for nuisance, own in best.hypothesis.parts(best.x)
+        for nuisance, own in best.parts()
         if not nuisance.groups
         for parameter, spec, value in zip(nuisance.effect.parameters, nuisance.specs, own, strict=True)
         if spec.prior is not None and abs(value - 1.0) > options().nuisance_limit * spec.prior
@@ -271,8 +241,8 @@ def alternatives_to_nuisance(
         moves = {parameter.field for parameter in instance.effect.parameters}
         if not instance.effect.nuisance and moves & far and instance not in best.hypothesis.instances:
             own = (instance, np.array(instance.starts[0]))
-            states = continuation.fit(0, best.hypothesis, best.x).states
-            found.append(continuation.fit(0, *joined([*best.hypothesis.parts(best.x), own]), states))
+            states = continuation.at(0, best).states
+            found.append(continuation.fit(0, *joined([*best.parts(), own]), states))
     return found
 
 
@@ -284,17 +254,16 @@ def nested(small: Hypothesis, large: Hypothesis) -> bool:
         contain it, or the same with parameters for each group of runs.
         """
         fields = {parameter.field for parameter in instance.effect.parameters}
-        return any(
-            one.label == instance.label
-            or (
-                fields
-                and fields < {p.field for p in one.effect.parameters}
-                and one.selectors == instance.selectors
+
+        def contains(one: EffectInstance) -> bool:
+            more = bool(fields) and fields < {parameter.field for parameter in one.effect.parameters}
+            by_group = not instance.groups and one.groups and one.of_one.label == instance.label
+            larger = (more or instance.effect.name in one.effect.contains) and (
+                one.selectors == instance.selectors
             )
-            or (not instance.groups and one.groups and one.of_one.label == instance.label)
-            or (instance.effect.name in one.effect.contains and one.selectors == instance.selectors)
-            for one in large.instances
-        )
+            return bool(one.label == instance.label or by_group or larger)
+
+        return any(map(contains, large.instances))
 
     return all(holds(instance) for instance in small.instances)
 
@@ -306,19 +275,18 @@ def compare(
     Where whole runs of a close one diverged, all are compared on the middle windows.
     """
     criterion = continuation.criterion
-    near = criterion(continuation.fit(1, best.hypothesis, best.x)) + options().compared
-    here = criterion(continuation.fit(0, best.hypothesis, best.x)) + options().compared
+    near = criterion(continuation.at(1, best)) + options().compared
+    here = criterion(continuation.at(0, best)) + options().compared
     every = [best]
     for one in tried:
         if one.hypothesis.label == best.hypothesis.label or criterion(one) > here:
             continue
         if criterion(fit_by_continuation(continuation, one.hypothesis, one.x)) <= near:
-            every.append(continuation.fit(stage, one.hypothesis, one.x))
-    if stage > 1 and any(
-        one.chi2 > options().diverged * continuation.problems[stage].samples for one in every
-    ):
+            every.append(continuation.at(stage, one))
+    most = options().diverged * continuation.problems[stage].samples
+    if stage > 1 and any(one.chi2 > most for one in every):
         stage = 1
-        every = [continuation.fit(stage, one.hypothesis, one.x) for one in every]
+        every = [continuation.at(stage, one) for one in every]
     every.sort(key=criterion)
     close = [one for one in every[1:] if criterion(one) < criterion(every[0]) + options().separation]
     apart = {one.hypothesis.cause_label: one for one in reversed(close)}

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from swamp_rl.criticism.likelihood.adequacy import adequacy, near
+from swamp_rl.criticism.likelihood.adequacy import near
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.options import options
@@ -42,45 +42,32 @@ def beam_search(
     if previous:
         best = min(best, _refit_previous(continuation, previous), key=criterion)
     stage = adequate_stage(continuation, best) if not best.hypothesis.instances else None
-    at_start = continuation.fit(stage or 0, Hypothesis(), np.zeros(0))
+    at_start = continuation.boat_file(stage or 0)
     first = score_tests(continuation.problem(stage or 0, Hypothesis()), at_start, every)
     if stage is not None:
-        small = with_small_effects(continuation, best, _identifiable(every, first), options().most_effects)
-        if not _is_significant(continuation, stage, small.best, every):
-            return conclude(continuation, small.best, small.tried, first, _unidentifiable(first), every)
-        first = score_tests(continuation.problems[0], continuation.fit(0, Hypothesis(), np.zeros(0)), every)
+        small, others = with_small_effects(continuation, best, _identifiable(every, first))
+        if not _is_significant(continuation, stage, small, every):
+            return conclude(continuation, small, others, first, _unidentifiable(first), every)
+        first = score_tests(continuation.problems[0], continuation.boat_file(0), every)
     unidentifiable = _unidentifiable(first)
     every = _identifiable(every, first)
     tried: dict[str, Fit] = {}
     if best.hypothesis.instances:
-        tried[best.hypothesis.label] = continuation.fit(0, best.hypothesis, best.x)
-    beam = [continuation.fit(0, Hypothesis(), np.zeros(0))]
+        tried[best.hypothesis.label] = continuation.at(0, best)
+    beam = [continuation.boat_file(0)]
     for depth in range(options().most_effects):
         LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
         if continuation.boat_steps > step_budget or (depth > 0 and _is_sufficient(continuation, best, every)):
             break
-        if (
-            depth == 1
-            and sufficient_reconstruction is not None
-            and sufficient_reconstruction(continuation, best) is not None
-        ):
+        if depth == 1 and sufficient_reconstruction and sufficient_reconstruction(continuation, best):
             break
-        fitted = _expand(
-            continuation,
-            beam,
-            every,
-            first if depth == 0 else None,
-            step_budget if depth == options().most_effects - 1 else np.inf,
-        )
+        budget = step_budget if depth == options().most_effects - 1 else np.inf
+        fitted = _expand(continuation, beam, every, first if depth == 0 else None, budget)
         if not fitted:
             break
         tried |= {one.hypothesis.label: one for one in fitted}
-        limit = (
-            criterion(fitted[0])
-            + options().follow_beam
-            + options().follow_share * (beam[0].chi2 - fitted[0].chi2)
-        )
-        beam = [one for one in fitted[: options().beam] if criterion(one) < limit]
+        room = options().follow_beam + options().follow_share * (beam[0].chi2 - fitted[0].chi2)
+        beam = [one for one in fitted[: options().beam] if criterion(one) < criterion(fitted[0]) + room]
         followed = [one for one in _followed(continuation, fitted) if near(continuation.problems[0], one)]
         for one in followed:
             best = min(best, fit_by_continuation(continuation, one.hypothesis, one.x), key=criterion)
@@ -88,9 +75,8 @@ def beam_search(
         closest = min(tried.values(), key=criterion)
         best = min(best, fit_by_continuation(continuation, closest.hypothesis, closest.x), key=criterion)
     if near(continuation.problems[1], best):
-        small = with_small_effects(continuation, best, every, options().most_effects)
-        best = small.best
-        tried |= {one.hypothesis.label: one for one in small.tried}
+        best, others = with_small_effects(continuation, best, every)
+        tried |= {one.hypothesis.label: one for one in others}
     return conclude(continuation, best, list(tried.values()), first, unidentifiable, every)
 
 
@@ -113,7 +99,7 @@ def _followed(continuation: Continuation, fitted: list[Fit]) -> list[Fit]:
     criterion = continuation.criterion
     best = criterion(fitted[0])
     room = options().follow_adequate
-    if not adequacy(continuation.problems[0], fitted[0]).adequate:
+    if not continuation.is_adequate(0, fitted[0]):
         room += options().follow_inadequate * best
     return [one for one in fitted[: options().followed] if criterion(one) < best + room]
 
@@ -121,9 +107,7 @@ def _followed(continuation: Continuation, fitted: list[Fit]) -> list[Fit]:
 def _is_sufficient(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> bool:
     """Whether the residual of longer windows is noise and no further effect is significant there."""
     stage = adequate_stage(continuation, at)
-    if stage is None:
-        return False
-    return not _is_significant(continuation, stage, at, instances)
+    return stage is not None and not _is_significant(continuation, stage, at, instances)
 
 
 def _unidentifiable(scores: Sequence[ScoreTest]) -> list[str]:
@@ -135,7 +119,7 @@ def _is_significant(
     continuation: Continuation, stage: int, at: Fit, instances: Sequence[EffectInstance]
 ) -> bool:
     """Whether a score test exceeds an effect's required gain and a fit attains it."""
-    here = continuation.fit(stage, at.hypothesis, at.x)
+    here = continuation.at(stage, at)
     problem = continuation.problem(stage, here.hypothesis)
     for one in score_tests(problem, here, instances):
         least = continuation.criterion.required_gain(here.hypothesis, one.instance)
@@ -175,7 +159,7 @@ def _expand(
                 label not in found or one.expected_chi2 < found[label].expected_chi2
             ):
                 found[label] = one
-    ranked = sorted(found.values(), key=lambda one: one.expected_chi2 + criterion.charge(one.hypothesis))
+    ranked = sorted(found.values(), key=criterion.expected)
     # The score of an effect without parameters, such as a swap of channels, is no guide: it is a jump.
     base = min(beam, key=criterion).hypothesis.label
     discrete = [
@@ -187,25 +171,20 @@ def _expand(
     for number, one in enumerate(chosen):
         if number >= options().always_fitted and continuation.boat_steps > step_budget:
             break
-        expected = one.expected_chi2 + criterion.charge(one.hypothesis)  # which may overflow
+        expected = criterion.expected(one)  # which may overflow
         jump = not (one.instance.size or enough) and not _is_hopeless(continuation, one, beam)
         if not fitted or expected < limit or jump:
             made = continuation.fit(0, one.hypothesis, one.x, one.states)
             previous = min(at.chi2 for at in beam if at.hypothesis.label == _base(one).label)
-            fitted.append(
-                continuation.restarted(made)
-                if continuation.not_converged(made, previous, one.expected_chi2)
-                else made
-            )
+            if continuation.not_converged(made, previous, one.expected_chi2):
+                made = continuation.restarted(made)
+            fitted.append(made)
         best = min(fitted, key=criterion)
-        enough = adequacy(continuation.problems[0], best).adequate
+        enough = continuation.is_adequate(0, best)
         if enough or number + 1 >= options().always_fitted:
             gained = max(at.chi2 - best.chi2 for at in beam)
-            limit = (
-                criterion(best)
-                + options().follow_fit
-                + (1 if enough else 2) * options().follow_share * gained
-            )
+            share = (1 if enough else 2) * options().follow_share
+            limit = criterion(best) + options().follow_fit + share * gained
     return sorted(fitted, key=criterion)
 
 

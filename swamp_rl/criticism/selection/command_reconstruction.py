@@ -10,7 +10,7 @@ from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, min_decrease
 from swamp_rl.criticism.model.candidates import joined
-from swamp_rl.criticism.nuisance.switching_times import command_changes, fit_shares, interpolated_at
+from swamp_rl.criticism.nuisance.command_timing import command_changes, fit_shares, interpolated_at
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
@@ -19,39 +19,30 @@ Array = NDArray[np.float64]
 
 
 def interpolated(run_set: RunSet, share: float) -> RunSet:
-    """The runs with every command moved by a share of its change until the next row; azimuths the shorter
-    way.
-    """
+    """The runs with every command moved by a share of its change until the next row."""
     change = command_changes(run_set)
     return interpolated_at(run_set, change, np.full(change.shape[:2], share))
 
 
 def better_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
-    """The runs with reconstructed commands where these lower chi2 on the middle windows clearly, or None;
-    logged: the runs as logged.
+    """The runs with reconstructed commands where these lower chi2 on the middle windows clearly, or None.
 
-    Compared at the selected hypothesis, since a missing effect could be absorbed by shifted commands. One
-    share for all steps first, at the minimum of a parabola through those tried, so that no part of it remains
-    as a delay; where the residual then exceeds noise, one share for each step.
+    Compared at the selected hypothesis, since shifted commands could absorb a missing effect. One share for
+    all steps first, at the minimum of a parabola; where the residual then exceeds noise, one for each step.
     """
     problem = continuation.problems[MIDDLE]
     if at.chi2 > options().reconstruction_hopeless * problem.samples:
         return None
-    least = max(
-        options().reconstruction_gain,
-        options().reconstruction_share * (at.chi2 - options().variance_bias * problem.samples),
-    )
-    best = None
+    above_noise = at.chi2 - options().variance_bias * problem.samples
+    least = max(options().reconstruction_gain, options().reconstruction_share * above_noise)
+    most, best = options().reconstruction_most * problem.samples, None
     share, shared = fit_common_share(problem, at, logged)
-    if shared.chi2 < min(at.chi2 - least, options().reconstruction_most * problem.samples):
+    if shared.chi2 < min(at.chi2 - least, most):
         best = interpolated(logged, share)
     if adequacy(problem, shared if best else at).adequate:
         return best
     each, made, count = fit_switching_times(problem, shared, logged, share)
-    saves = made.chi2 < min(
-        at.chi2 - least - options().instant_gain * count, options().reconstruction_most * problem.samples
-    )
-    return each if saves else best
+    return each if made.chi2 < min(at.chi2 - least - options().instant_gain * count, most) else best
 
 
 def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
@@ -59,38 +50,30 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     the actuators in time, or None. A log that lags behind the commands is equivalent to faster actuators.
     """
     problem = continuation.problems[MIDDLE]
-    parts = [(instance, own) for instance, own in at.hypothesis.parts(at.x) if not instance.moves_actuators]
+    parts = [(instance, own) for instance, own in at.parts() if not instance.moves_actuators]
     if len(parts) == len(at.hypothesis.instances):
         return None
     less, x = joined(parts)
-    plain = fit(problem, less, x, at.states, options().reconstruction_steps)
+    plain = fit(problem, less, x, at.states, options().again_steps)
     most = continuation.criterion(at) + options().separation - continuation.criterion.charge(less)
     share, shared = fit_common_share(problem, plain, logged)
     if shared.chi2 < most and adequacy(problem, shared).adequate:
         return interpolated(logged, share)
     each, made, count = fit_switching_times(problem, shared, logged, share)
-    return (
-        each
-        if made.chi2 + options().instant_gain * count < most and adequacy(problem, made).adequate
-        else None
-    )
+    saves = made.chi2 + options().instant_gain * count < most
+    return each if saves and adequacy(problem, made).adequate else None
 
 
 def fit_common_share(problem: Shooting, at: Fit, logged: RunSet) -> tuple[float, Fit]:
     """The share of a step, common to all commands, at least chi2 under a hypothesis, and the fit with it."""
-    as_logged = at if logged.commands is problem.run_set.commands else _refit(problem, logged, at)
-    fits = [
-        as_logged,
-        *(_refit(problem, interpolated(logged, share), at) for share in options().reconstruction_shares),
-    ]
+    fits = [at if logged.commands is problem.run_set.commands else _refit(problem, logged, at)]
+    fits += [_refit(problem, interpolated(logged, share), at) for share in options().reconstruction_shares]
     share = least_of_parabola(*(one.chi2 for one in fits))
     return share, _refit(problem, interpolated(logged, share), min(fits, key=lambda one: one.chi2))
 
 
 def sufficient_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
-    """The runs with reconstructed commands where these alone make a fit to the middle windows adequate, else
-    None.
-    """
+    """The runs with reconstructed commands if these alone make a fit to the middle windows adequate."""
     problem = continuation.problems[MIDDLE]
     if adequacy(problem, at).adequate:
         return None
@@ -99,9 +82,7 @@ def sufficient_reconstruction(continuation: Continuation, at: Fit, logged: RunSe
 
 
 def fit_switching_times(problem: Shooting, at: Fit, logged: RunSet, share: float) -> tuple[RunSet, Fit, int]:
-    """The runs with a fitted share for each larger step, the fit to them, and the number of shares; at: the
-    fit with one common share.
-    """
+    """The runs with a fitted share for each larger step, their fit, how many; at: with one common share."""
     change = command_changes(logged)
     shares = np.full(change.shape[:2], share)
     best = interpolated_at(logged, change, shares)
@@ -129,9 +110,7 @@ def least_of_parabola(start: float, middle: float, end: float) -> float:
 
 def _refit(problem: Shooting, run_set: RunSet, at: Fit, fresh: bool = False) -> Fit:
     """The fit repeated on the same windows with other commands."""
-    return fit(
-        _problem(problem, run_set), at.hypothesis, at.x, at.states, options().reconstruction_steps, fresh
-    )
+    return fit(_problem(problem, run_set), at.hypothesis, at.x, at.states, options().again_steps, fresh)
 
 
 def _problem(problem: Shooting, run_set: RunSet) -> Shooting:
@@ -143,7 +122,7 @@ def is_better(before: Continuation, found: Selection, after: Continuation, again
     """Whether a selection with reconstructed commands ends clearly better."""
 
     def reached(continuation: Continuation, one: Selection) -> float:
-        return continuation.criterion(continuation.fit(MIDDLE, one.winner.hypothesis, one.winner.x))
+        return continuation.criterion(continuation.at(MIDDLE, one.winner))
 
     return again.adequate > found.adequate or (
         again.adequate == found.adequate
@@ -153,10 +132,7 @@ def is_better(before: Continuation, found: Selection, after: Continuation, again
 
 def is_simpler(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:
     """Whether a selection with reconstructed commands explains as much with fewer effects."""
-    one, other = (
-        continuation.fit(MIDDLE, s.winner.hypothesis, s.winner.x)
-        for continuation, s in ((before, found), (after, again))
-    )
+    one, other = (continuation.at(MIDDLE, s.winner) for continuation, s in ((before, found), (after, again)))
     return (
         again.adequate
         and len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)

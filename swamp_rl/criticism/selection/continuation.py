@@ -1,6 +1,4 @@
-"""Continuation in the window length: a fit to short windows, where the loss is nearly convex, starts the fit
-to longer ones, which discriminate between hypotheses.
-"""
+"""Continuation in the window length: fits to short windows, nearly convex, begin those to longer ones."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -11,14 +9,14 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.data.run_set import Gap, RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, fit, fit_states
+from swamp_rl.criticism.likelihood.output_error import Fit, first_states, fit
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
 from swamp_rl.criticism.nuisance.lost_rows import (
     with_best_commands,
     with_commands_refined,
     with_relevant_gaps,
 )
-from swamp_rl.criticism.nuisance.unlogged_commands import with_unlogged_commands
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.selection.information_criterion import InformationCriterion, information_criterion
@@ -51,9 +49,7 @@ class Continuation:
         return self.whole.get((stage, hypothesis.label), self.problems[stage])
 
     def fit(self, stage: int, hypothesis: Hypothesis, x: Array, states: Array | None = None) -> Fit:
-        """The hypothesis fitted at that stage, from x and states (W, 6) or, where there is one, from the fit
-        of the stage before.
-        """
+        """The fit at that stage, from x and states (W, 6) or from the fit of the stage before."""
         key = (stage, hypothesis.label)
         if key in self.fits and self.fits[key].chi2 < np.inf:
             return self.fits[key]
@@ -63,15 +59,21 @@ class Continuation:
         if below is not None:
             x = below.x
             states = self.carried(below, stage)
-        good = below is not None and below.chi2 < options().close_to_data * self.problems[stage - 1].samples
-        return self.fit_from(
-            stage,
-            hypothesis,
-            x,
-            states,
-            options().steps_when_close if good else options().stage_steps[stage],
-            stage >= LAST,
-        )
+        good = below is not None and below.chi2 < options().noise_chi2 * self.problems[stage - 1].samples
+        steps = options().steps_when_close if good else options().stage_steps[stage]
+        return self.fit_from(stage, hypothesis, x, states, steps, stage >= LAST)
+
+    def at(self, stage: int, one: Fit) -> Fit:
+        """The hypothesis of a fit, fitted at that stage."""
+        return self.fit(stage, one.hypothesis, one.x)
+
+    def boat_file(self, stage: int) -> Fit:
+        """The boat file alone at that stage."""
+        return self.fit(stage, Hypothesis(), np.zeros(0))
+
+    def is_adequate(self, stage: int, one: Fit) -> bool:
+        """Whether the residual of a fit at that stage is noise."""
+        return adequacy(self.problem(stage, one.hypothesis), one).adequate
 
     def fit_from(
         self,
@@ -82,24 +84,19 @@ class Continuation:
         steps: int,
         fresh: bool = False,
     ) -> Fit:
-        """The hypothesis fitted at that stage from x (p,) and states (W, 6), and kept; on whole runs with the
-        best-fitting commands in gaps.
-        """
+        """The fit at that stage from x (p,) and states (W, 6), kept; whole runs with their best commands."""
         if stage == CORRECTED:
             return self._corrected(self.fit_from(LAST, hypothesis, x, states, steps))
         problem = self.problems[stage]
         if states is None:
-            states, _, _ = fit_states(
-                problem, hypothesis, x, self.initial_states[stage], options().first_rounds
-            )
+            states = first_states(problem, hypothesis, x, self.initial_states[stage])
         if stage == LAST:
             problem, made = fit_whole_runs(problem, self.gaps, hypothesis, x, states, steps)
         else:
             made = fit(problem, hypothesis, x, states, steps, fresh)
         self.keep(stage, problem, made)
-        LOG.debug(
-            "segments of %g s: %s, chi2 %.0f", options().window_lengths[stage], hypothesis.label, made.chi2
-        )
+        seconds = options().window_lengths[stage]
+        LOG.debug("segments of %g s: %s, chi2 %.0f", seconds, hypothesis.label, made.chi2)
         return made
 
     def _corrected(self, below: Fit) -> Fit:
@@ -114,27 +111,19 @@ class Continuation:
             self.whole[stage, made.hypothesis.label] = problem
 
     def not_converged(self, made: Fit, before: float, expected_chi2: float) -> bool:
-        """Whether a fit to the shortest windows, far from the data, kept little of the expected fall of chi2
-        from `before`.
-        """
+        """Whether a fit far from the data kept little of the expected fall of chi2 from `before`."""
         far = made.chi2 > options().far_from_data * self.problems[0].samples
         return far and before - made.chi2 < options().converged_share * (before - expected_chi2)
 
     def restarted(self, made: Fit) -> Fit:
-        """A fit to the shortest windows restarted from a fit to windows half as long, in which a boat that is
-        unstable on course diverges less.
-        """
+        """A fit restarted from windows half as long, in which an unstable boat diverges less."""
+        first = self.problems[0]
         if self.half is None:
-            first = self.problems[0]
-            self.half = Shooting(
-                first.run_set, first.weight, options().restart_share * options().window_lengths[0]
-            )
+            seconds = options().restart_share * options().window_lengths[0]
+            self.half = Shooting(first.run_set, first.weight, seconds)
         x, hypothesis = made.x, made.hypothesis
-        for problem, initial_states in (
-            (self.half, self.half.initial_states()),
-            (self.problems[0], self.initial_states[0]),
-        ):
-            states, _, _ = fit_states(problem, hypothesis, x, initial_states, options().first_rounds)
+        for problem in (self.half, first):
+            states = first_states(problem, hypothesis, x, problem.initial_states())
             again = fit(problem, hypothesis, x, states, options().stage_steps[0])
             x = again.x
         best = min(made, again, key=lambda one: one.chi2)
@@ -149,29 +138,19 @@ class Continuation:
         return sum(counts.values())
 
     def carried(self, below: Fit, stage: int) -> Array:
-        """(W, 6) initial states of this stage, from the fit of the stage before where a window began at the
-        same sample.
-        """
-        return states_carried(
-            self.problem(stage - 1, below.hypothesis),
-            below.states,
-            self.problems[stage],
-            self.initial_states[stage],
-        )
+        """(W, 6) initial states of this stage, from the stage before where a window began there."""
+        shorter = self.problem(stage - 1, below.hypothesis)
+        return states_carried(shorter, below.states, self.problems[stage], self.initial_states[stage])
 
 
 def states_carried(shorter: Shooting, states: Array, longer: Shooting, others: Array) -> Array:
-    """(W, 6) initial states of longer windows, from those of shorter ones that begin at the same sample, and
-    from `others` (W, 6) where none does.
-    """
+    """(W, 6) initial states, from shorter windows that begin at the same sample, else `others` (W, 6)."""
     found = others.copy()
-    starts = {
-        (run, first): i
-        for i, (run, first) in enumerate(zip(shorter.windows.run, shorter.windows.first, strict=True))
-    }
-    for w, key in enumerate(zip(longer.windows.run, longer.windows.first, strict=True)):
-        if key in starts:
-            found[w] = states[starts[key]]
+    short, long = (zip(one.windows.run, one.windows.first, strict=True) for one in (shorter, longer))
+    starts = {start: i for i, start in enumerate(short)}
+    for w, start in enumerate(long):
+        if start in starts:
+            found[w] = states[starts[start]]
     return found
 
 
@@ -180,12 +159,9 @@ def continuation_of(run_set: RunSet, weight: Array) -> Continuation:
     cautious = with_relevant_gaps(run_set, weight)
     problems = [Shooting(cautious, weight, seconds) for seconds in options().window_lengths]
     problems.append(problems[LAST])
-    return Continuation(
-        problems,
-        [problem.initial_states() for problem in problems],
-        information_criterion(run_set, problems[LAST].samples),
-        run_set.gaps,
-    )
+    states = [problem.initial_states() for problem in problems]
+    criterion = information_criterion(run_set, problems[LAST].samples)
+    return Continuation(problems, states, criterion, run_set.gaps)
 
 
 def fit_whole_runs(

@@ -7,6 +7,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates
 from swamp_rl.criticism.options import options
+from swamp_rl.criticism.selection.score_test import ScoreTest
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,10 @@ class InformationCriterion:
         chosen = min(len(hypothesis.instances), self.candidates)
         choices = 2.0 * math.log(math.comb(self.candidates, chosen))
         return choices + sum(self._parameters(instance) for instance in hypothesis.instances)
+
+    def expected(self, test: ScoreTest) -> float:
+        """Of the fit that a score test promises."""
+        return test.expected_chi2 + self.charge(test.hypothesis)
 
     def required_gain(self, hypothesis: Hypothesis, instance: EffectInstance) -> float:
         """Fall of chi2 from which an effect is added to a hypothesis, and below which it is dropped."""

@@ -8,13 +8,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
 from swamp_rl.criticism.nuisance.process_noise import measurement_noise_gain, process_noise_gain
+from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
 from swamp_rl.criticism.options import options
+from swamp_rl.criticism.result import SmoothedNoise
 from swamp_rl.criticism.selection.backward_elimination import (
     Selection,
     fit_by_continuation,
@@ -52,9 +55,8 @@ def select_model(
     are model error: they widen all comparisons and standard errors, and the selection is never adequate.
     """
     tried: list[Continuation] = []
-    run_set, continuation, found = _with_reconstruction(
-        run_set, weight, instances, hull, tried, options().step_budget
-    )
+    given = weight, instances, hull, tried
+    run_set, continuation, found = _with_reconstruction(run_set, *given, options().step_budget)
     if found.adequate and found.stage >= LAST:
         return run_set, continuation, found
     winner, stage = found.winner, LAST if found.adequate else MIDDLE
@@ -62,22 +64,19 @@ def select_model(
         return run_set, continuation, found
     source = correlated_noise(continuation, winner, stage)
     if source != "measurement" and winner.hypothesis.instances and not found.adequate:
-        nothing = continuation.fit(MIDDLE, Hypothesis(), np.zeros(0))
+        nothing = continuation.boat_file(MIDDLE)
         if correlated_noise(continuation, nothing, stage) == "measurement":
             winner, source = nothing, "measurement"
     if source == "measurement":
-        again = _with_position_noise(weight, instances, hull, tried, continuation, winner)
+        again = _with_position_noise(*given, continuation, winner)
         if again is not None:
             return again
     if found.adequate:
         return run_set, continuation, found
     if source == "process":
         return select_under_model_error(run_set, weight, instances, hull, found.winner)
-    return (
-        run_set,
-        continuation,
-        without_unconfirmed(continuation, found, [*instances, *([hull] if hull else [])]),
-    )
+    every = [*instances, *([hull] if hull else [])]
+    return run_set, continuation, without_unconfirmed(continuation, found, every)
 
 
 def _with_reconstruction(
@@ -89,9 +88,7 @@ def _with_reconstruction(
     step_budget: float,
     previous: Sequence[Fit] = (),
 ) -> tuple[RunSet, Continuation, Selection]:
-    """The search, repeated with reconstructed commands where these fit clearly better; every continuation is
-    added to `tried`.
-    """
+    """The search, repeated with reconstructed commands if they fit clearly better; adds to `tried`."""
     logged, continuation = run_set, continuation_of(run_set, weight)
     tried.append(continuation)
     other = sufficient_reconstruction(
@@ -103,18 +100,12 @@ def _with_reconstruction(
         tried.append(continuation)
     if run_set.gauss_markov is None and _is_position_noise_suspected(continuation):
         step_budget = min(step_budget, options().step_budget_suspected)
-    found = beam_search(
-        continuation,
-        instances,
-        hull,
-        step_budget,
-        partial(sufficient_reconstruction, logged=logged),
-        previous,
-    )
+    sufficient = partial(sufficient_reconstruction, logged=logged)
+    found = beam_search(continuation, instances, hull, step_budget, sufficient, previous)
     for _ in range(options().most_reconstructions):
         if (found.adequate and not found.winner.hypothesis.instances) or is_budget_spent(tried):
             break
-        at = continuation.fit(MIDDLE, found.winner.hypothesis, found.winner.x)
+        at = continuation.at(MIDDLE, found.winner)
         other, accepts = better_reconstruction(continuation, at, logged), is_better
         if other is None and found.adequate:
             other, accepts = reconstruction_without_timing(continuation, at, logged), is_simpler
@@ -132,7 +123,11 @@ def _with_reconstruction(
 
 def _is_position_noise_suspected(continuation: Continuation) -> bool:
     """Whether positions alone have a Gauss-Markov residual on the shortest windows."""
-    noise = _gauss_markov_noise(continuation.problems[0], continuation.fit(0, Hypothesis(), np.zeros(0)))
+    return _of_positions_alone(_gauss_markov_noise(continuation.problems[0], continuation.boat_file(0)))
+
+
+def _of_positions_alone(noise: Array) -> bool:
+    """Whether Gauss-Markov noise (6, 2) is in positions and in no other channel."""
     return bool((noise[POSITIONS, 0] > 0).any() and not (noise[OTHERS, 0] > 0).any())
 
 
@@ -149,22 +144,13 @@ def _with_position_noise(
     continuation: Continuation,
     winner: Fit,
 ) -> tuple[RunSet, Continuation, Selection] | None:
-    """The selection under Gauss-Markov position noise, the noise and the selection being repeated until the
-    noise changes little; None where the residual exceeds it.
-    """
+    """The selection under Gauss-Markov position noise, until that changes little; None if inadequate."""
     run_set, slow = continuation.problems[0].run_set, slowest_noise(continuation, winner)
     for _ in range(options().most_repeats):
         fit_by_continuation(continuation, winner.hypothesis, winner.x)
-        previous = [continuation.fit(stage, winner.hypothesis, winner.x) for stage in (0, MIDDLE)]
-        _, continuation, found = _with_reconstruction(
-            replace(run_set, gauss_markov=slow),
-            weight,
-            instances,
-            hull,
-            tried,
-            options().step_budget_again,
-            previous,
-        )
+        previous = [continuation.at(stage, winner) for stage in (0, MIDDLE)]
+        noisy, budget = replace(run_set, gauss_markov=slow), options().step_budget_again
+        _, continuation, found = _with_reconstruction(noisy, weight, instances, hull, tried, budget, previous)
         if not found.adequate:
             return None
         winner, noise, slow = found.winner, slow, slowest_noise(continuation, found.winner)
@@ -174,28 +160,22 @@ def _with_position_noise(
 
 
 def slowest_noise(continuation: Continuation, winner: Fit) -> Array:
-    """(6, 2) Gauss-Markov position noise beside a hypothesis, from whole runs unless these diverged: the
-    longest time constants are identifiable there only.
-    """
+    """(6, 2) Gauss-Markov position noise beside a hypothesis, from whole runs unless these diverged."""
     stage = MIDDLE if diverged(continuation, winner) else LAST
-    at = continuation.fit(stage, winner.hypothesis, winner.x)
-    return _only_positions(_position_noise(continuation.problem(stage, at.hypothesis), at).noise)
+    at = continuation.at(stage, winner)
+    return _only_positions(_position_noise(continuation.problem(stage, at.hypothesis), at)[0])
 
 
 def diverged(continuation: Continuation, winner: Fit) -> bool:
     """Whether whole runs leave far more than their windows do, as of a boat that is unstable on course."""
     middle = fit_by_continuation(continuation, winner.hypothesis, winner.x)
-    whole = continuation.fit(LAST, winner.hypothesis, winner.x)
-    left = [
-        one.chi2 / continuation.problems[stage].samples for stage, one in ((MIDDLE, middle), (LAST, whole))
-    ]
+    whole = continuation.at(LAST, winner)
+    left = [one.chi2 / continuation.problems[stage].samples for stage, one in enumerate((middle, whole), 1)]
     return left[1] > options().model_error_chi2 * left[0]
 
 
 def nearly_equal(one: Array, other: Array) -> bool:
-    """Whether two Gauss-Markov processes (6, 2) differ by no more than the grid that they are estimated
-    on.
-    """
+    """Whether two Gauss-Markov processes (6, 2) differ by no more than the grid of their estimates."""
     size, time = np.abs(np.log(np.maximum(one, TINY) / np.maximum(other, TINY))).T
     return bool((size < options().noise_unchanged[0]).all() and (time < options().noise_unchanged[1]).all())
 
@@ -204,43 +184,33 @@ def correlated_noise(
     continuation: Continuation, winner: Fit, stage: int
 ) -> Literal["measurement", "process"] | None:
     """Source of the correlated residual of the winner at a stage: measurement (positions alone) or process;
-    None where the residual is white, or small.
+    None where the residual is white.
 
     The noise is estimated again beside a fit that includes it. Process noise also correlates positions: the
     larger likelihood decides.
     """
-    at = continuation.fit(stage, winner.hypothesis, winner.x)
+    at = continuation.at(stage, winner)
     problem = continuation.problem(stage, at.hypothesis)
     first = _gauss_markov_noise(problem, at)
     if not (first[:, 0] > 0).any():
         return None
-    position_noise = _position_noise(problem, at)
-    only = (position_noise.noise[POSITIONS, 0] > 0).any() and not (position_noise.noise[OTHERS, 0] > 0).any()
-    if only and position_noise.gain > process_noise_gain(problem, at):
+    noise, gain = _position_noise(problem, at)
+    if _of_positions_alone(noise) and gain > process_noise_gain(problem, at):
         return "measurement"
     return "process"
 
 
-@dataclass(frozen=True)
-class PositionNoise:
-    """noise: (6, 2) Gauss-Markov noise beside a fit that includes its position part; gain: 2 log likelihood
-    ratio of that part.
+def _position_noise(problem: Shooting, white: Fit) -> tuple[Array, float]:
+    """(6, 2) Gauss-Markov noise beside a fit that includes its position part, and 2 log likelihood ratio of
+    that part.
     """
-
-    noise: Array
-    gain: float
-
-
-def _position_noise(problem: Shooting, white: Fit) -> PositionNoise:
     at, noise, gain = white, _gauss_markov_noise(problem, white), 0.0
     for _ in range(options().wander_rounds):
-        slow = _only_positions(noise)
-        aware = Shooting(
-            replace(problem.run_set, gauss_markov=slow), problem.weight, problem.seconds, problem.windows
-        )
-        at = fit(aware, at.hypothesis, at.x, at.states, options().wander_steps)
+        run_set = replace(problem.run_set, gauss_markov=_only_positions(noise))
+        aware = Shooting(run_set, problem.weight, problem.seconds, problem.windows)
+        at = fit(aware, at.hypothesis, at.x, at.states, options().again_steps)
         noise, gain = _gauss_markov_noise(aware, at), measurement_noise_gain(white, aware, at)
-    return PositionNoise(noise, gain)
+    return noise, gain
 
 
 def _only_positions(noise: Array) -> Array:
@@ -248,5 +218,40 @@ def _only_positions(noise: Array) -> Array:
 
 
 def _gauss_markov_noise(problem: Shooting, at: Fit) -> Array:
-    base = problem.predict(at.hypothesis, at.x[None], at.states[None])[0]
+    base = problem.track(at.hypothesis, at.x, at.states)
     return fit_gauss_markov(problem.windows, problem.difference(base) * problem.windows.weight, problem.dt)
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """smoothed: channels that a filter smoothed; sigmas: (6,) standard deviations that channels are weighted
+    by, NaN where nothing was measured; weight: (R, T, 6); instances: the candidates; hull: the hull's
+    derivatives, a nuisance.
+    """
+
+    smoothed: dict[str, SmoothedNoise]
+    sigmas: Array
+    weight: Array
+    instances: list[EffectInstance]
+    hull: EffectInstance | None
+
+
+def prepared(run_set: RunSet) -> Preparation:
+    """Of the runs as measured."""
+    smoothed = smoothed_channels(run_set)
+    sigmas = raised(noise_levels(run_set), smoothed)
+    duration = float(run_set.lengths.max() * run_set.dt)
+    every = candidates(run_set.boat, duration, run_set.groups)
+    return Preparation(
+        smoothed,
+        sigmas,
+        weights(run_set, sigmas),
+        [one for one in every if not _is_measured(one, run_set)],
+        hull_nuisance(run_set.boat),
+    )
+
+
+def _is_measured(instance: EffectInstance, run_set: RunSet) -> bool:
+    """Whether an effect moves only what the runs measure."""
+    fields = {parameter.field for parameter in instance.effect.parameters}
+    return bool(fields) and fields <= run_set.measured_fields

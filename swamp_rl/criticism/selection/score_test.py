@@ -2,17 +2,24 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_normal_equations
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, inverse, normal_equations
-from swamp_rl.criticism.likelihood.state_fit import fit_states
+from swamp_rl.criticism.likelihood.output_error import (
+    Fit,
+    bounded_step,
+    fit_states,
+    inverse,
+    normal_equations,
+)
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, neutral_of
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.selection.frequency_scan import wave_starts
+from swamp_rl.simulator.reference import reference_of
 
 Array = NDArray[np.float64]
 
@@ -36,70 +43,81 @@ class ScoreTest:
 def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
     """Score tests of every effect beside `at`, least expected chi2 first."""
     own = {instance.label for instance in at.hypothesis.instances}
-    by_x = problem.parameter_jacobian(
-        at.hypothesis, at.x, at.states, problem.predict(at.hypothesis, at.x[None], at.states[None])[0]
-    )
-    found = [_score_test(problem, at, instance, by_x) for instance in instances if instance.label not in own]
-    return sorted(found, key=lambda one: one.expected_chi2)
+    base = problem.track(at.hypothesis, at.x, at.states)
+    by_x = problem.parameter_jacobian(at.hypothesis, at.x, at.states, base)
+    added = [_Added(problem, at, instance, by_x) for instance in instances if instance.label not in own]
+    return sorted(map(_score_test, added), key=lambda one: one.expected_chi2)
 
 
-def _score_test(problem: Shooting, at: Fit, instance: EffectInstance, by_x: Array) -> ScoreTest:
-    hypothesis = at.hypothesis.with_instance(instance)
-    place = hypothesis.columns(instance.label)
+@dataclass(frozen=True)
+class _Added:
+    """An effect instance added to a fit `at`; by_x: (W, M, p) Jacobian by the parameters of that."""
+
+    problem: Shooting
+    at: Fit
+    instance: EffectInstance
+    by_x: Array
+
+    @cached_property
+    def hypothesis(self) -> Hypothesis:
+        """All effects together."""
+        return self.at.hypothesis.with_instance(self.instance)
+
+    @cached_property
+    def place(self) -> NDArray[np.bool_]:
+        """(p,) which parameters are the instance's."""
+        return self.hypothesis.columns(self.instance.label)
+
+    def x(self, own: Array) -> Array:
+        """(V, p) the parameters of the fit and those of the instance (V, p_instance)."""
+        x = np.empty((len(own), len(self.place)))
+        x[:, ~self.place], x[:, self.place] = self.at.x, own
+        return x
+
+
+def _score_test(added: _Added) -> ScoreTest:
+    problem, at, instance = added.problem, added.at, added.instance
     starts: list[tuple[float, ...]] = [start * instance.count for start in instance.starts]
+
+    def neutral() -> tuple[float, ...]:
+        return neutral_start(instance, problem.boat) * instance.count
+
     if instance.effect.begin == "spectral":
-        starts = [tuple(start) for start in wave_starts(problem, at, by_x)]
+        starts = [tuple(start) for start in wave_starts(problem, at, added.by_x)]
     elif instance.effect.begin == "changepoint":
-        starts = failure_starts(problem, at, hypothesis, instance, by_x)
+        starts = [(failure_start(added),)]
     elif instance.size > 0:
         if instance.grid:
-            starts.append(_best_grid_point(problem, at, instance, hypothesis, place, by_x))
+            starts.append(_best_grid_point(added))
         if at.chi2 < options().large_chi2 * problem.samples:  # a small residual has a small cause
-            (neutral,) = at_neutral_values(instance, problem.boat).starts
-            starts.append(neutral * instance.count)
+            starts.append(neutral())
     distinct = [np.array(one) for one in dict.fromkeys(starts)]
-    results = [_score_step(problem, at, instance, hypothesis, place, by_x, one) for one in distinct]
-    if instance.size > 0 and not any(
-        np.isfinite(one.expected_chi2) for one in results
-    ):  # diverged at every start
-        (neutral,) = at_neutral_values(instance, problem.boat).starts
-        start = neutral * instance.count
-        if start not in starts:
-            results.append(_score_step(problem, at, instance, hypothesis, place, by_x, np.array(start)))
+    results = [_score_step(added, one) for one in distinct]
+    diverged = not any(np.isfinite(one.expected_chi2) for one in results)
+    if instance.size > 0 and diverged and neutral() not in starts:
+        results.append(_score_step(added, np.array(neutral())))
     information = max(one.information for one in results)
     return replace(min(results, key=lambda one: one.expected_chi2), information=information)
 
 
 def at_neutral_values(instance: EffectInstance, boat: Boat) -> EffectInstance:
-    """The effect instance begun from its neutral values, or the boat file's; `neutral_step` beside them where
-    a derivative does not exist.
-    """
+    """The effect instance begun from its neutral values."""
+    return replace(instance, starts=(neutral_start(instance, boat),), grid=())
+
+
+def neutral_start(instance: EffectInstance, boat: Boat) -> tuple[float, ...]:
+    """Neutral values of one group's parameters; beside them where a derivative does not exist."""
     specs = instance.of_one.specs
     neutral = [neutral_of(parameter, boat) for parameter in instance.effect.parameters]
     if instance.effect.vector:  # of no size, and so of no direction
         neutral = [options().neutral_step * spec.scale for spec in specs]
-    start = tuple(float(np.clip(x, s.low, s.high)) for x, s in zip(neutral, specs, strict=True))
-    return replace(instance, starts=(start,), grid=())
+    return tuple(float(np.clip(x, s.low, s.high)) for x, s in zip(neutral, specs, strict=True))
 
 
-def _joint(place: NDArray[np.bool_], old: Array, new: Array) -> Array:
-    """(V, p) from the old parameters (p_old,) and the instance's (V, p_instance)."""
-    x = np.empty((len(new), len(place)))
-    x[:, ~place] = old
-    x[:, place] = new
-    return x
-
-
-def failure_starts(
-    problem: Shooting, at: Fit, hypothesis: Hypothesis, instance: EffectInstance, by_x: Array
-) -> list[tuple[float, ...]]:
-    """The best instant of a failure among the windows' starts, from one simulation: windows that begin before
-    it keep the thruster, the others never had it.
-    """
-    place = hypothesis.columns(instance.label)
-    dead = problem.residuals(
-        problem.predict(hypothesis, _joint(place, at.x, np.zeros((1, 1))), at.states[None])[0]
-    )
+def failure_start(added: _Added) -> float:
+    """The best instant of a failure, from one simulation without the thruster."""
+    problem, at, by_x = added.problem, added.at, added.by_x
+    dead = problem.residuals(problem.track(added.hypothesis, added.x(np.zeros((1, 1)))[0], at.states))
     both = [normal_equations(at.states_jacobian, by_x, r) for r in (at.residual, dead)]
     times = problem.windows.first * problem.dt
     best, found = np.inf, 0.0
@@ -111,51 +129,35 @@ def failure_starts(
             loss -= float(g @ inverse(both[0].information.sum(axis=0)) @ g)
         if loss < best:
             best, found = loss, float(time)
-    return [(_refined(problem, at, hypothesis, place, found),)]
+    return _refined(added, found)
 
 
-def _refined(
-    problem: Shooting,
-    at: Fit,
-    hypothesis: Hypothesis,
-    place: NDArray[np.bool_],
-    found: float,
-) -> float:
+def _refined(added: _Added, found: float) -> float:
     """The best instant about `found` [s], from simulations of the windows about it alone."""
-    win = problem.windows
+    problem, at, win = added.problem, added.at, added.problem.windows
     length = win.rows * problem.dt
     begins, ends = win.first * problem.dt, (win.first + win.steps) * problem.dt
     times = np.maximum(found + np.linspace(-length, length, options().instants), 0.0)
     near = (begins < times[-1]) & (ends > times[0])
-    x = _joint(place, at.x, times[:, None])
+    x, part = added.x(times[:, None]), problem.part(near)
     states = np.broadcast_to(at.states[near], (len(x), near.sum(), 6))
-    left = problem.part(near).residuals(problem.part(near).predict(hypothesis, x, states))
+    left = part.residuals(part.predict(added.hypothesis, x, states))
     none = np.zeros((*at.residual[near].shape, 0))
     losses = [float(normal_equations(at.states_jacobian[near], none, r).profile_chi2.sum()) for r in left]
     return float(times[int(np.argmin(losses))])
 
 
-def _best_grid_point(
-    problem: Shooting,
-    at: Fit,
-    instance: EffectInstance,
-    hypothesis: Hypothesis,
-    place: NDArray[np.bool_],
-    by_x: Array,
-) -> tuple[float, ...]:
-    """The grid point of least profile chi2; of an effect that differs between groups, that of each group, the
-    other effects' parameters held.
-    """
-    points = np.array(instance.grid)
-    slopes = by_x[..., :0] if instance.groups else by_x
-    group = (
-        np.array(instance.groups)[problem.run_set.origins[problem.windows.run]] if instance.groups else None
-    )
+def _best_grid_point(added: _Added) -> tuple[float, ...]:
+    """The grid point of least profile chi2, of each group where an effect differs between groups."""
+    problem, at, instance = added.problem, added.at, added.instance
+    points, groups = np.array(instance.grid), np.array(instance.groups)
+    slopes = added.by_x[..., :0] if instance.groups else added.by_x
+    group = groups[problem.run_set.origins[problem.windows.run]] if instance.groups else None
     losses = []
     for start in range(0, len(points), options().grid_batch):
-        x = _joint(place, at.x, np.tile(points[start : start + options().grid_batch], instance.count))
+        x = added.x(np.tile(points[start : start + options().grid_batch], instance.count))
         states = np.broadcast_to(at.states, (len(x), *at.states.shape))
-        for residual in problem.residuals(problem.predict(hypothesis, x, states)):
+        for residual in problem.residuals(problem.predict(added.hypothesis, x, states)):
             if group is None:
                 losses.append(np.array([_profile_chi2(at, slopes, residual)]))
             else:
@@ -175,22 +177,15 @@ def _profile_chi2(at: Fit, by_x: Array, residual: Array) -> float:
     return loss
 
 
-def _score_step(
-    problem: Shooting,
-    at: Fit,
-    instance: EffectInstance,
-    hypothesis: Hypothesis,
-    place: NDArray[np.bool_],
-    by_x: Array,
-    start: Array,
-) -> ScoreTest:
-    (x,) = _joint(place, at.x, start[None])
-    base = problem.predict(hypothesis, x[None], at.states[None])[0]
+def _score_step(added: _Added, start: Array) -> ScoreTest:
+    problem, at, hypothesis, place = added.problem, added.at, added.hypothesis, added.place
+    (x,) = added.x(start[None])
+    base = problem.track(hypothesis, x, at.states)
     states, residual = at.states, problem.residuals(base)
     if not len(start) and at.chi2 > options().large_chi2 * problem.samples:  # a large jump
         states, _, residual = fit_states(problem, hypothesis, x, at.states, options().score_rounds)
     slopes = np.zeros((*residual.shape, len(place)))
-    slopes[..., ~place] = by_x
+    slopes[..., ~place] = added.by_x
     slopes[..., place] = problem.parameter_jacobian(hypothesis, x, at.states, base, place)
     normal = normal_equations(at.states_jacobian, slopes, residual)
     mean, precision = hypothesis.prior()
@@ -198,11 +193,78 @@ def _score_step(
     g = normal.gradient.sum(axis=0) - precision * (x - mean)
     moved = bounded_step(H, g, x, *hypothesis.bounds())
     loss = float(normal.profile_chi2.sum() + precision @ (x - mean) ** 2 - 2 * g @ moved + moved @ H @ moved)
-    scale = np.array([spec.scale for spec in instance.specs])
-    own = np.diag(normal.information.sum(axis=0))[place] * scale**2
+    own = np.diag(normal.information.sum(axis=0))[place] * added.instance.scales**2
     changed = float(((problem.residuals(base) - at.residual) ** 2).sum())
     information = float(own.max()) if len(own) else changed
     loss = loss if np.isfinite(loss) else np.inf
     information = information if np.isfinite(information) else 0.0
     changed = changed if np.isfinite(changed) else 0.0
-    return ScoreTest(hypothesis, instance, x, states, loss, max(information, changed))
+    return ScoreTest(hypothesis, added.instance, x, states, loss, max(information, changed))
+
+
+def wave_starts(problem: Shooting, at: Fit, by_x: Array) -> list[Array]:
+    """Force towards south [N], frequency [Hz], force towards west [N] and phase [rad] of the waves that lower
+    chi2 most beside `at`, best first; by_x: (W, M, p) Jacobian by its parameters.
+
+    A harmonic force of known frequency is linear in four parameters: sine and cosine, north and east. Their
+    information is the superposition of that of short force pulses.
+    """
+    grid = force_grid(problem, options().wave_piece)
+    where = (problem, at.hypothesis, at.x, at.states, grid, (0, 1))
+    normal = force_normal_equations(*where, at.states_jacobian, at.residual, beside=by_x)
+    p = by_x.shape[2]
+    turns = _turns(problem, at, grid.block, grid.count)
+    start = problem.windows.first[:, None] * problem.dt
+    time = start + (np.arange(grid.count) + 0.5) * grid.block * problem.dt
+    longest = float(problem.run_set.lengths.max()) * problem.dt
+    rate = reference_of(problem.boat).rate
+    frequencies = np.arange(
+        options().lowest_wave * rate,
+        min(options().highest_wave * rate, options().wave_sampling / problem.dt),
+        1.0 / (options().wave_fineness * longest),
+    )
+    found = []
+    for frequency in frequencies:
+        phase = 2 * np.pi * frequency * time
+        basis = np.concatenate(
+            [turns * np.sin(phase)[..., None, None], turns * np.cos(phase)[..., None, None]], axis=3
+        ).reshape(problem.windows.count, -1, 4)
+        found.append(_gain_and_amplitudes(normal.information, normal.gradient, basis, p))
+    gains = np.array([gain for gain, _ in found])
+    reach = options().peak_reach
+    tops = [gains[max(0, i - reach) : i + reach + 1].max() for i in range(len(gains))]
+    peaks = [i for i in np.argsort(-gains) if gains[i] == tops[i]][: options().wave_peaks]
+    waves = ((frequencies[i], *_polarised(found[i][1])) for i in peaks)
+    return [np.array([south, frequency, west, phase]) for frequency, south, west, phase in waves]
+
+
+def _turns(problem: Shooting, at: Fit, block: int, count: int) -> Array:
+    """(W, B, 2, 2) surge and sway force by force north and east, at the middle of each interval."""
+    track = problem.track(at.hypothesis, at.x, at.states)
+    middle = np.minimum((np.arange(count) + 0.5) * block, track.shape[1] - 1).astype(int)
+    cos, sin = np.cos(track[:, middle, 2]), np.sin(track[:, middle, 2])
+    return np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)], axis=-2)
+
+
+def _gain_and_amplitudes(information: Array, gradient: Array, basis: Array, p: int) -> tuple[float, Array]:
+    """Fall of chi2 beside the p other parameters, and four amplitudes, for basis (W, B axes, 4)."""
+    H = np.zeros((p + 4, p + 4))
+    H[:p, :p] = information[:, :p, :p].sum(axis=0)
+    cross = np.einsum("wpb,wbk->pk", information[:, :p, p:], basis)
+    H[:p, p:], H[p:, :p] = cross, cross.T
+    H[p:, p:] = np.einsum("wbk,wbl->kl", basis, information[:, p:, p:] @ basis)
+    g = np.concatenate([gradient[:, :p].sum(axis=0), np.einsum("wb,wbk->k", gradient[:, p:], basis)])
+    if not (np.isfinite(H).all() and np.isfinite(g).all()):  # a simulation diverged
+        return 0.0, np.zeros(4)
+    solved = inverse(H) @ g
+    return float(g @ solved), solved[p:]
+
+
+def _polarised(numbers: Array) -> tuple[float, float, float]:
+    """The nearest linearly polarised force: towards south and west [N], and its phase [rad].
+
+    numbers: sine north, sine east, cosine north, cosine east.
+    """
+    left, size, right = np.linalg.svd(np.array([numbers[:2], numbers[2:]]).T)
+    line, phase = left[:, 0] * size[0], right[0]
+    return -float(line[0]), -float(line[1]), float(np.arctan2(phase[1], phase[0]))

@@ -1,12 +1,10 @@
 """Selection on whole runs of effects too small for short windows, whose action accumulates over a run."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import EffectInstance, by_label
 from swamp_rl.criticism.options import options
@@ -17,49 +15,29 @@ from swamp_rl.criticism.selection.score_test import ScoreTest, at_neutral_values
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class SmallEffects:
-    """best: on the middle windows, with the effects found on whole runs; tried: alternatives, on the
-    shortest.
-    """
-
-    best: Fit
-    tried: list[Fit]
-
-
 def with_small_effects(
-    continuation: Continuation, best: Fit, instances: Sequence[EffectInstance], most: int
-) -> SmallEffects:
-    """The best fit with effects that only whole runs show, up to `most`, and alternatives to those that short
-    windows hardly show.
-    """
-    at = continuation.fit(LAST, best.hypothesis, best.x)
+    continuation: Continuation, best: Fit, instances: Sequence[EffectInstance]
+) -> tuple[Fit, list[Fit]]:
+    """The best fit with effects that only whole runs show, and alternatives to those hardly shown before."""
+    at = continuation.at(LAST, best)
     problem = continuation.problem(LAST, at.hypothesis)
     several = len(np.unique(problem.windows.run)) > 1
     if not several or at.chi2 > options().diverged * problem.samples:
-        return SmallEffects(best, [])
-    if adequacy(continuation.problems[MIDDLE], best).adequate:
-        instances = [
-            instance for instance in instances if instance.effect.begin != "spectral"
-        ]  # found on the middle windows
-    more = _forward_selection(continuation, at, instances, most)
+        return best, []
+    if continuation.is_adequate(MIDDLE, best):  # which shows waves
+        instances = [instance for instance in instances if instance.effect.begin != "spectral"]
+    more = _forward_selection(continuation, at, instances)
     if more.hypothesis != at.hypothesis:
         added = fit_by_continuation(continuation, more.hypothesis, more.x)
-        if adequacy(continuation.problem(LAST, more.hypothesis), more).adequate:
+        if continuation.is_adequate(LAST, more):
             best, at = added, more
     every = [at, *_alternatives(continuation, at, instances)]
-    return SmallEffects(
-        best, [continuation.fit(0, one.hypothesis, one.x) for one in every if one.hypothesis.instances]
-    )
+    return best, [continuation.at(0, one) for one in every if one.hypothesis.instances]
 
 
-def _forward_selection(
-    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance], most: int
-) -> Fit:
-    """A fit to whole runs with further effects, each of which lowers the criterion and predicts held-out runs
-    better.
-    """
-    while len(at.hypothesis.instances) < most:
+def _forward_selection(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> Fit:
+    """Whole runs with further effects that lower the criterion and predict held-out runs better."""
+    while len(at.hypothesis.instances) < options().most_effects:
         scores = _ranked(continuation, at, instances)
         if not scores:
             break
@@ -77,12 +55,10 @@ def _forward_selection(
 
 
 def _alternatives(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[Fit]:
-    """Fits to whole runs with another effect in place of one that the shortest windows hardly show, where
-    their criterion is close.
-    """
+    """Whole runs with another effect for one that short windows hardly show, of a close criterion."""
     criterion = continuation.criterion
     found: list[Fit] = []
-    short = continuation.fit(0, at.hypothesis, at.x)
+    short = continuation.at(0, at)
     for instance in at.hypothesis.instances:
         if criterion(without(continuation, short, instance.label, 0)) > criterion(short) + options().compared:
             continue
@@ -112,9 +88,7 @@ def _ranked(continuation: Continuation, at: Fit, instances: Sequence[EffectInsta
         for one in score_tests(problem, at, begun)
         if at.chi2 - one.expected_chi2 > criterion.required_gain(at.hypothesis, one.instance)
     ]
-    return sorted(scores, key=lambda one: one.expected_chi2 + criterion.charge(one.hypothesis))[
-        : options().small_shortlist
-    ]
+    return sorted(scores, key=criterion.expected)[: options().small_shortlist]
 
 
 def _fitted(

@@ -1,6 +1,4 @@
-"""Stepwise selection under model error: effects are added while held-out windows confirm them, weather of a
-run also where its parameters are far from zero.
-"""
+"""Stepwise selection under model error: effects are added while held-out windows confirm them."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,12 +12,12 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.likelihood.sandwich_covariance import scattered_covariance
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined, may_differ
-from swamp_rl.criticism.nuisance.model_error import ModelError, model_error
+from swamp_rl.criticism.nuisance.process_noise import ModelError, model_error
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection, nested, without
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.information_criterion import information_criterion
-from swamp_rl.criticism.selection.score_test import ScoreTest, at_neutral_values, score_tests
+from swamp_rl.criticism.selection.score_test import ScoreTest, neutral_start, score_tests
 
 Array = NDArray[np.float64]
 
@@ -29,31 +27,40 @@ def select_under_model_error(
     weight: Array,
     instances: Sequence[EffectInstance],
     hull: EffectInstance | None,
-    closest: Fit,
+    closest: Fit | None = None,
 ) -> tuple[RunSet, Continuation, Selection]:
-    """The runs with the model error as noise, a continuation of one stage, and the selected effects with
-    those that are indistinguishable from them.
+    """Runs with the model error as noise, a continuation of one stage, the selection.
 
-    closest: the best fit under white noise. The model error is what it leaves, not what the boat file leaves,
-    so that a cause is not its own noise (Mallows, Some comments on C_p, Technometrics 15, 1973).
+    closest: the best fit under white noise. In windows of `model_error_short` the model error is what it
+    leaves, so that a cause is not its own noise (Mallows, Some comments on C_p, Technometrics 15, 1973). Where
+    no effect is confirmed there, in windows of `model_error_window` it is what the boat file leaves: weather
+    is slow, and needs no other run if its Wald test has no doubt.
     """
     every = [*instances, *([hull] if hull else [])]
     nothing = Hypothesis(), np.zeros(0)
-    errors = [model_error(run_set, weight, *one) for one in (nothing, (closest.hypothesis, closest.x))]
-    least = min(errors, key=lambda one: one.volume)
-    continuation = single_stage(least)
-    best, first, singles = _forward_selection(continuation, continuation.fit(0, *nothing), every)
+    beside = [nothing, *([(closest.hypothesis, closest.x)] if closest else [])]
+    errors = [model_error(run_set, weight, *one, options().model_error_short) for one in beside]
+    found = _selected(min(errors, key=lambda one: one.volume), every, 0.0)
+    if found[2].winner.hypothesis.instances:
+        return found
+    return _selected(model_error(run_set, weight, *nothing), every, options().weather_level)
+
+
+def _selected(
+    weighted: ModelError, every: Sequence[EffectInstance], wald: float
+) -> tuple[RunSet, Continuation, Selection]:
+    """The selection under one model error; wald: level of the Wald tests of weather."""
+    continuation = single_stage(weighted)
+    nothing = continuation.fit(0, Hypothesis(), np.zeros(0))
+    best, first, singles = _forward_selection(continuation, nothing, every, wald)
     singles = sorted(singles, key=lambda one: _held_out_loss(continuation, one))
     others = [best, *_exchanged(continuation, best, singles)]
     unidentifiable = [one.instance.label for one in first if one.information < options().least_information]
-    best, confirmed = best_confirmed(continuation, others, len(every))
+    best, confirmed = best_confirmed(continuation, others, len(every), wald)
     rivals = equivalent(continuation, best, [*singles, *others]) if best.hypothesis.instances else []
     tried = [*singles, *(one for one in others if one is not best), best]
-    return (
-        least.run_set,
-        continuation,
-        Selection(best, False, 0, rivals, tried, first, unidentifiable, confirmed),
-    )
+    found = Selection(best, False, 0, rivals, tried, first, unidentifiable, confirmed)
+    return weighted.run_set, continuation, found
 
 
 def single_stage(weighted: ModelError) -> Continuation:
@@ -71,11 +78,9 @@ def _held_out_loss(continuation: Continuation, one: Fit) -> float:
 
 
 def _forward_selection(
-    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]
+    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance], wald: float
 ) -> tuple[Fit, list[ScoreTest], list[Fit]]:
-    """From no effect, the effect added each time whose held-out loss is least, while the gain is confirmed;
-    the first score tests, and the fits of single effects.
-    """
+    """Effects of least confirmed held-out loss in turn; the first score tests, the single effects' fits."""
     problem = continuation.problems[0]
     first: list[ScoreTest] = []
     singles: list[Fit] = []
@@ -91,31 +96,26 @@ def _forward_selection(
         confirmed_fits = [
             one
             for score, one in zip(likely, made, strict=True)
-            if confirmed(problem, one, at, score.instance, len(instances)).holds
+            if confirmed(problem, one, at, score.instance, len(instances), wald).holds
         ]
         if not confirmed_fits:
             break
-        at = _simplest(
-            continuation,
-            min(confirmed_fits, key=lambda one: _held_out_loss(continuation, one)),
-            confirmed_fits,
-        )
+        best = min(confirmed_fits, key=lambda one: _held_out_loss(continuation, one))
+        at = _simplest(continuation, best, confirmed_fits)
     return at, first, singles
 
 
 def confirmed(
-    problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, comparisons: int
+    problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, comparisons: int, wald: float = 0.0
 ) -> Confirmation:
     """Of an effect that `whole` has more than `less`: on held-out windows. Weather of a run is that run's
-    alone, and one run has few windows: where their gain is significant for one comparison only, its Wald test
-    decides, at `weather_level` divided by the number of comparisons (Bonferroni).
+    alone, and one run has few windows: where those gain without being significant, its Wald test decides,
+    at the level `wald` divided by the number of comparisons (Bonferroni).
     """
     found = confirmation(problem, whole, less, comparisons)
-    if found.holds or not may_differ(instance.effect, "run"):
+    if found.holds or not wald or not may_differ(instance.effect, "run"):
         return found
-    gains = confirmation(problem, whole, less, 1).holds
-    chance = wald_probability(problem, whole, instance) if gains else 1.0
-    return replace(found, certain=chance < options().weather_level / comparisons)
+    return replace(found, certain=wald_probability(problem, whole, instance) < wald / comparisons)
 
 
 def wald_probability(problem: Shooting, at: Fit, instance: EffectInstance) -> float:
@@ -125,8 +125,7 @@ def wald_probability(problem: Shooting, at: Fit, instance: EffectInstance) -> fl
     from scipy.special import fdtrc
 
     own = at.hypothesis.columns(instance.label)
-    (neutral,) = at_neutral_values(instance, problem.boat).starts
-    away = at.x[own] - np.tile(neutral, instance.count)
+    away = at.x[own] - np.tile(neutral_start(instance, problem.boat), instance.count)
     covariance, freedom = (of[own] for of in scattered_covariance(problem, at))
     distance = away @ np.linalg.pinv(covariance[:, own], rcond=1e-9, hermitian=True) @ away
     if not np.isfinite(freedom).all():
@@ -156,9 +155,7 @@ def _without_scope(hypothesis: Hypothesis) -> set[str]:
 
 
 def _screened(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
-    """Score tests beside a fit, from a part of the windows where there are many; none of an effect that it
-    has with another scope.
-    """
+    """Score tests beside a fit from a part of its windows, not of its own effects with another scope."""
     problem = continuation.problems[0]
     known = _without_scope(at.hypothesis)
     instances = [one for one in instances if one.of_one.label not in known]
@@ -175,12 +172,10 @@ def _exchanged(continuation: Continuation, best: Fit, singles: Sequence[Fit]) ->
     for instance in best.hypothesis.instances:
         if instance.effect.nuisance:
             continue
-        for other in [one for one in singles if _is_other(one.hypothesis, best.hypothesis, instance)][
-            : options().most_exchanges
-        ]:
-            kept = [(one, own) for one, own in best.hypothesis.parts(best.x) if one.label != instance.label]
-            exchanged, start = joined([*kept, *other.hypothesis.parts(other.x)])
-            tried.append(continuation.fit(0, exchanged, start, best.states))
+        every = [one for one in singles if _is_other(one.hypothesis, best.hypothesis, instance)]
+        for other in every[: options().most_exchanges]:
+            exchanged = joined([*best.parts(but=instance.label), *other.parts()])
+            tried.append(continuation.fit(0, *exchanged, best.states))
     return tried
 
 
@@ -192,7 +187,7 @@ def _is_other(single: Hypothesis, best: Hypothesis, instance: EffectInstance) ->
 
 
 def best_confirmed(
-    continuation: Continuation, fits: Sequence[Fit], comparisons: int
+    continuation: Continuation, fits: Sequence[Fit], comparisons: int, wald: float = 0.0
 ) -> tuple[Fit, dict[str, Confirmation]]:
     """The fit of least held-out loss among fits less what held-out windows do not confirm of them.
 
@@ -200,21 +195,22 @@ def best_confirmed(
     """
     reduced = []
     for one in sorted(fits, key=lambda one: _held_out_loss(continuation, one)):
-        reduced.append(_eliminated(continuation, one, comparisons))
+        reduced.append(_eliminated(continuation, one, comparisons, wald))
         if len(reduced[-1][0].hypothesis.instances) == len(one.hypothesis.instances):
             break
     return min(reduced, key=lambda each: _held_out_loss(continuation, each[0]))
 
 
 def _eliminated(
-    continuation: Continuation, best: Fit, comparisons: int
+    continuation: Continuation, best: Fit, comparisons: int, wald: float
 ) -> tuple[Fit, dict[str, Confirmation]]:
     """The best fit less the effects that held-out windows do not confirm, the least confirmed first."""
     while True:
         found = {}
         for instance in best.hypothesis.instances:
             less = without(continuation, best, instance.label, 0)
-            found[instance.label] = confirmed(continuation.problems[0], best, less, instance, comparisons)
+            where = continuation.problems[0], best, less
+            found[instance.label] = confirmed(*where, instance, comparisons, wald)
         if all(one.holds for one in found.values()):
             return best, found
         doubtful = [label for label, one in found.items() if not one.holds]
@@ -222,9 +218,7 @@ def _eliminated(
 
 
 def equivalent(continuation: Continuation, winner: Fit, others: Sequence[Fit]) -> list[Fit]:
-    """Fits of as many effects as the winner has whose held-out loss is not significantly greater, best
-    first.
-    """
+    """Fits of as many effects whose held-out loss is not significantly greater, best first."""
     problem = continuation.problems[0]
     kept: dict[str, Fit] = {}
     for one in sorted(others, key=lambda one: _held_out_loss(continuation, one)):
@@ -232,10 +226,8 @@ def equivalent(continuation: Continuation, winner: Fit, others: Sequence[Fit]) -
         same = len(one.hypothesis.instances) == len(winner.hypothesis.instances)
         if not same or name in kept or name == winner.hypothesis.cause_label:
             continue
-        if (
-            nested(winner.hypothesis, one.hypothesis)
-            or confirmation(problem, winner, one, options().shortlist).holds
-        ):
+        if nested(winner.hypothesis, one.hypothesis):
             continue
-        kept[name] = one
+        if not confirmation(problem, winner, one, options().shortlist).holds:
+            kept[name] = one
     return list(kept.values())[: options().most_rivals]

@@ -254,6 +254,18 @@ declare(
 )
 
 declare(
+    "low_battery",
+    Parameter("charge", "1", 1.0, "battery_charge", low=0.0, high=1.0, required=True),
+    acts_on="actuator",
+    combine="replace",
+    description="every pack begins an episode at that state of charge: the thrust follows its voltage by the "
+    "boat file's thrust_exponent, and is gone where the pack is empty",
+    source="ours: a pack that was not charged",
+    begin=None,  # thrust_scale, thrust_sag and thruster_failure are what a run shows of it
+    battery=True,
+)
+
+declare(
     "rudder_hull_force",
     Parameter("a_h", "1", None, "rudder_a_h", low=0.0, search=INDUCED),
     Parameter("x_h", "1", None, "rudder_x_h", low=-1.0, high=1.0, search=INDUCED_AT),

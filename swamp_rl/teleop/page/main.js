@@ -122,7 +122,7 @@ function say(words, good = false) {
   saying = setTimeout(() => { box.className = ""; }, 3000);
 }
 
-const ENDS = { success: "Both gates!", buoy: "Touched a buoy", out_of_bounds: "Out of bounds", timeout: "Time is up", diverged: "Simulation diverged" };
+const ENDS = { success: "Both gates!", buoy: "Touched a buoy", aground: "Aground", out_of_bounds: "Out of bounds", timeout: "Time is up", diverged: "Simulation diverged" };
 function headline() {
   if (document.body.dataset.connected !== "yes" || !frame) return ["Connecting …", ""];
   if (performance.now() - arrived > SILENT) return ["The recorder does not answer", "Accepted runs are safe. Its screen says more."];

@@ -24,6 +24,7 @@ from tests.support.patience import PATIENCE
 from tests.support.runs import circling
 
 VERBS = ("run", "simulate", "record", "record-scripted", "bench", "runs", "demo")
+ROOT = Path(__file__).parents[3]
 HEAVY = ("torch", "starlette", "matplotlib", "numba", "pyarrow", "scipy", "reservoirpy", "rerun")
 
 
@@ -269,6 +270,27 @@ def test_ctrl_c_while_the_verbs_are_imported_is_one_line(
         swamp_rl.experiments.cli.main()
     assert ended.value.code == 130
     assert capsys.readouterr().err == "swamp-rl: interrupted before it began\n"
+
+
+def test_ctrl_c_while_the_package_itself_is_imported_is_one_line(tmp_path: Path) -> None:
+    interrupting = "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n"
+    (tmp_path / "gymnasium.py").write_text(interrupting)  # the first library that the package imports
+    path = os.pathsep.join([str(tmp_path), str(ROOT)])
+    called = subprocess.run(
+        [sys.executable, "-c", "from swamp_rl_command import main; main()", "--version"],
+        env=os.environ | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+    )
+    assert called.returncode == 130
+    assert (called.stdout, called.stderr) == ("", "swamp-rl: interrupted before it began\n")
+
+
+def test_the_installed_command_runs_the_command_line() -> None:
+    start = [sys.executable, "-c", "from swamp_rl_command import main; main()", "--version"]
+    called = subprocess.run(start, capture_output=True, text=True, cwd=ROOT, timeout=PATIENCE)
+    assert (called.returncode, called.stdout, called.stderr) == (0, f"swamp-rl {__version__}\n", "")
 
 
 @pytest.mark.timed

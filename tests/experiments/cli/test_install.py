@@ -94,10 +94,10 @@ def test_the_wheel_holds_the_recorders_page(installed: Path) -> None:
 
 def test_the_wheel_holds_one_package_and_the_command(installed: Path) -> None:
     (info,) = installed.glob("*.dist-info")
-    assert {path.name for path in installed.iterdir()} == {"swamp_rl", info.name}
+    assert {path.name for path in installed.iterdir()} == {"swamp_rl", "swamp_rl_command.py", info.name}
     assert (installed / "swamp_rl" / "envs" / "single.py").is_file()
     assert (installed / "swamp_rl" / "experiments" / "cli" / "app.py").is_file()
-    assert "swamp-rl = swamp_rl.experiments.cli:main" in (info / "entry_points.txt").read_text()
+    assert "swamp-rl = swamp_rl_command:main" in (info / "entry_points.txt").read_text()
 
 
 def test_an_installed_package_finds_its_configs_by_name(installed: Path, tmp_path: Path) -> None:
@@ -114,8 +114,9 @@ def test_an_installed_package_finds_its_configs_by_name(installed: Path, tmp_pat
     assert Path(found.stdout.strip()) == installed / "swamp_rl" / "configs" / "boats" / "swamp.yaml"
 
 
-def test_an_environment_gets_one_package_and_no_path_file(stranger: Stranger) -> None:
-    assert {name for name in stranger.own if not name.endswith(".dist-info")} == {"swamp_rl"}
+def test_an_environment_gets_one_package_its_command_and_no_path_file(stranger: Stranger) -> None:
+    own = {name for name in stranger.own if not name.endswith(".dist-info")}
+    assert own - {"__pycache__"} == {"swamp_rl", "swamp_rl_command.py"}
 
 
 def test_beside_a_strangers_packages_the_wheels_own_are_imported(stranger: Stranger) -> None:

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from swamp_rl.runs import DatasetMeta, Run
+from swamp_rl.runs import Run
 from swamp_rl.runs.mcap_files import write_mcap
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.sensors import CHANNELS
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
@@ -25,14 +26,7 @@ def recorded(path: Path, seconds: float) -> Path:
     names = [f"azimuth_{name}" for name in BOAT.thruster_names]
     names += [f"throttle_{name}" for name in BOAT.thruster_names]
     columns |= dict(zip(names, commands.T, strict=True))
-    meta = DatasetMeta(
-        vehicle="swamp",
-        mass=BOAT.mass,
-        draught=BOAT.draught,
-        water_density=BOAT.water_density,
-        sample_rate=1 / DT,
-        source="scripted",
-    )
+    meta = meta_of(BOAT, "swamp", 1 / DT, "scripted")
     write_mcap(path, Run("run", columns), meta)
     return path
 

@@ -69,6 +69,27 @@ def test_an_extending_file_overrides_key_by_key(tmp_path: Path) -> None:
     assert (experiment.evaluation.episodes, experiment.evaluation.levels) == (2, ("calm",))
 
 
+def test_a_path_that_exists_only_beside_the_file_is_taken_from_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "Läufe vom Hafen").mkdir()
+    (tmp_path / "boats").mkdir()
+    (tmp_path / "boats" / "mine.yaml").write_text("extends: swamp\n")
+    (tmp_path / "swamp").mkdir()  # a bare name is never a folder beside the file
+    mine = {"data: ": "{folder: Läufe vom Hafen}", "boat: ": "boats/mine.yaml"}
+    text = SMALL.replace("boat: swamp\n", "") + "".join(f"{key}{value}\n" for key, value in mine.items())
+    away = tmp_path / "away"
+    away.mkdir()
+    monkeypatch.chdir(away)
+    experiment = load_experiment(write(tmp_path, text))
+    assert Path(experiment.boat) == tmp_path / "boats" / "mine.yaml"
+    assert Path(str(experiment.data.folder)) == tmp_path / "Läufe vom Hafen"
+    assert load_experiment(write(tmp_path, SMALL)).boat == "swamp"
+    (away / "boats").mkdir()
+    (away / "boats" / "mine.yaml").write_text("extends: swamp-light\n")
+    assert load_experiment(write(tmp_path, text)).boat == "boats/mine.yaml"  # the working directory first
+
+
 def test_files_that_extend_each_other_in_a_circle_are_refused(tmp_path: Path) -> None:
     write(tmp_path, "extends: b.yaml", "a.yaml")
     assert "circle" in complaint(write(tmp_path, "extends: a.yaml", "b.yaml"))

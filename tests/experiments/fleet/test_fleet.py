@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+import warnings
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -267,6 +268,24 @@ def test_parameters_that_one_dataset_lacks_or_that_are_no_number_are_not_compare
     members = [Member(name=name, boat="one", dataset=name) for name in found]
     findings, _ = findings_of(members, found)
     assert changes_of(members, found, findings) == ([], [])
+
+
+@pytest.mark.parametrize(
+    ("values", "errors", "drifts"),
+    [((1.0, 2.0), (1e-200, 1e-200), 1), ((1e308, -1e308), (1.0, 1.0), 0), ((1.0, 2.0), (1e-155, 1.0), 0)],
+)
+def test_parameters_at_the_end_of_floating_point_end_no_fleet(
+    values: tuple[float, float], errors: tuple[float, float], drifts: int
+) -> None:
+    members = [Member(name=name, boat="one", dataset=name) for name in ("a", "b")]
+    found = {
+        name: diagnosis(cause("mass", "mass", value, error, 90.0))
+        for name, value, error in zip("ab", values, errors, strict=True)
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        told, _ = changes_of(members, found, findings_of(members, found)[0])
+    assert len(told) == drifts
 
 
 def test_a_missing_dataset_has_its_line_and_does_not_stop_the_others(folder: Path) -> None:

@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from swamp_rl.experiments.reports.experiment import success, targets_reached
+from swamp_rl.experiments.reports.experiment import failures, success, targets_reached
 
 
 def results(pilots: dict[str, float]) -> dict[str, Any]:
@@ -29,3 +29,12 @@ def test_success_is_defined_for_any_number_of_gates() -> None:
 def test_targets_are_counted_only_where_some_are_set(reached: list[bool], said: str) -> None:
     text = targets_reached([{"reached": one} for one in reached])
     assert said in text and "0 of 0" not in text
+
+
+def test_failures_are_counted_by_how_they_ended_the_most_first() -> None:
+    told = results({"ppo": 0.4, "sac": 1.0})
+    ends = {"ppo": {"success": 4, "buoy": 1, "out_of_bounds": 5}, "sac": {"success": 10}}
+    for name, outcomes in ends.items():
+        told["pilots"][name]["levels"]["calm"]["outcomes"] = outcomes
+    text = failures(told)
+    assert "| ppo | 5 out of bounds, 1 buoy |" in text and "| sac | none |" in text

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+import shutil
 import subprocess
 import sys
 from itertools import combinations
@@ -13,6 +14,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.experiments.artifacts.demo_runs import read_shown
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.studies import main as main_job
 from swamp_rl.experiments.studies.run import run_experiment
@@ -23,6 +25,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.evaluation import drive
 from swamp_rl.pilots.store import load_pilot
 from swamp_rl.runs import check_dataset, read_dataset
+from tests.support.tiny_experiment import write_tiny
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("run")]  # what they share is made once
 
@@ -242,3 +245,10 @@ def test_the_race_puts_every_learned_pilot_in_the_start_and_weather_of_the_run_s
     for pilot, name in runs.items():
         flown = {run.name: run for run in read_dataset(folder / "driven" / pilot).runs}[name]
         assert conditions([shown, flown]).same
+
+
+def test_results_of_runs_from_elsewhere_keep_the_one_that_races(folder: Path, tmp_path: Path) -> None:
+    elsewhere = Path(shutil.copytree(folder / "data", tmp_path / "elsewhere"))
+    out = run_experiment(write_tiny(tmp_path, "reservoir"), [f"data.folder={elsewhere}"], tmp_path / "out")
+    shutil.rmtree(elsewhere)
+    assert sorted(read_shown([out], [], None).groups) == ["reservoir", "scripted"]

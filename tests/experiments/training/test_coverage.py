@@ -1,5 +1,6 @@
-"""Training says so where evaluation starts outside of the runs that a pilot learns from."""
+"""Training says so where the runs that a pilot learns from lack what its evaluation holds."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -75,3 +76,40 @@ def test_one_whole_run_covers_the_starts(
 ) -> None:
     mixed = cut_at_the_first_gate(driven, tmp_path / "mixed", whole=1)
     assert "evaluation" not in said_in_training(mixed, tmp_path / "out", capsys)
+
+
+def test_calm_runs_are_told_of_where_the_pilot_is_tried_among_disturbances(
+    driven: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = said_in_training(driven, tmp_path / "out", capsys)
+    lines = [line for line in said.splitlines() if "without disturbances" in line]
+    assert [line.split(": ")[1] for line in lines] == ["pilots.reservoir-alone", "pilots.cloning"]
+    for line in lines:
+        assert "3 of the 3 runs" in line and "tried at standard, severe" in line
+        assert line.endswith("--disturbances standard")
+
+
+def test_calm_runs_suffice_for_calm_water(
+    driven: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plans = {
+        "pilots": {"echo": {"kind": "reservoir"}},
+        "evaluation": {"levels": ["calm"], "episodes": 5, "seed": 1},
+    }
+    said = {"name": "calm", "boat": "swamp", "course": "camogli", "data": {"folder": str(driven)}, **plans}
+    (tmp_path / "calm.yaml").write_text(json.dumps(said))
+    train_experiment(tmp_path / "calm.yaml", out=tmp_path / "out")
+    assert "without disturbances" not in capsys.readouterr().err
+
+
+def test_runs_among_disturbances_are_not_told_of_as_calm(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    game = session(tmp_path / "runs", "standard")
+    now, kept = 0.0, 0
+    while kept < 3:
+        now = drive(game, now)
+        kept += game.outcome == "success"
+        accept(game)
+    game.close()
+    assert "without disturbances" not in said_in_training(tmp_path / "runs", tmp_path / "out", capsys)

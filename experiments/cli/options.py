@@ -1,0 +1,25 @@
+"""Options that several verbs have."""
+
+from typing import Annotated, Any
+
+import typer
+
+BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
+CourseOption = Annotated[str, typer.Option("--course", help="A name in configs/courses, or a course file.")]
+IgnoreOption = Annotated[
+    list[str] | None,
+    typer.Option("--ignore", help="Leave out what the runs measured: wind or depth; may be repeated."),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option("--workers", min=1, max=1024, help="Processes at once; by default one for each processor."),
+]
+Ray = Annotated[
+    str | None,
+    typer.Option("--ray", metavar="ADDRESS", help="Use the Ray cluster there, such as 127.0.0.1:6379."),
+]
+
+
+def seed_option(of: str) -> Any:
+    """The option of a seed; of: what it is a seed of, for the help."""
+    return typer.Option(min=0, max=2**31 - 1, help=of)

@@ -1,0 +1,19 @@
+"""Angles brought back into one turn."""
+
+import math
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Angle = TypeVar("Angle", float, NDArray[np.float64])
+
+
+def wrapped(angle: Angle) -> Angle:
+    """The same direction [rad] in (−π, π]."""
+    return math.pi - (math.pi - angle) % (2.0 * math.pi)
+
+
+def wrapped_below(angle: Angle) -> Angle:
+    """The same direction [rad] in [−π, π): straight astern is −π."""
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi

@@ -1,0 +1,140 @@
+"""Timing of commands: switching times between two rows, and commands that stood in lost rows alone."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, normal_equations
+from swamp_rl.criticism.options import options
+
+Array = NDArray[np.float64]
+
+
+def command_sensitivity(problem: Shooting, at: Fit, window: int, changes: Array) -> Array:
+    """(n, M) changes of a window's standardised prediction by changes (n, T, C) of its run's commands."""
+    run_set, win = problem.run_set, problem.windows
+    run, count = int(win.run[window]), len(changes)
+    unchanged = np.zeros((1, *changes.shape[1:]))
+    windows = replace(win.part(np.full(count + 1, window)), run=np.arange(count + 1))
+    commands = run_set.commands[run] + np.concatenate([changes, unchanged])
+    several = run_set.copies([run] * (count + 1), commands)
+    weight = np.repeat(problem.weight[run][None], count + 1, axis=0)
+    many = Shooting(several, weight, problem.seconds, windows)
+    states = np.repeat(at.states[window][None], count + 1, axis=0)
+    track = many.track(at.hypothesis, at.x, states)
+    return many.part(np.arange(count + 1) < count).standardised(track[:-1] - track[-1]).reshape(count, -1)
+
+
+SPREAD = 12.0**-0.5  # standard deviation of a uniform distribution between two rows
+
+
+def command_changes(run_set: RunSet) -> Array:
+    """(R, T, 2K) change of every command until the next row; of azimuths the shorter way round."""
+    change = np.diff(run_set.commands, axis=1, append=run_set.commands[:, -1:])
+    angles = change[..., : change.shape[2] // 2]
+    angles -= 2.0 * np.pi * np.round(angles / (2.0 * np.pi))
+    return change
+
+
+def interpolated_at(run_set: RunSet, change: Array, shares: Array) -> RunSet:
+    """The runs with each command moved by a share (R, T) of its change until the next row."""
+    return replace(run_set, commands=run_set.commands + shares[..., None] * change)
+
+
+def fit_shares(
+    problem: Shooting, at: Fit, change: Array, shares: Array, common_share: float
+) -> tuple[Array, float, int]:
+    """(R, T) shares at least chi2 to first order, their weighted mean, and how many were fitted.
+
+    One Gauss-Newton step with a Gaussian prior about `common_share`; the fit's parameters are fixed, the
+    initial states are eliminated. `problem` has the commands that `shares` (R, T) gives; change: (R, T, 2K).
+    """
+    found, fitted, weights = np.full_like(shares, common_share), [], []
+    win = problem.windows
+    for window in range(win.count):
+        run, first = int(win.run[window]), int(win.first[window])
+        size = np.abs(change[run, first : first + int(win.steps[window])]).max(axis=1)
+        count = min(options().most_instants, int((size > options().smallest_change).sum()))
+        rows = first + np.sort(np.argsort(-size, kind="stable")[:count])
+        if len(rows) == 0:
+            continue
+        slopes = _share_slopes(problem, at, window, rows, change[run])
+        normal = normal_equations(at.states_jacobian[window][None], slopes[None], at.residual[window][None])
+        now = shares[run, rows]
+        H = normal.information[0] + np.eye(len(rows)) * SPREAD**-2
+        g = normal.gradient[0] - (now - common_share) * SPREAD**-2
+        found[run, rows] = now + bounded_step(H, g, now, np.zeros(len(rows)), np.ones(len(rows)))
+        fitted.append(found[run, rows])
+        weights.append(np.clip(1.0 - np.diag(np.linalg.inv(H)) * SPREAD**-2, 1e-6, 1.0))
+    if fitted:
+        common_share = float(np.average(np.concatenate(fitted), weights=np.concatenate(weights)))
+    return found, common_share, sum(map(len, fitted))
+
+
+def _share_slopes(problem: Shooting, at: Fit, window: int, rows: NDArray[np.int64], change: Array) -> Array:
+    """(M, n) derivative of a window's weighted prediction by the shares of n rows."""
+    command_changes = np.zeros((len(rows), *change.shape))
+    command_changes[np.arange(len(rows)), rows] = options().share_step * change[rows]
+    return np.moveaxis(command_sensitivity(problem, at, window, command_changes) / options().share_step, 0, 1)
+
+
+def with_unlogged_commands(problem: Shooting, at: Fit) -> RunSet | None:
+    """The runs of a fit to whole runs with the command change in each run that saves most; None where none is
+    significant.
+
+    To first order in the command; the runs' initial states are eliminated.
+    """
+    commands = problem.run_set.commands.copy()
+    found = False
+    for window, run in enumerate(problem.windows.run):
+        best = _best_change(problem, at, window, int(run))
+        if best is not None:
+            row, change = best
+            commands[run, row] += change
+            found = True
+    return replace(problem.run_set, commands=commands) if found else None
+
+
+def _best_change(problem: Shooting, at: Fit, window: int, run: int) -> tuple[int, Array] | None:
+    """Row and change (2K,) of the commands there."""
+    run_set = problem.run_set
+    lost = lost_rows(run_set, run)
+    given = run_set.commands[run, : run_set.lengths[run]]
+    channels = np.flatnonzero(np.ptp(given, axis=0) > 0)
+    if not len(lost) or len(lost) > options().most_lost_rows or not len(channels):
+        return None
+    slopes = _sensitivity(problem, at, window, lost, channels)
+    thrusters = given.shape[1] // 2
+    reach = np.where(channels < thrusters, *options().command_reach)
+    gains, changes = [], []
+    for response in slopes:
+        normal = normal_equations(at.states_jacobian[window][None], response[None], at.residual[window][None])
+        change = np.linalg.solve(normal.information[0] + np.diag(reach**-2.0), normal.gradient[0])
+        gains.append(float(change @ normal.gradient[0]))
+        changes.append(change)
+    best = int(np.argmax(gains))
+    if gains[best] < options().unlogged_gain:
+        return None
+    whole, most = np.zeros(given.shape[1]), options().unlogged_limit * reach
+    whole[channels] = np.clip(changes[best], -most, most)
+    return int(lost[best]), whole
+
+
+def lost_rows(run_set: RunSet, run: int) -> NDArray[np.int64]:
+    """Rows of a run without any measurement."""
+    return np.flatnonzero(~np.isfinite(run_set.measured[run, : run_set.lengths[run]]).any(axis=1))
+
+
+def _sensitivity(
+    problem: Shooting, at: Fit, window: int, rows: NDArray[np.int64], channels: NDArray[np.int64]
+) -> Array:
+    """(rows, M, channels) derivative of the standardised prediction of a run by each command in each row."""
+    count = len(rows) * len(channels)
+    changes = np.zeros((count, *problem.run_set.commands.shape[1:]))
+    moved = np.arange(count), np.repeat(rows, len(channels)), np.tile(channels, len(rows))
+    changes[moved] = options().command_step
+    slopes = command_sensitivity(problem, at, window, changes) / options().command_step
+    return np.moveaxis(slopes.reshape(len(rows), len(channels), -1), 1, 2)
