@@ -56,7 +56,7 @@ def test_sets_of_effects_are_compared_without_what_held_out_windows_do_not_confi
         [{"effect": "wind", "speed": 6.0, "from": 1.0}, {"effect": "resistance", "scale": 1.6}]
     )
     continuation = single_stage(
-        model_error(found, weights(found, noise_levels(found)), Hypothesis(), np.zeros(0))
+        model_error(found, weights(found, noise_levels(found)), Hypothesis(), np.zeros(0), 10.0)
     )
     known, states = by_label(candidates(found.boat, SECONDS)), continuation.problems[0].initial_states()
     starts = {"wind": (3.0, 4.0), "resistance": (1.2,), "position_delay": (0.1,)}

@@ -27,7 +27,7 @@ def heldout_loss(problem: Shooting, at: Fit) -> Array:
     loss = at.loss.copy()
     for run in np.unique(runs):
         mine = runs == run
-        step = np.clip(at.x + _newton_step(at, ~mine), *at.hypothesis.bounds()) - at.x
+        step = _newton_step(at, ~mine)
         loss[mine] += -2.0 * g[mine] @ step + np.einsum("wij,i,j->w", H[mine], step, step)
     return loss
 
@@ -121,17 +121,9 @@ def confirmation(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> 
 
 
 def confirmed_at(gains: Array, comparisons: int) -> Confirmation:
-    """Of the gains of blocks (B,): their sum and the lower end of its bootstrap interval, widened by Student's
-    t and by B / (B - 1), since a bootstrap of few blocks is too narrow, most of all far out.
-    """
-    from scipy.special import ndtri, stdtrit
-
-    tail, count, total = options().tail / comparisons, len(gains), float(gains.sum())
-    wider = (
-        float("inf") if count < 2 else -stdtrit(count - 1, tail) / -ndtri(tail) * (count / (count - 1)) ** 0.5
-    )
-    low = bootstrap_quantile(gains, tail)
-    return Confirmation(total, total - wider * (total - low), 1.0 - 2.0 * tail)
+    """Of the gains of blocks (B,): their sum and the lower end of its bootstrap interval."""
+    tail = options().tail / comparisons
+    return Confirmation(float(gains.sum()), bootstrap_quantile(gains, tail), 1.0 - 2.0 * tail)
 
 
 def bootstrap_quantile(gains: Array, tail: float) -> float:

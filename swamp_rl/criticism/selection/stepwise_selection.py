@@ -32,9 +32,9 @@ def select_under_model_error(
     """Runs with the model error as noise, a continuation of one stage, the selection.
 
     closest: the best fit under white noise. In windows of `model_error_short` the model error is what it
-    leaves, so that a cause is not its own noise (Mallows, Some comments on C_p, Technometrics 15, 1973). Where
-    no effect is confirmed there, in windows of `model_error_window` it is what the boat file leaves: weather
-    is slow, and needs no other run if its Wald test has no doubt.
+    leaves, so that a cause is not its own noise (Mallows, Some comments on C_p, Technometrics 15, 1973). If
+    no effect is confirmed there, it is what the boat file leaves in windows of `model_error_window`: weather
+    is slow, and needs no other run if its Wald test leaves no doubt.
     """
     every = [*instances, *([hull] if hull else [])]
     nothing = Hypothesis(), np.zeros(0)
@@ -108,12 +108,13 @@ def _forward_selection(
 def confirmed(
     problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, comparisons: int, wald: float = 0.0
 ) -> Confirmation:
-    """Of an effect that `whole` has more than `less`: on held-out windows. Weather of a run is that run's
-    alone, and one run has few windows: where those gain without being significant, its Wald test decides,
-    at the level `wald` divided by the number of comparisons (Bonferroni).
+    """Of an effect that `whole` has more than `less`: on held-out windows. What a run has of its own no other
+    run confirms, and one run has few windows: where those gain without being significant, its Wald test
+    decides, at the level `wald` divided by the number of comparisons (Bonferroni).
     """
     found = confirmation(problem, whole, less, comparisons)
-    if found.holds or not wald or not may_differ(instance.effect, "run"):
+    alone = instance.groups or (len(problem.run_set.lengths) == 1 and may_differ(instance.effect, "run"))
+    if found.holds or not wald or not alone:
         return found
     return replace(found, certain=wald_probability(problem, whole, instance) < wald / comparisons)
 
