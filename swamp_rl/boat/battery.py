@@ -61,7 +61,7 @@ class ShaftPower(Part):
 
 def kind_of_power(given: Any) -> str:
     """Which of the three a section `power`, in a file or loaded, is."""
-    keys = given if isinstance(given, Mapping) else type(given).model_fields if given is not None else ()
+    keys = given if isinstance(given, Mapping) else getattr(type(given), "model_fields", ())
     return MEASURED if "throttle" in keys else SHAFT if "efficiency" in keys else CURVE
 
 

@@ -161,6 +161,7 @@ class Options:
     longest_gap: int = 5  # rows: commands of longer gaps are not estimated
     gap_rounds: int = 5  # iterations for the initial state of each window
     # ---- Weights from the model error
+    model_error_short: float = 10.0  # s: windows in which model error has grown little
     model_error_window: float = 30.0  # s: the longest horizon of prediction errors
     model_error_windows: int = 12  # windows of all runs together, at least
     model_error_rounds: int = 3  # repetitions of fit and estimate of the model error
@@ -279,7 +280,7 @@ class Options:
     # ---- Stepwise selection under model error
     most_exchanges: int = 3  # single effects tried in place of each effect at the end
     screening_samples: int = 8000  # of score tests
-    weather_level: float = 1e-3  # of the Wald test of weather, whose sandwich covariance is from few blocks
+    weather_level: float = 1e-2  # chance of any false alarm by the Wald tests of weather
     # ---- Share of the prediction error
     judged_horizons: tuple[float, ...] = (10.0, 30.0)  # s that causes are judged at
     # of the error without the cause, below which it is minor if it is below the sensor's noise too

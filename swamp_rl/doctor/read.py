@@ -13,6 +13,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.json_text import parsed_json, read_json
+from swamp_rl.names import YAML, file_in
 from swamp_rl.ordinary import ordinary
 from swamp_rl.runs import Run
 from swamp_rl.runs.apart import apart
@@ -144,10 +145,11 @@ def _frames(path: Path, features: dict[str, Any]) -> dict[str, Array]:
         if file.metadata.num_rows * file.metadata.num_columns > MOST_CELLS:
             raise UserError(f"{path}: says that it has {file.metadata.num_rows} rows; divide it")
         data = file.read()
-    except (pa.ArrowException, OSError) as error:
+        columns = list(zip(data.column_names, data.columns, strict=True))
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise UserError(f"{path}: cannot be read ({clipped(error, 200)}); copy it again") from error
     found: dict[str, Array] = {}
-    for name, cells in zip(data.column_names, data.columns, strict=True):
+    for name, cells in columns:
         if pa.types.is_integer(cells.type) or pa.types.is_floating(cells.type):
             found[name] = np.asarray(cells.to_numpy(), float)
         elif pa.types.is_list(cells.type) or pa.types.is_fixed_size_list(cells.type):
@@ -206,10 +208,11 @@ def _boat_named(told: dict[str, Any], boat: str | None) -> Boat | None:
 
 def _boat(folder: Path, told: dict[str, Any], boat: str | None) -> Boat | None:
     """The named boat, else the copy beside the description, else the shipped one of that name."""
-    name = told.get("vehicle")
-    if boat is None and isinstance(name, str) and "/" not in name and (folder / f"{name}.yaml").is_file():
-        return load_boat(folder / f"{name}.yaml")
-    return _boat_named(told, boat)
+    try:
+        copy = file_in(folder, f"{told.get('vehicle')}.yaml", YAML)
+    except UserError:
+        return _boat_named({}, boat)
+    return load_boat(copy) if boat is None and copy.is_file() else _boat_named(told, boat)
 
 
 @apart

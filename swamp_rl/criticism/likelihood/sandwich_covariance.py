@@ -13,17 +13,26 @@ Z95 = 1.959964
 
 
 def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
-    """(p, p) sandwich covariance (Huber-White) of x.
-
-    The inverse Fisher information, widened where the scores of blocks of `score_stretch` scatter more than
-    white noise of the estimated variance would, and by Student's t for their number. The same parameter of
-    several groups of runs is widened alike, since a group alone has few blocks.
-    """
+    """(p, p) sandwich covariance (Huber-White) of x, widened by Student's t for the number of its blocks."""
     from scipy.special import stdtrit
 
-    covariance = at.covariance
+    covariance, freedom = scattered_covariance(problem, at)
+    wider = stdtrit(freedom, 1.0 - options().tail) / Z95
+    return np.asarray(covariance * np.outer(wider, wider))
+
+
+def scattered_covariance(problem: Shooting, at: Fit) -> tuple[Array, Array]:
+    """(p, p) inverse Fisher information, widened where the scores of blocks scatter more than white noise of
+    the estimated variance would; and (p,) degrees of freedom of that scatter, infinite where the blocks are
+    too few and nothing is widened.
+
+    A block is `score_stretch` long, or a window where weights are the model error's. The same parameter of
+    several groups of runs is widened alike, since a group alone has few blocks; as each group's scores sum to
+    zero, each takes a degree of freedom.
+    """
+    covariance, freedom = at.covariance, np.full(at.hypothesis.size, np.inf)
     if not at.hypothesis.size or not np.isfinite(covariance).all():
-        return covariance
+        return covariance, freedom
     win = problem.windows
     slopes = sensitivities(problem, at).reshape(win.count, win.rows, -1, at.hypothesis.size)
     scores = np.einsum("wtc,wtcp->wtp", at.residual.reshape(win.count, win.rows, -1), slopes)[:, win.pad :]
@@ -33,14 +42,15 @@ def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
     blocks = np.add.reduceat(scores, starts, axis=1).reshape(-1, at.hypothesis.size)
     blocks = blocks[(blocks != 0.0).any(axis=1)]
     if len(blocks) < options().fewest_blocks:
-        return covariance
+        return covariance, freedom
     away = blocks - blocks.mean(axis=0)
-    spread = away.T @ away * len(blocks) / (len(blocks) - 1)
+    spread = away.T @ away * len(blocks)
     ratio = np.diag(covariance @ spread @ covariance) / np.maximum(np.diag(covariance), 1e-300)
-    for columns, _ in moved_together(at.hypothesis):
-        ratio[columns] = ratio[columns].mean()
-    wider = np.sqrt(np.maximum(ratio, 1.0)) * stdtrit(len(blocks) - 1, 1.0 - options().tail) / Z95
-    return np.asarray(covariance * np.outer(wider, wider))
+    for columns, instance in moved_together(at.hypothesis):
+        freedom[columns] = max(len(blocks) - instance.count, 1)
+        ratio[columns] = ratio[columns].mean() / freedom[columns]
+    wider = np.sqrt(np.maximum(ratio, 1.0))
+    return covariance * np.outer(wider, wider), freedom
 
 
 def sensitivities(problem: Shooting, at: Fit) -> Array:

@@ -97,15 +97,24 @@ class ModelError:
         """The runs with the model error as Gauss-Markov noise."""
         return replace(self.problem.run_set, gauss_markov=self.errors)
 
+    @property
+    def volume(self) -> float:
+        """Sum of the logarithms of the standard deviations."""
+        sizes = self.errors[:, 0]
+        return float(np.log(sizes[sizes > 0.0]).sum())
 
-def model_error(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: Array) -> ModelError:
-    """Windows weighted by the standard deviation of each channel's residual, one for north and east.
+
+def model_error(
+    run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: Array, longest: float | None = None
+) -> ModelError:
+    """Windows weighted by the standard deviation of each channel's residual, one for north and east, no
+    longer than `longest` [s], `model_error_window` by default, nor so long that they are too few.
 
     Weights are divided by the root of the residual's integrated autocorrelation time, so that chi2 counts
     independent samples. weight: (R, T, 6); x: (p,).
     """
     every = float(run_set.lengths.sum() * run_set.dt)
-    seconds = min(options().model_error_window, every / options().model_error_windows)
+    seconds = min(longest or options().model_error_window, every / options().model_error_windows)
     seen = weight > 0
     sigma = 1.0 / np.where(seen.any(axis=(0, 1)), weight.max(axis=(0, 1)), 1.0)
     problem = Shooting(run_set, seen / sigma, seconds)

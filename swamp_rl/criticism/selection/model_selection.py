@@ -74,9 +74,7 @@ def select_model(
     if found.adequate:
         return run_set, continuation, found
     if source == "process":
-        partly = select_under_model_error(run_set, weight, instances, hull)
-        if partly is not None:
-            return partly
+        return select_under_model_error(run_set, weight, instances, hull, found.winner)
     every = [*instances, *([hull] if hull else [])]
     return run_set, continuation, without_unconfirmed(continuation, found, every)
 
@@ -186,7 +184,7 @@ def correlated_noise(
     continuation: Continuation, winner: Fit, stage: int
 ) -> Literal["measurement", "process"] | None:
     """Source of the correlated residual of the winner at a stage: measurement (positions alone) or process;
-    None where the residual is white, or small.
+    None where the residual is white.
 
     The noise is estimated again beside a fit that includes it. Process noise also correlates positions: the
     larger likelihood decides.
@@ -199,7 +197,7 @@ def correlated_noise(
     noise, gain = _position_noise(problem, at)
     if _of_positions_alone(noise) and gain > process_noise_gain(problem, at):
         return "measurement"
-    return "process" if at.chi2 > options().model_error_chi2 * problem.samples else None
+    return "process"
 
 
 def _position_noise(problem: Shooting, white: Fit) -> tuple[Array, float]:

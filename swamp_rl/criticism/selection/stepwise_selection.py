@@ -10,7 +10,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.cross_validation import Confirmation, confirmation, saturated_loss
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
+from swamp_rl.criticism.likelihood.sandwich_covariance import scattered_covariance
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined, may_differ
 from swamp_rl.criticism.nuisance.process_noise import ModelError, model_error
 from swamp_rl.criticism.options import options
@@ -23,25 +23,44 @@ Array = NDArray[np.float64]
 
 
 def select_under_model_error(
-    run_set: RunSet, weight: Array, instances: Sequence[EffectInstance], hull: EffectInstance | None
-) -> tuple[RunSet, Continuation, Selection] | None:
-    """Runs with the model error as noise, a continuation of one stage, the selection; None if nothing."""
+    run_set: RunSet,
+    weight: Array,
+    instances: Sequence[EffectInstance],
+    hull: EffectInstance | None,
+    closest: Fit | None = None,
+) -> tuple[RunSet, Continuation, Selection]:
+    """Runs with the model error as noise, a continuation of one stage, the selection.
+
+    closest: the best fit under white noise. In windows of `model_error_short` the model error is what it
+    leaves, so that a cause is not its own noise (Mallows, Some comments on C_p, Technometrics 15, 1973). If
+    no effect is confirmed there, it is what the boat file leaves in windows of `model_error_window`: weather
+    is slow, and needs no other run if its Wald test leaves no doubt.
+    """
     every = [*instances, *([hull] if hull else [])]
-    plain = model_error(run_set, weight, Hypothesis(), np.zeros(0))
-    continuation = single_stage(plain)
-    best, first, singles = _forward_selection(continuation, plain.fit, every)
-    if not best.hypothesis.instances:
-        return None
+    nothing = Hypothesis(), np.zeros(0)
+    beside = [nothing, *([(closest.hypothesis, closest.x)] if closest else [])]
+    errors = [model_error(run_set, weight, *one, options().model_error_short) for one in beside]
+    found = _selected(min(errors, key=lambda one: one.volume), every, 0.0)
+    if found[2].winner.hypothesis.instances:
+        return found
+    return _selected(model_error(run_set, weight, *nothing), every, options().weather_level)
+
+
+def _selected(
+    weighted: ModelError, every: Sequence[EffectInstance], wald: float
+) -> tuple[RunSet, Continuation, Selection]:
+    """The selection under one model error; wald: level of the Wald tests of weather."""
+    continuation = single_stage(weighted)
+    nothing = continuation.fit(0, Hypothesis(), np.zeros(0))
+    best, first, singles = _forward_selection(continuation, nothing, every, wald)
     singles = sorted(singles, key=lambda one: _held_out_loss(continuation, one))
     others = [best, *_exchanged(continuation, best, singles)]
     unidentifiable = [one.instance.label for one in first if one.information < options().least_information]
-    best, confirmed = best_confirmed(continuation, others, len(every))
-    if not best.hypothesis.instances:
-        return None
-    rivals = equivalent(continuation, best, [*singles, *others])
+    best, confirmed = best_confirmed(continuation, others, len(every), wald)
+    rivals = equivalent(continuation, best, [*singles, *others]) if best.hypothesis.instances else []
     tried = [*singles, *(one for one in others if one is not best), best]
     found = Selection(best, False, 0, rivals, tried, first, unidentifiable, confirmed)
-    return plain.run_set, continuation, found
+    return weighted.run_set, continuation, found
 
 
 def single_stage(weighted: ModelError) -> Continuation:
@@ -59,7 +78,7 @@ def _held_out_loss(continuation: Continuation, one: Fit) -> float:
 
 
 def _forward_selection(
-    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]
+    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance], wald: float
 ) -> tuple[Fit, list[ScoreTest], list[Fit]]:
     """Effects of least confirmed held-out loss in turn; the first score tests, the single effects' fits."""
     problem = continuation.problems[0]
@@ -77,7 +96,7 @@ def _forward_selection(
         confirmed_fits = [
             one
             for score, one in zip(likely, made, strict=True)
-            if confirmed(problem, one, at, score.instance, len(instances)).holds
+            if confirmed(problem, one, at, score.instance, len(instances), wald).holds
         ]
         if not confirmed_fits:
             break
@@ -87,27 +106,32 @@ def _forward_selection(
 
 
 def confirmed(
-    problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, comparisons: int
+    problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, comparisons: int, wald: float = 0.0
 ) -> Confirmation:
-    """Of an effect that `whole` has more than `less`: on held-out windows. Weather of a run is that run's
-    alone, and one run has few windows: where those gain without being significant, its Wald test decides,
-    at `weather_level` divided by the number of comparisons (Bonferroni).
+    """Of an effect that `whole` has more than `less`: on held-out windows. What a run has of its own no other
+    run confirms, and one run has few windows: where those gain without being significant, its Wald test
+    decides, at the level `wald` divided by the number of comparisons (Bonferroni).
     """
-    from scipy.special import chdtri
-
     found = confirmation(problem, whole, less, comparisons)
-    if found.holds or not may_differ(instance.effect, "run"):
+    alone = instance.groups or (len(problem.run_set.lengths) == 1 and may_differ(instance.effect, "run"))
+    if found.holds or not wald or not alone:
         return found
-    limit = float(chdtri(instance.size, options().weather_level / comparisons))
-    return replace(found, certain=wald_statistic(problem, whole, instance) > limit)
+    return replace(found, certain=wald_probability(problem, whole, instance) < wald / comparisons)
 
 
-def wald_statistic(problem: Shooting, at: Fit, instance: EffectInstance) -> float:
-    """Squared distance of an effect's parameters from neutral, in the sandwich covariance: chi-square."""
+def wald_probability(problem: Shooting, at: Fit, instance: EffectInstance) -> float:
+    """Probability of an effect's k parameters being as far from neutral where there is no effect: F of k
+    degrees of freedom and those of the sandwich covariance; one where that has none.
+    """
+    from scipy.special import fdtrc
+
     own = at.hypothesis.columns(instance.label)
     away = at.x[own] - np.tile(neutral_start(instance, problem.boat), instance.count)
-    covariance = sandwich_covariance(problem, at)[np.ix_(own, own)]
-    return float(away @ np.linalg.pinv(covariance, rcond=1e-9, hermitian=True) @ away)
+    covariance, freedom = (of[own] for of in scattered_covariance(problem, at))
+    distance = away @ np.linalg.pinv(covariance[:, own], rcond=1e-9, hermitian=True) @ away
+    if not np.isfinite(freedom).all():
+        return 1.0
+    return float(fdtrc(len(away), freedom[0], distance / len(away)))
 
 
 def _simplest(continuation: Continuation, best: Fit, confirmed_fits: Sequence[Fit]) -> Fit:
@@ -164,7 +188,7 @@ def _is_other(single: Hypothesis, best: Hypothesis, instance: EffectInstance) ->
 
 
 def best_confirmed(
-    continuation: Continuation, fits: Sequence[Fit], comparisons: int
+    continuation: Continuation, fits: Sequence[Fit], comparisons: int, wald: float = 0.0
 ) -> tuple[Fit, dict[str, Confirmation]]:
     """The fit of least held-out loss among fits less what held-out windows do not confirm of them.
 
@@ -172,21 +196,22 @@ def best_confirmed(
     """
     reduced = []
     for one in sorted(fits, key=lambda one: _held_out_loss(continuation, one)):
-        reduced.append(_eliminated(continuation, one, comparisons))
+        reduced.append(_eliminated(continuation, one, comparisons, wald))
         if len(reduced[-1][0].hypothesis.instances) == len(one.hypothesis.instances):
             break
     return min(reduced, key=lambda each: _held_out_loss(continuation, each[0]))
 
 
 def _eliminated(
-    continuation: Continuation, best: Fit, comparisons: int
+    continuation: Continuation, best: Fit, comparisons: int, wald: float
 ) -> tuple[Fit, dict[str, Confirmation]]:
     """The best fit less the effects that held-out windows do not confirm, the least confirmed first."""
     while True:
         found = {}
         for instance in best.hypothesis.instances:
             less = without(continuation, best, instance.label, 0)
-            found[instance.label] = confirmed(continuation.problems[0], best, less, instance, comparisons)
+            where = continuation.problems[0], best, less
+            found[instance.label] = confirmed(*where, instance, comparisons, wald)
         if all(one.holds for one in found.values()):
             return best, found
         doubtful = [label for label, one in found.items() if not one.holds]
