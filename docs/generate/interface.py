@@ -41,6 +41,9 @@ TYPES = (
     "swamp_rl.envs.own_terms.OwnTerm",
     "swamp_rl.evaluation.rollout.Pilot",
     "swamp_rl.evaluation.rollout.Boats",
+    "swamp_rl.evaluation.rollout.Supply",
+    "swamp_rl.envs.supply.Supply",
+    "swamp_rl.envs.task.Task",
 )
 """Classes that these functions and modules take or return and do not name themselves."""
 
