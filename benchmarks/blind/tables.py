@@ -19,6 +19,7 @@ from benchmarks.blind.figures import (
     said,
     shares,
 )
+from benchmarks.blind.rough import rough_table
 from benchmarks.blind.score import WITHIN, Judged, summary
 from benchmarks.blind.weather import weather_table
 
@@ -33,20 +34,21 @@ TARGETS: dict[str, tuple[float | None, ...]] = {  # target rates, at levels A to
     "interval_coverage": (0.90, 0.90, 0.90, 0.90),
     "error_over_bound_median": (WITHIN,) * 4,
 }
-TARGETS_OF_ROUGH = {"single_named_alone": 0.85, "clean_false_positive": 0.02}
 COVER_AT_MOST = 0.98
+OWN = {EACH_RUN: ("blind weather", weather_table), ROUGH: ("blind rough", rough_table)}
+"""Levels whose tables stand apart, by marker."""
 
 
 def parts(results: Sequence[Judged]) -> dict[str, str]:
-    """The tables of docs/criticism.md by their markers; level E has its own; only what was run is told."""
-    weather = [r for r in results if r["level"] == EACH_RUN]
-    own = {"blind weather": weather_table(weather)} if weather else {}
-    results = [r for r in results if r["level"] != EACH_RUN]
+    """The tables of docs/criticism.md by their markers; levels E and R have their own; only what was run is
+    told.
+    """
+    of = {level: [r for r in results if r["level"] == level] for level in OWN}
+    own = {name: write(of[level]) for level, (name, write) in OWN.items() if of[level]}
+    results = [r for r in results if r["level"] not in OWN]
     if not results:
         return own
-    by_level = {
-        level: [r for r in results if r["level"] == level] for level in (*LEVELS, TRIPLE, OTHER, ROUGH)
-    }
+    by_level = {level: [r for r in results if r["level"] == level] for level in (*LEVELS, TRIPLE, OTHER)}
     scores = {level: summary(mine) for level, mine in by_level.items() if mine}
     return own | {
         "blind scores": scores_table(scores),
@@ -57,8 +59,8 @@ def parts(results: Sequence[Judged]) -> dict[str, str]:
 
 
 def pictures(results: Sequence[Judged], folder: Path) -> None:
-    """Draw both figures into a folder, of all levels but E."""
-    results = [r for r in results if r["level"] != EACH_RUN]
+    """Draw both figures into a folder, of all levels but E and R."""
+    results = [r for r in results if r["level"] not in OWN]
     if not results:
         return
     confusion_picture(results, folder / CONFUSION)
@@ -77,7 +79,6 @@ def judgement(row: str, level: str, value: Any) -> str:
     target.
     """
     bar = TARGETS[row][LEVELS.index(level)] if row in TARGETS and level in LEVELS else None
-    bar = TARGETS_OF_ROUGH.get(row) if level == ROUGH else bar
     if bar is None or value is None:
         return ""
     if not isinstance(value, dict):
