@@ -121,9 +121,7 @@ def test_a_number_at_the_end_of_floating_point_is_read_or_refused_in_one_line(
     path = format.make(tmp_path)
     good = path.read_bytes()
     assert outcome(format, path, good) == "accepted"
-    if b"\0" in good:
-        pytest.skip("holds no text")
-    places = [found.span() for found in NUMBER.finditer(good)]
+    places = [] if b"\0" in good else [found.span() for found in NUMBER.finditer(good)]  # of text alone
     for begin, end in places[:: max(1, len(places) // PLACES)]:
         for extreme in EXTREME:
             with warnings.catch_warnings():

@@ -273,7 +273,11 @@ def test_ctrl_c_while_the_verbs_are_imported_is_one_line(
 
 
 def test_ctrl_c_while_the_package_itself_is_imported_is_one_line(tmp_path: Path) -> None:
-    interrupting = "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n"
+    interrupting = (  # a parent in the background has the signal ignored
+        "import os, signal\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "os.kill(os.getpid(), signal.SIGINT)\n"
+    )
     (tmp_path / "gymnasium.py").write_text(interrupting)  # the first library that the package imports
     path = os.pathsep.join([str(tmp_path), str(ROOT)])
     called = subprocess.run(
