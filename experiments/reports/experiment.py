@@ -74,30 +74,31 @@ def targets_reached(targets: Sequence[Mapping[str, Any]]) -> str:
     return f"{sum(target['reached'] for target in targets)} of {len(targets)} targets were reached."
 
 
-def success(results: Results) -> str:
-    """Success rates by pilot and level, and what counts as success."""
+def _by_level(results: Results, cell: Callable[[Mapping[str, Any]], str]) -> str:
+    """A row for each pilot, a column for each level, `cell` of the pilot's summary there."""
     rows = [
-        [name, *(rate(pilot["levels"][level]) for level in _levels(results))]
+        [name, *(cell(pilot["levels"][level]) for level in _levels(results))]
         for name, pilot in results["pilots"].items()
     ]
+    return table(["pilot", *_levels(results)], rows)
+
+
+def success(results: Results) -> str:
+    """Success rates by pilot and level, and what counts as success."""
     return (
         "## Success rate\n\n"
         "All gates passed in their order and direction, no buoy and no ground touched, within the bounds and "
         "the time limit. Percent, with Wilson's 95 % interval.\n\n"
-        + table(["pilot", *_levels(results)], rows)
+        + _by_level(results, rate)
         + "\n\n![Success rates](figures/success.png)"
     )
 
 
 def failures(results: Results) -> str:
     """How the episodes ended that did not succeed, by pilot and level."""
-    rows = [
-        [name, *(_ended(pilot["levels"][level]) for level in _levels(results))]
-        for name, pilot in results["pilots"].items()
-    ]
     return (
         "## Failures\n\nHow the other episodes ended: a buoy touched, out of bounds, aground, or the time "
-        "limit reached.\n\n" + table(["pilot", *_levels(results)], rows)
+        "limit reached.\n\n" + _by_level(results, _ended)
     )
 
 
@@ -108,14 +109,10 @@ def _ended(summary: Mapping[str, Any]) -> str:
 
 
 def _returns(results: Results) -> str:
-    rows = [
-        [name, *(_mean_return(pilot["levels"][level]) for level in _levels(results))]
-        for name, pilot in results["pilots"].items()
-    ]
     return (
         "## Return\n\n"
         "Mean over all episodes of the sum of the rewards, with its 95 % interval. `config/experiment.yaml` "
-        "has the weights of the reward.\n\n" + table(["pilot", *_levels(results)], rows)
+        "has the weights of the reward.\n\n" + _by_level(results, _mean_return)
     )
 
 

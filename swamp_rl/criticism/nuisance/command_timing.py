@@ -12,6 +12,8 @@ from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
+SPREAD = 12.0**-0.5  # standard deviation of a uniform distribution between two rows
+
 
 def command_sensitivity(problem: Shooting, at: Fit, window: int, changes: Array) -> Array:
     """(n, M) changes of a window's standardised prediction by changes (n, T, C) of its run's commands."""
@@ -26,9 +28,6 @@ def command_sensitivity(problem: Shooting, at: Fit, window: int, changes: Array)
     states = np.repeat(at.states[window][None], count + 1, axis=0)
     track = many.track(at.hypothesis, at.x, states)
     return many.part(np.arange(count + 1) < count).standardised(track[:-1] - track[-1]).reshape(count, -1)
-
-
-SPREAD = 12.0**-0.5  # standard deviation of a uniform distribution between two rows
 
 
 def command_changes(run_set: RunSet) -> Array:
