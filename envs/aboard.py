@@ -70,7 +70,7 @@ class Measured:
             self._judge(record, before)
         self._begun = True
 
-    def commands(self, levers: Sequence[float], stern: Sequence[float] = (0.0, 0.0)) -> Array:
+    def commands(self, levers: Sequence[float] | Array, stern: Sequence[float] = (0.0, 0.0)) -> Array:
         """Commands (2K,), azimuths [rad] then throttles [1], of the levers: throttle in [0, 1], angle in
         [-1, 1]; stern: throttle [1] and azimuth in quarter turns of the thrusters that these do not drive."""
         found, K = np.empty(2 * len(self.boat.thrusters)), len(self.boat.thrusters)

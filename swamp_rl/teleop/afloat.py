@@ -72,7 +72,8 @@ class Afloat:
 
     def begin(self, seed: int) -> None:
         """Put the boat at the start of the episode of `seed`; it waits there."""
-        self._seed, self._began = seed, None
+        self._seed = seed
+        self._began: float | None = None
         self.observation, _ = self.env.reset(seed=seed)
         self.drawn = self._fleet.drawn(0)
         self.outcome: str | None = None
@@ -84,7 +85,7 @@ class Afloat:
 
     def start(self, now: float) -> None:
         """The run begins at the clock's time `now` [s]."""
-        self._began: float | None = now
+        self._began = now
 
     def step_end(self, now: float) -> float | None:
         """When the present step has ended [s]; None where it has not by `now`."""

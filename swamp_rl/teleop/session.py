@@ -61,7 +61,7 @@ class Session:
         self._in_force: tuple[Levers, Levers] = (IDLE, IDLE)
         self.journal: Journal | None = None
         self._complaint: str | None = None
-        self._refused = False
+        self._refused = self._held = False
         self._troubled: Journal | None = None
         self.renew()
 
@@ -132,7 +132,8 @@ class Session:
         self._asked = (message.throttle, message.angle)
         self._stern = (message.stern_throttle, message.stern_azimuth) if self.boat.stern else IDLE
         thrust = message.throttle > 0.0 or self.helm == PILOT
-        if self.phase == READY and message.live and thrust and not self._refused and not self.boat.trouble:
+        self._heed(now)
+        if self.phase == READY and message.live and thrust and not self._refused and not self._held:
             self.phase = RUN
             self.boat.start(now)
         # A run that the disk refused is not begun again by a lever that was never let go.
@@ -268,7 +269,10 @@ class Session:
         return told
 
     def _heed(self, now: float) -> None:
-        if self.stopped(now) or self.boat.trouble:
+        # A boat that can obey again does so once both throttles were let go.
+        thrust = self._asked[0] > 0.0 or self._stern[0] > 0.0
+        self._held = bool(self.boat.trouble) or (self._held and thrust)
+        if self.stopped(now) or self._held:
             self._in_force = (IDLE, IDLE)
         else:
             driven = self._decided if self.helm == PILOT and self.phase == RUN else self._asked

@@ -53,9 +53,13 @@ class Recorder:
             else:
                 self.game.command(levers(), self.now)
 
+    def be_ready(self) -> None:
+        """The motors are on."""
+        self.pass_time(SETTLE * PERIOD + 1.0, lambda: RELEASED)
+
     def drive(self) -> None:
         """Through the course to its end."""
-        self.pass_time(SETTLE * PERIOD + 1.0, lambda: RELEASED)
+        self.be_ready()
         while self.game.phase != ENDED and self.now < 120.0:
             self.pass_time(0.1, lambda: command(self.game))
 
@@ -101,12 +105,17 @@ def test_the_levers_are_not_obeyed_before_the_motors_are_on(tmp_path: Path) -> N
     at.pass_time(0.5 * SETTLE * PERIOD, lambda: AHEAD)
     assert at.game.phase == READY and at.game.boat.trouble is not None and not at.pumps.any()
     at.pass_time(SETTLE * PERIOD, lambda: AHEAD)
-    assert at.game.phase == RUN and at.game.boat.trouble is None and at.pumps.max() > 0.1
+    assert at.game.boat.trouble is None
+    assert at.game.phase == READY and not at.pumps.any()  # the throttle was held all the time
+    at.pass_time(2 * TICK, lambda: RELEASED)
+    at.pass_time(1.0, lambda: AHEAD)
+    assert at.game.phase == RUN and at.pumps.max() > 0.1
 
 
 def test_a_page_that_is_gone_stops_the_vehicle(tmp_path: Path) -> None:
     at = recorder(tmp_path / "runs")
-    at.pass_time(4.0, lambda: AHEAD)
+    at.be_ready()
+    at.pass_time(2.0, lambda: AHEAD)
     assert at.pumps.max() > 0.1
     at.pass_time(DEAD_MAN + 2 * PERIOD)
     assert not at.link.vehicle.commands()[4:].any()
@@ -116,7 +125,8 @@ def test_a_page_that_is_gone_stops_the_vehicle(tmp_path: Path) -> None:
 
 def test_a_vehicle_that_falls_silent_is_told_and_ends_the_run(tmp_path: Path) -> None:
     at = recorder(tmp_path / "runs")
-    at.pass_time(6.0, lambda: AHEAD)
+    at.be_ready()
+    at.pass_time(4.0, lambda: AHEAD)
     at.link.vehicle.blind.update(at.link.vehicle.addresses.sensors)
     at.pass_time(HOLD + 2 * PERIOD, lambda: AHEAD)
     assert "No telemetry" in (at.game.boat.trouble or "")
@@ -129,12 +139,16 @@ def test_a_vehicle_that_falls_silent_is_told_and_ends_the_run(tmp_path: Path) ->
     assert run.meta.outcome == LINK_LOST and 30 < len(run.time) < 60
     at.link.vehicle.blind.clear()
     at.pass_time(SETTLE * PERIOD + 1.0, lambda: AHEAD)
+    assert at.game.phase == READY and not at.link.vehicle.commands()[4:].any()
+    at.pass_time(2 * TICK, lambda: RELEASED)
+    at.pass_time(1.0, lambda: AHEAD)
     assert at.game.phase == RUN and at.pumps.max() > 0.1
 
 
 def test_a_recorder_that_stood_still_ends_the_run(tmp_path: Path) -> None:
     at = recorder(tmp_path / "runs")
-    at.pass_time(6.0, lambda: AHEAD)
+    at.be_ready()
+    at.pass_time(4.0, lambda: AHEAD)
     at.now += 2.0
     at.link.pass_time(at.now)
     assert not at.link.vehicle.commands()[4:].any()  # the modules' own time limit
@@ -157,7 +171,8 @@ def test_after_a_run_the_levers_bring_the_vehicle_back(tmp_path: Path) -> None:
 def test_two_thrusters_at_the_stern_obey_their_own_lever(tmp_path: Path) -> None:
     at = recorder(tmp_path / "runs")
     push = Command(type="command", throttle=0.5, angle=0.0, stern_throttle=0.7, stern_azimuth=1.0)
-    at.pass_time(3.0, lambda: push)
+    at.be_ready()
+    at.pass_time(1.0, lambda: push)
     asked = at.link.vehicle.commands()
     stern = [at.game.boat.boat.thruster_names.index(name) for name in at.game.boat.stern]
     assert asked[[4 + k for k in stern]] == pytest.approx(0.7, abs=1e-4)

@@ -88,13 +88,14 @@ def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_inter
 
 
 def push(socket: ClientConnection, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    """Hold the throttle until a frame is wanted; that frame."""
+    """Hold the throttle, where the vehicle is ready, until a frame is wanted; that frame."""
     while True:
         seen = json.loads(socket.recv(timeout=PATIENCE))
         if seen["type"] == "frame":
             if wanted(seen):
                 return dict(seen)
-            socket.send(json.dumps({"type": "command", "throttle": 1.0, "angle": 0.0}))
+            throttle = 0.0 if seen["trouble"] else 1.0
+            socket.send(json.dumps({"type": "command", "throttle": throttle, "angle": 0.0}))
 
 
 def test_a_page_drives_a_served_vehicle_and_neither_its_end_nor_the_vehicles_goes_unnoticed(
