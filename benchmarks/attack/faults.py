@@ -148,6 +148,7 @@ def recorder(case: Path):
 
     from swamp_rl.boat import load_boat
     from swamp_rl.runs import DatasetMeta
+    from swamp_rl.teleop.afloat import Afloat
     from swamp_rl.teleop.berth import Berth
     from swamp_rl.teleop.recordings import Recordings
     from swamp_rl.teleop.session import Session
@@ -156,7 +157,7 @@ def recorder(case: Path):
     particulars = {name: getattr(boat, name) for name in ("mass", "draught", "water_density")}
     meta = DatasetMeta(vehicle="swamp", sample_rate=10.0, source="scripted", course=course, **particulars)
     berth = Berth(
-        lambda level, senses: GatesEnv(course=course, disturbances=level, observation=senses),
+        lambda level, senses: Afloat(GatesEnv(course=course, disturbances=level, observation=senses)),
         ("calm",),
         lambda: Recordings(case / "out", meta, lambda line: None),
     )

@@ -10,6 +10,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.course import load_course
 from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, YAW_RATE
+from swamp_rl.teleop.afloat import Afloat
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.messages import Command
 from swamp_rl.teleop.recordings import Recordings
@@ -23,7 +24,7 @@ def session(folder: Path, level: str) -> Session:
     boat = load_boat("swamp")
     meta = meta_of(boat, "swamp", 10.0, "scripted", course="camogli")
     berth = Berth(
-        lambda level, senses: GatesEnv(disturbances=level, observation=senses),
+        lambda level, senses: Afloat(GatesEnv(disturbances=level, observation=senses)),
         (level,),
         lambda: Recordings(folder, meta, lambda line: None),
     )

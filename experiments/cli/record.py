@@ -1,16 +1,19 @@
-"""`swamp-rl record`: people drive a boat from a web page, and their runs become a dataset."""
+"""`swamp-rl record`: people drive a boat, simulated or at a link, and their runs become a dataset."""
 
 import logging
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from swamp_rl.experiments.cli.link import OriginOption
 from swamp_rl.experiments.cli.options import CourseOption
+from swamp_rl.experiments.cli.place import place_of
 
 if TYPE_CHECKING:
-    from swamp_rl.teleop.afloat import Env, MakeEnv
+    from swamp_rl.teleop.afloat import Afloat
     from swamp_rl.teleop.berth import Berth
 
 BOATS = ("swamp", "swamp-light")
@@ -27,7 +30,7 @@ def record(
         typer.Option(
             "--boat",
             help="A name in configs/boats, or a boat file; may be repeated, to choose from. By default "
-            f"{' and '.join(BOATS)}. OUT is the first one's, OUT/BOAT another's.",
+            f"{' and '.join(BOATS)}, with --link {BOATS[0]}. OUT is the first one's, OUT/BOAT another's.",
         ),
     ] = None,
     disturbances: Annotated[
@@ -50,6 +53,15 @@ def record(
     scripted: Annotated[
         bool, typer.Option("--scripted", help="A programme drives the page: the runs are not human.")
     ] = False,
+    link: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Drive the vehicle that answers there, not a simulated boat; an address as `swamp-rl "
+            "vehicle --address` takes it.",
+        ),
+    ] = None,
+    origin: OriginOption = None,
 ) -> None:
     """Drive a boat by joypad, keyboard or touch, from a web page, and keep the runs."""
     import numpy as np
@@ -69,42 +81,105 @@ def record(
 
     guard = Guard(host, token)
     source = "scripted" if scripted else "human"
+    boats = boat or list(BOATS if link is None else BOATS[:1])
+    _refuse_of_the_other_kind(link, boats, disturbances, pilot, origin)
     asked_for = [asked_pilot(text) for text in pilot or []]
     names = _names(one.folder or Path(one.name) for one in asked_for)
     pilots = dict(zip(names, map(opened, asked_for), strict=True))
-    boats = boat or list(BOATS)
-    berths: dict[str, Berth] = {}
-    for name, asked in zip(_names(map(Path, boats)), boats, strict=True):
-        # Refuses what cannot be sailed before anything is written.
-        berths[name] = _berth(out / name if berths else out, asked, course, disturbances, source)
-    listening = bound(host, port)  # before the session opens the folder of runs
-    session = Session(berths, np.random.default_rng(), pilots, lookout=Lookout(RTK))
-    session.warm()
-    logging.basicConfig(format="swamp-rl: %(message)s", level=logging.WARNING)
-    try:
-        serve(Hub(session, source), guard, listening, lambda address: typer.echo(f"drive at {address}"))
-    except (KeyboardInterrupt, SystemExit):
-        pass  # how a recorder is stopped: by Ctrl-C, or by whoever started it
-    finally:
-        session.close()
+    # Refuses what cannot be sailed, or does not answer, before anything is written.
+    with ExitStack() as stack:
+        berths: dict[str, Berth] = {}
+        for name, asked in zip(_names(map(Path, boats)), boats, strict=True):
+            if link is not None:
+                answering = _vehicle(out, asked, course, source, link, origin)
+                berths[name] = stack.enter_context(answering)
+            else:
+                berths[name] = _berth(out / name if berths else out, asked, course, disturbances, source)
+        listening = bound(host, port)  # before the session opens the folder of runs
+        lookout = Lookout(RTK if link is None else None)  # telemetry has the noise of its sensors
+        session = Session(berths, np.random.default_rng(), pilots, lookout=lookout)
+        session.warm()
+        logging.basicConfig(format="swamp-rl: %(message)s", level=logging.WARNING)
+        try:
+            serve(Hub(session, source), guard, listening, lambda address: typer.echo(f"drive at {address}"))
+        except (KeyboardInterrupt, SystemExit):
+            pass  # how a recorder is stopped: by Ctrl-C, or by whoever started it
+        finally:
+            stack.close()  # the motors are stopped before anything waits for the disk
+            session.close()
     for kept in session.opened:
         typer.echo(f"{kept.folder}: {kept.count} runs")
+
+
+def _refuse_of_the_other_kind(
+    link: str | None, boats: list[str], disturbances: str, pilot: list[str] | None, origin: str | None
+) -> None:
+    """UserError for an option of the simulator with --link, and for one of the link without it."""
+    from swamp_rl.errors import UserError
+
+    if link is None:
+        if origin is not None:
+            raise UserError("--origin: is the place of a vehicle's course; give --link too, or leave it out")
+        return
+    if len(boats) > 1:
+        raise UserError("--link: one vehicle answers at an address; give one --boat")
+    if disturbances != "calm":
+        raise UserError("--link: a vehicle has the weather that there is; leave out --disturbances")
+    if pilot:
+        raise UserError("--link: a person drives; leave out --pilot, or use `swamp-rl helm PILOT --link`")
+
+
+@contextmanager
+def _vehicle(
+    folder: Path, boat: str, course: str, source: str, link: str, origin: str | None
+) -> Iterator["Berth"]:
+    """The vehicle at an address, its motors switched off at the end. UserError where none answers."""
+    import time
+
+    from swamp_rl.envs.aboard import Measured
+
+    from swamp_rl.boat import load_boat
+    from swamp_rl.link.addresses import addresses
+    from swamp_rl.link.helm import PATIENCE, Latest, await_first, stop
+    from swamp_rl.link.sensor_line import CAMOGLI
+    from swamp_rl.link.socket_link import no_answer, socket_link
+    from swamp_rl.link.vehicle import refuse_other_thrusters
+    from swamp_rl.teleop.berth import Berth
+    from swamp_rl.teleop.linked import Linked
+    from swamp_rl.teleop.recordings import Recordings
+
+    known, place = load_boat(boat), place_of(origin) or CAMOGLI
+    refuse_other_thrusters(known)
+    ends, measured = addresses(link, len(known.thrusters)), Measured(boat=boat, course=course)
+    meta = _meta(boat, course, source, f"Driven from the recorder's page over the link {ends.text}.")
+    with socket_link(ends) as line:
+        if not await_first(line, Latest(place), time.monotonic):
+            raise no_answer(ends, PATIENCE)
+        vehicle = Linked(line, measured, ends.text, place)
+        try:
+            yield Berth(
+                lambda level, senses: vehicle, ("unknown",), lambda: Recordings(folder, meta, typer.echo)
+            )
+        finally:
+            stop(line, len(known.thrusters))
 
 
 def _berth(folder: Path, boat: str, course: str, disturbances: str, source: str) -> "Berth":
     """UserError where the boat does not fit the course or the first level."""
     from swamp_rl.envs.single import GatesEnv
 
+    from swamp_rl.teleop.afloat import Afloat
     from swamp_rl.teleop.berth import Berth
     from swamp_rl.teleop.recordings import Recordings
 
-    def make_env(level: str | None, senses: tuple[str, ...]) -> "Env":
-        return GatesEnv(boat=boat, course=course, disturbances=level, observation=senses)
+    def make_craft(level: str, senses: tuple[str, ...]) -> Afloat:
+        return Afloat(GatesEnv(boat=boat, course=course, disturbances=level, observation=senses))
 
-    make_env(disturbances, ("north",))
-    levels = [disturbances, *(name for name in LEVELS if name != disturbances and _fits(make_env, name))]
-    meta = _meta(boat, course, source)
-    return Berth(make_env, tuple(levels), lambda: Recordings(folder, meta, typer.echo))
+    make_craft(disturbances, ("north",))
+    levels = [disturbances, *(name for name in LEVELS if name != disturbances and _fits(make_craft, name))]
+    by = " by a programme" if source == "scripted" else ""
+    meta = _meta(boat, course, source, f"Driven from the recorder's page{by}.")
+    return Berth(make_craft, tuple(levels), lambda: Recordings(folder, meta, typer.echo))
 
 
 def _names(paths: Iterable[Path]) -> list[str]:
@@ -117,12 +192,11 @@ def _names(paths: Iterable[Path]) -> list[str]:
     return names
 
 
-def _meta(boat: str, course: str, source: str) -> Any:
+def _meta(boat: str, course: str, source: str, notes: str) -> Any:
     from swamp_rl.boat import load_boat
     from swamp_rl.runs import DatasetMeta
 
     vehicle = load_boat(boat)
-    notes = "Driven from the recorder's page" + (" by a programme." if source == "scripted" else ".")
     return DatasetMeta.model_validate(
         {
             "vehicle": boat,
@@ -137,12 +211,12 @@ def _meta(boat: str, course: str, source: str) -> Any:
     )
 
 
-def _fits(make_env: "MakeEnv", level: str) -> bool:
+def _fits(make_craft: "Callable[[str, tuple[str, ...]], Afloat]", level: str) -> bool:
     """Whether the boat has the thrusters that a level disturbs."""
     from swamp_rl.errors import UserError
 
     try:
-        make_env(level, ("north",))
+        make_craft(level, ("north",))
     except UserError:
         return False
     return True

@@ -178,6 +178,13 @@ def steer(link: Link, commands: Array) -> None:
         link.send(k, Command(REFERENCE, (THRUST_MOTOR, throttle_reference(float(commands[K + k])))))
 
 
+def send_period(link: Link, period: int, commands: Array) -> None:
+    """Send commands (2K,) in a period, counted from the start; power and enabling too where they are due."""
+    if period < SETTLE or period % AGAIN == 0:
+        switch_on(link, len(commands) // 2)
+    steer(link, commands)
+
+
 def _drive(
     link: Link,
     bridge: Bridge,
@@ -209,9 +216,7 @@ def _drive(
         if clock() - latest.came > HOLD:
             commands[thrusters:] = 0.0
         voyage.lateness.append(clock() - due)
-        if period < SETTLE or period % AGAIN == 0:
-            switch_on(link, thrusters)
-        steer(link, commands)
+        send_period(link, period, commands)
         gc.collect(0 if period % AGAIN else 1)  # now, when there is time until the next command
         late = math.floor((clock() - due) / PERIOD)
         voyage.missed += late

@@ -1,22 +1,23 @@
-"""One boat in real time: it sails in whole control steps, and is looked at in between."""
+"""One simulated boat in real time: it sails in whole control steps, and is looked at in between."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
 from swamp_rl.physics.motion import current_at
-from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE
-from swamp_rl.simulator.step import wind_now
+from swamp_rl.simulator import parameters, tank
+from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE
+from swamp_rl.simulator.step import step as sail
+from swamp_rl.simulator.step import substeps_of, wind_now
+from swamp_rl.teleop.craft import IDLE, Array, Instant, Levers, Weather
+from swamp_rl.teleop.rows import initial_state
 
-Array = NDArray[Any]
-Levers = tuple[float, float]
-"Throttle in [0, 1] and angle in [-1, 1], as the joypad's; the stern's angle is in quarter turns, [-2, 2]."
-IDLE: Levers = (0.0, 0.0)
+BEHIND = 0.5
+"How far [s] the boat may lag behind the clock; what a stalled machine lost beyond is not made up for."
 
 
 class Fleet(Protocol):
@@ -51,71 +52,106 @@ class Env(Protocol):
         """Observation (d,), reward, terminated, truncated, info with `outcome` at the end."""
 
 
-MakeEnv = Callable[[str | None, tuple[str, ...]], Env]
-"""Builds the environment of a level of disturbance (None is none) that is observed by the given names."""
-
-
-@dataclass(frozen=True)
-class Instant:
-    """The boat at one time; arrays are its own."""
-
-    state: Array
-    "(S,) as in `swamp_rl.simulator.state`"
-    commands: Array
-    "(2K,) azimuths [rad], then throttles [1]: in force until the next control step"
-    passed: int
-    "gates"
-
-
 class Afloat:
-    """A boat between two control steps: where the present one began, and where it will end.
+    """A simulated boat between two control steps: where the present one began, and where it will end.
 
-    A step's levers may be changed until its end: `foresee` sails the step anew from its beginning. So what
+    A step's levers may be changed until its end: the step is then sailed anew from its beginning. So what
     a person does counts from the beginning of the control step it falls into, shows at once, and a run is
     still one command for each step.
     """
 
+    simulated = True
+    trouble: str | None = None
+    "Nothing keeps a simulated boat from being driven."
+
     def __init__(self, env: Env) -> None:
-        self.env, self.fleet = env, env.fleet
-        joypad = self.fleet.boat.joypad.thrusters
-        self.stern = tuple(name for name in self.fleet.boat.thruster_names if name not in joypad)
-        self.step = self.fleet.step
+        self.env, self._fleet = env, env.fleet
+        self.boat, self.course, self.step = env.fleet.boat, env.fleet.course, env.fleet.step
+        joypad = self.boat.joypad.thrusters
+        self.stern = tuple(name for name in self.boat.thruster_names if name not in joypad)
 
     def begin(self, seed: int) -> None:
-        """Put the boat at the start of the episode of `seed`."""
-        self.seed = seed
+        """Put the boat at the start of the episode of `seed`; it waits there."""
+        self._seed = seed
+        self._began: float | None = None
         self.observation, _ = self.env.reset(seed=seed)
-        self.drawn = self.fleet.drawn(0)
+        self.drawn = self._fleet.drawn(0)
         self.outcome: str | None = None
         self._ahead_outcome: str | None = None
-        self._records = self.fleet.boats.copy()
-        self.now = self.ahead = self._instant()
+        self._records = self._fleet.boats.copy()
+        self._foreseen: tuple[Levers, Levers] | None = None
+        self.now = self.ahead = self._instant(IDLE)
+        self._start = self.now.state
 
-    def foresee(self, levers: Levers, stern: Levers = IDLE) -> None:
+    def start(self, now: float) -> None:
+        """The run begins at the clock's time `now` [s]."""
+        self._began = now
+
+    def step_end(self, now: float) -> float | None:
+        """When the present step has ended [s]; None where it has not by `now`."""
+        assert self._began is not None
+        self._began = max(self._began, now - BEHIND)
+        end = self._began + self.step
+        return end if now >= end else None
+
+    def heed(self, now: float, levers: Levers, stern: Levers = IDLE) -> None:
         """Sail the present step with these levers, as far as its end and not into the next.
 
         stern: throttle, and azimuth in quarter turns, of the thrusters that the levers do not drive.
         """
-        if self.outcome is not None:
+        if self._began is None or self.outcome is not None or (levers, stern) == self._foreseen:
             return
-        self.fleet.boats[:] = self._records
-        self.fleet.hold(self.stern, 0.5 * np.pi * stern[1], stern[0])
+        self._foreseen = levers, stern
+        self._fleet.boats[:] = self._records
+        self._fleet.hold(self.stern, 0.5 * np.pi * stern[1], stern[0])
         self._seen, _, terminated, truncated, info = self.env.step(np.array(levers))
         self._ahead_outcome = str(info["outcome"]) if terminated or truncated else None
-        self.ahead = self._instant()
+        self.ahead = self._instant(levers)
 
     def go_on(self) -> tuple[Instant, Instant]:
         """End the present step as it was foreseen last and begin the next; its beginning and its end.
 
-        The first of the two has the commands that were in force between them.
+        Both have the levers and commands that were in force between them.
         """
+        assert self._began is not None
         before, after = self.now, self.ahead
         self.observation, self.outcome = self._seen, self._ahead_outcome
-        self._records, self.now = self.fleet.boats.copy(), after
-        return Instant(before.state, after.commands, before.passed), after
+        self._records, self.now = self._fleet.boats.copy(), after
+        self._began, self._foreseen = self._began + self.step, None
+        return replace(after, state=before.state, passed=before.passed), after
 
-    def at(self, share: float) -> Array:
-        """(S,) the state after that share in [0, 1] of the step, by cubics through its two ends."""
+    def at(self, now: float) -> Array:
+        """(S,) the state at the clock's time [s], by cubics through the two ends of the present step."""
+        if self._began is None or self.outcome is not None:
+            return self.now.state
+        return self._within(min(max((now - self._began) / self.step, 0.0), 1.0))
+
+    def weather(self, state: Array) -> Weather:
+        """Wind and current in a state (S,)."""
+        p = self._fleet.params[0]
+        return (*wind_now(state, p), *current_at(state[TIME], p))
+
+    def about(self) -> dict[str, Any]:
+        """All that it takes to sail the run again."""
+        return {
+            "seed": self._seed,
+            "initial_state": initial_state(self.boat, self._start),
+            "disturbances": self.drawn["effects"],
+            **{name: value for name, value in self.drawn.items() if name != "effects"},
+        }
+
+    def warm(self, seed: int) -> None:
+        """Compile what would otherwise halt the first run and the first replay, which takes seconds once."""
+        self.begin(seed)
+        self.start(0.0)
+        self.heed(0.0, IDLE)
+        self.weather(self.at(0.05))
+        state, commands = self.now.state[None].copy(), self.now.commands[None]
+        gusts = np.zeros(1, np.uint64)
+        sail(state, parameters(self.boat), tank(self.boat), commands, gusts, 0.1, substeps_of(0.1))
+        self.begin(seed)
+
+    def _within(self, share: float) -> Array:
         start, end = self.now.state, self.ahead.state
         state = start + share * (end - start)
         for place, slopes in ((NORTH, over_ground), (EAST, over_ground), (HEADING, turning)):
@@ -123,14 +159,9 @@ class Afloat:
             state[place] = _cubic(start[place], end[place], self.step * first, self.step * last, share)
         return state
 
-    def weather(self, state: Array) -> tuple[float, float, float, float]:
-        """Wind north and east, where it comes from, then current north and east, where it goes [m/s]."""
-        p = self.fleet.params[0]
-        return (*wind_now(state, p), *current_at(state[TIME], p))
-
-    def _instant(self) -> Instant:
-        record = self.fleet.boats[0]
-        return Instant(record["state"].copy(), record["command"].copy(), int(record["passed"]))
+    def _instant(self, levers: Levers) -> Instant:
+        record = self._fleet.boats[0]
+        return Instant(record["state"].copy(), record["command"].copy(), int(record["passed"]), levers)
 
 
 def over_ground(state: Array) -> dict[int, float]:
@@ -152,9 +183,3 @@ def _cubic(start: float, end: float, slope_start: float, slope_end: float, s: fl
     rise = end - start
     square = 3.0 * rise - 2.0 * slope_start - slope_end
     return start + s * (slope_start + s * (square + s * (slope_start + slope_end - 2.0 * rise)))
-
-
-def actuators(state: Array) -> tuple[Array, Array]:
-    """Azimuths (K,) [rad] and throttles (K,) [1] that the thrusters have reached."""
-    azimuths, throttles = np.split(state[ACTUATORS:], 2)
-    return azimuths, throttles

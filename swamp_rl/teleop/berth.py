@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from swamp_rl.teleop.afloat import MakeEnv
+from swamp_rl.teleop.craft import Craft
 from swamp_rl.teleop.recordings import Recordings
 
 
@@ -11,7 +11,8 @@ from swamp_rl.teleop.recordings import Recordings
 class Berth:
     """What is there for one boat; its dataset is opened when it is first chosen."""
 
-    make_env: MakeEnv
+    make_craft: Callable[[str, tuple[str, ...]], Craft]
+    "Of a level of disturbance, observed by the given names."
     levels: tuple[str, ...]
-    "Names that `make_env` knows, the first one chosen."
+    "Names that `make_craft` knows, the first one chosen."
     open_recordings: Callable[[], Recordings]

@@ -16,7 +16,7 @@ from swamp_rl.simulator.replay import fixed_thrusters
 from swamp_rl.simulator.state import ACTUATORS, HEADING, NORTH, TIME, YAW_RATE, state_size
 from swamp_rl.simulator.step import step as sail
 from swamp_rl.simulator.step import substeps_of
-from swamp_rl.teleop.afloat import Array, Instant, Levers
+from swamp_rl.teleop.craft import Array, Instant, Weather
 
 MOTION = ("north", "east", "heading", "surge", "sway", "yaw_rate")
 LEVERS = ("joy_thrust", "joy_angle")
@@ -25,35 +25,27 @@ WITH_PILOT = ("driver", "pilot_thrust", "pilot_angle")
 "Where a pilot was aboard: who drove, 0 the person and 1 the pilot, and what the pilot wanted."
 
 
-def columns_of(boat: Boat, with_pilot: bool) -> list[str]:
-    """The columns of a run in their order."""
+def columns_of(boat: Boat, simulated: bool, with_pilot: bool) -> list[str]:
+    """The columns of a run in their order; of a simulated one actuators and wind too."""
     commands = [name for name in _channels(boat) if name is not None]
-    applied = [f"applied_{name}" for name in commands]
-    return ["time", *MOTION, *LEVERS, *commands, *applied, *WIND, *(WITH_PILOT if with_pilot else ())]
+    known = (*(f"applied_{name}" for name in commands), *WIND) if simulated else ()
+    return ["time", *MOTION, *LEVERS, *commands, *known, *(WITH_PILOT if with_pilot else ())]
 
 
 def row_of(
-    boat: Boat,
-    instant: Instant,
-    levers: Levers,
-    wind: tuple[float, float],
-    pilot: tuple[float, float, float] | None,
+    boat: Boat, instant: Instant, weather: Weather | None, pilot: tuple[float, float, float] | None
 ) -> list[float]:
-    """One row in the order of `columns_of`; wind: north and east of where it comes from [m/s]."""
+    """One row in the order of `columns_of`; weather: None for a boat that is not simulated."""
     state = instant.state
     motion = state[NORTH : YAW_RATE + 1].copy()
     motion[2] = wrapped(motion[2])
     turning = [k for k, name in enumerate(_channels(boat)) if name is not None]
-    return [
-        float(state[TIME]),
-        *motion.tolist(),
-        *levers,
-        *instant.commands[turning].tolist(),
-        *state[ACTUATORS:][turning].tolist(),
-        math.hypot(*wind),
-        math.atan2(wind[1], wind[0]),
-        *(pilot or ()),
-    ]
+    known: list[float] = []
+    if weather is not None:
+        wind = weather[:2]
+        known = [*state[ACTUATORS:][turning].tolist(), math.hypot(*wind), math.atan2(wind[1], wind[0])]
+    commands = instant.commands[turning].tolist()
+    return [float(state[TIME]), *motion.tolist(), *instant.levers, *commands, *known, *(pilot or ())]
 
 
 def initial_state(boat: Boat, state: Array) -> dict[str, float]:
@@ -98,14 +90,6 @@ def _arrived(run: Run, boat: Boat, commands: Array, delay: float) -> Array:
     for row in range(len(commands)):
         delayed_command(asked, len(earlier) + row, delay, arrived[row])
     return arrived
-
-
-def try_a_step(boat: Boat, state: Array, commands: Array) -> None:
-    """Compile what `sailed_again` needs, which takes seconds once."""
-    params = parameters(boat)
-    sail(
-        state[None].copy(), params, tank(boat), commands[None], np.zeros(1, np.uint64), 0.1, substeps_of(0.1)
-    )
 
 
 def largest_difference(run: Run, boat: Boat | str) -> float:

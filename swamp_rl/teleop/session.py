@@ -12,21 +12,19 @@ from swamp_rl.errors import UserError
 from swamp_rl.link.stream import Sample
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.simulator.state import NORTH, TIME, YAW_RATE
-from swamp_rl.teleop.afloat import IDLE, Afloat, Array, Instant, Levers
 from swamp_rl.teleop.berth import Berth
+from swamp_rl.teleop.craft import IDLE, Array, Craft, Instant, Levers
 from swamp_rl.teleop.journal import Journal
 from swamp_rl.teleop.lookout import Lookout
 from swamp_rl.teleop.messages import Choose, Command, clean_nickname
 from swamp_rl.teleop.recordings import Recordings
-from swamp_rl.teleop.rows import columns_of, initial_state, row_of, try_a_step
+from swamp_rl.teleop.rows import columns_of, row_of
 
 DEAD_MAN = 0.25  # s without a command, until the thrusters stop
 READY, RUN, ENDED, SAVING = "ready", "run", "ended", "saving"
 PERSON, PILOT = "person", "pilot"
 WATCHED = 4
 "Lines of the lookout that are shown."
-BEHIND = 0.5
-"How far [s] the boat may lag behind the clock; what a stalled machine lost beyond is not made up for."
 
 
 class Session:
@@ -55,16 +53,15 @@ class Session:
         self.level, self.nickname = self.levels[0], "anonymous"
         senses = dict.fromkeys(name for pilot in self.pilots.values() for name in pilot.senses)
         self._senses = tuple(senses) or ("north", "east")
-        self._afloat: dict[tuple[str, str], Afloat] = {}
+        self._crafts: dict[tuple[str, str], Craft] = {}
         self._opened: dict[str, Recordings] = {}
         self._open(self.vessel)
         self._heard = -math.inf
         self._asked, self._stern = IDLE, IDLE
         self._in_force: tuple[Levers, Levers] = (IDLE, IDLE)
-        self._foreseen: tuple[Levers, Levers] | None = None
         self.journal: Journal | None = None
         self._complaint: str | None = None
-        self._refused = False
+        self._refused = self._held = False
         self._troubled: Journal | None = None
         self.renew()
 
@@ -72,12 +69,12 @@ class Session:
         """Put the boat at a start: that of `seed`, or a new one."""
         self.boat = self._boat(self.vessel, self.level)
         # Above any seed of an evaluation, so that no pilot is tried on what it learned from.
-        self.boat.begin(int(self._seeds.integers(2**31, 2**32)) if seed is None else seed)
-        self.phase, self.helm, self.began = READY, PERSON, 0.0
+        self.seed = int(self._seeds.integers(2**31, 2**32)) if seed is None else seed
+        self.boat.begin(self.seed)
+        self.phase, self.helm = READY, PERSON
         self.rows = self.kicks = self.corrections = 0
         self.drivers: set[str] = set()
         self.gates: list[float] = []
-        self._start: dict[str, float] = {}
         self._last_driver: str | None = None
         self.listen()
         self.watched.clear()
@@ -88,12 +85,8 @@ class Session:
     def warm(self) -> None:
         """Compile what would otherwise halt the first run and the first replay of each boat."""
         for vessel, berth in self.berths.items():
-            boat = self._boat(vessel, berth.levels[0])
-            boat.begin(self.boat.seed)
-            boat.foresee(IDLE)
-            boat.weather(boat.at(0.5))
-            try_a_step(boat.fleet.boat, boat.now.state, boat.now.commands)
-        self.renew(self.boat.seed)
+            self._boat(vessel, berth.levels[0]).warm(self.seed)
+        self.renew(self.seed)
 
     def close(self) -> None:
         """Let go of the disk; a run under way stays there as unfinished, UserError if it cannot."""
@@ -121,10 +114,10 @@ class Session:
         """What the chosen boat can meet."""
         return self.berths[self.vessel].levels
 
-    def _boat(self, vessel: str, level: str) -> Afloat:
-        if (vessel, level) not in self._afloat:
-            self._afloat[vessel, level] = Afloat(self.berths[vessel].make_env(level, self._senses))
-        return self._afloat[vessel, level]
+    def _boat(self, vessel: str, level: str) -> Craft:
+        if (vessel, level) not in self._crafts:
+            self._crafts[vessel, level] = self.berths[vessel].make_craft(level, self._senses)
+        return self._crafts[vessel, level]
 
     def _open(self, vessel: str) -> None:
         if vessel not in self._opened:
@@ -139,11 +132,13 @@ class Session:
         self._asked = (message.throttle, message.angle)
         self._stern = (message.stern_throttle, message.stern_azimuth) if self.boat.stern else IDLE
         thrust = message.throttle > 0.0 or self.helm == PILOT
-        if self.phase == READY and message.live and thrust and not self._refused:
-            self.phase, self.began = RUN, now
+        self._heed(now)
+        if self.phase == READY and message.live and thrust and not self._refused and not self._held:
+            self.phase = RUN
+            self.boat.start(now)
         # A run that the disk refused is not begun again by a lever that was never let go.
         self._refused &= thrust
-        self._foresee(now)
+        self._heed(now)
 
     def lose(self) -> None:
         """Nobody is at the levers any more."""
@@ -155,7 +150,7 @@ class Session:
             raise UserError("no pilot is aboard; start the recorder with --pilot MODEL")
         self.advance(now)
         self.helm = PERSON if self.helm == PILOT else PILOT
-        self._foresee(now)
+        self._heed(now)
 
     def choose(self, message: Choose) -> None:
         """Nickname at any time; boat, level and pilot between runs. UserError for what is not offered."""
@@ -186,7 +181,7 @@ class Session:
         if self.journal is not None:
             self.recordings.discard(self.journal)
             self.journal = None
-        self.renew(self.boat.seed if again else None)
+        self.renew(self.seed if again else None)
 
     def abandon(self) -> None:
         """Leave a run under way on the disk as unfinished, unless it is being saved, and begin anew."""
@@ -218,11 +213,9 @@ class Session:
     # --- what the clock does ---
 
     def advance(self, now: float) -> None:
-        """Sail the control steps that have ended by `now`, and foresee the present one."""
-        if self.phase == RUN:
-            self.began = max(self.began, now - BEHIND)
-        while self.phase == RUN and now >= self.began + self.boat.step:
-            self._foresee(self.began + self.boat.step)
+        """Take the control steps that have ended by `now`, and have the levers obeyed in the present one."""
+        while self.phase == RUN and (end := self.boat.step_end(now)) is not None:
+            self._heed(end)
             try:
                 self._end_step()
             except UserError as error:
@@ -231,8 +224,9 @@ class Session:
                 self.drop(again=True)
                 self._refused = True
                 break
-            self.began += self.boat.step
-        self._foresee(now)
+        self._heed(now)
+        if self.phase == RUN and self.boat.outcome is not None:  # within a step: a vehicle fell silent
+            self._end_run()
 
     def listen(self) -> bool:
         """Take in what the lookout has said meanwhile; whether there is something new."""
@@ -246,9 +240,7 @@ class Session:
 
     def state(self, now: float) -> Array:
         """(S,) the boat at `now`, between two control steps too."""
-        if self.phase != RUN:
-            return self.boat.now.state
-        return self.boat.at(min(max((now - self.began) / self.boat.step, 0.0), 1.0))
+        return self.boat.at(now)
 
     @property
     def levers(self) -> Levers:
@@ -263,7 +255,7 @@ class Session:
     @property
     def run_time(self) -> float:
         """From the first gate on [s], 0 before; on a course of one gate from the first thrust on."""
-        if len(self.boat.fleet.course.gates) == 1:
+        if len(self.boat.course.gates) == 1:
             return float(self.boat.now.state[TIME])
         return round(float(self.boat.now.state[TIME]) - self.gates[0], 6) if self.gates else 0.0
 
@@ -276,33 +268,40 @@ class Session:
         told, self._complaint = self._complaint, None
         return told
 
-    def _foresee(self, now: float) -> None:
-        idle = self.stopped(now)
-        driven = self._decided if self.helm == PILOT else self._asked
-        in_force = (IDLE, IDLE) if idle else (driven, self._stern)
-        if self.phase == RUN and in_force != self._foreseen:
-            self.boat.foresee(*in_force)
-            self._foreseen = in_force
-        self._in_force = in_force
+    def _heed(self, now: float) -> None:
+        # A boat that can obey again does so once both throttles were let go.
+        thrust = self._asked[0] > 0.0 or self._stern[0] > 0.0
+        self._held = bool(self.boat.trouble) or (self._held and thrust)
+        if self.stopped(now) or self._held:
+            self._in_force = (IDLE, IDLE)
+        else:
+            driven = self._decided if self.helm == PILOT and self.phase == RUN else self._asked
+            self._in_force = (driven, self._stern)
+        self.boat.heed(now, *self._in_force)
 
     def _end_step(self) -> None:
         before, after = self.boat.go_on()
         if self.journal is None:
-            self._start = initial_state(self.boat.fleet.boat, before.state)
             self.journal = self.recordings.begin(self._columns(), self.about())
             if self.lookout is not None:
-                self.lookout.begin(self.boat.fleet.boat)
+                self.lookout.begin(self.boat.boat)
         self._note_driver()
         self._write(before)
         if after.passed > before.passed:
             self.gates += [float(after.state[TIME])] * (after.passed - before.passed)
             self.journal.describe(self.about())
         if self.boat.outcome is not None:
-            self._write(Instant(after.state, before.commands, after.passed))
-            self.journal.describe(self.about())
-            self.phase = ENDED
+            self._end_run()
         else:
             self._decide()
+
+    def _end_run(self) -> None:
+        if self.journal is None:
+            self.renew()
+            return
+        self._write(self.boat.now)
+        self.journal.describe(self.about())
+        self.phase = ENDED
 
     def _note_driver(self) -> None:
         self.drivers.add(self.helm)
@@ -318,14 +317,13 @@ class Session:
         pilot = None
         if self.pilot is not None:
             pilot = (float(self.helm == PILOT), *self._decided)
-        wind = self.boat.weather(instant.state)[:2]
-        self.journal.append(row_of(self.boat.fleet.boat, instant, self.levers, wind, pilot))
+        weather = self.boat.weather(instant.state)
+        self.journal.append(row_of(self.boat.boat, instant, weather, pilot))
         self.rows += 1
 
     def _decide(self) -> None:
         """Let the pilot, who watches even when it does not drive, decide on the step that begins."""
         self._decided: Levers = IDLE
-        self._foreseen = None
         if self.pilot is not None:
             pilot = self.pilots[self.pilot]
             places = [self._senses.index(name) for name in pilot.senses]
@@ -333,16 +331,13 @@ class Session:
             self._decided = float(np.clip(throttle, 0.0, 1.0)), float(np.clip(angle, -1.0, 1.0))
 
     def _columns(self) -> list[str]:
-        return columns_of(self.boat.fleet.boat, self.pilot is not None)
+        return columns_of(self.boat.boat, self.boat.simulated, self.pilot is not None)
 
     def about(self) -> dict[str, Any]:
         """The run's description, as its entry in `dataset.yaml`."""
         drivers = "both" if len(self.drivers) > 1 else next(iter(self.drivers), self.helm)
         about: dict[str, Any] = {
-            "seed": self.boat.seed,
-            "initial_state": self._start,
-            "disturbances": self.boat.drawn["effects"],
-            **{name: value for name, value in self.boat.drawn.items() if name != "effects"},
+            **self.boat.about(),
             "nickname": self.nickname,
             "level": self.level,
             "helm": drivers,

@@ -7,7 +7,7 @@ from typing import Any
 from swamp_rl.physics.motion import current_at
 from swamp_rl.runs import Run
 from swamp_rl.simulator.state import NORTH, SURGE, TIME, YAW_RATE
-from swamp_rl.teleop.afloat import actuators
+from swamp_rl.teleop.craft import actuators
 from swamp_rl.teleop.rows import MOTION, disturbed, largest_difference
 from swamp_rl.teleop.session import RUN, Session
 
@@ -16,7 +16,7 @@ DIGITS = 5
 
 def scene(session: Session, source: str) -> dict[str, Any]:
     """What changes with the boat only: course, boat, and what there is to choose from."""
-    boat, course = session.boat.fleet.boat, session.boat.fleet.course
+    boat, course = session.boat.boat, session.boat.course
     return {
         "type": "scene",
         "course": {
@@ -47,6 +47,7 @@ def scene(session: Session, source: str) -> dict[str, Any]:
         "levels": list(session.levels),
         "pilots": list(session.pilots),
         "source": source,
+        "simulated": session.boat.simulated,
     }
 
 
@@ -54,23 +55,23 @@ def frame(session: Session, now: float) -> str:
     """The boat at `now` as JSON text."""
     state = session.state(now)
     azimuths, throttles = actuators(state)
-    wind_north, wind_east, current_north, current_east = session.boat.weather(state)
-    under_way = session.phase == RUN
+    weather = session.boat.weather(state)
     said = {
         "type": "frame",
         "phase": session.phase,
         "outcome": session.outcome,
         "helm": session.helm,
-        "stopped": under_way and session.stopped(now),
-        "time": float(state[TIME]) if not under_way else session.boat.now.state[TIME] + now - session.began,
+        "stopped": session.phase == RUN and session.stopped(now),
+        "trouble": session.boat.trouble,
+        "time": float(state[TIME]),
         "run_time": session.run_time,
         "pose": state[NORTH : NORTH + 3].tolist(),
         "velocity": state[SURGE : YAW_RATE + 1].tolist(),
         "azimuth": azimuths.tolist(),
         "throttle": throttles.tolist(),
         "levers": session.levers,
-        "wind": [wind_north, wind_east],
-        "current": [current_north, current_east],
+        "wind": weather and weather[:2],
+        "current": weather and weather[2:],
         "passed": session.boat.now.passed,
     }
     return json.dumps(_rounded(said), allow_nan=False, separators=(",", ":"))
@@ -91,8 +92,11 @@ def status(session: Session) -> dict[str, Any]:
 
 
 def replayed(run: Run, session: Session) -> dict[str, Any]:
-    """A stored run to be shown again, with how far it is from the same run sailed anew: nought, if exact."""
-    boat = session.boat.fleet.boat
+    """A stored run to be shown again, with how far it is from the same run sailed anew: nought, if exact.
+
+    None instead for a run that was not simulated.
+    """
+    boat = session.boat.boat
     about = run.meta.model_dump()
     channels = [item.command_columns for item in boat.thrusters]
     columns = {name: _list(run, name) for name in ("time", *MOTION)}
@@ -100,12 +104,12 @@ def replayed(run: Run, session: Session) -> dict[str, Any]:
         "name": run.name,
         "about": {key: about.get(key) for key in ("nickname", "level", "helm", "seconds", "outcome")},
         "columns": columns,
-        "azimuth": [_list(run, f"applied_{angle}") for angle, _ in channels],
-        "throttle": [_list(run, f"applied_{level}") for _, level in channels],
+        "azimuth": [_list(run, f"applied_{angle}") or _list(run, str(angle)) for angle, _ in channels],
+        "throttle": [_list(run, f"applied_{level}") or _list(run, level) for _, level in channels],
         "levers": [_list(run, name) for name in ("joy_thrust", "joy_angle")],
         "wind": [_list(run, name) for name in ("wind_speed", "wind_from")],
         "current": list(current_at(0.0, disturbed(run, boat)[0])),
-        "difference": largest_difference(run, boat),
+        "difference": None if run.meta.initial_state is None else largest_difference(run, boat),
     }
 
 

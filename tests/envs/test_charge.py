@@ -104,9 +104,10 @@ def test_each_episode_begins_with_its_own_charge() -> None:
 def test_a_step_that_is_sailed_anew_is_counted_once() -> None:
     afloat = Afloat(GatesEnv(observation=SENSES, disturbances=low(0.5)))
     afloat.begin(3)
+    afloat.start(0.0)
     for _ in range(20):
         for lever in (0.0, 0.5, 1.0):
-            afloat.foresee((lever, 0.2))
+            afloat.heed(0.0, (lever, 0.2))
         afloat.go_on()
     seen, _ = sailed(20, disturbances=low(0.5))
     assert afloat.observation[1] == seen[-1, 1]

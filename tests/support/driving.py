@@ -11,6 +11,7 @@ from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.runs import DatasetMeta
 from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, YAW_RATE
+from swamp_rl.teleop.afloat import Afloat
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.lookout import Lookout
 from swamp_rl.teleop.messages import Command
@@ -27,8 +28,8 @@ def meta(**changes: object) -> DatasetMeta:
     )
 
 
-def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:
-    return GatesEnv(disturbances=level, observation=senses)
+def make_craft(level: str, senses: tuple[str, ...]) -> Afloat:
+    return Afloat(GatesEnv(disturbances=level, observation=senses))
 
 
 def recordings(folder: Path) -> Recordings:
@@ -38,7 +39,7 @@ def recordings(folder: Path) -> Recordings:
 def berth(folder: Path, level: str = "calm") -> Berth:
     """The SWAMP's, that level the first of its levels."""
     levels = dict.fromkeys((level, "calm", "standard", "severe"))
-    return Berth(make_env, tuple(levels), lambda: recordings(folder))
+    return Berth(make_craft, tuple(levels), lambda: recordings(folder))
 
 
 def session(

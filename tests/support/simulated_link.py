@@ -14,15 +14,22 @@ INSTANT = 0.001
 class SimulatedLink:
     """What `SocketLink` is to a served vehicle, from the default recipient's endpoint; `clock` is its time.
 
-    `log`: every telemetry packet that the vehicle sent.
+    telemetry: the faults on the way from the vehicle, `faults` by default. `log`: every telemetry packet that
+    the vehicle sent.
     """
 
-    def __init__(self, vehicle: Vehicle, faults: Faults = PERFECT, seed: int = 0) -> None:
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        faults: Faults = PERFECT,
+        seed: int = 0,
+        telemetry: Faults | None = None,
+    ) -> None:
         self.vehicle, self.faults = vehicle, faults
         self.own: Endpoint = vehicle.addresses.recipient
         self._now = vehicle.time
         self._to_vehicle: Network[tuple[bytes, Endpoint]] = Network(faults, seed)
-        self._from_vehicle: Network[Packet] = Network(faults, seed + 1)
+        self._from_vehicle: Network[Packet] = Network(telemetry or faults, seed + 1)
         self._waiting: deque[bytes] = deque()
         self.log: list[bytes] = []
 

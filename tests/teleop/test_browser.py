@@ -16,6 +16,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.runs import inspect_dataset, read_dataset
+from swamp_rl.teleop.afloat import Afloat
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.recordings import Recordings
 from swamp_rl.teleop.rows import largest_difference
@@ -231,14 +232,14 @@ def test_the_boat_is_chosen_on_the_page_and_its_runs_are_its_own(
 ) -> None:
     light = load_boat("swamp-light")
 
-    def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:
-        return GatesEnv(boat="swamp-light", disturbances=level, observation=senses)
+    def make_craft(level: str, senses: tuple[str, ...]) -> Afloat:
+        return Afloat(GatesEnv(boat="swamp-light", disturbances=level, observation=senses))
 
     def kept() -> Recordings:
         told = meta(vehicle="swamp-light", mass=light.mass, draught=light.draught)
         return Recordings(tmp_path / "runs" / "swamp-light", told, lambda line: None)
 
-    boats = {"swamp-light": Berth(make_env, ("calm", "severe"), kept)}
+    boats = {"swamp-light": Berth(make_craft, ("calm", "severe"), kept)}
     pilots: dict[str, Pilot] = {"ai": ScriptedPilot(0)}
     with serving(tmp_path / "runs", factor=GREAT_HASTE, pilots=pilots, boats=boats) as (address, _):
         page = open_page(address)

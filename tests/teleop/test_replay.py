@@ -10,6 +10,7 @@ from swamp_rl.envs.single import GatesEnv
 from swamp_rl.boat import load_boat
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, check_dataset
+from swamp_rl.teleop.afloat import Afloat
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.recordings import Recordings
 from swamp_rl.teleop.rows import initial_state, largest_difference, sailed_again
@@ -48,10 +49,10 @@ def described(boat: str) -> DatasetMeta:
 def driven(folder: Path, boat: str, effects: list[dict[str, Any]], kicks: bool) -> Session:
     """A session whose run has ended: commands at odd instants, the helm given away and taken back."""
 
-    def make_env(level: str | None, senses: tuple[str, ...]) -> GatesEnv:
-        return GatesEnv(boat=boat, disturbances=effects, observation=senses)
+    def make_craft(level: str, senses: tuple[str, ...]) -> Afloat:
+        return Afloat(GatesEnv(boat=boat, disturbances=effects, observation=senses))
 
-    berth = Berth(make_env, ("set",), lambda: Recordings(folder, described(boat), lambda line: None))
+    berth = Berth(make_craft, ("set",), lambda: Recordings(folder, described(boat), lambda line: None))
     game = Session({boat: berth}, np.random.default_rng(3), {"ai": ScriptedPilot(2)})
     now, helms = 0.0, 0
     while game.phase != ENDED:

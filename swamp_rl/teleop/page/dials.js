@@ -23,7 +23,7 @@ function move(id, across, up) {
 }
 
 export function showWeather(canvas, boat) {
-  const shown = [...boat.wind, ...boat.current].map((value) => value.toFixed(2)).join();
+  const shown = [boat.known, ...boat.wind.concat(boat.current).map((value) => value.toFixed(2))].join();
   if (canvas.dataset.shown === shown && canvas.width === Math.round(canvas.clientWidth * Math.min(devicePixelRatio || 1, 2))) return;
   canvas.dataset.shown = shown;
   const ratio = Math.min(devicePixelRatio || 1, 2);
@@ -61,7 +61,7 @@ export function showWeather(canvas, boat) {
     c.font = `500 ${size * (small ? 1 : 0.85)}px system-ui, sans-serif`;
     c.fillText(words, left, y + place * size * 1.17 - size * 0.55, w - left);
     c.font = `700 ${size * 1.15}px system-ui, sans-serif`;
-    c.fillText(small ? value : `${value} m/s`, left, y + place * size * 1.17 + size * 0.5, w - left);
+    c.fillText(!boat.known ? "unknown" : small ? value : `${value} m/s`, left, y + place * size * 1.17 + size * 0.5, w - left);
   };
   line("wind", wind.toFixed(1), "#ffffff", -1);
   line("current", current.toFixed(2), "#6fe3ff", 1);

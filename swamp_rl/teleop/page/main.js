@@ -9,6 +9,7 @@ import { Replay } from "./replay.js";
 const HEARTBEAT = 50; // ms between commands, though nothing moves: the dead-man waits for 250
 const GAP = 14; // px between what is drawn and the panels
 const SILENT = 3000; // ms without a frame, of which there are fifty a second
+const CALM = [0, 0]; // m/s, drawn where wind and current are unknown
 const CHOICES = ["boat", "level", "pilot"]; // of names, before a run
 const by = (id) => document.getElementById(id);
 const chart = new Chart(by("chart"));
@@ -51,7 +52,7 @@ function hear(message) {
     fill(by("pilot"), scene.pilots);
     by("pilot-label").hidden = by("helm").hidden = !scene.pilots.length;
     by("kick-port").hidden = by("kick-starboard").hidden = !scene.boat.stern.length;
-    by("course-name").textContent = scene.course.name;
+    by("course-name").textContent = scene.simulated ? scene.course.name : `${scene.course.name}, vehicle at a link`;
     replay.close();
     const kept = localStorage.getItem("nickname");
     if (kept) by("nickname").value = kept;
@@ -122,11 +123,12 @@ function say(words, good = false) {
   saying = setTimeout(() => { box.className = ""; }, 3000);
 }
 
-const ENDS = { success: "Both gates!", buoy: "Touched a buoy", aground: "Aground", out_of_bounds: "Out of bounds", timeout: "Time is up", diverged: "Simulation diverged" };
+const ENDS = { success: "Both gates!", link_lost: "Link lost", buoy: "Touched a buoy", aground: "Aground", out_of_bounds: "Out of bounds", timeout: "Time is up", diverged: "Simulation diverged" };
 function headline() {
   if (document.body.dataset.connected !== "yes" || !frame) return ["Connecting …", ""];
   if (performance.now() - arrived > SILENT) return ["The recorder does not answer", "Accepted runs are safe. Its screen says more."];
   if (document.body.dataset.replay) return ["", ""];
+  if (frame.trouble) return ["The vehicle is not ready", frame.trouble];
   if (!status.driving) return ["Watching", status.seat_taken ? "Someone is at the levers." : "The seat is free."];
   const next = scene.course.gates[Math.min(frame.passed, scene.course.gates.length - 1)].name;
   switch (frame.phase) {
@@ -135,7 +137,9 @@ function headline() {
       if (frame.stopped) return ["Thrusters stopped", "The page lost your hand: click here, or move a lever."];
       return ["", frame.helm === "pilot" ? "The autopilot has the helm." : frame.passed ? `Recording. Now ${next}.` : `Recording. To the ${next} gate: the clock starts there.`];
     case "saving": return ["Saving …", ""];
-    default: return [ENDS[frame.outcome] ?? frame.outcome, frame.outcome === "success" ? `${frame.run_time.toFixed(1)} s from gate to gate` : "Failed runs teach too."];
+    default:
+      if (!scene.simulated) return [ENDS[frame.outcome] ?? frame.outcome, "The levers still drive the vehicle: bring it back, then keep or discard."];
+      return [ENDS[frame.outcome] ?? frame.outcome, frame.outcome === "success" ? `${frame.run_time.toFixed(1)} s from gate to gate` : "Failed runs teach too."];
   }
 }
 
@@ -191,7 +195,7 @@ function present() {
   const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
   return {
     phase: frame.phase, time: frame.time, north: north + age * (u * cos - v * sin), east: east + age * (u * sin + v * cos), heading: heading + age * r,
-    u, v, azimuth: frame.azimuth, throttle: frame.throttle, levers: frame.levers, wind: frame.wind, current: frame.current, passed: frame.passed,
+    u, v, azimuth: frame.azimuth, throttle: frame.throttle, levers: frame.levers, wind: frame.wind ?? CALM, current: frame.current ?? CALM, known: Boolean(frame.wind), passed: frame.passed,
     runTime: frame.run_time,
   };
 }

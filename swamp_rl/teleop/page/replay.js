@@ -23,7 +23,7 @@ export class Replay {
     this.paused = false;
     slider.max = this.length;
     document.getElementById("replay-name").textContent = `${about.nickname ?? name}, ${Number(about.seconds ?? this.length).toFixed(1)} s, ${about.level ?? ""}`;
-    document.getElementById("replay-exact").textContent = difference === 0
+    document.getElementById("replay-exact").textContent = difference === null ? "a vehicle at a link" : difference === 0
       ? "✓ sailed again: exactly the same" : `sailed again: differs by ${difference.toExponential(1)}`;
     bar.hidden = false;
     document.body.dataset.replay = name;
@@ -49,7 +49,7 @@ export class Replay {
     const boat = {
       phase: "replay", time: this.start + this.clock, north: mix(c.north), east: mix(c.east), heading, u: mix(c.surge), v: mix(c.sway),
       azimuth: azimuth.map((column) => column[i] ?? 0), throttle: throttle.map((column) => column[i] ?? 0), levers: levers.map((column) => column[i] ?? 0),
-      wind: wind[0].length ? [wind[0][i] * Math.cos(wind[1][i]), wind[0][i] * Math.sin(wind[1][i])] : [0, 0], current, passed, runTime: this.clock,
+      wind: wind[0].length ? [wind[0][i] * Math.cos(wind[1][i]), wind[0][i] * Math.sin(wind[1][i])] : [0, 0], current, known: wind[0].length > 0, passed, runTime: this.clock,
     };
     const trail = c.time.slice(0, i + 1).map((time, k) => ({ time, north: c.north[k], east: c.east[k], heading: c.heading[k], speed: Math.hypot(c.surge[k], c.sway[k]) }));
     return { boat, trail: [...trail, { ...boat, speed: Math.hypot(boat.u, boat.v) }] };

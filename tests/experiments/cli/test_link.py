@@ -38,9 +38,31 @@ def test_a_vehicle_writes_a_log_that_is_imported(call: Call, tmp_path: Path) -> 
     assert_complains(call("vehicle", "--address", address, "--log", "v.log"), "v.log: already exists")
 
 
-def test_a_vehicle_that_does_not_answer_is_one_line(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("words", [("helm", "line-of-sight"), ("record", "--out", "runs", "--port", "0")])
+def test_a_vehicle_that_does_not_answer_is_one_line(
+    call: Call, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
     monkeypatch.setattr(driving, "PATIENCE", 0.2)
-    assert_complains(call("helm", "line-of-sight", "--link", own_network().text), "no telemetry for 0.2 s")
+    assert_complains(call(*words, "--link", own_network().text), "no telemetry for 0.2 s")
+    assert list(Path().iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "words, part",
+    [
+        (("--link", "pier"), "pier: is no address of a vehicle"),
+        (("--link", "127.0.0.0/24", "--boat", "esso_osaka"), "do not reverse"),
+        (("--link", "127.0.0.0/24", "--boat", "swamp", "--boat", "swamp-light"), "give one --boat"),
+        (("--link", "127.0.0.0/24", "--disturbances", "severe"), "leave out --disturbances"),
+        (("--link", "127.0.0.0/24", "--pilot", "missing"), "leave out --pilot"),
+        (("--origin", "44.3,9.1"), "give --link too"),
+        (("--link", "127.0.0.0/24", "--origin", "95,9"), "--origin 95,9"),
+        (("--link", "127.0.0.0/24", "--course", "nowhere"), "nowhere"),
+    ],
+)
+def test_a_recorder_at_a_link_refuses_in_one_line(call: Call, words: tuple[str, ...], part: str) -> None:
+    assert_complains(call("record", "--out", "runs", "--port", "0", *words), part)
+    assert list(Path().iterdir()) == []
 
 
 @pytest.mark.parametrize(

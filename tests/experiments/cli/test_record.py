@@ -10,13 +10,16 @@ import urllib.request
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection, connect
 
+from swamp_rl.link.vehicle import Conduct
 from swamp_rl.runs import read_dataset
 from tests.support.driving import aim
-from tests.support.patience import PATIENCE
+from tests.support.link import own_network, served, vehicle_of
+from tests.support.patience import PATIENCE, until
 
 pytestmark = [pytest.mark.slow, pytest.mark.timed]
 
@@ -24,9 +27,9 @@ RECORD = "import sys; from swamp_rl.experiments.cli import main; sys.argv[0] = '
 
 
 @contextmanager
-def started(folder: Path) -> Iterator[tuple["subprocess.Popen[str]", list[str], str]]:
+def started(folder: Path, *more: str) -> Iterator[tuple["subprocess.Popen[str]", list[str], str]]:
     """A recorder in a process of its own, the lines it said so far, and its address."""
-    words = ["record", "--out", str(folder), "--course", "camogli", "--port", "0", "--scripted"]
+    words = ["record", "--out", str(folder), "--course", "camogli", "--port", "0", "--scripted", *more]
     process = subprocess.Popen(
         [sys.executable, "-c", RECORD, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     )
@@ -82,3 +85,44 @@ def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_inter
     assert dataset.meta.source == "scripted"
     (run,) = dataset.runs
     assert run.meta.outcome == "interrupted" and len(run.time) >= 8
+
+
+def push(socket: ClientConnection, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+    """Hold the throttle, where the vehicle is ready, until a frame is wanted; that frame."""
+    while True:
+        seen = json.loads(socket.recv(timeout=PATIENCE))
+        if seen["type"] == "frame":
+            if wanted(seen):
+                return dict(seen)
+            throttle = 0.0 if seen["trouble"] else 1.0
+            socket.send(json.dumps({"type": "command", "throttle": throttle, "angle": 0.0}))
+
+
+def test_a_page_drives_a_served_vehicle_and_neither_its_end_nor_the_vehicles_goes_unnoticed(
+    tmp_path: Path,
+) -> None:
+    folder, vehicle = tmp_path / "runs", vehicle_of(Conduct(), own_network().text)
+    with served(vehicle, speed=1.0):
+        with started(folder, "--link", vehicle.addresses.text) as (process, _, address):
+            host = address.split("/")[2]
+            with connect(f"ws://{host}/socket", origin=f"http://{host}") as socket:
+                push(socket, lambda seen: seen["phase"] == "run" and seen["velocity"][0] > 0.1)
+                assert vehicle.commands()[4:].any()
+            until(lambda: not vehicle.commands()[4:].any(), "the vehicle stops when the page has gone")
+            with connect(f"ws://{host}/socket", origin=f"http://{host}") as socket:
+                push(socket, lambda _: bool(vehicle.commands()[4:].any()))
+                vehicle.dead.update(vehicle.addresses.sensors)
+                last = push(socket, lambda seen: seen["phase"] == "ended")
+                assert last["outcome"] == "link_lost" and "No telemetry" in last["trouble"]
+                assert last["levers"] == [0.0, 0.0]
+                socket.send(json.dumps({"type": "act", "act": "accept"}))
+                while json.loads(socket.recv(timeout=PATIENCE))["type"] != "accepted":
+                    pass
+                vehicle.dead.clear()
+                push(socket, lambda seen: seen["phase"] == "run")
+            assert stopped(process, signal.SIGINT) == (0, f"{folder}: 1 runs\n")
+        assert not any(module.runs(0) for module in vehicle.modules)
+    dataset = read_dataset(folder)
+    assert dataset.meta.source == "scripted" and vehicle.addresses.text in str(dataset.meta.notes)
+    assert dataset.runs[0].meta.model_dump()["link"] == vehicle.addresses.text
+    assert dataset.runs[0].meta.outcome == "link_lost" and len(dataset.runs[0].time) > 5
