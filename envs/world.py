@@ -45,8 +45,7 @@ def world_of(task: Task) -> NDArray[np.void]:
             )
     world = np.zeros(1, world_record(len(boat.thrusters)))
     world["step"], world["substeps"] = step, substeps_of(step)
-    last_tick = math.ceil(course.time_limit / step - 1e-9)
-    world["last_tick"] = min(last_tick, task.max_episode_steps or last_tick)
+    world["last_tick"] = task.last_tick
     for name, weight in task.weights.items():
         world[f"reward_{name}"] = weight
     world["costs_further"] = any(task.weights[name] for name in FURTHER)

@@ -142,6 +142,12 @@ def test_wind_current_last_action_and_time_left_can_be_observed() -> None:
     assert env.observation_space.contains(rows[-1].astype(np.float32))
 
 
+def test_the_time_left_is_within_its_bounds_where_the_limit_is_no_multiple_of_the_step() -> None:
+    env = GatesEnv(observation=["time_left"], time_limit=10.0, step=0.3)
+    seen, _ = env.reset(seed=0)
+    assert seen == env.observation_space.high == pytest.approx(34 * 0.3)
+
+
 def test_a_time_limit_and_bounds_take_the_place_of_the_courses() -> None:
     env = GatesEnv(time_limit=2.0)
     env.reset(seed=0)
