@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.course import Course, buoy_table
 from swamp_rl.demo.colours import PALETTE, PEOPLE, Colour, driver_colours
 from swamp_rl.demo.conditions import Conditions, conditions
@@ -99,6 +100,11 @@ class DemoScene:
             Fleet((group,), colour, tuple(item for item in self.shown if item.group == group))
             for group, colour in driver_colours(groups).items()
         ]
+
+    @property
+    def scale(self) -> float:
+        """Length of the boat over SWAMP's, which the symbols that are drawn in metres are sized for."""
+        return self.length / SWAMP_LENGTH
 
     @property
     def buoys(self) -> NDArray[np.float64]:

@@ -155,10 +155,11 @@ def _charts(figure: Any, place: Any, scene: DemoScene, groups: list[Any]) -> lis
             axes.set_title(group, loc="left", parse_math=False)
         for gate in scene.course.gates if scene.course else ():
             colour, (port, starboard) = fractions(gate_colour(gate.name)), gate.buoys
+            radius = max(scene.course.buoy_radius, 0.3 * scene.scale)
             axes.plot([port.east, starboard.east], [port.north, starboard.north], ":", color=colour, lw=1.2)
             for buoy in gate.buoys:
-                axes.add_patch(Circle((buoy.east, buoy.north), 0.3, color=colour))
-            ahead = np.array([math.sin(gate.heading), math.cos(gate.heading)])
+                axes.add_patch(Circle((buoy.east, buoy.north), radius, color=colour))
+            ahead = scene.scale * np.array([math.sin(gate.heading), math.cos(gate.heading)])
             centre = np.array([gate.centre.east, gate.centre.north])
             shape = {"arrowstyle": "->", "color": colour}
             axes.annotate("", centre + ahead, centre - ahead, arrowprops=shape)
