@@ -115,13 +115,14 @@ def test_the_distance_from_the_gates_middle_line_is_a_cost() -> None:
     np.testing.assert_allclose(paid("cross_track", "calm"), -0.1 * off, atol=1e-6)
 
 
-def test_the_energy_that_is_rewarded_is_the_energy_that_is_reported() -> None:
+@pytest.mark.parametrize(("boat", "level"), [("swamp", "severe"), ("esso_osaka", "calm")])
+def test_the_energy_that_is_rewarded_is_the_energy_that_is_reported(boat: str, level: str) -> None:
     reward = {**NOTHING, "energy": 1.0}
 
     def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
-        return GatesVectorEnv(n, disturbances="severe", observation=senses, reward=reward)
+        return GatesVectorEnv(n, boat=boat, disturbances=level, observation=senses, reward=reward)
 
-    table = episode_table(drive(LineOfSightPilot(), boats, np.arange(4)), load_boat("swamp"), 0.1)
+    table = episode_table(drive(LineOfSightPilot(), boats, np.arange(4)), load_boat(boat), 0.1)
     np.testing.assert_allclose(-table["return"], table["energy"], rtol=1e-9)
 
 
