@@ -140,6 +140,7 @@ def _charts(figure: Any, place: Any, scene: DemoScene, groups: list[Any]) -> lis
     from matplotlib.patches import Circle
 
     south, north, west, east = scene.edges()
+    radius = max(scene.course.buoy_radius if scene.course else 0.0, 0.3 * scene.scale)
     columns = 1 if len(groups) == 1 else math.ceil(math.sqrt(len(groups) * 1.2))
     grid = place.subgridspec(math.ceil(len(groups) / columns), columns, wspace=0.04, hspace=0.14)
     found = []
@@ -155,7 +156,6 @@ def _charts(figure: Any, place: Any, scene: DemoScene, groups: list[Any]) -> lis
             axes.set_title(group, loc="left", parse_math=False)
         for gate in scene.course.gates if scene.course else ():
             colour, (port, starboard) = fractions(gate_colour(gate.name)), gate.buoys
-            radius = max(scene.course.buoy_radius, 0.3 * scene.scale)
             axes.plot([port.east, starboard.east], [port.north, starboard.north], ":", color=colour, lw=1.2)
             for buoy in gate.buoys:
                 axes.add_patch(Circle((buoy.east, buoy.north), radius, color=colour))
