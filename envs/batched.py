@@ -101,7 +101,8 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
     def step_held(self, actions: Array, steps: int) -> Step:
         """As `step`, but the actions (n, 2) are held for so many steps, whose rewards are summed.
 
-        A boat that ends on the way lies still until all have sailed their steps.
+        A boat that ends on the way lies still until all have sailed their steps, and so does one that starts
+        anew in this call.
         """
         if not self._started:
             raise UserError("step: the boats have not started; call reset first")
@@ -109,15 +110,16 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
             raise UserError(f"step_held: steps must be a whole number from 1 to {MOST_STEPS}, not {steps!r}")
         asked = known_levers(actions, (self.num_envs, 2))
         self.fleet.refuse_levers(asked)
-        if self._ended.size:
-            self.fleet.begin(self._ended)
-            self.fleet.boats["fresh"][self._ended] = True
-            self._ended = self._ended[:0]
+        begun, self._ended = self._ended, self._ended[:0]
+        if begun.size:
+            self.fleet.begin(begun)
         observations, rewards = np.empty(self._shape, np.float32), np.zeros(self.num_envs)
         over, truncated = np.zeros(self.num_envs, np.bool_), np.zeros(self.num_envs, np.bool_)
         info: dict[str, Any] = {}
         paid, ended = np.empty(self.num_envs), 0
         for _ in range(steps):
+            if begun.size:
+                self.fleet.boats["fresh"][begun] = True
             ended = self.fleet.sail(asked, paid, observations)
             rewards += paid
         if ended:

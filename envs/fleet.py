@@ -48,7 +48,6 @@ class Fleet:
         self._waiting = np.zeros(n, dtype=np.bool_)
         self._generators: Generators = ()
         self.boats, self.params = self._now.boats, self._now.params
-        self._state = self.boats["state"]
         self._world = world_of(task)
         self._shared = (
             self._world,
@@ -139,7 +138,7 @@ class Fleet:
     @property
     def pose(self) -> NDArray[np.float64]:
         """North, east [m] and heading [rad, not wrapped], (n, 3), a view."""
-        return self._state[:, NORTH : NORTH + 3]
+        return self.boats["state"][:, NORTH : NORTH + 3]
 
     @property
     def sensed_pose(self) -> NDArray[np.float64]:
@@ -151,7 +150,7 @@ class Fleet:
     @property
     def velocity(self) -> NDArray[np.float64]:
         """Surge, sway [m/s over ground] and yaw rate [rad/s], (n, 3), a view."""
-        return self._state[:, SURGE : YAW_RATE + 1]
+        return self.boats["state"][:, SURGE : YAW_RATE + 1]
 
     @property
     def sensed_velocity(self) -> NDArray[np.float64]:
@@ -161,7 +160,7 @@ class Fleet:
     @property
     def applied(self) -> NDArray[np.float64]:
         """What the actuators did: azimuths [rad], then throttles [1], (n, 2K), a view."""
-        return self._state[:, ACTUATORS:]
+        return self.boats["state"][:, ACTUATORS:]
 
     @property
     def commands(self) -> NDArray[np.float64]:

@@ -124,6 +124,7 @@ def sail(
     if diverged(boat.state):
         boat.state[NORTH], boat.state[EAST], boat.state[HEADING] = north0, east0, heading0
         boat.state[SURGE], boat.state[SWAY], boat.state[YAW_RATE] = u0, v0, r0
+        keep_pose(boat, p)
         boat.outcome = DIVERGED
         return 0.0
     keep_pose(boat, p)

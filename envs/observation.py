@@ -153,7 +153,10 @@ def observed(names: Sequence[str] | None) -> Observed:
 
 
 def observation_space(asked: Observed, gate_count: int, time_limit: float) -> spaces.Box:
-    """Box of the numbers `asked`, SI units and not scaled, float32, with the bounds of SENSES."""
+    """Box of the numbers `asked`, SI units and not scaled, float32, with the bounds of SENSES.
+
+    time_limit [s]: of whole steps.
+    """
     of_course = {GATES: float(gate_count), LIMIT: time_limit}
     terms = dict(asked.own)
     bounds = []

@@ -103,7 +103,7 @@ def further_costs(world: Any, state: Any, gate: Any) -> float:
     for k in range(thrusters):
         throttle = state[ACTUATORS + thrusters + k]
         force = abs(world.thrust_linear[k] * throttle + world.thrust_quadratic[k] * throttle * abs(throttle))
-        power += 0.5 * force * math.sqrt(force / world.jet_flow)
+        power += 0.5 * force * math.sqrt(force / world.jet_flow[k])
     return (world.reward_cross_track * off + world.reward_energy * power) * world.step
 
 

@@ -11,6 +11,8 @@ from stable_baselines3.common.vec_env import VecEnv
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.envs.spaces import joypad_space
 
+from swamp_rl.errors import UserError
+
 
 class GatesVecEnv(VecEnv):
     """A `GatesVectorEnv` behind stable-baselines3's own interface, without a Python loop over the boats.
@@ -37,8 +39,11 @@ class GatesVecEnv(VecEnv):
 
     def reset(self) -> NDArray[np.float32]:
         """Observations (n, d); boat i takes the seed of `seed()` plus i, if that was called since the last
-        reset."""
-        observations, _ = self.boats.reset(seed=self._seeds[0])
+        reset. Options of `set_options` are those of the batch; UserError for a list of them."""
+        options = self._options[0]
+        if any(other is not options and (other or options) for other in self._options[1:]):
+            raise UserError("set_options: the boats share their options; give one dict for all")
+        observations, _ = self.boats.reset(seed=self._seeds[0], options=options)
         self._reset_seeds()
         self._reset_options()
         return observations

@@ -43,7 +43,6 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self._started = False
         self._asked, self._reward = np.zeros((1, 2)), np.zeros(1)
         self._seen = np.empty((1, *self.observation_space.shape), np.float32)
-        self._row = self._seen[0]
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -55,7 +54,7 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self.fleet.begin(ONLY)
         self._started = True
         self.fleet.look(ONLY, self._seen)
-        return self._row.copy(), {}
+        return self._seen[0].copy(), {}
 
     def step(self, action: NDArray[Any]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Sail for one step; observation (d,), reward, terminated, truncated, info."""
@@ -66,10 +65,10 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         else:
             self._asked[0] = known_levers(action, PAIR)
         if not self.fleet.sail(self._asked, self._reward, self._seen):
-            return self._row.copy(), self._reward.item(), False, False, {}
+            return self._seen[0].copy(), self._reward.item(), False, False, {}
         truncated = self.fleet.boats["outcome"].item() in CUT
         info = {"outcome": self.fleet.outcomes(ONLY)[0], "time": self.fleet.time.item()}
-        return self._row.copy(), self._reward.item(), not truncated, truncated, info
+        return self._seen[0].copy(), self._reward.item(), not truncated, truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """The course from above, north up, (H, W, 3); None unless the render mode is `rgb_array`."""

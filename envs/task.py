@@ -1,5 +1,6 @@
 """What an environment is made of, single or batched: its arguments, read and found to fit together."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -71,7 +72,17 @@ class Task:
     @property
     def observation_space(self) -> Box:
         """Of one boat."""
-        return observation_space(self.observed, len(self.course.gates), self.course.time_limit)
+        return observation_space(self.observed, len(self.course.gates), self.steps_of_limit * self.step)
+
+    @property
+    def steps_of_limit(self) -> int:
+        """Steps to the course's time limit, the last one whole."""
+        return math.ceil(self.course.time_limit / self.step - 1e-9)
+
+    @property
+    def last_tick(self) -> int:
+        """Steps to the earlier of the two time limits."""
+        return min(self.steps_of_limit, self.max_episode_steps or self.steps_of_limit)
 
     @classmethod
     def read(cls, **given: Unpack[TaskArguments]) -> Self:

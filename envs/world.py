@@ -10,7 +10,7 @@ from swamp_rl.envs.task import Task
 
 from swamp_rl.boat import Thruster
 from swamp_rl.errors import UserError
-from swamp_rl.evaluation.metrics import NOZZLE_AREA
+from swamp_rl.evaluation.metrics import jet_areas
 from swamp_rl.simulator.step import substeps_of
 
 LEVER_COLUMNS = ("middle", "swing", "idle", "gain", "turn", "low", "high")
@@ -25,11 +25,11 @@ def world_record(thrusters: int) -> np.dtype[np.void]:
         + [("substeps", np.int64), ("last_tick", np.int64)]
         + [(f"reward_{term.name}", np.float64) for term in REWARD]  # weights
         + [("costs_further", np.int64), ("looks_further", np.int64)]  # 1 where any of these has a use
-        + [("jet_flow", np.float64)]  # density of the water times a nozzle's area [kg/m]
         # A thruster's azimuth [rad] is middle + swing times the angle's lever, its throttle idle + gain times
         # the other + turn times the angle's, within low and high.
         + [(f"lever_{name}", np.float64, (thrusters,)) for name in LEVER_COLUMNS]
         + [("thrust_linear", np.float64, (thrusters,)), ("thrust_quadratic", np.float64, (thrusters,))]  # N
+        + [("jet_flow", np.float64, (thrusters,))]  # density of the water times the jets' areas [kg/m]
     )
 
 
@@ -45,13 +45,12 @@ def world_of(task: Task) -> NDArray[np.void]:
             )
     world = np.zeros(1, world_record(len(boat.thrusters)))
     world["step"], world["substeps"] = step, substeps_of(step)
-    last_tick = math.ceil(course.time_limit / step - 1e-9)
-    world["last_tick"] = min(last_tick, task.max_episode_steps or last_tick)
+    world["last_tick"] = task.last_tick
     for name, weight in task.weights.items():
         world[f"reward_{name}"] = weight
     world["costs_further"] = any(task.weights[name] for name in FURTHER)
     world["looks_further"] = task.observed.further
-    world["jet_flow"] = boat.water_density * NOZZLE_AREA
+    world["jet_flow"] = boat.water_density * jet_areas(boat.thrusters)
     world["reach"] = reach
     for edge in ("south", "north", "west", "east"):
         world[f"{edge}_edge"] = getattr(course.bounds, edge)

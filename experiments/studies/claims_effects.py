@@ -10,7 +10,7 @@ from swamp_rl.experiments.config.claims import Claims
 
 from swamp_rl.boat import Boat
 from swamp_rl.evaluation import Rollout, Table, command_change, jet_power
-from swamp_rl.evaluation.metrics import bollard_thrust
+from swamp_rl.evaluation.metrics import bollard_thrust, jet_areas
 from swamp_rl.evaluation.tracks import distances, mean_other, nearest_of_fewer, nearest_other, outside
 from swamp_rl.runs import Run
 
@@ -210,7 +210,7 @@ def lever_power(run: Run, boat: Boat) -> float:
     throttle = shares * np.array([item.throttle_max for item in driven])
     linear, quadratic = np.array([item.thrust_curve(boat.water_density) for item in driven]).T
     thrust = bollard_thrust(throttle, linear, quadratic)
-    return float(jet_power(thrust, boat.water_density).sum(axis=1).mean())
+    return float(jet_power(thrust, boat.water_density, jet_areas(driven)).sum(axis=1).mean())
 
 
 def _middle(values: Array) -> float:

@@ -49,6 +49,7 @@ def _told(scene: DemoScene, layout: Layout) -> dict[str, Any]:
         },
         "edges": [round(edge, 2) for edge in scene.edges()],
         "outline": np.round(OUTLINE * (scene.length, scene.breadth), 3).tolist(),
+        "scale": scene.scale,
         "gates": _gates(scene),
         "end": round(scene.end, 2),
         "step": STEP,
@@ -74,7 +75,7 @@ def _gates(scene: DemoScene) -> list[dict[str, Any]]:
             "buoys": [[buoy.north, buoy.east] for buoy in gate.buoys],
             "centre": [gate.centre.north, gate.centre.east],
             "heading": gate.heading,
-            "radius": max(scene.course.buoy_radius, 0.2),
+            "radius": max(scene.course.buoy_radius, 0.2 * scene.scale),
         }
         for gate in scene.course.gates
     ]

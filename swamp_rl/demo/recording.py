@@ -24,7 +24,7 @@ from swamp_rl.demo.surroundings import in_space, log_surroundings, on_chart
 from swamp_rl.files import write_beside
 
 FLOWS = {"wind": (wind, 0.5, (205, 215, 225)), "current": (current, 8.0, (80, 180, 255))}
-"""How each is measured, metres drawn for each m/s, and its colour."""
+"""How each is measured, metres drawn for each m/s beside SWAMP, and its colour."""
 CHART, LABEL, LETTER = 480.0, 26.0, 8.0
 """Pixels of the chart's height, of a label and of a letter, as the viewer draws them in a usual window."""
 
@@ -55,7 +55,7 @@ def recorded(scene: DemoScene, layout: Layout = "overlay") -> bytes:
         poses = np.stack([poses_at(item, times) for item in fleet.shown], axis=1)
         _log_on_chart(recording, scene, fleet, times, poses)
         if scene.few:
-            _log_flows(recording, fleet, times, poses)
+            _log_flows(recording, scene, fleet, times, poses)
         _log_in_space(recording, scene, fleet, times, poses)
         _log_series(recording, scene, fleet, times, panels)
     _log_result(recording, scene)
@@ -86,19 +86,21 @@ def _log_on_chart(recording: Any, scene: DemoScene, fleet: Fleet, times: Array, 
     """poses: (N, K, 3) of the K boats of the fleet."""
     import rerun as rr
 
-    n, k, _ = poses.shape
+    (n, k, _), size = poses.shape, scene.scale
     where = entity("chart", "runs", *fleet.path)
     tracks = [on_chart(*item.run.pose[:, :2].T) for item in fleet.shown]
-    faint = rr.LineStrips2D(tracks, radii=0.03, colors=(*fleet.colour, 90))
+    faint = rr.LineStrips2D(tracks, radii=0.03 * size, colors=(*fleet.colour, 90))
     recording.log(f"{where}/whole_track", faint, static=True)
     if scene.few:
         ways = _ways(on_chart(poses[..., 0], poses[..., 1]))
-        track = rr.LineStrips2D.columns(strips=ways, radii=[0.08] * n * k, colors=[fleet.colour] * n * k)
+        track = rr.LineStrips2D.columns(
+            strips=ways, radii=[0.08 * size] * n * k, colors=[fleet.colour] * n * k
+        )
         _send(recording, f"{where}/track", times, track, k)
     outline = corners(poses.reshape(-1, 3), scene.length, scene.breadth)
     boats = rr.LineStrips2D.columns(
         strips=on_chart(outline[..., 0], outline[..., 1]).astype(np.float32),
-        radii=[0.07] * n * k,
+        radii=[0.07 * size] * n * k,
         colors=[fleet.colour] * n * k,
     )
     _send(recording, f"{where}/boat", times, boats, k)
@@ -133,7 +135,7 @@ def _log_names(recording: Any, scene: DemoScene, times: Array) -> None:
         # A label takes the colour of its point, and is read best in white.
         names = rr.Points2D.columns(
             positions=middles[:, done : done + k].reshape(-1, 2),
-            radii=[0.02] * n * k,
+            radii=[0.02 * scene.scale] * n * k,
             colors=[(255, 255, 255)] * n * k,
             labels=[scene.called(item) for item in fleet.shown] * n,
         )
@@ -141,7 +143,7 @@ def _log_names(recording: Any, scene: DemoScene, times: Array) -> None:
         done += k
 
 
-def _log_flows(recording: Any, fleet: Fleet, times: Array, poses: Array) -> None:
+def _log_flows(recording: Any, scene: DemoScene, fleet: Fleet, times: Array, poses: Array) -> None:
     """Wind and current as arrows at the boats that have them."""
     import rerun as rr
 
@@ -151,12 +153,12 @@ def _log_flows(recording: Any, fleet: Fleet, times: Array, poses: Array) -> None
         if not known:
             continue
         blown = [np.nan_to_num(values_at(fleet.shown[j], flow, times)) for j, flow in known.items()]
-        vectors = metres * np.stack(blown, axis=1)
+        vectors = metres * scene.scale * np.stack(blown, axis=1)
         n, k = len(times), len(known)
         arrows = rr.Arrows2D.columns(
             origins=on_chart(poses[:, list(known), 0], poses[:, list(known), 1]).reshape(-1, 2),
             vectors=on_chart(vectors[..., 0], vectors[..., 1]).reshape(-1, 2),
-            radii=[0.05] * n * k,
+            radii=[0.05 * scene.scale] * n * k,
             colors=[shade] * n * k,
         )
         _send(recording, entity("chart", "runs", *fleet.path, name), times, arrows, k)
@@ -165,16 +167,20 @@ def _log_flows(recording: Any, fleet: Fleet, times: Array, poses: Array) -> None
 def _log_in_space(recording: Any, scene: DemoScene, fleet: Fleet, times: Array, poses: Array) -> None:
     import rerun as rr
 
-    n, k, _ = poses.shape
+    (n, k, _), size = poses.shape, scene.scale
     where = entity("space", "runs", *fleet.path)
     if scene.few:
-        ways = _ways(in_space(poses[..., 0], poses[..., 1], 0.03))
-        track = rr.LineStrips3D.columns(strips=ways, radii=[0.06] * n * k, colors=[fleet.colour] * n * k)
+        ways = _ways(in_space(poses[..., 0], poses[..., 1], 0.03 * size))
+        track = rr.LineStrips3D.columns(
+            strips=ways, radii=[0.06 * size] * n * k, colors=[fleet.colour] * n * k
+        )
         _send(recording, f"{where}/track", times, track, k)
     else:
         tracks = [in_space(*item.run.pose[:, :2].T) for item in fleet.shown]
         recording.log(
-            f"{where}/whole_track", rr.LineStrips3D(tracks, radii=0.02, colors=fleet.colour), static=True
+            f"{where}/whole_track",
+            rr.LineStrips3D(tracks, radii=0.02 * size, colors=fleet.colour),
+            static=True,
         )
     vertices, triangles = mesh(scene.length, scene.breadth)
     hull = rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, albedo_factor=fleet.colour)

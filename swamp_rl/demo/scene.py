@@ -8,9 +8,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.course import Course, buoy_table
 from swamp_rl.demo.colours import PALETTE, PEOPLE, Colour, driver_colours
 from swamp_rl.demo.conditions import Conditions, conditions
+from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 
 Align = Literal["gate", "start"]
@@ -101,6 +103,11 @@ class DemoScene:
         ]
 
     @property
+    def scale(self) -> float:
+        """Length of the boat over SWAMP's, which the symbols that are drawn in metres are sized for."""
+        return self.length / SWAMP_LENGTH
+
+    @property
     def buoys(self) -> NDArray[np.float64]:
         """(2 G, 2) north and east [m]."""
         return np.empty((0, 2)) if self.course is None else buoy_table(self.course)
@@ -139,9 +146,13 @@ def demo_scene(
 
     With align `start` all begin together, which with None those do that met one weather from one start; the
     others, and all with `gate`, pass the course's first gate at the same time on the clock; a run that
-    never does is where it was nearest to the gate. The clock starts at 0, with the first run.
+    never does is where it was nearest to the gate. The clock starts at 0, with the first run. UserError for a
+    run of one row.
     """
     shown = [Shown(run.name, group, run) for group, found in runs.items() for run in found]
+    for item in shown:
+        if len(item.run.time) < 2:
+            raise UserError(f"run {item.name}: has {len(item.run.time)} row(s); two or more can be shown")
     together = DemoScene(title, tuple(shown), course, *size, one_boat=one_boat)
     if align == "start" or course is None or (align is None and together.conditions.same):
         return together

@@ -140,6 +140,7 @@ def _charts(figure: Any, place: Any, scene: DemoScene, groups: list[Any]) -> lis
     from matplotlib.patches import Circle
 
     south, north, west, east = scene.edges()
+    radius = max(scene.course.buoy_radius if scene.course else 0.0, 0.3 * scene.scale)
     columns = 1 if len(groups) == 1 else math.ceil(math.sqrt(len(groups) * 1.2))
     grid = place.subgridspec(math.ceil(len(groups) / columns), columns, wspace=0.04, hspace=0.14)
     found = []
@@ -157,8 +158,8 @@ def _charts(figure: Any, place: Any, scene: DemoScene, groups: list[Any]) -> lis
             colour, (port, starboard) = fractions(gate_colour(gate.name)), gate.buoys
             axes.plot([port.east, starboard.east], [port.north, starboard.north], ":", color=colour, lw=1.2)
             for buoy in gate.buoys:
-                axes.add_patch(Circle((buoy.east, buoy.north), 0.3, color=colour))
-            ahead = np.array([math.sin(gate.heading), math.cos(gate.heading)])
+                axes.add_patch(Circle((buoy.east, buoy.north), radius, color=colour))
+            ahead = scene.scale * np.array([math.sin(gate.heading), math.cos(gate.heading)])
             centre = np.array([gate.centre.east, gate.centre.north])
             shape = {"arrowstyle": "->", "color": colour}
             axes.annotate("", centre + ahead, centre - ahead, arrowprops=shape)

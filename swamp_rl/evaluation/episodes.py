@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.energy import missing, pack_power, range_left
 from swamp_rl.errors import UserError
-from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_power, path_length
+from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_areas, jet_power, path_length
 from swamp_rl.evaluation.rollout import Rollout
 from swamp_rl.evaluation.statistics import Interval, paired_difference, wilson
 from swamp_rl.names import refuse_odd_label
@@ -38,7 +38,8 @@ def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
     path; range [m]: `range_left` with the charge at the start, full packs where none was counted.
     """
     linear, quadratic = np.array([item.thrust_curve(boat.water_density) for item in boat.thrusters]).T
-    power = jet_power(bollard_thrust(rollout.throttle, linear, quadratic), boat.water_density).sum(axis=-1)
+    thrust = bollard_thrust(rollout.throttle, linear, quadratic)
+    power = jet_power(thrust, boat.water_density, jet_areas(boat.thrusters)).sum(axis=-1)
     episodes = range(len(rollout.seeds))
     table = {
         "seed": rollout.seeds,

@@ -1,7 +1,12 @@
 """What an episode cost: path, smoothness of the commands and energy of the jets, for one run or a batch."""
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
+
+from swamp_rl.boat import PropellerRudder, Thruster
 
 Array = NDArray[np.float64]
 
@@ -26,15 +31,31 @@ def command_change(commands: Array) -> Array:
     return np.abs(np.diff(commands, axis=-2)).sum(axis=-1).mean(axis=-1)
 
 
-def jet_power(thrust: Array, water_density: float) -> Array:
+def jet_areas(thrusters: Sequence[Thruster | PropellerRudder]) -> Array:
+    """(K,) cross-section [m²] of each thruster's jet.
+
+    Of a jet the nozzle's; of a propeller half its disc, to which the wake of a disc at rest contracts
+    (momentum theory); `NOZZLE_AREA` where the boat file has neither.
+    """
+    areas = []
+    for thruster in thrusters:
+        if thruster.propeller is not None:
+            areas.append(0.125 * math.pi * thruster.propeller.diameter**2)
+        elif isinstance(thruster, Thruster):
+            areas.append(thruster.nozzle_area or NOZZLE_AREA)
+    return np.array(areas)
+
+
+def jet_power(thrust: Array, water_density: float, area: Array | float = NOZZLE_AREA) -> Array:
     """Kinetic power [W] that jets of the given bollard thrust [N] leave in the water; any shape.
 
+    area [m²]: of their cross-sections, see `jet_areas`.
     By momentum T = ρ A_n V_o² the jet leaves at V_o = √(T / (ρ A_n)) and carries ½ ρ A_n V_o³ = ½ T V_o.
     At full throttle (12.2 N) that is 22 W, where the motor took 97 W (the pump-jet article, figure 21); what
     the battery gives is `swamp_rl.energy.pack_power`.
     """
     force = np.abs(thrust)
-    return 0.5 * force * np.sqrt(force / (water_density * NOZZLE_AREA))
+    return 0.5 * force * np.sqrt(force / (water_density * area))
 
 
 def bollard_thrust(throttle: Array, linear: Array, quadratic: Array) -> Array:

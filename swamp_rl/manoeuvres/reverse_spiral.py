@@ -32,6 +32,8 @@ def reverse_spiral(trial: Trial, length: float, limit: float) -> Controller:
             phase, settled = steady_turn(sensed, phase, length)
             if not settled and sensed.time - phase.began <= longest:
                 return Order(trial.angle, trial.throttle), phase
+            if not settled:
+                phase = phase.noted(f"the yaw rate at the angle itself was not steady after {longest:.0f} s")
             memory = (*started(sensed.time, trial.angle), sensed.yaw_rate, trial.angle)
             phase = phase.then(HOLDING, sensed.time, number=1, memory=memory)
         wanted = phase.memory[3] * shares[phase.number - 1]

@@ -65,7 +65,7 @@ class DaggerSettings(Settings):
     runs: Annotated[int, Field(ge=1, le=1_000)] = 2
     "Runs that the learner drives and the expert labels in each round."
     expert: Habits = STEADY
-    "Habits of the scripted pilots that label, one for each run."
+    "Habits of the scripted pilots that label, one for each run; their `boat_length` is the boat's."
     trials: Annotated[int, Field(ge=0, le=100_000)] = 200
     """Validation episodes of each round: the learner with most successes is returned (the later of equals);
     with 0 episodes the last one."""
@@ -78,6 +78,13 @@ class DaggerSettings(Settings):
         if learner.seed != 0:
             raise ValueError("seed: is that of the rounds; give it beside learner, not in it")
         return learner
+
+    @field_validator("expert")
+    @classmethod
+    def _no_length(cls, expert: Habits) -> Habits:
+        if expert.boat_length != STEADY.boat_length:
+            raise ValueError("boat_length: is that of the boat; leave it out")
+        return expert
 
 
 @one_thread(torch=True)
@@ -105,6 +112,7 @@ def fit_dagger(
     task = task_of(settings, (column for run in first for column in run.columns.values()))
     rounds = Rounds() if checkpoint is None else load_rounds(checkpoint, task)
     within = None if checkpoint is None else checkpoint.with_name(f"{checkpoint.name}-round")
+    habits = settings.expert.model_copy(update={"boat_length": vehicle.length})
     rng = np.random.default_rng(settings.seed)
     # All seeds are larger than any of an evaluation, so that no pilot is evaluated on its training data.
     trials = rng.integers(2**31, 2**32, settings.trials)
@@ -113,7 +121,7 @@ def fit_dagger(
         if number >= len(rounds.successes):
             if rounds.learner is not None:
                 expert_seed, seeds = drawn[number - 1]
-                expert = ScriptedPilot(int(expert_seed), settings.expert, step)
+                expert = ScriptedPilot(int(expert_seed), habits, step)
                 driven = corrected_runs(rounds.learner, expert, make_boats, vehicle, seeds, step)
                 rounds.corrected += [_plain(look(run)) for run in driven]
             _learn(rounds, [*first, *rounds.corrected], settings, make_boats, trials, within)

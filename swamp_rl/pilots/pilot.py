@@ -13,7 +13,7 @@ class Pilot(Protocol):
 
     @property
     def kind(self) -> str:
-        """The kind under which it is stored: scripted, reservoir, cloning, gru, ppo or takeover."""
+        """The kind that `swamp_rl.pilots.store` keeps it as; of one's own that of `own.own_class`."""
 
     @property
     def senses(self) -> tuple[str, ...]:

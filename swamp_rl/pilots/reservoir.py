@@ -15,7 +15,16 @@ from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
 from swamp_rl.pilots.demonstrations import POSE, examples
 from swamp_rl.pilots.readout import Moments, RecursiveReadout, ridge_readout, variance_matched
-from swamp_rl.pilots.settings import NotNegative, Positive, Seconds, Seed, Settings, Share, Width
+from swamp_rl.pilots.settings import (
+    IN_ORDER,
+    NotNegative,
+    Positive,
+    Seconds,
+    Seed,
+    Settings,
+    Share,
+    Width,
+)
 from swamp_rl.runs import Run
 
 POSITION = ("north", "east")
@@ -28,7 +37,7 @@ class ReservoirSettings(Settings):
     senses: tuple[str, ...] = POSE
     units: Width = 200
     spectral_radius: NotNegative = 0.5
-    leak: tuple[Share, Share] = (0.05, 1.0)
+    leak: Annotated[tuple[Share, Share], IN_ORDER] = (0.05, 1.0)
     "Range of the units' leak rates, log-uniform: memories from one step to some seconds."
     connectivity: Share = 0.1
     "Share of the units that a unit is connected to."

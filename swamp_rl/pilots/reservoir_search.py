@@ -6,10 +6,10 @@ Rows of one run are strongly correlated, so leaving out rows would underestimate
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Annotated
+from typing import Annotated, Self
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from swamp_rl.errors import UserError
 from swamp_rl.one_thread import one_thread
@@ -40,6 +40,12 @@ class SearchedReservoirSettings(Settings):
     folds: Annotated[int, Field(ge=2, le=1_000)] = 5
     seed: Seed = 0
     "Seed of the reservoirs."
+
+    @model_validator(mode="after")
+    def _leaks_in_order(self) -> Self:
+        if max(self.lowest_leak) > self.reservoir.leak[1]:
+            raise ValueError("lowest_leak: is above the largest leak, reservoir.leak; give smaller ones")
+        return self
 
     @field_validator("reservoir")
     @classmethod

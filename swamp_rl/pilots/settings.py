@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from swamp_rl.files import validated
 
@@ -19,7 +19,16 @@ Width = Annotated[int, Field(ge=1, le=4096)]
 "Units of a layer: a reservoir's joints are the square of it."
 Layers = Annotated[tuple[Width, ...], Field(min_length=1, max_length=16)]
 Seed = Annotated[int, Field(ge=0, lt=2**32)]
-Range = tuple[NotNegative, NotNegative]
+
+
+def _in_order(ends: tuple[float, float]) -> tuple[float, float]:
+    if ends[0] > ends[1]:
+        raise ValueError("the first number is above the second; exchange them")
+    return ends
+
+
+IN_ORDER = AfterValidator(_in_order)
+Range = Annotated[tuple[NotNegative, NotNegative], IN_ORDER]
 
 
 class Settings(BaseModel):

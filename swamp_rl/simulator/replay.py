@@ -20,7 +20,7 @@ from swamp_rl.simulator.weather import measured_weather
 Array = NDArray[np.float64]
 
 VELOCITIES = ("surge", "sway", "yaw_rate")
-START_SPAN = 1.0  # s of track that a start velocity is estimated from, where none was measured
+SPAN = 1.0  # s of track to either side of a row that its velocity is estimated from, where none was measured
 
 
 def sample_step(run: Run) -> float:
@@ -35,26 +35,29 @@ def fixed_thrusters(boat: Boat) -> list[str]:
     return [thruster.name for thruster in boat.thrusters if thruster.kind == "fixed"]
 
 
-def first_velocity(run: Run) -> Array:
-    """(3,) surge, sway [m/s over ground], yaw rate [rad/s] at the start.
+def velocities_at(run: Run, rows: Sequence[int] | NDArray[np.int64]) -> Array:
+    """(n, 3) surge, sway [m/s over ground], yaw rate [rad/s] at those rows (n,).
 
-    Measured, where the run holds them; otherwise the slope of a parabola through the first second.
+    Measured, where the run holds them; otherwise the slope of a parabola through the rows within SPAN, of a
+    line where these are two. The nearest other row always counts.
     """
     if all(name in run.columns for name in VELOCITIES):
-        return run.stacked(VELOCITIES)[0]
-    time = run.time - run.time[0]
-    near = time <= START_SPAN + 1e-9
-    pose = run.pose[near]
+        return run.stacked(VELOCITIES)[rows]
+    pose = run.pose
     pose[:, 2] = np.unwrap(pose[:, 2])
-    degree = min(2, int(near.sum()) - 1)
-    north, east, turn = np.polyfit(time[near], pose, degree)[-2]
-    cos, sin = math.cos(pose[0, 2]), math.sin(pose[0, 2])
-    return np.array([north * cos + east * sin, east * cos - north * sin, turn])
+    found = np.empty((len(rows), 3))
+    for i, row in enumerate(rows):
+        time = run.time - run.time[row]
+        near = np.abs(time) <= max(SPAN, np.partition(np.abs(time), 1)[1]) + 1e-9
+        north, east, turn = np.polyfit(time[near], pose[near], min(2, int(near.sum()) - 1))[-2]
+        cos, sin = math.cos(pose[row, 2]), math.sin(pose[row, 2])
+        found[i] = north * cos + east * sin, east * cos - north * sin, turn
+    return found
 
 
 def start_of(run: Run, boat: Boat, params: NDArray[Any], commands: Array) -> Array:
     """(1, S) state at the run's first row; actuators as applied where recorded, else as commanded there."""
-    motion = true_motion(np.hstack([run.pose[:1], first_velocity(run)[None]]), params)
+    motion = true_motion(np.hstack([run.pose[:1], velocities_at(run, [0])]), params)
     state = initial_state(params, motion[:, :3], motion[:, 3:])
     for k, thruster in enumerate(boat.thrusters):
         for column, index in zip(thruster.command_columns, (k, len(boat.thrusters) + k), strict=True):

@@ -14,7 +14,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.parameters import parameters, tank
-from swamp_rl.simulator.replay import VELOCITIES, fixed_thrusters, run_of, sample_step, start_of
+from swamp_rl.simulator.replay import fixed_thrusters, run_of, sample_step, start_of, velocities_at
 from swamp_rl.simulator.sensors import observe, true_motion
 from swamp_rl.simulator.state import YAW_RATE
 from swamp_rl.simulator.step import step, substeps_of
@@ -25,7 +25,6 @@ Array = NDArray[np.float64]
 WINDOW = "window"
 """Column of a restarted replay: the number of the window, from 1 on, that a row belongs to."""
 GRID_TOLERANCE = 0.3  # of a sample step, how far a row may lie from the grid
-SPAN = 1.0  # s to either side of a restart over which a velocity that was not measured is read off the track
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ def replay_restarted(boat: Boat, run: Run, seconds: float, ignore: Sequence[str]
     rows = np.unique(np.searchsorted(places, nominal))  # of the measured run, that windows start with
     rows = rows[places[rows] < places[-1]]
     params = parameters(boat)
-    measured = np.hstack([run.pose[rows], _velocities(run, rows)])
+    measured = np.hstack([run.pose[rows], velocities_at(run, rows)])
     motion = true_motion(measured, np.repeat(params, len(rows)), run.time[rows] - run.time[0])
     state = start_of(run, boat, params, commands)
     tracks = []
@@ -141,22 +140,6 @@ def _steps(run: Run, seconds: float, dt: float) -> int:
             "give a shorter --window"
         )
     return steps
-
-
-def _velocities(run: Run, starts: NDArray[np.int64]) -> Array:
-    """(n, 3) surge, sway [m/s], yaw rate [rad/s] at the rows `starts`."""
-    if all(name in run.columns for name in VELOCITIES):
-        return run.stacked(VELOCITIES)[starts]
-    pose = run.pose
-    pose[:, 2] = np.unwrap(pose[:, 2])
-    found = np.empty((len(starts), 3))
-    for i, start in enumerate(starts):
-        near = np.abs(run.time - run.time[start]) <= SPAN + 1e-9
-        time = run.time[near] - run.time[start]
-        north, east, turn = np.polyfit(time, pose[near], min(2, len(time) - 1))[-2]
-        cos, sin = math.cos(pose[start, 2]), math.sin(pose[start, 2])
-        found[i] = north * cos + east * sin, east * cos - north * sin, turn
-    return found
 
 
 def _miss(measured: Array, ends: Array) -> Array:

@@ -54,7 +54,7 @@ class Hub:
         self.session, self.source, self.factor = session, source, factor
         self.clients: list[Client] = []
         self.driver: Client | None = None
-        self._commanded = -SILENCE
+        self._commanded, self._told_free = -SILENCE, True
         self._numbers = 0
         self._origin = self.beat = time.monotonic()
 
@@ -98,7 +98,7 @@ class Hub:
             for client in self.clients:
                 client.frame = text
                 client.wake.set()
-        if self.session.listen() or self.session.phase != phase:
+        if self.session.listen() or self.session.phase != phase or self.seat_is_free != self._told_free:
             self.publish()
 
     # --- connections ---
@@ -193,15 +193,19 @@ class Hub:
         self.publish()
 
     def _change_seat(self, client: Client) -> None:
-        silent = time.monotonic() - self._commanded > SILENCE
         if client is self.driver:
             self.driver = None
-        elif self.driver is None or silent:
+        elif self.seat_is_free:
             self._seat(client)
         else:
             raise UserError("someone is driving; wait until the seat is free")
         self.session.lose()
         self.publish()
+
+    @property
+    def seat_is_free(self) -> bool:
+        """Whether one who watches may take it: nobody drives, or whoever does has long sent no command."""
+        return self.driver is None or time.monotonic() - self._commanded > SILENCE
 
     def _seat(self, client: Client) -> None:
         self.driver, self._commanded = client, time.monotonic()
@@ -219,9 +223,13 @@ class Hub:
 
     def publish(self) -> None:
         """Tell everyone how things stand."""
-        stands = view.status(self.session) | {"watchers": len(self.clients) - (self.driver is not None)}
+        self._told_free = self.seat_is_free
+        stands = view.status(self.session) | {
+            "watchers": len(self.clients) - (self.driver is not None),
+            "seat_taken": not self._told_free,
+        }
         for client in self.clients:
-            client.tell({**stands, "driving": client is self.driver, "seat_taken": self.driver is not None})
+            client.tell({**stands, "driving": client is self.driver})
 
     def say(self, client: Client | None, text: str) -> None:
         """Show a line to one, or to everyone."""

@@ -3,6 +3,7 @@
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -141,8 +142,11 @@ def test_a_scale_that_is_none_is_refused(tmp_path: Path, scale: str) -> None:
         load_course(tmp_path / "odd.yaml")
 
 
-def test_an_episode_whose_motion_diverges_is_cut_with_its_last_finite_observation(tmp_path: Path) -> None:
-    env = GatesEnv(boat=written(tmp_path, "twin"))
+@pytest.mark.parametrize("sensors", [[], [{"effect": "position_lever_arm", "x": 0.1}]])
+def test_an_episode_whose_motion_diverges_is_cut_with_its_last_finite_observation(
+    tmp_path: Path, sensors: list[dict[str, Any]]
+) -> None:
+    env = GatesEnv(boat=written(tmp_path, "twin"), disturbances=sensors)
     last, _ = env.reset(seed=0)
     ahead = np.array([1.0, 0.0], np.float32)
     for _ in range(3):

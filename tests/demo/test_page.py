@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import sync_playwright
 
-from swamp_rl.course import load_course
+from swamp_rl.constants import SWAMP_LENGTH
+from swamp_rl.course import fitted, load_course
 from swamp_rl.demo.page import STEP, page, write_page
 from swamp_rl.demo.scene import DemoScene, demo_scene
 from swamp_rl.errors import UserError
@@ -44,6 +45,15 @@ def test_the_page_holds_the_tracks_to_the_centimetre() -> None:
     assert run["panels"]["speed over ground [m/s]"] == pytest.approx(np.full(len(run["north"]), 0.5))
     assert run["flows"]["current"][0] == [0.2] * len(run["north"])
     assert [gate["name"] for gate in told["gates"]] == ["green", "red"]
+
+
+def test_symbols_grow_with_the_boat_as_its_course_does() -> None:
+    course, runs = load_course("camogli"), {"human": [Run("a", circling())]}
+    for times in (0.25, 1.0, 16.0):
+        size, laid_out = times * SWAMP_LENGTH, fitted(course, times * SWAMP_LENGTH, 10.0)
+        told = data_of(page(demo_scene("a", runs, laid_out, (size, size))))
+        assert told["scale"] == pytest.approx(times)
+        assert told["gates"][0]["radius"] == pytest.approx(times * course.buoy_radius)
 
 
 def test_the_page_needs_no_other_file_and_may_load_none() -> None:

@@ -8,6 +8,7 @@ from swamp_rl.demo.clock import instants, poses_at, values_at
 from swamp_rl.demo.scene import Shown, demo_scene, first_gate_time
 from swamp_rl.demo.series import current, series_of, speed, wind
 from swamp_rl.demo.shapes import corners, mesh
+from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, RunMeta
 
 CAMOGLI = load_course("camogli")
@@ -44,6 +45,12 @@ def test_aligned_boats_are_all_at_the_gate_together_and_the_first_starts_at_zero
         assert poses_at(item, np.array([at]))[0, 0] == pytest.approx(GATE.centre.north)
     assert min(item.start for item in scene.shown) == 0.0
     assert f"{at:.1f} s" in scene.aligned
+
+
+def test_a_run_of_one_row_is_refused_by_name() -> None:
+    still = Run("lone", {name: np.zeros(1) for name in ("time", "north", "east", "heading")})
+    with pytest.raises(UserError, match=r"run lone: has 1 row\(s\)"):
+        demo_scene("a", {"human": [northward(0.5), still]}, CAMOGLI, (1.24, 1.1))
 
 
 def test_people_come_first_in_name_and_colour() -> None:

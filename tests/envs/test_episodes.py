@@ -115,6 +115,17 @@ def test_in_the_next_step_mode_the_end_stays_in_sight_for_one_step() -> None:
     assert (boats.step(full)[0][:, 4] != 0.0).all()
 
 
+def test_a_boat_that_starts_anew_ignores_levers_however_long_they_are_held() -> None:
+    boats, other = (GatesVectorEnv(1, time_limit=1.0) for _ in range(2))
+    boats.reset(seed=0)
+    ahead = np.array([[1.0, 0.0]])
+    assert boats.step_held(ahead, 10)[3].all()
+    seen, rewards, *_ = boats.step_held(ahead, 6)
+    other.reset(seed=0)
+    assert np.array_equal(seen, other.reset()[0])
+    assert rewards.tolist() == [0.0]
+
+
 def test_in_the_same_step_mode_the_last_observation_is_in_the_info() -> None:
     later = GatesVectorEnv(2, course=brief(0.3), disturbances="standard")
     at_once = GatesVectorEnv(2, course=brief(0.3), disturbances="standard", autoreset_mode="SameStep")

@@ -9,7 +9,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 from swamp_rl.envs.batched import GatesVectorEnv
-from swamp_rl.envs.observation import OBSERVATION
+from swamp_rl.envs.observation import CHARGE, NAMES, OBSERVATION
 from swamp_rl.envs.single import GatesEnv
 
 import swamp_rl  # noqa: F401  registers
@@ -55,6 +55,17 @@ def test_a_pilot_senses_what_it_chose_in_its_order() -> None:
     everything, _ = GatesEnv().reset(seed=4)
     some, _ = GatesEnv(observation=chosen).reset(seed=4)
     assert some.tolist() == [everything[OBSERVATION.index(name)] for name in chosen]
+
+
+def test_what_is_sensed_in_severe_weather_lies_in_its_space_whatever_the_levers() -> None:
+    senses = [name for name in NAMES if name != CHARGE]
+    boats = GatesVectorEnv(8, disturbances="severe", observation=senses, time_limit=8.0, step=0.3)
+    seen, _ = boats.reset(seed=1)
+    boats.action_space.seed(1)
+    for _ in range(80):
+        assert seen in boats.observation_space and np.isfinite(seen).all()
+        seen, rewards, *_ = boats.step(boats.action_space.sample())
+        assert np.isfinite(rewards).all()
 
 
 def test_the_gate_is_seen_from_the_boat() -> None:

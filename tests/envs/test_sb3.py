@@ -6,6 +6,7 @@ from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.envs.single import GatesEnv
 
 from swamp_rl.course import Course, load_course
+from swamp_rl.errors import UserError
 
 sb3 = pytest.importorskip("swamp_rl.envs.sb3")
 
@@ -40,6 +41,16 @@ def test_actions_reach_over_the_whole_way_of_each_lever() -> None:
     together.reset()
     together.step(np.array([[-1.0, -1.0], [0.0, 0.0], [1.0, 1.0]], dtype=np.float32))
     assert np.array_equal(together.boats.fleet.boats["lever"], [[0.0, -1.0], [0.5, 0.0], [1.0, 1.0]])
+
+
+def test_options_that_were_set_count_for_the_next_reset_alone() -> None:
+    together, alone = sb3.GatesVecEnv(boats(2)), boats(2)
+    together.set_options({"episodes": [8, 5]})
+    assert np.array_equal(together.reset(), alone.reset(options={"episodes": [8, 5]})[0])
+    assert np.array_equal(together.reset(), alone.reset()[0])
+    together.set_options([{"episodes": [8, 5]}, {"episodes": [1, 2]}])
+    with pytest.raises(UserError, match="give one dict for all"):
+        together.reset()
 
 
 def test_a_held_action_is_as_many_steps_whose_rewards_add_up() -> None:

@@ -115,13 +115,14 @@ def test_the_distance_from_the_gates_middle_line_is_a_cost() -> None:
     np.testing.assert_allclose(paid("cross_track", "calm"), -0.1 * off, atol=1e-6)
 
 
-def test_the_energy_that_is_rewarded_is_the_energy_that_is_reported() -> None:
+@pytest.mark.parametrize(("boat", "level"), [("swamp", "severe"), ("esso_osaka", "calm")])
+def test_the_energy_that_is_rewarded_is_the_energy_that_is_reported(boat: str, level: str) -> None:
     reward = {**NOTHING, "energy": 1.0}
 
     def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
-        return GatesVectorEnv(n, disturbances="severe", observation=senses, reward=reward)
+        return GatesVectorEnv(n, boat=boat, disturbances=level, observation=senses, reward=reward)
 
-    table = episode_table(drive(LineOfSightPilot(), boats, np.arange(4)), load_boat("swamp"), 0.1)
+    table = episode_table(drive(LineOfSightPilot(), boats, np.arange(4)), load_boat(boat), 0.1)
     np.testing.assert_allclose(-table["return"], table["energy"], rtol=1e-9)
 
 
@@ -140,6 +141,12 @@ def test_wind_current_last_action_and_time_left_can_be_observed() -> None:
     assert (seen["last_throttle"], seen["last_angle"]) == pytest.approx((0.5, 0.8))
     assert seen["time_left"] == pytest.approx(58.0)
     assert env.observation_space.contains(rows[-1].astype(np.float32))
+
+
+def test_the_time_left_is_within_its_bounds_where_the_limit_is_no_multiple_of_the_step() -> None:
+    env = GatesEnv(observation=["time_left"], time_limit=10.0, step=0.3)
+    seen, _ = env.reset(seed=0)
+    assert seen == env.observation_space.high == pytest.approx(34 * 0.3)
 
 
 def test_a_time_limit_and_bounds_take_the_place_of_the_courses() -> None:

@@ -1,11 +1,14 @@
 """The costs of an episode, against closed forms."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_power, path_length
+from swamp_rl.boat import load_boat
+from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_areas, jet_power, path_length
 
 
 def test_path_length_of_a_quarter_circle_is_half_pi_radius() -> None:
@@ -34,6 +37,16 @@ def test_jet_power_is_half_the_mass_flow_times_the_jet_speed_squared(thrust: flo
     area = 900e-6
     speed = np.sqrt(thrust / (density * area))
     assert jet_power(np.array(thrust), density) == pytest.approx(0.5 * density * area * speed**3)
+
+
+def test_a_jet_is_as_wide_as_its_nozzle_and_a_propellers_wake_as_half_its_disc() -> None:
+    ship = load_boat("esso_osaka")
+    assert jet_areas(load_boat("swamp").thrusters).tolist() == [900e-6] * 4
+    # A disc at rest takes in the water at half the speed at which it leaves it.
+    diameter, thrust = ship.thrusters[0].propeller.diameter, 10.0
+    through = math.sqrt(thrust / (2.0 * 1000.0 * 0.25 * math.pi * diameter**2))
+    power = jet_power(np.array(thrust), 1000.0, jet_areas(ship.thrusters)[0])
+    assert power == pytest.approx(thrust * through)
 
 
 def test_jet_power_is_a_plausible_part_of_the_measured_motor_power() -> None:

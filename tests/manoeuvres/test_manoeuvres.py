@@ -9,10 +9,12 @@ import pytest
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
+from swamp_rl.guidance.loop import Seen
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
-from swamp_rl.manoeuvres.controller import Order, Trial
+from swamp_rl.manoeuvres.controller import Order, Phase, Trial
 from swamp_rl.manoeuvres.execute import STEP, Executed, execute
 from swamp_rl.manoeuvres.record import record_trials, run_of_trial
+from swamp_rl.manoeuvres.reverse_spiral import reverse_spiral
 from swamp_rl.manoeuvres.steering import steering
 from swamp_rl.runs import read_dataset
 from swamp_rl.simulator.replay import replay
@@ -165,6 +167,19 @@ def test_what_a_trial_cannot_reach_is_noted_and_it_goes_on() -> None:
     fast = done(Trial("zig-zag", 0.6, 20 * DEG, 20 * DEG, executes=2, start_speed=1.4))
     assert fast.completed
     assert "start speed 1.40 m/s was not reached, it began at 1.04 m/s" in fast.notes
+
+
+def test_a_reverse_spiral_notes_that_its_first_turn_was_never_steady() -> None:
+    control, phase = (
+        reverse_spiral(Trial("reverse-spiral", 0.6, 20 * DEG), 1.24, 90 * DEG),
+        Phase("execute", 0),
+    )
+    for i in range(10_000):
+        swinging = Seen(0.1 * i, 0.0, 0.0, 0.0, 1.0, 0.0, 0.5 * (-1) ** i, np.zeros(0))
+        _, phase = control(swinging, phase)
+        if phase.name == "hold":
+            break
+    assert phase.notes == ("the yaw rate at the angle itself was not steady after 267 s",)
 
 
 def test_a_boat_that_cannot_reach_its_waypoints_executes_from_where_it_is(tmp_path: Path) -> None:

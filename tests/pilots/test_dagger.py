@@ -71,6 +71,26 @@ def test_the_same_seed_gives_the_same_pilot_and_another_one_another(demonstrated
     assert (first["W"] != other["W"]).any()
 
 
+def test_the_expert_judges_distances_by_the_length_of_the_boat(demonstrated: list[Run]) -> None:
+    driven: dict[float, Run] = {}
+    for length in (BOAT.length, 4.0 * BOAT.length):
+
+        def noted(run: Run, length: float = length) -> Run:
+            driven[length] = run
+            return look(run)
+
+        settings = DaggerSettings.model_validate(FEW | {"rounds": 1, "runs": 1})
+        fit_dagger(demonstrated, boats, BOAT.model_copy(update={"length": length}), noted, settings)
+    short, long = driven.values()
+    np.testing.assert_array_equal(short.pose, long.pose)
+    assert np.mean(short.joypad[:, 1] != long.joypad[:, 1]) > 0.1
+
+
+def test_a_boat_length_of_the_experts_own_is_refused() -> None:
+    with pytest.raises(ValidationError, match="is that of the boat; leave it out"):
+        DaggerSettings.model_validate({"expert": {"boat_length": 3.0}})
+
+
 def test_it_tells_how_far_it_is_and_learns_from_as_many_runs_as_it_says(demonstrated: list[Run]) -> None:
     looked: list[str] = []
 

@@ -9,7 +9,7 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
-from swamp_rl.simulator.replay import first_velocity, replay, run_of, substeps_of
+from swamp_rl.simulator.replay import replay, run_of, substeps_of, velocities_at
 from swamp_rl.simulator.state import HEADING
 from tests.support.boats import Array, commands, track
 
@@ -48,8 +48,16 @@ def test_headings_are_written_between_minus_pi_and_pi() -> None:
 def test_a_start_velocity_that_was_not_measured_is_read_off_the_track() -> None:
     run = recorded()
     bare = {name: values for name, values in run.columns.items() if name not in ("surge", "sway", "yaw_rate")}
-    estimated = first_velocity(Run("turn", bare))
-    assert estimated == pytest.approx([0.5, -0.1, 0.2], abs=0.02)
+    estimated = velocities_at(Run("turn", bare), [0])
+    assert estimated[0] == pytest.approx([0.5, -0.1, 0.2], abs=0.02)
+
+
+def test_a_run_with_rows_seconds_apart_has_the_velocity_between_its_rows() -> None:
+    time = np.arange(0.0, 20.0, 2.0)
+    still = {f"{kind}_{name}": 0.0 * time for kind in ("azimuth", "throttle") for name in BOAT.thruster_names}
+    run = Run("slow", {"time": time, "north": 0.5 * time, "east": 0.0 * time, "heading": 0.0 * time} | still)
+    assert velocities_at(run, [0, 4, 9]) == pytest.approx(np.tile([0.5, 0.0, 0.0], (3, 1)))
+    assert replay(BOAT, run).columns["surge"][0] == pytest.approx(0.5)
 
 
 def test_a_run_without_the_boats_commands_is_refused_by_name() -> None:

@@ -18,6 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from swamp_rl.errors import UserError
+from swamp_rl.teleop import hub
 from swamp_rl.teleop.allowance import Allowance
 from swamp_rl.teleop.guard import Guard, is_loopback
 from swamp_rl.teleop.hub import Hub
@@ -215,6 +216,17 @@ def test_one_drives_the_others_watch_and_the_seat_passes_on(recorder: tuple[str,
             second.send(json.dumps(COMMAND))
             hear(second, said("you are watching"))
         hear(second, status(seat_taken=False))
+
+
+def test_the_seat_of_a_page_that_fell_silent_is_told_to_be_free(
+    recorder: tuple[str, Hub], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(hub, "SILENCE", 0.5)
+    with page(recorder[0]) as silent, page(recorder[0]) as watcher:
+        hear(watcher, status(driving=False, seat_taken=False))
+        watcher.send('{"type": "act", "act": "seat"}')
+        hear(watcher, status(driving=True))
+        hear(silent, status(driving=False))
 
 
 def test_a_driver_whose_connection_breaks_lets_go_of_the_levers(recorder: tuple[str, Hub]) -> None:

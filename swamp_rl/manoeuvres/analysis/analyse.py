@@ -11,7 +11,7 @@ from swamp_rl.manoeuvres.analysis.circle import analyse_circle
 from swamp_rl.manoeuvres.analysis.figure import Result
 from swamp_rl.manoeuvres.analysis.imo import criteria
 from swamp_rl.manoeuvres.analysis.motion import Motion, motion_of
-from swamp_rl.manoeuvres.analysis.recognise import Recognised, recognised
+from swamp_rl.manoeuvres.analysis.recognise import Recognised, listed, recognised
 from swamp_rl.manoeuvres.analysis.speed import analyse_stopping, analyse_straight
 from swamp_rl.manoeuvres.analysis.stability import (
     analyse_pull_out,
@@ -38,8 +38,8 @@ def analyse_run(run: Run, boat: Boat, seed: int = 0) -> Result:
     """The figures of one run of `boat`; seed: of the bootstrap. UserError where no manoeuvre is found."""
     motion = motion_of(run, boat)
     found = recognised(run.meta, motion, run.name)
-    notes = list((run.meta.model_extra or {}).get("notes", []))
-    result = Result(run.name, found.kind, dict(found.setting), notes=[str(note) for note in notes])
+    notes = [str(note) for note in listed(run.meta, "notes", run.name)]
+    result = Result(run.name, found.kind, dict(found.setting), notes=notes)
     analysis, phase = ANALYSES[found.kind]
     rng = np.random.default_rng(seed)
     if not found.of(phase):

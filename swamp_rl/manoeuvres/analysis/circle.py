@@ -104,6 +104,7 @@ def circle_figures(circle: Circle, drift: Drift | None, rng: np.random.Generator
         found[name] = over([values[i] for values in later], unit, rng)
     start = float(np.hypot(*(circle.approach - water)))
     found["approach_speed"] = Figure(start, "m/s")
+    start = start or math.nan  # from rest there is no speed to lose
     speed = found["steady_speed"]
     found["speed_loss"] = Figure(
         1.0 - speed.value / start,

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, PropellerRudder, Thruster
+from swamp_rl.errors import UserError
 from swamp_rl.guidance.heading import slowest_speed
 from swamp_rl.runs import Run
 
@@ -61,8 +62,13 @@ class Motion:
 
 
 def motion_of(run: Run, boat: Boat) -> Motion:
-    """The motion of a run; velocities that it does not hold are the differences of its track."""
+    """The motion of a run; velocities that it does not hold are the differences of its track.
+
+    UserError for a run of one row.
+    """
     columns, time = run.columns, run.time
+    if len(time) < 2:
+        raise UserError(f"run {run.name}: has {len(time)} row(s); a manoeuvre has two or more")
     heading = np.unwrap(columns["heading"])
     north_rate, east_rate = np.gradient(columns["north"], time), np.gradient(columns["east"], time)
     cos, sin = np.cos(heading), np.sin(heading)
@@ -83,7 +89,7 @@ def motion_of(run: Run, boat: Boat) -> Motion:
 
 def steering_of(run: Run, boat: Boat) -> tuple[Array, Array]:
     """Steering angle [rad], positive turning the bow to starboard, and throttle as a share of full [1]."""
-    angles, levels = [], []
+    angles, forward, levels = [], [], []
     for thruster in boat.thrusters:
         angle_column, level_column = thruster.command_columns
         level = run.columns.get(level_column)
@@ -93,23 +99,18 @@ def steering_of(run: Run, boat: Boat) -> tuple[Array, Array]:
         angle = run.columns.get(angle_column or "")
         if angle is not None:
             angles.append((_side(thruster) * _about_zero(angle), np.abs(level) > 0.0))
+            forward += angles[-1:] if thruster.x > 0.0 else []
     nothing = np.full(len(run.time), math.nan)
     if not levels:
         return nothing, nothing
     strongest = np.max(np.abs(levels), axis=0)
-    ahead = [
-        pair for pair, thruster in zip(angles, _steering(boat), strict=True) if thruster.x > 0.0
-    ] or angles
+    # The forward thrusters tell the angle for each pattern; what does not push does not steer.
+    ahead = forward or angles
     if not ahead:
         return nothing, strongest
-    # The forward thrusters tell the angle for each pattern; what does not push does not steer.
     weight = np.array([works for _, works in ahead], float)
     total = np.maximum(weight.sum(axis=0), 1e-12)
     return (weight * np.array([angle for angle, _ in ahead])).sum(axis=0) / total, strongest
-
-
-def _steering(boat: Boat) -> list[Thruster | PropellerRudder]:
-    return [thruster for thruster in boat.thrusters if thruster.command_columns[0] is not None]
 
 
 def _side(thruster: Thruster | PropellerRudder) -> float:

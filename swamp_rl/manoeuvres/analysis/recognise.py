@@ -7,6 +7,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.analysis.motion import Motion
 from swamp_rl.manoeuvres.controller import DONE, GAVE_UP, Kind
@@ -48,7 +49,7 @@ def recognised(meta: RunMeta, motion: Motion, name: str) -> Recognised:
     kind = setting.get("kind")
     if kind is not None and kind not in get_args(Kind):
         raise UserError(f"run {name}: manoeuvre {kind!r} is none of {', '.join(get_args(Kind))}; correct it")
-    marks = [_mark(given, name) for given in (meta.model_extra or {}).get("marks", [])]
+    marks = [_mark(given, name) for given in listed(meta, "marks", name)]
     if kind is not None and marks:
         ordered = [mark.angle for mark in marks if math.isfinite(mark.angle) and mark.angle != 0.0]
         if not ordered and "angle" not in setting and kind not in ("stopping", "straight"):
@@ -61,6 +62,15 @@ def recognised(meta: RunMeta, motion: Motion, name: str) -> Recognised:
             f"run {name}: {what} found in its commands; give manoeuvre and marks for it in dataset.yaml"
         )
     return Recognised(found.kind, found.setting | setting, found.marks)
+
+
+def listed(meta: RunMeta, key: str, name: str) -> list[Any]:
+    """The list that the meta of the run `name` holds under a key, empty where there is none; UserError for
+    anything else."""
+    given = (meta.model_extra or {}).get(key)
+    if given is not None and not isinstance(given, list):
+        raise UserError(f"run {name}: {key} must be a list, not {clipped(repr(given))}; correct dataset.yaml")
+    return given or []
 
 
 def _mark(given: Any, name: str) -> Mark:

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 
 LAST = 1.0 / 3.0  # of a phase, in which it counts as steady
 BLOCKS = 6  # of the steady part, that are resampled
+TERMS = 4  # of the curve through the yaw rates of a reverse spiral
 SMALL = 0.02  # rad per length sailed: a yaw rate that counts as none
 NO_ANGLE = math.radians(0.5)  # of steering that counts as none
 
@@ -36,17 +37,22 @@ def analyse_spiral(motion: Motion, found: Recognised, result: Result, rng: np.ra
     rates = [over_blocks(np.degrees(motion.yaw_rate[rows]), BLOCKS, "deg/s", rng) for rows in parts]
     angles = np.degrees([mark.angle for mark in steps])
     result.traces |= {"angle": angles, "rate": np.array([rate.value for rate in rates])}
-    half = len(steps) // 2
+    half = int(np.argmin(angles * np.sign(angles[0])))  # the largest angle to the other side
+    both = min(half, len(steps) - 1 - half)  # steps that were made there and back
     amid = [i for i, angle in enumerate(angles) if abs(angle) < math.degrees(NO_ANGLE)]
-    if len(amid) < 2:
+    if len(amid) < 2 or both == 0:
         result.notes.append("the spiral does not pass amidships twice: no loop to measure")
+        return
+    if np.abs(angles[half - both : half] - angles[half + both : half : -1]).max() > math.degrees(NO_ANGLE):
+        result.notes.append("the spiral's angles there are not those back: no loop to measure")
         return
     there, back = rates[amid[0]], rates[amid[1]]
     neutral = [_crossing(angles[half::-1], result.traces["rate"][half::-1])]
     neutral.append(_crossing(angles[half:], result.traces["rate"][half:]))
     speed = float(np.hypot(motion.surge, motion.sway)[parts[amid[0]]].mean())
     # The loop need not lie amidships: a biased boat has it about its neutral angle.
-    height = float(np.abs(result.traces["rate"][: half + 1] - result.traces["rate"][: half - 1 : -1]).max())
+    ways = (result.traces["rate"][rows] for rows in (slice(half - both, half), slice(half + both, half, -1)))
+    height = float(np.abs(np.subtract(*ways)).max())
     _loop(result, (there, back), neutral, height, math.degrees(SMALL * speed / motion.length))
 
 
@@ -100,7 +106,8 @@ def analyse_reverse_spiral(
         return
     curve = _curve(rates, angles)
     picks = rng.integers(0, len(rates), (300, len(rates)))
-    again = np.array([_curve(rates[pick], angles[pick]) for pick in picks if len(set(rates[pick])) > 7])
+    enough = [pick for pick in picks if len(set(rates[pick])) > TERMS]
+    again = np.array([_curve(rates[pick], angles[pick]) for pick in enough])
     rows = np.linspace(rates.min(), rates.max(), 201)
     width = np.array([_width(rows, other) for other in again])
     (low_0, high_0), (low_1, high_1), (low, high) = (interval(v) for v in (again[:, 0], again[:, 1], width))
@@ -125,17 +132,22 @@ def analyse_reverse_spiral(
 
 
 def _basis(rates: Array) -> Array:
-    """(N, 4) terms of the curve: 1, r, r abs(r), r^3; the quadratic one is the cross flow's."""
+    """(N, TERMS) terms of the curve: 1, r, r abs(r), r^3; the quadratic one is the cross flow's."""
     return np.column_stack([np.ones_like(rates), rates, rates * np.abs(rates), rates**3])
 
 
 def _curve(rates: Array, angles: Array) -> Array:
-    """Coefficients (4,) of the curve by least squares."""
+    """Coefficients (TERMS,) of the curve by least squares."""
     return np.asarray(np.linalg.lstsq(_basis(rates), angles, rcond=None)[0], np.float64)
 
 
 def _width(rates: Array, curve: Array) -> float:
-    """How wide [deg] the curve folds back on itself about straight running, 0 for a stable boat."""
+    """How wide [deg] the curve folds back on itself about straight running, 0 for a stable boat.
+
+    NaN where the rates (N,) are all to one side.
+    """
+    if rates.min() > 0.0 or rates.max() < 0.0:
+        return math.nan
     angles = _basis(rates) @ curve
     return max(float(angles[rates <= 0.0].max() - angles[rates >= 0.0].min()), 0.0)
 

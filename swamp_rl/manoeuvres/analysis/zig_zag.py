@@ -68,7 +68,7 @@ def _peak(deviation: np.ndarray, time: np.ndarray, row: int, until: int) -> tupl
 def _initial_turning(motion: Motion, deviation: np.ndarray, first: int) -> Figure:
     """Way [m] from the first execute until the heading has changed by 10 degrees."""
     reached = np.flatnonzero(deviation[first:] >= INITIAL)
-    if len(reached) == 0:
+    if len(reached) == 0 or reached[0] == 0:  # never, or the boat was turning already
         return Figure(math.nan, "m")
     last = first + int(reached[0])
     steps = np.diff(motion.time[first : last + 1])

@@ -1,0 +1,106 @@
+"""Runs as others record them: shortened, from rest, with columns missing or badly described."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from swamp_rl.boat import load_boat
+from swamp_rl.errors import UserError
+from swamp_rl.manoeuvres.analysis.analyse import analyse_run
+from swamp_rl.manoeuvres.analysis.motion import motion_of
+from swamp_rl.manoeuvres.spiral import spiral_angles
+from swamp_rl.runs import Run, RunMeta
+
+BOAT = load_boat("swamp")
+DT, HELD = 0.1, 40  # s; rows of a step of a spiral
+ANGLES = np.array(spiral_angles(0.35))
+
+
+def turning(yaw_rate: Any, surge: Any = 0.8, **told: Any) -> Run:
+    """A run with that yaw rate (T,) [rad/s] and surge [m/s], its jets turned by 0.4 rad."""
+    rate = np.asarray(yaw_rate, float)
+    heading = np.cumsum(rate) * DT
+    way = DT * np.broadcast_to(surge, rate.shape) * np.array([np.cos(heading), np.sin(heading)])
+    north, east = np.cumsum(way, axis=1)
+    columns = {"time": DT * np.arange(len(rate)), "north": north, "east": east, "heading": heading}
+    for thruster in BOAT.thrusters:
+        angle, level = thruster.command_columns
+        columns[str(angle)] = np.full(len(rate), math.copysign(0.4, thruster.x))
+        columns[level] = np.full(len(rate), 0.6)
+    return Run("r", columns, RunMeta.model_validate(told))
+
+
+def stepped(kind: str, phase: str, angles: np.ndarray, rates: np.ndarray) -> Run:
+    """A run of a spiral's steps, with marks."""
+    marks = [
+        {"time": DT * HELD * i, "phase": phase, "number": i + 1, "angle": float(angle)}
+        for i, angle in enumerate(angles)
+    ]
+    return turning(np.repeat(rates, HELD), manoeuvre=kind, marks=marks)
+
+
+@pytest.mark.parametrize("steps", [21, 20, 19, 17])
+def test_a_spiral_that_ended_early_shows_the_same_narrow_loop(steps: int) -> None:
+    run = stepped("spiral", "step", ANGLES[:steps], 0.5 * ANGLES[:steps])
+    result = analyse_run(run, BOAT)
+    assert result.figures["loop_height"].value < 0.5
+    assert result.verdicts["course_stability"].startswith("stable")
+
+
+def test_a_spiral_whose_steps_back_are_others_has_no_loop() -> None:
+    angles = np.concatenate([ANGLES[:11], [-0.1, 0.0, 0.1]])
+    assert "no loop to measure" in analyse_run(stepped("spiral", "step", angles, angles), BOAT).notes[0]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_reverse_spiral_of_eight_yaw_rates_has_an_interval(seed: int) -> None:
+    rates = np.linspace(0.2, -0.2, 8)
+    slope = analyse_run(stepped("reverse-spiral", "hold", rates, rates), BOAT, seed).figures["slope"]
+    assert math.isfinite(slope.low)
+
+
+def test_a_reverse_spiral_to_one_side_has_no_width() -> None:
+    rates = np.linspace(0.4, 0.1, 12)
+    figures = analyse_run(stepped("reverse-spiral", "hold", rates, rates), BOAT).figures
+    assert math.isnan(figures["loop_width"].value)
+
+
+def test_a_circle_from_rest_has_no_loss_of_speed() -> None:
+    under_way = np.arange(900) > 60
+    run = turning(0.2 * under_way, 0.8 * under_way)
+    for thruster in BOAT.thrusters:
+        run.columns[str(thruster.command_columns[0])][:60] = 0.0
+    figures = analyse_run(run, BOAT).figures
+    assert figures["approach_speed"].value == 0.0
+    assert math.isnan(figures["speed_loss"].value)
+    assert figures["steady_diameter"].value == pytest.approx(8.0, rel=0.01)
+
+
+def test_a_thruster_that_was_not_logged_has_no_part_in_the_steering() -> None:
+    run = turning(np.full(600, 0.2))
+    del run.columns[BOAT.thrusters[-1].command_columns[1]]
+    assert motion_of(run, BOAT).angle == pytest.approx(0.4)
+
+
+def test_a_zig_zag_that_begins_in_a_turn_has_no_initial_turning() -> None:
+    marks = [
+        {"time": 3.9 + 4.0 * i, "phase": "execute", "number": i + 1, "angle": -0.35 * (-1) ** i}
+        for i in range(8)
+    ]
+    run = turning(np.tile(np.repeat([1.2, -1.2], 20), 10), manoeuvre="zig-zag", marks=marks)
+    assert math.isnan(analyse_run(run, BOAT).figures["initial_turning"].value)
+
+
+@pytest.mark.parametrize(
+    ("run", "message"),
+    [
+        (turning([0.2]), r"run r: has 1 row\(s\)"),
+        (turning(np.full(600, 0.2), notes="windy"), "run r: notes must be a list, not 'windy'"),
+        (turning(np.full(600, 0.2), manoeuvre="spiral", marks=3), "run r: marks must be a list, not 3"),
+    ],
+)
+def test_what_is_no_manoeuvre_is_refused_in_one_line(run: Run, message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        analyse_run(run, BOAT)
