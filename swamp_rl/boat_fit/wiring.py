@@ -15,6 +15,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.candidates import selectors
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.effects import LIBRARY, Effect, EffectEntry
+from swamp_rl.simulator import parameters
 
 SECONDS = 120.0  # s of runs that the search fits to
 STEPS = 4  # Jacobians of each of its fits
@@ -167,12 +168,23 @@ def _some_runs(run_set: RunSet) -> list[int]:
     return sorted({int(i) for i in np.linspace(0, len(run_set.lengths) - 1, count).round()})
 
 
+def _commands_of(boat: Boat) -> bytes:
+    """Which command each thruster obeys, and with which sign."""
+    record = parameters(boat)
+    return b"".join(record[field].tobytes() for field in ("channel", "azimuth_sign", "throttle_sign"))
+
+
 def _best_combination(trial: _Trial, changes: list[Change]) -> tuple[float, list[Change]]:
-    """chi2 and the changes of the best combination, none of them where it is not clearly better."""
-    every = [
-        list(some) for count in range(len(changes) + 1) for some in itertools.combinations(changes, count)
-    ]
-    chi2 = [trial.fitted(rewired(trial.run_set.boat, some))[0] for some in every]
+    """chi2 and the changes of the best combination, none of them where it is not clearly better.
+
+    Of combinations with one outcome, such as both thrusters reversed and each of two, the shortest is tried.
+    """
+    boat, shortest = trial.run_set.boat, dict[bytes, list[Change]]()
+    for count in range(len(changes) + 1):
+        for some in itertools.combinations(changes, count):
+            shortest.setdefault(_commands_of(rewired(boat, some)), list(some))
+    every = list(shortest.values())
+    chi2 = [trial.fitted(rewired(boat, some))[0] for some in every]
     best = int(np.argmin(chi2))
     return (chi2[best], every[best]) if chi2[best] < CLEARLY * chi2[0] else (chi2[0], [])
 
