@@ -64,7 +64,7 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
     series = _without_quaternion(log, series)
     rate = rate or _rate(log, series)
     grid = joined(log.file, series, rate, fill)
-    columns = in_our_frame(grid.columns, mapping.frame)
+    columns = in_our_frame(grid.columns, mapping.frame or "ned")
     unread = _unread(columns, grid.unread)
     rows = np.arange(1, len(columns["time"]) + 1)
     table_of_all = Table(columns, rows, unread, grid.faults)
@@ -99,7 +99,7 @@ def _single(
     missing = np.zeros(table.rows.shape, bool)
     for name in read:
         missing = missing | table.unread.get(name, np.zeros(table.rows.shape, bool))
-    columns = {"time": stamps.time} | in_our_frame(columns, mapping.frame)
+    columns = {"time": stamps.time} | in_our_frame(columns, mapping.frame or "ned")
     unread = {name: missing & ~np.isfinite(values) for name, values in columns.items()}
     if unread["time"].any() or not np.isfinite(stamps.time).all():
         late = ~np.isfinite(stamps.time)
