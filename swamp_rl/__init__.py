@@ -45,6 +45,7 @@ PUBLIC = {  # name -> module and what it is there; no colon: the package itself
     "train": "swamp_rl.experiments.studies.run:train_experiment",
     "trial": "swamp_rl.api:trial",
 }
+__all__ = list(PUBLIC)  # `help(swamp_rl)` documents them
 
 
 def __getattr__(name: str) -> Any:

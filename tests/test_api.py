@@ -2,6 +2,7 @@
 
 import ast
 import math
+import pydoc
 import re
 from pathlib import Path
 
@@ -35,6 +36,12 @@ def test_every_public_name_is_documented_and_told_to_type_checkers() -> None:
     packages = {"swamp_rl:course": "swamp_rl.course", "swamp_rl:effects": "swamp_rl.effects"}
     assert {name: packages.get(place, place) for name, place in told.items()} == swamp_rl.PUBLIC
     assert set(swamp_rl.PUBLIC) <= set(dir(swamp_rl))
+
+
+def test_help_documents_the_public_functions() -> None:
+    told = pydoc.render_doc(swamp_rl, renderer=pydoc.plaintext)
+    functions = [name for name, place in swamp_rl.PUBLIC.items() if ":" in place]
+    assert [name for name in functions if not re.search(rf"^    {name}(\(| = )", told, re.MULTILINE)] == []
 
 
 def test_a_name_that_there_is_not_is_refused_as_python_does() -> None:

@@ -1,5 +1,7 @@
 """`swamp-rl fleet`: many datasets, each diagnosed apart, and what they have in common."""
 
+from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -21,12 +23,13 @@ def fleet(
     ray: Ray = None,
 ) -> None:
     """Diagnose many boats; the same command again goes on where one was interrupted or killed."""
-    from swamp_rl.experiments.fleet import diagnose_fleet
+    from swamp_rl.experiments.fleet import diagnose_fleet, members_of
 
     def tell(name: str, said: str) -> None:
         typer.echo(f"{name}: {said}")
 
-    typer.echo(f"diagnosing {len(dataset)} dataset{'s' * (len(dataset) > 1)}")
+    days = Counter(member.boat for member in members_of(dataset, boat))
+    typer.echo(f"diagnosing {len(dataset)} dataset{'s' * (len(dataset) > 1)} of {_boats(days)}")
     found = diagnose_fleet(dataset, out, boat, ignore or [], workers, ray, tell)
     for shared in found.shared:
         typer.echo(f"  {len(shared.boats)} boats share {shared.cause}: {', '.join(shared.boats)}")
@@ -40,3 +43,11 @@ def fleet(
     )
     if failed == len(found.members):
         raise typer.Exit(1)
+
+
+def _boats(days: Mapping[str, int]) -> str:
+    """The number of boats, and where a boat has several datasets, which folder is which boat."""
+    count = f"{len(days)} boat{'s' * (len(days) > 1)}"
+    if max(days.values()) == 1:
+        return count
+    return f"{count}, a folder each: {', '.join(f'{boat} ({number})' for boat, number in days.items())}"

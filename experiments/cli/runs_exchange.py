@@ -69,7 +69,8 @@ def import_(
         ),
     ] = None,
     frame: Annotated[
-        Literal["ned", "enu"] | None, typer.Option(help="Of x, y, yaw, vx, vy, u, v, r; by default ned.")
+        Literal["ned", "enu"] | None,
+        typer.Option(help="Of x, y, yaw, vx, vy, u, v, r; by default ned, of ROS enu."),
     ] = None,
     clock: Annotated[
         list[str] | None,
@@ -140,7 +141,7 @@ def _list(sources: list[Path], kind: str) -> None:
 def _tell(run: "RunMeta") -> None:
     """What was done to the rows of an imported run."""
     told = run.model_extra or {}
-    for key in ("times", "joined", "clocks", "resampled", "not_imported"):
+    for key in ("times", "joined", "clocks", "resampled", "commands", "not_imported"):
         if key in told:
             typer.echo(f"{run.file}: {key.replace('_', ' ')}: {told[key]}")
     for line in told.get("rows_left_out", ()):

@@ -64,12 +64,20 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
     series = _without_quaternion(log, series)
     rate = rate or _rate(log, series)
     grid = joined(log.file, series, rate, fill)
-    columns = in_our_frame(grid.columns, mapping.frame)
+    columns = _in_our_frame(log, grid.columns, mapping)
     unread = _unread(columns, grid.unread)
     rows = np.arange(1, len(columns["time"]) + 1)
     table_of_all = Table(columns, rows, unread, grid.faults)
     told["joined"] = grid.told
     return Foreign(log.file, log.name, table_of_all, RunMeta.model_validate(told))
+
+
+def _in_our_frame(log: Log, columns: Mapped[str, Array], mapping: Mapping) -> dict[str, Array]:
+    """The columns in the axes of a run; a fault names the log."""
+    try:
+        return in_our_frame(columns, mapping.frame or "ned")
+    except UserError as error:
+        raise UserError(f"{log.file}: {error}") from error
 
 
 def _unread(
@@ -99,7 +107,7 @@ def _single(
     missing = np.zeros(table.rows.shape, bool)
     for name in read:
         missing = missing | table.unread.get(name, np.zeros(table.rows.shape, bool))
-    columns = {"time": stamps.time} | in_our_frame(columns, mapping.frame)
+    columns = {"time": stamps.time} | _in_our_frame(log, columns, mapping)
     unread = {name: missing & ~np.isfinite(values) for name, values in columns.items()}
     if unread["time"].any() or not np.isfinite(stamps.time).all():
         late = ~np.isfinite(stamps.time)

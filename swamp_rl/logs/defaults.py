@@ -125,8 +125,18 @@ ROS = (
         for kind, pose in POSES.items()
     ),
     Source("geometry_msgs/Pose2D", "heading", {"yaw": "TABLE.theta"}),
-    Source("sensor_msgs/Imu", "heading", {f"q{a}": f"TABLE.orientation.{a}" for a in "wxyz"}),
-    Source("sensor_msgs/Imu", "yaw rate", {"r": "TABLE.angular_velocity.z"}),
+    Source(
+        "sensor_msgs/Imu",
+        "heading",
+        {f"q{a}": f"TABLE.orientation.{a}" for a in "wxyz"},
+        "TABLE.orientation_covariance[0] >= 0",
+    ),
+    Source(
+        "sensor_msgs/Imu",
+        "yaw rate",
+        {"r": "TABLE.angular_velocity.z"},
+        "TABLE.angular_velocity_covariance[0] >= 0",
+    ),
     Source(
         "geometry_msgs/TwistStamped", "velocity", {"u": "TABLE.twist.linear.x", "v": "TABLE.twist.linear.y"}
     ),

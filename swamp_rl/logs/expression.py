@@ -8,7 +8,8 @@
     atom:       number | name | "`" any name "`" | "(" comparison ")"
                 | function "(" comparison {"," comparison} ")"
 
-A name is a column, as in `pwm_left`, `ATT.Yaw` or `output[0]`; between backquotes it may be any text.
+A name is a column, as in `pwm_left`, `Länge`, `ATT.Yaw` or `output[0]`; between backquotes it may be any
+text.
 """
 
 import re
@@ -29,10 +30,9 @@ DEEPEST = 40
 """Parentheses, functions, signs and powers in one another."""
 QUOTING = "; a column whose name is no word stands between backquotes, as in `Yaw (deg)`"
 TOKEN = re.compile(
-    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
-    r"|(?P<name>[A-Za-z_]\w*(?:\.\w+|\[\d+\])*)|`(?P<quoted>[^`]+)`"
-    r"|(?P<sign>\*\*|<=|>=|==|!=|[-+*/(),<>]))",
-    re.ASCII,
+    r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+    r"|(?P<name>[^\W\d]\w*(?:\.\w+|\[[0-9]+\])*)|`(?P<quoted>[^`]+)`"
+    r"|(?P<sign>\*\*|<=|>=|==|!=|[-+*/(),<>]))"
 )
 COMPARED: dict[str, Callable[[Array, Array], Array]] = {
     "<": np.less,

@@ -4,17 +4,17 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from swamp_rl.boat import load_boat
+from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.logs.convert import foreign_of
 from swamp_rl.logs.dataflash import read_dataflash
 from swamp_rl.logs.defaults import default_mapping, ros_kinds, wanted_messages
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.mapping import Mapping
-from swamp_rl.logs.ros import is_bag_folder, read_bag
+from swamp_rl.logs.ros import read_bag
 from swamp_rl.logs.tables import read_table_log
 from swamp_rl.logs.ulog import read_ulog
-from swamp_rl.runs.import_dataset import About, files_of_kind, import_tables
+from swamp_rl.runs.import_dataset import About, files_of_kind, import_tables, is_bag_folder
 from swamp_rl.runs.import_foreign import Foreign, Wishes
 from swamp_rl.runs.schema import DatasetMeta
 
@@ -54,23 +54,40 @@ def import_logs(
     unknown = [name for name in wishes.units if name not in pairs[0][1].columns]
     if unknown:
         raise UserError(f"--unit {unknown[0]}: the mapping has no such column; check the name")
-    single = [_foreign(log, own, kind, wishes) for log, own in pairs]
+    single = [_foreign(log, own, kind, boat, wishes) for log, own in pairs]
     even = all("joined" in (one.meta.model_extra or {}) for one in single)
     rest = replace(wishes, units={}, resample=None if even else wishes.resample)
     return import_tables(single, out, about, rest)
 
 
-def _foreign(log: Log, mapping: Mapping, kind: str, wishes: Wishes) -> Foreign:
+def _foreign(log: Log, mapping: Mapping, kind: str, boat: Boat, wishes: Wishes) -> Foreign:
     """The run's table; a log without a mapping names what the default one looks for."""
     if not mapping.columns:
         known = ", ".join(list(log.tables)[:12])
         raise UserError(f"{log.file}: none of the usual messages is there ({known}); see --list, and --map")
     own = {key: value for key, value in log.told.items() if not key.startswith("parameter ")}
+    own |= _without_commands(boat, mapping) if kind in BINARY else {}
     found = foreign_of(replace(log, told=own), mapping, wishes.resample, wishes.fill)
     lacking = [] if kind not in BINARY else [n for n in ("north", "heading") if n not in found.table.columns]
     if lacking and not {"latitude", "north"} & set(found.table.columns):
         raise UserError(f"{log.file}: no message gives a valid position; see --list, and give --map")
     return found
+
+
+def _without_commands(boat: Boat, mapping: Mapping) -> dict[str, str]:
+    """What to tell where the mapping lacks commands of the boat's thrusters."""
+    lacking = [
+        column
+        for thruster in boat.thrusters
+        for column in thruster.command_columns
+        if column is not None and column not in mapping.columns
+    ]
+    if not lacking:
+        return {}
+    told = (
+        f"missing: {', '.join(lacking)} of {boat.name}; see --list, and give --map {lacking[0]}=TABLE.FIELD"
+    )
+    return {"commands": told}
 
 
 def paths_of(sources: Sequence[Path], kind: str) -> list[Path]:

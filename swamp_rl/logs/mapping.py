@@ -38,13 +38,14 @@ class Given(BaseModel):
 
 
 class MappingFile(BaseModel):
-    """A mapping as a file: `columns` by our names, the `frame` of x, y, yaw, vx, vy, u, v, r, and `clock`:
-    pairs of expressions `A ~ B` of one quantity in two tables, whose clocks are compared."""
+    """A mapping as a file: `columns` by our names, the `frame` of x, y, yaw, vx, vy, u, v, r (by default that
+    of the log's format), and `clock`: pairs of expressions `A ~ B` of one quantity in two tables, whose
+    clocks are compared."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     columns: Annotated[dict[str, str | float | Given], Field(min_length=1, max_length=MOST_COLUMNS)]
-    frame: Frame = "ned"
+    frame: Frame | None = None
     clock: Annotated[list[str], Field(max_length=20)] = []
 
     @field_validator("columns")
@@ -63,7 +64,7 @@ class Mapping:
 
     columns: Mapped[str, Node] = field(default_factory=dict)
     units: Mapped[str, str] = field(default_factory=dict)
-    frame: Frame = "ned"
+    frame: Frame | None = None
     clock: Sequence[str] = ()
 
     def over(self, other: "Mapping") -> "Mapping":
@@ -72,7 +73,7 @@ class Mapping:
         return Mapping(
             {**other.columns, **self.columns},
             {**kept, **self.units},
-            self.frame if self.columns or self.clock else other.frame,
+            self.frame or other.frame,
             self.clock or other.clock,
         )
 
@@ -97,7 +98,7 @@ def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequen
             units.pop(name, None)
             continue
         file = _file(option)
-        said, clocks = file.frame, [*clocks, *file.clock]
+        said, clocks = file.frame or said, [*clocks, *file.clock]
         for name, value in file.columns.items():
             if name in given:
                 continue
@@ -105,7 +106,7 @@ def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequen
             columns[name] = _told(f"{option}: columns.{name}", str(whole.value))
             units.pop(name, None)
             units |= {name: whole.unit} if whole.unit else {}
-    return Mapping(columns, units, frame or said or "ned", tuple(clocks))
+    return Mapping(columns, units, frame or said, tuple(clocks))
 
 
 def _told(where: str, text: str) -> Node:

@@ -1,42 +1,37 @@
 """Bags of ROS 1 and ROS 2 (SQLite, MCAP with CDR), through rosbags."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import read_yaml, write_yaml
+from swamp_rl.files import read_yaml
 from swamp_rl.logs.binary import LARGEST, Gathered, reading
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.tables import table_name
 from swamp_rl.ordinary import ordinary
+from swamp_rl.runs.import_dataset import BAG_METADATA
 from swamp_rl.runs.table import MOST_COLUMNS
 
 WHAT = "ROS bag"
-METADATA = "metadata.yaml"
-STORAGES = {".db3": "sqlite3", ".mcap": "mcap"}
 LONGEST_ARRAY = 16
 """Elements that become columns of their own; covariances of 36 and pictures do not."""
 MOST_BYTES = 2**32
 """Of the messages of the topics that are read."""
 LARGEST_METADATA = 2**23
-
-
-def is_bag_folder(path: Path) -> bool:
-    """Whether a folder is a bag of ROS 2."""
-    return path.is_dir() and (path / METADATA).is_file()
+LATEST = 10.0
+"""Seconds between a header and its recording, by the median: beyond, they are of different clocks."""
 
 
 def read_bag(path: Path, wanted: Collection[str] | None = None, kinds: Collection[str] = ()) -> Log:
     """The topics of a bag as tables, slashes in names as underscores; fields of fields with dots.
 
-    The times [s] are those of the headers where all messages have one, else those of recording. wanted: names
-    of tables to be read, and all of the message types `kinds`; by default all. UserError for a damaged bag,
-    or one without numbers.
+    The times [s] are those of the headers where all messages have one, else those of recording, on one clock.
+    wanted: names of tables to be read, and all of the message types `kinds`; by default all. UserError for a
+    damaged bag, or one without numbers.
     """
     with reading(path, WHAT), _opened(path) as reader:
         names = _names(connection.topic for connection in reader.connections)
@@ -53,23 +48,44 @@ def read_bag(path: Path, wanted: Collection[str] | None = None, kinds: Collectio
             if size > MOST_BYTES:
                 raise UserError(f"{path}: has more than {MOST_BYTES / 2**30:g} GiB of messages; divide it")
             name = names[connection.topic]
-            fields = dict(_numbers(reader.deserialize(data, connection.msgtype)))
+            fields = dict(_numbers(reader.deserialize(data, connection.msgtype), reader.typestore))
             if name not in tables:
                 kind = connection.msgtype.replace("/msg/", "/")
                 tables[name] = Gathered(path, name, kind, connection.topic, list(fields))
                 headers[name] = []
             tables[name].add(1e-9 * stamp, [fields.get(field) for field in tables[name].names])
             headers[name].append(_header(fields))
-    for name, stamps in headers.items():
-        if stamps and min(stamps) > 0.0:
-            tables[name].stamps = stamps
     if not tables:
         raise UserError(f"{path}: holds no message of the topics that are read; see --list")
+    told = _on_one_clock(tables, {name: own for name, own in headers.items() if min(own) > 0.0})
     start = min(min(table.stamps) for table in tables.values())
     for table in tables.values():
         table.stamps = [stamp - start for stamp in table.stamps]
-    told = {"utc_start": f"{start:.6f}"}
+    told["utc_start"] = f"{start:.6f}"
     return Log(path.name, path.stem, {name: table.table() for name, table in tables.items()}, told)
+
+
+def _on_one_clock(tables: Mapping[str, Gathered], headers: Mapping[str, list[float]]) -> dict[str, str]:
+    """Put the times of headers in place of those of recording; what to tell of clocks that differ.
+
+    Where all headers count on another clock, as that of a simulation, the times of messages without a header
+    are converted to it. A header whose clock differs from those of the others is not used.
+    """
+    late = {name: float(np.median(np.subtract(tables[name].stamps, own))) for name, own in headers.items()}
+    odd = [name for name, seconds in late.items() if abs(seconds) > LATEST]
+    told = ""
+    if odd and len(odd) == len(headers):
+        longest = max(odd, key=lambda name: len(headers[name]))
+        recorded, counted = np.sort(tables[longest].stamps), np.sort(headers[longest])
+        for name in [name for name in tables if name not in headers]:
+            tables[name].stamps = np.interp(tables[name].stamps, recorded, counted).tolist()
+            told = f"of the headers, {late[longest]:.0f} s behind the recorder's clock; others converted"
+    elif odd:
+        told = f"of recording for {', '.join(odd)}, whose headers have another clock"
+    for name in headers:
+        if name not in odd or len(odd) == len(headers):
+            tables[name].stamps = headers[name]
+    return {"times": told} if told else {}
 
 
 def _names(topics: Iterator[str]) -> dict[str, str]:
@@ -88,13 +104,14 @@ def _header(fields: dict[str, Any]) -> float:
     return float(seconds) + 1e-9 * float(fields.get("header.stamp.nanosec", 0.0))
 
 
-def _numbers(message: Any, before: str = "", depth: int = 0) -> Iterator[tuple[str, Any]]:
-    """Numbers of a message by name, at most MOST_COLUMNS."""
+def _numbers(message: Any, types: Any, before: str = "", depth: int = 0) -> Iterator[tuple[str, Any]]:
+    """Numbers of a message by name, without the constants of its type; at most MOST_COLUMNS."""
     if depth > 8:
         return
     count = 0
+    constants = {name for name, *_ in types.fielddefs[message.__msgtype__][0]}
     for name, value in vars(message).items():
-        if name.startswith("__"):
+        if name.startswith("__") or name in constants:
             continue
         if isinstance(value, bool | int | float | np.number):
             yield f"{before}{name}", value
@@ -102,7 +119,7 @@ def _numbers(message: Any, before: str = "", depth: int = 0) -> Iterator[tuple[s
         elif isinstance(value, np.ndarray) and value.size <= LONGEST_ARRAY and value.dtype.kind in "fiub":
             yield from ((f"{before}{name}[{i}]", one) for i, one in enumerate(value.tolist()))
         elif hasattr(value, "__dataclass_fields__"):
-            yield from _numbers(value, f"{before}{name}.", depth + 1)
+            yield from _numbers(value, types, f"{before}{name}.", depth + 1)
         if count > MOST_COLUMNS:
             return
 
@@ -121,20 +138,22 @@ def _opened(path: Path) -> Iterator[Any]:
         _refuse_odd_files(path)
         with AnyReader([path], default_typestore=default) as reader:
             yield reader
-    else:
+    elif path.suffix.lower() in (".db3", ".mcap"):
         ordinary(path, LARGEST)
-        with TemporaryDirectory() as scratch:
-            folder = _as_folder(path, Path(scratch))
-            with AnyReader([folder], default_typestore=default) as reader:
-                yield reader
+        with AnyReader([path], default_typestore=default) as reader:
+            yield reader
+    else:
+        raise UserError(
+            f"{path}: is no ROS bag; name a .bag, .db3 or .mcap file, or a folder with {BAG_METADATA}"
+        )
 
 
 def _refuse_odd_files(folder: Path) -> None:
     """UserError where the files that the folder's description names are not ordinary ones in it."""
-    ordinary(folder / METADATA, LARGEST_METADATA)
-    told = read_yaml(folder / METADATA).get("rosbag2_bagfile_information")
+    ordinary(folder / BAG_METADATA, LARGEST_METADATA)
+    told = read_yaml(folder / BAG_METADATA).get("rosbag2_bagfile_information")
     if not isinstance(told, dict) or not isinstance(told.get("relative_file_paths"), list):
-        raise UserError(f"{folder / METADATA}: names no relative_file_paths; copy the bag again")
+        raise UserError(f"{folder / BAG_METADATA}: names no relative_file_paths; copy the bag again")
     if str(told.get("compression_mode") or "").lower() == "file":
         raise UserError(f"{folder}: its files are compressed as a whole; decompress them (ros2 bag convert)")
     for name in told["relative_file_paths"]:
@@ -142,46 +161,3 @@ def _refuse_odd_files(folder: Path) -> None:
         if path.is_symlink():
             raise UserError(f"{path}: is a link; put a copy of the file in its place")
         ordinary(path, LARGEST)
-
-
-def _as_folder(path: Path, scratch: Path) -> Path:
-    """A folder with the description that a lone .db3 or .mcap file lacks, and a link to it."""
-    from rosbags.rosbag2.storage_mcap import McapReader
-    from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
-
-    storage = STORAGES.get(path.suffix.lower())
-    if storage is None:
-        raise UserError(
-            f"{path}: is no ROS bag; name a .bag, .db3 or .mcap file, or a folder with {METADATA}"
-        )
-    reader = (McapReader if storage == "mcap" else Sqlite3Reader)(path)
-    reader.open()
-    try:
-        topics = [
-            {
-                "topic_metadata": {
-                    "name": one.topic,
-                    "type": one.msgtype,
-                    "serialization_format": "cdr",
-                    "offered_qos_profiles": "",
-                },
-                "message_count": 0,
-            }
-            for one in reader.connections
-        ]
-    finally:
-        reader.close()
-    (scratch / path.name).symlink_to(path.resolve())
-    whole = {
-        "version": 5,
-        "storage_identifier": storage,
-        "relative_file_paths": [path.name],
-        "duration": {"nanoseconds": 0},
-        "starting_time": {"nanoseconds_since_epoch": 0},
-        "message_count": 0,
-        "topics_with_message_count": topics,
-        "compression_format": "",
-        "compression_mode": "",
-    }
-    write_yaml(scratch / METADATA, {"rosbag2_bagfile_information": whole})
-    return scratch

@@ -54,14 +54,14 @@ def cache_folder() -> Path | None:
     digest = hashlib.sha256()
     for source in compiled_sources():
         digest.update(source.read_bytes())
-    base = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "swamp_rl"
-    folder_of_sources = base / digest.hexdigest()[:16]
     try:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "swamp_rl"
+        folder_of_sources = base / digest.hexdigest()[:16]
         folder_of_sources.mkdir(parents=True, exist_ok=True)
         os.utime(folder_of_sources)
         for old in sorted(base.iterdir(), key=lambda path: path.stat().st_mtime)[:-KEPT_CACHES]:
             shutil.rmtree(old, ignore_errors=True)
-    except OSError:
+    except (OSError, RuntimeError):  # RuntimeError: a user without a home
         inside = Path(__file__).parent / "__pycache__"
         return inside if os.access(inside, os.W_OK) else None
     return folder_of_sources

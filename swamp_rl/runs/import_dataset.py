@@ -48,11 +48,18 @@ SURE = {
     ".db3": "rosbag",
 }
 """Kinds that a suffix alone tells."""
+BAG_METADATA = "metadata.yaml"
+"""Describes a bag of ROS 2 in its folder."""
+
+
+def is_bag_folder(path: Path) -> bool:
+    """Whether a folder is a bag of ROS 2."""
+    return path.is_dir() and (path / BAG_METADATA).is_file()
 
 
 def kind_of(sources: Sequence[Path]) -> str:
     """The kind of which all sources are, by their suffixes; UserError where these do not tell it."""
-    found = {SURE.get(source.suffix.lower()) for source in sources}
+    found = {"rosbag" if is_bag_folder(source) else SURE.get(source.suffix.lower()) for source in sources}
     kind = found.pop() if len(found) == 1 else None
     if kind is None:
         raise UserError(f"--from: {sources[0]} may be of several kinds; give one of {', '.join(SUFFIXES)}")

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.from_scratch import written
 from tests.support.pages import (
     LANGUAGES,
     ROOT,
@@ -65,6 +66,17 @@ def test_every_language_is_one_that_is_run() -> None:
 def test_the_blocks_of_a_page_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert run_page(page, tmp_path) == sum(not idle(block) for block in blocks(page))
+
+
+def test_the_log_of_the_tutorial_can_be_of_a_boat_whose_thrusters_do_not_turn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page = ROOT / "docs" / "tutorials" / "diagnose_a_log.md"
+    (block,) = [one for one in blocks(page) if one.language == "python"]
+    boat = written(tmp_path, "twin")
+    monkeypatch.chdir(tmp_path)
+    exec(block.text.replace('load_boat("swamp")', f"load_boat({str(boat)!r})"), {})
+    assert (tmp_path / "log.csv").read_text().startswith("time,north,east,heading,surge,sway,yaw_rate,thr")
 
 
 def test_a_command_that_fails_or_prints_something_else_is_seen(tmp_path: Path) -> None:

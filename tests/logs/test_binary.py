@@ -55,7 +55,8 @@ def test_the_default_mapping_gives_the_run_that_was_logged(tmp_path: Path, name:
 def test_a_lone_file_of_a_bag_is_read_without_its_description(tmp_path: Path, storage: str) -> None:
     folder = bag(tmp_path / "bag", storage)
     (lone,) = [path for path in folder.iterdir() if path.name != "metadata.yaml"]
-    assert imported(lone.rename(tmp_path / f"lone{lone.suffix}"), "rosbag", []).duration > 29.0
+    run = imported(lone.rename(tmp_path / f"lone{lone.suffix}"), "rosbag", [])
+    assert run.duration > 29.0 and {"throttle_port", "throttle_starboard"} <= set(run.columns)
 
 
 @pytest.mark.parametrize("name", LOGS)
@@ -77,6 +78,39 @@ def test_a_given_column_holds_over_the_default(tmp_path: Path) -> None:
     run = imported(dataflash(tmp_path / "log.bin"), "dataflash", ["heading=0", "surge=0*GPS.Spd+1"])
     assert np.abs(run.columns["heading"]).max() == 0.0 and run.columns["surge"].min() == 1.0
     assert "sway" not in run.columns
+
+
+def test_commands_mapped_of_a_bag_leave_the_frame_of_its_other_messages(tmp_path: Path) -> None:
+    options = [f"throttle_{side}=thrusters_{side}_throttle.data" for side in ("port", "starboard")]
+    run, was = imported(bag(tmp_path / "log", "sqlite3"), "rosbag", options), weaving()
+    for column in ("north", "east", "heading", "sway", "yaw_rate"):
+        expected = np.interp(run.time, was["time"], was[column])
+        assert run.columns[column] == pytest.approx(expected, abs=0.03), column
+
+
+def test_the_headers_of_a_simulation_have_a_clock_of_their_own(tmp_path: Path) -> None:
+    run, was = imported(bag(tmp_path / "log", "mcap", headers_late=1.7e9 - 12.0), "rosbag", []), weaving()
+    for column in ("north", "throttle_port"):
+        expected = np.interp(run.time, was["time"], was[column])
+        assert run.columns[column] == pytest.approx(expected, abs=0.03), column
+    assert "behind the recorder's clock" in (run.meta.model_extra or {})["times"]
+
+
+def test_a_listing_of_a_bag_has_no_constants_of_its_types(tmp_path: Path) -> None:
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    status = store.types["sensor_msgs/msg/NavSatStatus"]
+    with Writer(tmp_path / "log", version=8) as writer:
+        topic = writer.add_connection("/status", status.__msgtype__, typestore=store)
+        writer.write(topic, 1, store.serialize_cdr(status(status=2, service=1), status.__msgtype__))
+    assert [
+        line.partition(":")[0].strip() for line in list(listing(read_log(tmp_path / "log", "rosbag")))[1:]
+    ] == [
+        "status",
+        "service",
+    ]
 
 
 def cut_short(path: Path, share: float) -> None:
@@ -159,3 +193,13 @@ def test_the_verb_lists_imports_and_refuses(call: Call, tmp_path: Path) -> None:
     ):
         assert_complains(call("runs", "import", *words, "--from", "dataflash"), part)
     assert not Path("a").exists()
+
+
+def test_the_verb_knows_the_folder_of_a_bag_and_says_which_commands_are_missing(
+    call: Call, tmp_path: Path
+) -> None:
+    folder = bag(tmp_path / "day 1", "mcap", 12.0)
+    code, said, _ = call("runs", "import", folder, "--out", "runs")
+    assert code == 0 and "commands: missing: azimuth_" in said and "--map azimuth_" in said
+    code, said, _ = call("runs", "import", folder, "--boat", written(tmp_path, "twin"), "--out", "twin")
+    assert code == 0 and "commands: missing" not in said

@@ -53,6 +53,17 @@ def test_rows_without_a_fix_have_no_position() -> None:
     assert np.isfinite(evaluated(node, columns)).tolist() == [False, True, True, True]
 
 
+def test_an_imu_of_ros_that_disclaims_its_orientation_gives_no_heading() -> None:
+    """Element 0 of a covariance is -1 where a sensor has no such estimate (sensor_msgs/Imu)."""
+    turned = {f"orientation.{axis}": [float(axis == "w")] * 4 for axis in "wxyz"}
+    rates = {"angular_velocity.z": [0.1, 0.2, 0.3, 0.4], "angular_velocity_covariance[0]": [0.0] * 4}
+    columns = {name: np.array(values) for name, values in (turned | rates).items()}
+    for known, names in ((0.0, {"qw", "qx", "qy", "qz", "r"}), (-1.0, {"r"})):
+        table = Table(columns | {"orientation_covariance[0]": np.full(4, known)}, np.arange(1, 5))
+        log = Log("log", "log", {"imu": LogTable("imu", table, np.arange(4.0), "sensor_msgs/Imu")})
+        assert set(mapped_by_default(log, "rosbag").columns) == names
+
+
 @pytest.mark.parametrize("name", ["XKF1", "NKF1", "EKF1"])
 def test_any_generation_of_ardupilots_filter_gives_the_position(name: str) -> None:
     filter_ = {

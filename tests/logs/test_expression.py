@@ -60,6 +60,13 @@ def test_operators_bind_as_in_mathematics(text: str, value: float) -> None:
     assert np.broadcast_to(evaluated(parsed(text), COLUMNS), (3,))[0] == pytest.approx(value)
 
 
+@pytest.mark.parametrize("name", ["Länge", "курс", "速度", "GPS.Höhe"])
+def test_a_column_may_have_a_name_of_any_alphabet(name: str) -> None:
+    node = parsed(f"2 * {name}")
+    assert list(names_in(node)) == [name]
+    assert evaluated(node, {name: np.array([1.0, 2.0])}).tolist() == [2.0, 4.0]
+
+
 def test_the_heading_of_a_quaternion_and_rates_of_change() -> None:
     angle = np.array([0.1, 1.0, -2.0])
     there = {"w": np.cos(angle / 2), "z": np.sin(angle / 2), "x": np.zeros(3), "y": np.zeros(3)}
@@ -94,7 +101,7 @@ def test_the_heading_of_a_quaternion_and_rates_of_change() -> None:
         "clip(a)",
         "a < b < a",
         "'a'",
-        "é",
+        "€",
         "(" * (DEEPEST + 2) + "a" + ")" * (DEEPEST + 2),
         "-" * (DEEPEST + 5) + "a",
         "a+" * LONGEST + "a",

@@ -47,3 +47,16 @@ def test_where_no_cache_can_be_written_functions_are_compiled_without_one(
     monkeypatch.setattr(module, "cache_folder", module.cache_folder.__wrapped__)
     assert module.cache_folder() is None
     assert module.compiled(lambda x: x + 1)(1) == 2
+
+
+def test_a_user_without_a_home_has_the_cache_that_is_named_or_none_elsewhere(
+    nested: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def homeless() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(module.Path, "home", homeless)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "named"))
+    assert module.cache_folder.__wrapped__().is_relative_to(tmp_path / "named")
+    monkeypatch.setenv("XDG_CACHE_HOME", "")
+    assert module.cache_folder.__wrapped__() is None

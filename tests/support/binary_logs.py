@@ -133,8 +133,13 @@ def ulog(path: Path, seconds: float = 30.0) -> Path:
     return path
 
 
-def bag(path: Path, storage: str, seconds: float = 30.0) -> Path:
-    """An Odometry at 10 Hz (ENU, body FLU) and a Float64 for each thruster; ros1, sqlite3 or mcap."""
+def bag(path: Path, storage: str, seconds: float = 30.0, headers_late: float = 0.0) -> Path:
+    """An Odometry at 10 Hz (ENU, body FLU) and a Float64 for each thruster; ros1, sqlite3 or mcap.
+
+    Topics offer a quality of service, as those that `ros2 bag record` writes. headers_late [s]: the headers'
+    clock is this much behind the recorder's.
+    """
+    from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
     from rosbags.rosbag1 import Writer as Writer1
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
@@ -144,18 +149,26 @@ def bag(path: Path, storage: str, seconds: float = 30.0) -> Path:
     plugin = StoragePlugin.MCAP if storage == "mcap" else StoragePlugin.SQLITE3
     writer: Any = Writer1(path) if one else Writer(path, version=8, storage_plugin=plugin)
     run = weaving(seconds)
+    offered: dict[str, Any] = {}
+    if not one:
+        any_time = QosTime(2147483647, 4294967295)
+        keeping = (QosHistory.KEEP_LAST, 1, QosReliability.RELIABLE, QosDurability.TRANSIENT_LOCAL)
+        living = (any_time, any_time, QosLiveliness.AUTOMATIC, any_time, False)
+        offered = {"offered_qos_profiles": [Qos(*keeping, *living)]}
     with writer:
-        odometry = writer.add_connection("/boat/odometry", "nav_msgs/msg/Odometry", typestore=store)
+        odometry = writer.add_connection(
+            "/boat/odometry", "nav_msgs/msg/Odometry", typestore=store, **offered
+        )
         throttles = {
             side: writer.add_connection(
-                f"/thrusters/{side}/throttle", "std_msgs/msg/Float64", typestore=store
+                f"/thrusters/{side}/throttle", "std_msgs/msg/Float64", typestore=store, **offered
             )
             for side in ("port", "starboard")
         }
         write = store.serialize_ros1 if one else store.serialize_cdr
         for i, time in enumerate(run["time"].tolist()):
             stamp = round(1e9 * (1_700_000_000.0 + time))
-            message = _odometry(store, run, i, stamp, one)
+            message = _odometry(store, run, i, stamp - round(1e9 * headers_late), one)
             writer.write(odometry, stamp, write(message, odometry.msgtype))
             for side, connection in throttles.items():
                 number = store.types["std_msgs/msg/Float64"](data=float(run[f"throttle_{side}"][i]))

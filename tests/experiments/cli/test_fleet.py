@@ -10,3 +10,10 @@ def test_a_fleet_of_which_none_is_diagnosed_ends_with_1_and_keeps_its_report(cal
     assert code == 1
     assert "0 of 0 causes kept, 1 not diagnosed" in said
     assert Path("out/fleet.json").is_file()
+
+
+def test_a_fleet_says_which_folder_is_a_boat(call: Call) -> None:
+    _, out, _ = call("fleet", "boats/red", "boats/blue", "--out", "one")
+    assert out.splitlines()[0] == "diagnosing 2 datasets of 2 boats"
+    _, out, _ = call("fleet", "boats/red", "boats/blue", "logs/red", "--out", "two")
+    assert out.splitlines()[0] == "diagnosing 3 datasets of 2 boats, a folder each: boats (2), logs (1)"
