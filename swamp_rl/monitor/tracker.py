@@ -185,6 +185,13 @@ def noise_of(boat: Boat, samples: Sequence[Sample], dt: float) -> Array:
     return noise_levels(runs)
 
 
+def loss_of(step: Step) -> float:
+    """Minus two log-likelihood of a step's innovation, without its constant."""
+    scales = step.whitener.diagonal()
+    chi2 = float(np.sum((step.whitener @ step.innovation) ** 2))
+    return chi2 - 2.0 * float(np.log(scales[scales > 0.0]).sum())
+
+
 def tracker_of(
     boat: Boat, record: NDArray[Any], samples: Sequence[Sample], dt: float, options: Options = DEFAULT
 ) -> tuple[Tracker, list[Array]]:
@@ -202,9 +209,7 @@ def tracker_of(
             step = tracker.advance(sample)
             if sample.time - samples[0].time < options.settled:
                 continue
-            loss += float(np.sum((step.whitener @ step.innovation) ** 2))
-            scales = step.whitener.diagonal()
-            loss -= 2.0 * float(np.log(scales[scales > 0.0]).sum())
+            loss += loss_of(step)
             white.append(step.white)
         tried.append((loss, len(tried), tracker, white))
     return min(tried, key=lambda one: one[:2])[2:]
