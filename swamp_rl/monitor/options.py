@@ -47,7 +47,8 @@ class Options:
     like_gusts: tuple[str, ...] = ("external_force", "thruster_failure", "thruster_gain")
     gust: float = 1.7
     sea: float = 42.0
-    rougher: tuple[float, ...] = (1.5, 2.0, 3.0)  # multiples of the process noise in a rougher sea
+    rougher: tuple[float, ...] = (1.5, 2.0, 3.0)  # multiples of the process noise in a rougher sea, or of
+    wind: float = 0.1  # times `walk`, that in a light wind, where this is more
     clear: float = 9.0  # of the criterion, by which a cause leads its rivals when it is named at once
     rival: float = 6.0  # of the criterion, within which a rival is named too
     tenable: float = 3.0  # standard deviations by which the chi2 that a cause leaves may exceed its mean

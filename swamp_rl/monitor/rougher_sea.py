@@ -7,24 +7,26 @@ likelihood ratio of the same filter with its process noise multiplied (Mehra 197
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.link.stream import Sample
-from swamp_rl.monitor.tracker import CURRENT, Tracker, loss_of
+from swamp_rl.monitor.tracker import CURRENT, Tracker, loss_of, walk_of
 
 
 def rougher_sea(boat: Boat, tracker: Tracker, samples: Sequence[Sample], blind: Sequence[int]) -> float:
     """The criterion of this hypothesis: by how much minus twice the log-likelihood of the readings in the
-    filter's history falls under the best multiple of its process noise, less two for that number.
+    filter's history falls under the best multiple of its process noise, or of that of a light wind where this
+    is more, less two for that number.
 
     samples: those of the history; blind: channels that are not taken.
     """
-    first = tracker.history[0]
+    first, of = tracker.history[0], tracker.options
+    usual = np.maximum(tracker.walk, of.wind * walk_of(boat, of))
 
-    def loss(multiple: float) -> float:
-        walk = multiple * tracker.walk
-        rough = Tracker(boat, tracker.record, tracker.sigmas, walk, samples[0], tracker.dt, tracker.options)
+    def loss(walk: NDArray[np.float64]) -> float:
+        rough = Tracker(boat, tracker.record, tracker.sigmas, walk, samples[0], tracker.dt, of)
         rough.restart(first, samples[0], tracker.record, np.zeros(len(CURRENT)))
         return sum(loss_of(rough.advance(sample, blind)) for sample in samples[1:])
 
-    return loss(1.0) - min(loss(multiple) for multiple in tracker.options.rougher) - 2.0
+    return loss(tracker.walk) - min(loss(multiple * usual) for multiple in of.rougher) - 2.0

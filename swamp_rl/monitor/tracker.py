@@ -176,6 +176,12 @@ def scale_of(boat: Boat) -> Array:
     return np.append(own, np.full(2, reference_of(boat).speed))
 
 
+def walk_of(boat: Boat, options: Options) -> Array:
+    """(8,) process noise of the options for this boat."""
+    per_second = np.sqrt(reference_of(boat).speed / boat.length)
+    return np.asarray(np.array(options.walk) * scale_of(boat) * per_second)
+
+
 def noise_of(boat: Boat, samples: Sequence[Sample], dt: float) -> Array:
     """(6,) standard deviation of each channel's measurement noise, NaN for one that is not measured."""
     measured = np.array([sample.senses for sample in samples])
@@ -200,9 +206,8 @@ def tracker_of(
     """
     sigmas = noise_of(boat, samples, dt)
     tried: list[tuple[float, int, Tracker, list[Array]]] = []
-    per_second = np.sqrt(reference_of(boat).speed / boat.length)
     for multiple in (one for one in options.walks if one >= options.least_walk):
-        walk = multiple * np.array(options.walk) * scale_of(boat) * per_second
+        walk = multiple * walk_of(boat, options)
         tracker = Tracker(boat, record, sigmas, walk, samples[0], dt, options)
         loss, white = 0.0, []
         for sample in samples[1:]:
