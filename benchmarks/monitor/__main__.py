@@ -1,6 +1,6 @@
 """False alarms in clean driving, and faults by name and delay, of `swamp-rl watch`.
 
-    python -m benchmarks.monitor --hours 100 --faults 200
+    python -m benchmarks.monitor --hours 100 --faults 200 --first 400
 
 Writes the tables of docs/watch.md; that of which nothing is asked (0) stays as it is. `--minutes` ends each
 part after so long: its table then has fewer cases.
@@ -150,13 +150,13 @@ def alarm_rows(counted: Iterable[list[Notice]]) -> list[list[str]]:
     ]
 
 
-def fault_rows(counted: Iterable[tuple[str, float, str]]) -> list[list[str]]:
+def fault_rows(numbers: Sequence[int], counted: Iterable[tuple[str, float, str]]) -> list[list[str]]:
     """The rows of faults, every second five of them in wind."""
     results = []
-    for seed, one in enumerate(counted):
+    for seed, one in zip(numbers, counted, strict=False):
         print(seed, drawn(seed).name, *one[1:], flush=True)
         results.append(one)
-    return rows_of(results, [rough_of(seed) for seed in range(len(results))])
+    return rows_of(results, [rough_of(seed) for seed in numbers[: len(results)]])
 
 
 def rough_of(seed: int) -> bool:
@@ -169,6 +169,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--hours", type=float, default=100.0)
     parser.add_argument("--faults", type=int, default=200)
+    parser.add_argument("--first", type=int, default=0, help="number of the first half hour and fault")
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument(
         "--minutes", type=float, default=math.inf, help="for each table, then what is counted"
@@ -179,13 +180,13 @@ def main() -> None:
     with ProcessPoolExecutor(given.workers) as pool:
         mapped = pool.map if given.workers > 1 else map
         if (halves := round(2.0 * given.hours)) > 0:
-            seeds, rough = [n // 2 for n in range(halves)], [bool(n % 2) for n in range(halves)]
+            seeds, rough = [given.first + n // 2 for n in range(halves)], [bool(n % 2) for n in range(halves)]
             counted = within(given.minutes, mapped(clean, seeds, rough))
             parts["false alarms"] = table(ALARM_HEAD, alarm_rows(counted))
         if given.faults > 0:
-            rough = [rough_of(seed) for seed in range(given.faults)]
-            counted = within(given.minutes, mapped(faulty, range(given.faults), rough))
-            parts["faults"] = table(FAULT_HEAD, fault_rows(counted))
+            numbers = range(given.first, given.first + given.faults)
+            counted = within(given.minutes, mapped(faulty, numbers, map(rough_of, numbers)))
+            parts["faults"] = table(FAULT_HEAD, fault_rows(numbers, counted))
         write_parts(Path(given.into), parts)
 
 

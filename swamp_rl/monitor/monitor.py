@@ -15,6 +15,7 @@ from swamp_rl.monitor.change_test import ChangeTest
 from swamp_rl.monitor.frozen import SENSORS, Repetition
 from swamp_rl.monitor.isolation import Onset, isolate, nested, onset_candidates, simplest
 from swamp_rl.monitor.options import DEFAULT, Options
+from swamp_rl.monitor.rougher_sea import rougher_sea
 from swamp_rl.monitor.tracker import CURRENT, Tracker, tracker_of
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.sensors import CHANNELS
@@ -173,9 +174,11 @@ class Monitor:
         if waited < of.patience and not (waited > of.soonest and clear and tenable):
             return []
         self.alarm = None
-        if first.instance.effect.name in of.weather and self.peak < of.gust:
-            self.test.accept()
-            return []
+        if first.instance.effect.name in of.like_gusts and self.peak < of.gust:
+            sea = rougher_sea(self.boat, self.tracker, list(self.samples), self.repetition.channels)
+            if first.criterion - sea < of.sea * usual:
+                self.test.accept()
+                return []
         channels = tuple(CHANNELS[place] for place in np.flatnonzero(changed > 1.0))
         if not self._adopt(first):
             return [Notice(now, first.time, "unexplained", {}, channels=channels)]

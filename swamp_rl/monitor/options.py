@@ -42,8 +42,13 @@ class Options:
     converged: float = 0.1  # fall of chi2 of all of them, below which there is no further step
     shares: tuple[float, ...] = (1.0, 0.3, 0.1)  # of such a step that are tried; the best is taken
     # ---- Naming
-    weather: tuple[str, ...] = ("external_force",)  # told only from `gust` times the threshold on,
-    gust: float = 1.5  # because a gust of an unknown wind looks alike
+    # a gust of an unknown wind looks like one of these: they are named only from `gust` times the threshold
+    # on, or where their criterion leads that of a rougher sea by `sea`
+    like_gusts: tuple[str, ...] = ("external_force", "thruster_failure", "thruster_gain")
+    gust: float = 1.7
+    sea: float = 42.0
+    rougher: tuple[float, ...] = (1.5, 2.0, 3.0)  # multiples of the process noise in a rougher sea, or of
+    wind: float = 0.1  # times `walk`, that in a light wind, where this is more
     clear: float = 9.0  # of the criterion, by which a cause leads its rivals when it is named at once
     rival: float = 6.0  # of the criterion, within which a rival is named too
     tenable: float = 3.0  # standard deviations by which the chi2 that a cause leaves may exceed its mean

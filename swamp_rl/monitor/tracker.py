@@ -176,6 +176,12 @@ def scale_of(boat: Boat) -> Array:
     return np.append(own, np.full(2, reference_of(boat).speed))
 
 
+def walk_of(boat: Boat, options: Options) -> Array:
+    """(8,) process noise of the options for this boat."""
+    per_second = np.sqrt(reference_of(boat).speed / boat.length)
+    return np.asarray(np.array(options.walk) * scale_of(boat) * per_second)
+
+
 def noise_of(boat: Boat, samples: Sequence[Sample], dt: float) -> Array:
     """(6,) standard deviation of each channel's measurement noise, NaN for one that is not measured."""
     measured = np.array([sample.senses for sample in samples])
@@ -183,6 +189,13 @@ def noise_of(boat: Boat, samples: Sequence[Sample], dt: float) -> Array:
     commands = np.array([sample.commands for sample in samples])
     runs = RunSet(boat, dt, ("live",), commands[None], measured[None], np.array([len(samples)]))
     return noise_levels(runs)
+
+
+def loss_of(step: Step) -> float:
+    """Minus two log-likelihood of a step's innovation, without its constant."""
+    scales = step.whitener.diagonal()
+    chi2 = float(np.sum((step.whitener @ step.innovation) ** 2))
+    return chi2 - 2.0 * float(np.log(scales[scales > 0.0]).sum())
 
 
 def tracker_of(
@@ -193,18 +206,15 @@ def tracker_of(
     """
     sigmas = noise_of(boat, samples, dt)
     tried: list[tuple[float, int, Tracker, list[Array]]] = []
-    per_second = np.sqrt(reference_of(boat).speed / boat.length)
     for multiple in (one for one in options.walks if one >= options.least_walk):
-        walk = multiple * np.array(options.walk) * scale_of(boat) * per_second
+        walk = multiple * walk_of(boat, options)
         tracker = Tracker(boat, record, sigmas, walk, samples[0], dt, options)
         loss, white = 0.0, []
         for sample in samples[1:]:
             step = tracker.advance(sample)
             if sample.time - samples[0].time < options.settled:
                 continue
-            loss += float(np.sum((step.whitener @ step.innovation) ** 2))
-            scales = step.whitener.diagonal()
-            loss -= 2.0 * float(np.log(scales[scales > 0.0]).sum())
+            loss += loss_of(step)
             white.append(step.white)
         tried.append((loss, len(tried), tracker, white))
     return min(tried, key=lambda one: one[:2])[2:]

@@ -50,4 +50,4 @@ def stream(
             held = senses.copy() if held is None else held
             senses[list(frozen)] = held[list(frozen)]
         yield Sample(row * DT, command, senses)
-        step(state, now, tank(boat), command[None], np.zeros(1, np.uint64), DT, 2)
+        step(state, now, tank(boat), command[None], np.full(1, seed, np.uint64), DT, 2)
