@@ -39,7 +39,7 @@ def four_quadrant_thrust(n: float, inflow: float, k: int, p: Any) -> float:
     speed = math.sqrt(square)
     cos, sin = around / speed, inflow / speed
     cos_k, sin_k, factor = 1.0, 0.0, 0.0
-    for order in range(p.screw_cosines.shape[1]):
+    for order in range(int(p.screw_orders[k])):
         factor += p.screw_cosines[k, order] * cos_k + p.screw_sines[k, order] * sin_k
         cos_k, sin_k = cos_k * cos - sin_k * sin, sin_k * cos + cos_k * sin
     return p.water_density * math.pi * d * d / 8.0 * square * factor
