@@ -1,6 +1,7 @@
 """What the parameter record holds of propellers and tables that give a thruster its thrust."""
 
 import math
+from itertools import chain
 from typing import Any
 
 from swamp_rl.boat import Boat, Thruster
@@ -9,10 +10,11 @@ from swamp_rl.physics.propulsion import OF_SCREW
 from swamp_rl.physics.screw import TABLE
 
 NEUTRAL = {"wash_of": -1.0, "throttle_rate": math.inf}  # of a thruster without such a number, where not 0
-ROOM = {"screw_cosines": 16, "screw_sines": 16, "table_throttle": 16, "table_speed": 16, "table_thrust": 64}
-"""Numbers that the record holds of each list of a model, at least; what a list lacks is 0."""
+NUMBERS = "screw_numbers"
+ROOM = 24
+"""Numbers of a series or a table that the record holds for each thruster, at least; what is left is 0."""
 WIDER = 4
-"""Factor on these for a longer list, as often as it needs."""
+"""Factor on them for longer ones, as often as needed."""
 
 
 def room_of(field: str, longest: int) -> int:
@@ -20,7 +22,7 @@ def room_of(field: str, longest: int) -> int:
 
     In few steps, for numba compiles the boat's step for every length.
     """
-    room = ROOM.get(field, longest)
+    room = ROOM if field == NUMBERS else longest
     while room < longest:
         room *= WIDER
     return room
@@ -55,7 +57,7 @@ def empty_model() -> dict[str, Any]:
         "screw_bollard": 0.0,
     }
     row |= {"screw_orders": 0.0, "table_throttles": 0.0, "table_speeds": 0.0}
-    return row | dict.fromkeys(ROOM, (0.0,))
+    return row | {NUMBERS: (0.0,)}
 
 
 def model_row(diameter: float, model: Disc | Linear | FourQuadrant) -> dict[str, Any]:
@@ -66,7 +68,7 @@ def model_row(diameter: float, model: Disc | Linear | FourQuadrant) -> dict[str,
     if isinstance(model, Linear):
         return row | {"screw_bollard": model.bollard_coefficient, "screw_pitch": model.null_advance}
     row |= {"screw_orders": float(len(model.cosines))}
-    return row | {"screw_cosines": model.cosines, "screw_sines": model.sines}
+    return row | {NUMBERS: tuple(chain.from_iterable(zip(model.cosines, model.sines, strict=True)))}
 
 
 def table_row(table: ThrustTable) -> dict[str, Any]:
@@ -74,5 +76,4 @@ def table_row(table: ThrustTable) -> dict[str, Any]:
     throttles, thrust = table.throttles, table.filled
     row: dict[str, Any] = {"screw_model": TABLE}
     row |= {"table_throttles": float(len(throttles)), "table_speeds": float(len(table.speed))}
-    row |= {"table_throttle": throttles, "table_speed": table.speed}
-    return row | {"table_thrust": tuple(force for line in thrust for force in line)}
+    return row | {NUMBERS: (*throttles, *table.speed, *chain.from_iterable(thrust))}
