@@ -14,7 +14,7 @@ from swamp_rl.physics.force_curve import CURVES, WIDTH
 from swamp_rl.physics.propulsion import OF_JET, OF_RUDDER
 from swamp_rl.physics.resistance import tank_table
 from swamp_rl.simulator.divergence import refuse_divergence
-from swamp_rl.simulator.screws import NEUTRAL, model_row, room_of, screw_row
+from swamp_rl.simulator.screws import NEUTRAL, NUMBERS, model_row, room_of, screw_row
 from swamp_rl.simulator.state import ACTUATORS, NORTH, SURGE, YAW_RATE, state_size
 
 JET_FIELDS = (
@@ -202,6 +202,8 @@ def file_record(boat: Boat) -> NDArray[Any]:
         else:
             scalars[field] = neutral
     columns["force_curves"] = np.zeros((CURVES, WIDTH)).tolist()
+    if NUMBERS in columns:  # last, so that what every step reads stands close together
+        columns[NUMBERS] = columns.pop(NUMBERS)
     shapes = {field: np.shape(values) for field, values in columns.items()}
     record = np.zeros(1, record_of(tuple(scalars), tuple(shapes.items())))
     for field, value in (scalars | columns).items():
