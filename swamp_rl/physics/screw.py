@@ -30,7 +30,10 @@ def disc_thrust(n: float, inflow: float, k: int, p: Any) -> float:
 
 @compiled
 def four_quadrant_thrust(n: float, inflow: float, k: int, p: Any) -> float:
-    """ρ π d²/8 (V² + (0.7 π n d)²) C_t*(β) [N] (21), C_t* by its Fourier series (23)."""
+    """ρ π d²/8 (V² + (0.7 π n d)²) C_t*(β) [N] (21), C_t* by its Fourier series (23).
+
+    The thruster's numbers: A_0, B_0, A_1, B_1, ...
+    """
     d = p.screw_diameter[k]
     around = TANGENTIAL * n * d
     square = inflow * inflow + around * around
@@ -39,8 +42,8 @@ def four_quadrant_thrust(n: float, inflow: float, k: int, p: Any) -> float:
     speed = math.sqrt(square)
     cos, sin = around / speed, inflow / speed
     cos_k, sin_k, factor = 1.0, 0.0, 0.0
-    for order in range(p.screw_cosines.shape[1]):
-        factor += p.screw_cosines[k, order] * cos_k + p.screw_sines[k, order] * sin_k
+    for order in range(int(p.screw_orders[k])):
+        factor += p.screw_numbers[k, 2 * order] * cos_k + p.screw_numbers[k, 2 * order + 1] * sin_k
         cos_k, sin_k = cos_k * cos - sin_k * sin, sin_k * cos + cos_k * sin
     return p.water_density * math.pi * d * d / 8.0 * square * factor
 
@@ -63,28 +66,34 @@ def propeller_thrust(n: float, inflow: float, k: int, p: Any) -> float:
 
 
 @compiled
-def place_between(value: float, knots: Any, count: int) -> tuple[int, float]:
-    """The piece of increasing knots that a value falls into, and its share [1] of it; at its ends beyond."""
+def place_between(value: float, numbers: Any, first: int, count: int) -> tuple[int, float]:
+    """The piece of increasing knots that a value falls into, and its share [1] of it; at its ends beyond.
+
+    The knots: `count` of the numbers, from `first` on.
+    """
     piece = 0
-    while piece < count - 2 and value > knots[piece + 1]:
+    while piece < count - 2 and value > numbers[first + piece + 1]:
         piece += 1
     if count < 2:
         return 0, 0.0
-    share = (value - knots[piece]) / (knots[piece + 1] - knots[piece])
+    low = numbers[first + piece]
+    share = (value - low) / (numbers[first + piece + 1] - low)
     return piece, min(max(share, 0.0), 1.0)
 
 
 @compiled
 def table_thrust(throttle: float, inflow: float, k: int, p: Any) -> float:
-    """Thrust [N] of a measured table, bilinear, constant beyond its speeds."""
-    speeds = int(p.table_speeds[k])
-    i, x = place_between(throttle, p.table_throttle[k], int(p.table_throttles[k]))
-    j, y = place_between(inflow, p.table_speed[k], speeds)
-    beside, first = min(j + 1, speeds - 1), i * speeds
+    """Thrust [N] of a measured table, bilinear, constant beyond its speeds.
+
+    The thruster's numbers: the throttles, the speeds, the thrust at each speed for each throttle.
+    """
+    throttles, speeds, numbers = int(p.table_throttles[k]), int(p.table_speeds[k]), p.screw_numbers[k]
+    i, x = place_between(throttle, numbers, 0, throttles)
+    j, y = place_between(inflow, numbers, throttles, speeds)
+    beside, first = min(j + 1, speeds - 1), throttles + speeds + i * speeds
     second = first + speeds
-    thrust = p.table_thrust[k]
-    low = thrust[first + j] + y * (thrust[first + beside] - thrust[first + j])
-    high = thrust[second + j] + y * (thrust[second + beside] - thrust[second + j])
+    low = numbers[first + j] + y * (numbers[first + beside] - numbers[first + j])
+    high = numbers[second + j] + y * (numbers[second + beside] - numbers[second + j])
     return low + x * (high - low)
 
 

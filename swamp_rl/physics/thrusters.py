@@ -51,7 +51,9 @@ def lagging(throttle: float, command: float, time: float, k: int, p: Any) -> flo
 
 @compiled
 def limited(throttle: float, command: float, time: float, k: int, p: Any) -> float:
-    """As `level_after`, with a limit of rate [1/s]: the same law as an azimuth's."""
+    """As `level_after`, with a limit of rate [1/s], inf for none: the same law as an azimuth's."""
+    if p.throttle_rate[k] == math.inf:
+        return lagging(throttle, command, time, k, p)
     return azimuth_after(throttle, command, p.pump_time_constant[k], p.throttle_rate[k], time)
 
 

@@ -14,7 +14,7 @@ from swamp_rl.physics.force_curve import CURVES, WIDTH
 from swamp_rl.physics.propulsion import OF_JET, OF_RUDDER
 from swamp_rl.physics.resistance import tank_table
 from swamp_rl.simulator.divergence import refuse_divergence
-from swamp_rl.simulator.screws import NEUTRAL, model_row, screw_row
+from swamp_rl.simulator.screws import NEUTRAL, NUMBERS, model_row, room_of, screw_row
 from swamp_rl.simulator.state import ACTUATORS, NORTH, SURGE, YAW_RATE, state_size
 
 JET_FIELDS = (
@@ -94,17 +94,18 @@ def thruster_fields(boat: Boat) -> dict[str, list[Any]]:
     """The per-thruster numbers of the record that come from the boat file, by field name.
 
     `channel`: which thruster's command each one obeys, by place in the file; `azimuth_sign`, `throttle_sign`:
-    factors of its commands. Lists of unequal length are filled up with zeros.
+    factors of its commands. Lists are filled up with zeros to `room_of`. The order of the fields does not
+    depend on that of the thrusters, so that boats with equal fields share one record type.
     """
     rows = [
         propeller_row(t, boat) if isinstance(t, PropellerRudder) else jet_row(t, boat) for t in boat.thrusters
     ]
-    names = dict.fromkeys(name for row in rows for name in row)
+    others = {name for row in rows for name in row} - set(JET_FIELDS)
     fields: dict[str, list[Any]] = {}
-    for name in names:
+    for name in (*JET_FIELDS, *sorted(others)):
         values = [row.get(name, NEUTRAL.get(name, 0.0)) for row in rows]
         longest = max((len(value) for value in values if isinstance(value, tuple)), default=0)
-        fields[name] = [filled(value, longest) for value in values] if longest else values
+        fields[name] = [filled(value, room_of(name, longest)) for value in values] if longest else values
     if set(fields["drive"]) == {OF_JET}:
         del fields["drive"]
     own = {"channel": [float(k) for k in range(len(rows))]}
@@ -187,8 +188,10 @@ def record_of(scalars: tuple[str, ...], columns: tuple[tuple[str, tuple[int, ...
     )
 
 
-@lru_cache(maxsize=64)
-def _nominal(boat: Boat) -> NDArray[Any]:
+def file_record(boat: Boat) -> NDArray[Any]:
+    """Parameter record (1,) of the boat file's numbers, its effects left out, whether or not its motion
+    diverges.
+    """
     scalars = boat_fields(boat)
     columns = thruster_fields(boat)
     for field, (neutral, per_thruster) in neutral_fields().items():
@@ -199,10 +202,18 @@ def _nominal(boat: Boat) -> NDArray[Any]:
         else:
             scalars[field] = neutral
     columns["force_curves"] = np.zeros((CURVES, WIDTH)).tolist()
+    if NUMBERS in columns:  # last, so that what every step reads stands close together
+        columns[NUMBERS] = columns.pop(NUMBERS)
     shapes = {field: np.shape(values) for field, values in columns.items()}
     record = np.zeros(1, record_of(tuple(scalars), tuple(shapes.items())))
     for field, value in (scalars | columns).items():
         record[field] = value
+    return record
+
+
+@lru_cache(maxsize=64)
+def _nominal(boat: Boat) -> NDArray[Any]:
+    record = file_record(boat)
     refuse_divergence(boat.name, record, tank(boat))
     apply_effects(record, boat.effects, boat.thruster_names)
     return record

@@ -1,6 +1,7 @@
 """What the parameter record holds of propellers and tables that give a thruster its thrust."""
 
 import math
+from itertools import chain
 from typing import Any
 
 from swamp_rl.boat import Boat, Thruster
@@ -9,16 +10,32 @@ from swamp_rl.physics.propulsion import OF_SCREW
 from swamp_rl.physics.screw import TABLE
 
 NEUTRAL = {"wash_of": -1.0, "throttle_rate": math.inf}  # of a thruster without such a number, where not 0
+NUMBERS = "screw_numbers"
+ROOM = 24
+"""Numbers of a series or a table that the record holds for each thruster, at least; what is left is 0."""
+WIDER = 4
+"""Factor on them for longer ones, as often as needed."""
+
+
+def room_of(field: str, longest: int) -> int:
+    """Numbers that the record holds of the list `field`, the longest of which has that many.
+
+    In few steps, for numba compiles the boat's step for every length.
+    """
+    room = ROOM if field == NUMBERS else longest
+    while room < longest:
+        room *= WIDER
+    return room
 
 
 def screw_row(thruster: Thruster, boat: Boat) -> dict[str, Any]:
     """Of a thruster with a propeller or a table; nothing for a jet."""
     screw, table = thruster.propeller, thruster.thrust_table
     rate = thruster.greatest_throttle_rate(boat.water_density)
-    limited = {} if rate is None else {"throttle_rate": rate}
     if screw is None and table is None:
-        return limited
-    row: dict[str, Any] = {"drive": OF_SCREW, "level_min": thruster.throttle_min, "level_max": 1.0} | limited
+        return {} if rate is None else {"throttle_rate": rate}
+    row: dict[str, Any] = {"drive": OF_SCREW, "level_min": thruster.throttle_min, "level_max": 1.0}
+    row |= {"throttle_rate": NEUTRAL["throttle_rate"] if rate is None else rate}
     row |= {"wash_of": -1.0, "wash_share": 0.0, "screw_wake": 0.0, "screw_crossflow": 0.0, "screw_side": 0.0}
     row |= {"revolutions_max": 0.0, "revolutions_max_astern": 0.0}
     if screw is None:
@@ -39,9 +56,8 @@ def empty_model() -> dict[str, Any]:
         "screw_pitch": 0.0,
         "screw_bollard": 0.0,
     }
-    row |= {"screw_cosines": (0.0,), "screw_sines": (0.0,)}
-    row |= {"table_throttles": 0.0, "table_speeds": 0.0}
-    return row | {"table_throttle": (0.0,), "table_speed": (0.0,), "table_thrust": (0.0,)}
+    row |= {"screw_orders": 0.0, "table_throttles": 0.0, "table_speeds": 0.0}
+    return row | {NUMBERS: (0.0,)}
 
 
 def model_row(diameter: float, model: Disc | Linear | FourQuadrant) -> dict[str, Any]:
@@ -51,7 +67,8 @@ def model_row(diameter: float, model: Disc | Linear | FourQuadrant) -> dict[str,
         return row | {"screw_pitch": model.pitch_ratio}
     if isinstance(model, Linear):
         return row | {"screw_bollard": model.bollard_coefficient, "screw_pitch": model.null_advance}
-    return row | {"screw_cosines": model.cosines, "screw_sines": model.sines}
+    row |= {"screw_orders": float(len(model.cosines))}
+    return row | {NUMBERS: tuple(chain.from_iterable(zip(model.cosines, model.sines, strict=True)))}
 
 
 def table_row(table: ThrustTable) -> dict[str, Any]:
@@ -59,5 +76,4 @@ def table_row(table: ThrustTable) -> dict[str, Any]:
     throttles, thrust = table.throttles, table.filled
     row: dict[str, Any] = {"screw_model": TABLE}
     row |= {"table_throttles": float(len(throttles)), "table_speeds": float(len(table.speed))}
-    row |= {"table_throttle": throttles, "table_speed": table.speed}
-    return row | {"table_thrust": tuple(force for line in thrust for force in line)}
+    return row | {NUMBERS: (*throttles, *table.speed, *chain.from_iterable(thrust))}
