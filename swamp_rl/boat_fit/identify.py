@@ -97,17 +97,17 @@ def identify_boat(
 
 
 def _fitted_to_alike(
-    data: Split, fit_to: Callable[[RunSet], _FittedFile]
+    data: Split, fit_to: Callable[[RunSet, _FittedFile | None], _FittedFile]
 ) -> tuple[_FittedFile, list[RunThrust]]:
     """The fit to the training runs that have the thrust of most runs, and the runs that have another."""
-    made = fit_to(data.training)
+    made = fit_to(data.training, None)
     others = with_other_thrust(_thrusts(data, made))
     left_out = {one.name for one in others} & set(data.training.names)
     rest = without(data.training, left_out)
     if not left_out or not len(rest.lengths):
         return made, others
     LOG.info("without %s", ", ".join(sorted(left_out)))
-    made = fit_to(rest)
+    made = fit_to(rest, made)
     thrusts = _thrusts(data, made)
     names = left_out | {one.name for one in with_other_thrust(thrusts)}
     return made, [one for one in thrusts if one.name in names]
@@ -122,9 +122,14 @@ def _thrusts(data: Split, made: _FittedFile) -> list[RunThrust]:
     return [one for part in parts for one in run_thrusts(part, made.boat)]
 
 
-def _fitted_file(part: Path, dataset: Path, name: str, positions: bool, training: RunSet) -> _FittedFile:
-    """The fit to runs, its file written to `part` and loaded again."""
-    wiring, made = fitted_boat(training, positions)
+def _fitted_file(
+    part: Path, dataset: Path, name: str, positions: bool, training: RunSet, before: _FittedFile | None
+) -> _FittedFile:
+    """The fit to runs, its file written to `part` and loaded again; before: a fit to more runs, which has
+    their wiring, and numbers to begin with.
+    """
+    known = None if before is None else replace(before.wiring, x=before.fit.fit.x[: len(before.numbers)])
+    wiring, made = fitted_boat(training, positions, known)
     numbers = numbers_of(made)
     mapping = identified_mapping(wiring.boat, name, numbers, _told(dataset))
     part.write_text(yaml_text(mapping), encoding="utf-8")
