@@ -17,6 +17,7 @@ from swamp_rl.boat_fit.fit import BoatFit, fit_boat
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.numbers import free_numbers
 from swamp_rl.boat_fit.pieces import Split, split
+from swamp_rl.boat_fit.recent_thrust import recent_errors
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.run_thrust import FEWEST, RunThrust, run_thrusts, with_other_thrust, without
@@ -91,6 +92,7 @@ def identify_boat(
             time.perf_counter() - began,
             tuple(others),
             errors_on(alike, made.boat) if 0 < len(alike.lengths) < len(here.lengths) else [],
+            recent_errors(here, made.boat),
         )
         page.write_text(page_of(found), encoding="utf-8")
     return found
@@ -166,11 +168,12 @@ def _told(dataset: Path) -> str:
     return dataset.resolve().name or "runs"
 
 
-def fitted_boat(training: RunSet, positions: bool = False) -> tuple[Wiring, BoatFit]:
-    """The wiring of the commands and the fit of a boat's numbers to runs."""
+def fitted_boat(
+    training: RunSet, positions: bool = False, known: Wiring | None = None
+) -> tuple[Wiring, BoatFit]:
+    """The wiring of the commands, unless known, and the fit of a boat's numbers to runs."""
     weight = weights(training, noise_levels(training))
-    LOG.info("%.1f min of runs: channels, signs and delays", training.lengths.sum() * training.dt / 60)
-    wiring = search_wiring(training, weight, positions)
+    wiring = known or _searched(training, weight, positions)
     run_set = advanced(replace(training, boat=wiring.boat), wiring.advance)
     windy = "wind_speed" not in run_set.measured_fields
     numbers = free_numbers(wiring.boat, positions)
@@ -179,6 +182,11 @@ def fitted_boat(training: RunSet, positions: bool = False) -> tuple[Wiring, Boat
     x[: len(numbers)] = wiring.x
     LOG.info("fitting %d numbers", len(numbers))
     return wiring, fit_boat(run_set, weight, hypothesis, x)
+
+
+def _searched(training: RunSet, weight: Array, positions: bool) -> Wiring:
+    LOG.info("%.1f min of runs: channels, signs and delays", training.lengths.sum() * training.dt / 60)
+    return search_wiring(training, weight, positions)
 
 
 def numbers_of(made: BoatFit) -> list[Fitted]:
