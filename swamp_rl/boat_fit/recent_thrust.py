@@ -73,27 +73,35 @@ def recent_gains(run_set: RunSet, weight: Array, hypothesis: Hypothesis) -> list
     for run, length in enumerate(run_set.lengths):
         gains = np.ones((-(-int(length) // rows), hypothesis.size))
         for k in range(1, len(gains)):
-            gains[k] = _fitted(run_set, weight, run, max(0, k * rows - past), k * rows, hypothesis)
+            first = max([0, k * rows - past, *_gap_ends(run_set, run, k * rows)])
+            gains[k] = _fitted(run_set, weight, run, first, k * rows, hypothesis)
         found.append(gains)
     return found
 
 
+def _gap_ends(run_set: RunSet, run: int, end: int) -> list[int]:
+    """Rows at which gaps of a run end that begin before the row `end`."""
+    return [min(gap.row + gap.rows, end) for gap in run_set.gaps if gap.run == run and gap.row < end]
+
+
 def _fitted(run_set: RunSet, weight: Array, run: int, first: int, end: int, hypothesis: Hypothesis) -> Array:
+    """(p,) gains of those rows; 1 where they are too few or the boat diverges."""
+    none = hypothesis.prior()[0]
+    if end - first < 2:
+        return none
     part, own = rows_of(run_set, run, first, end), weight[run : run + 1, first:end]
+    compared = max(int(part.first_compared[0]), round(options().pad / part.dt))
+    if np.count_nonzero(own[0, compared:, 0]) * part.dt < options().shortest_window:
+        return none
     problem = Shooting(part, own, SHORT)
-    x = hypothesis.prior()[0]
-    states = fit_states(problem, hypothesis, x, problem.initial_states(), STATE_ROUNDS)[0]
-    return fit(problem, hypothesis, x, states, STEPS).x
+    states = fit_states(problem, hypothesis, none, problem.initial_states(), STATE_ROUNDS)[0]
+    x = fit(problem, hypothesis, none, states, STEPS).x
+    return x if np.isfinite(x).all() else none
 
 
 def rows_of(run_set: RunSet, run: int, first: int, end: int) -> RunSet:
-    """Rows of one run."""
+    """Rows of one run, without gap."""
     one = run_set.subset([run])
-    gaps = tuple(
-        replace(gap, row=max(gap.row - first, 0), rows=min(gap.row + gap.rows, end) - max(gap.row, first))
-        for gap in one.gaps
-        if gap.row < end and gap.row + gap.rows > first
-    )
     return replace(
         one,
         commands=one.commands[:, first:end],
@@ -101,7 +109,7 @@ def rows_of(run_set: RunSet, run: int, first: int, end: int) -> RunSet:
         weather=one.weather[:, first:end] if len(one.weather) else one.weather,
         ignored=one.ignored[:, first:end] if len(one.ignored) else one.ignored,
         lengths=np.array([end - first]),
-        gaps=gaps,
+        gaps=(),
         origin=(),
     )
 

@@ -10,7 +10,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.boat_fit.fit import soft_weights
 from swamp_rl.boat_fit.recent_thrust import STRETCH, recent_errors, recent_gains, thruster_gains
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.data.run_set import RunSet, read_run_set
+from swamp_rl.criticism.data.run_set import Gap, RunSet, read_run_set
 from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
 from tests.support.from_scratch import written
 from tests.support.sailing import sailed_dataset
@@ -50,6 +50,18 @@ def test_gains_come_from_the_past_alone(tmp_path: Path) -> None:
     changed, gains = gains_of(replace(runs, measured=other), weight), gains_of(runs, weight)
     np.testing.assert_array_equal(changed[:7], gains[:7])
     assert not np.array_equal(changed[7], gains[7])
+
+
+def test_gains_come_from_after_the_last_gap(tmp_path: Path) -> None:
+    runs = weedy(tmp_path, 25.0)
+    weight, fifth = weights(runs, noise_levels(runs)), round(STRETCH / runs.dt)
+    weight[:, fifth : 2 * fifth] = 0.0
+    torn, other = replace(runs, gaps=(Gap(0, fifth, fifth),)), runs.measured.copy()
+    other[:, :fifth, :2] += np.linspace(0.0, 50.0, fifth)[:, None]
+    gains = gains_of(torn, weight)
+    assert gains[2].tolist() == [1.0, 1.0] != gains[4].tolist()
+    np.testing.assert_array_equal(gains_of(replace(torn, measured=other), weight)[2:], gains[2:])
+    assert not np.array_equal(gains_of(replace(runs, measured=other), weight)[4], gains[4])
 
 
 @pytest.mark.parametrize(("kind", "count"), [("twin", 2), ("esso_osaka", 1)])
