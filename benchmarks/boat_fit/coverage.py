@@ -100,11 +100,12 @@ def start_boat(rng: np.random.Generator) -> tuple[str, Boat]:
 
 def drawn(hypothesis: FreeBoat, rng: np.random.Generator) -> Array:
     """(p,) numbers from their priors, within their bounds."""
-    mean, precision = hypothesis.prior()
+    mean, covariance = hypothesis.prior()[0], np.linalg.inv(hypothesis.prior_precision)
     low, high = hypothesis.bounds()
+    correlated = hypothesis.prior_precision != 0.0
     x = np.full(len(mean), np.nan)
-    while (missing := ~((x >= low) & (x <= high))).any():
-        x = np.where(missing, mean + rng.standard_normal(len(mean)) / np.sqrt(precision), x)
+    while (outside := ~((x >= low) & (x <= high))).any():
+        x = np.where(correlated @ outside, rng.multivariate_normal(mean, covariance), x)
     return x
 
 

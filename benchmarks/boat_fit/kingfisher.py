@@ -15,6 +15,7 @@ from swamp_rl.experiments.reports.experiment import table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat.estimate import annotated, boat_file
 from swamp_rl.boat_fit.identify import errors_on, identify_boat
+from swamp_rl.boat_fit.recent_thrust import recent_errors
 from swamp_rl.boat_fit.report import held_out_sentence, summary
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.criticism.report.evidence import TRIVIAL
@@ -27,6 +28,7 @@ from swamp_rl.runs.import_foreign import Wishes
 
 SHOWN = 5.0  # s, horizon of the table by run
 FIELDS = ("time", "kfhd", "kfspd", "portcmd", "stbdcmd")
+PREDICTORS = ["identified", "with recent gains", *(name.replace("_", " ") for name in TRIVIAL)]
 SIZES = {"length": 1.35, "breadth": 0.98, "mass": 28.0, "thrust": 41.4, "top_speed": 1.6, "draught": 0.12}
 """The maker's sizes [m, kg], bollard pull [N] of `tcurve_nohead.csv` beside the data, top speed [m/s]."""
 MAPPING = {
@@ -81,11 +83,12 @@ def error_table(found: Identification) -> str:
             f"{was.horizon_s:g}",
             f"{was.boat_file:.3f}",
             f"{now.boat_file:.3f}",
+            f"{recent.position:.3f}",
             *(f"{getattr(now, name):.3f}" for name in TRIVIAL),
         ]
-        for was, now in zip(found.before, found.after, strict=True)
+        for was, now, recent in zip(found.before, found.after, found.recent, strict=True)
     ]
-    return table(["horizon, s", "start", "identified", *(name.replace("_", " ") for name in TRIVIAL)], rows)
+    return table(["horizon, s", "start", *PREDICTORS], rows)
 
 
 def number_table(found: Identification) -> str:
@@ -109,13 +112,15 @@ def run_table(found: Identification) -> str:
     rows, held = [], found.data.held_out
     count = len(found.boat.thrusters)
     for i, (name, length) in enumerate(zip(held.names, held.lengths, strict=True)):
-        own = next(one for one in errors_on(held.subset([i]), found.boat) if one.horizon_s == SHOWN)
+        run = held.subset([i])
+        own = next(one for one in errors_on(run, found.boat) if one.horizon_s == SHOWN)
+        recent = next(one for one in recent_errors(run, found.boat) if one.horizon_s == SHOWN)
         levels = held.commands[i, :length, count:]
         spans = [f"{low:.2f} to {high:.2f}" for low, high in zip(levels.min(0), levels.max(0), strict=True)]
-        errors = [own.boat_file, *(getattr(own, trivial) for trivial in TRIVIAL)]
+        errors = [own.boat_file, recent.position, *(getattr(own, trivial) for trivial in TRIVIAL)]
         rows.append([name.split(",")[0].split("_")[-1], *spans, *(f"{error:.2f}" for error in errors)])
     names = [f"throttle of {thruster.name}" for thruster in found.boat.thrusters]
-    return table(["run", *names, "identified", *(name.replace("_", " ") for name in TRIVIAL)], rows)
+    return table(["run", *names, *PREDICTORS], rows)
 
 
 def findings(found: Identification) -> str:
@@ -130,8 +135,13 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     asked = parser.parse_args()
     found = identified(asked.source, asked.out)
-    parts = {"findings": findings(found), "errors": error_table(found)}
-    write_parts(DOCS / "kingfisher.md", parts | {"by run": run_table(found), "numbers": number_table(found)})
+    parts = {
+        "findings": findings(found),
+        "errors": error_table(found),
+        "by run": run_table(found),
+        "numbers": number_table(found),
+    }
+    write_parts(DOCS / "kingfisher.md", parts)
     print(f"identified in {found.elapsed:.0f} s", flush=True)
 
 

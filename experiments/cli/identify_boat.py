@@ -34,9 +34,12 @@ def identify_boat(
     for line in summary(found):
         typer.echo(f"  {line}")
     typer.echo(f"  {held_out_sentence(found)}")
-    typer.echo("  horizon: start file, identified file; at rest, constant velocity, no thrust")
-    for horizon, before, after, *trivial in error_rows(found):
-        typer.echo(f"  {horizon:>7}: {before} m, {after} m; {', '.join(f'{one} m' for one in trivial)}")
+    typer.echo(
+        "  horizon: start file, identified file, with recent gains; at rest, constant velocity, no thrust"
+    )
+    for horizon, before, after, recent, *trivial in error_rows(found):
+        others = ", ".join(f"{one} m" for one in trivial)
+        typer.echo(f"  {horizon:>7}: {before} m, {after} m, {recent} m; {others}")
     for line in next_runs(found):
         typer.echo(f"  to record next: {line}")
     typer.echo(f"{out}, {out.with_suffix('.html')} ({found.elapsed:.0f} s)")

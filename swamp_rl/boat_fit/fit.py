@@ -126,15 +126,15 @@ def jackknife_covariance(made: Fit) -> tuple[Array, float]:
     """
     from scipy.special import stdtrit
 
-    _, precision = made.hypothesis.prior()
+    precision = made.hypothesis.prior_precision
     information, score = made.normal.information, made.normal.gradient
-    H = information.sum(axis=0) + np.diag(precision)
+    H = information.sum(axis=0) + precision
     covariance, count = inverse(H), len(score)
     away = score - score.mean(axis=0)
     moved = np.stack([inverse(H - own) @ one for own, one in zip(information, away, strict=True)])
     jackknife = (count - 1) / count * (moved**2).sum(axis=0)
     plain = ((away @ covariance) ** 2).sum(axis=0)  # of windows as the fit left them, hence too small
-    of_prior = np.diag(covariance * precision @ covariance)
+    of_prior = np.diag(covariance @ precision @ covariance)
     of_data = np.maximum(np.diag(covariance) - of_prior, 1e-300)
     known = of_data > SHARE * np.diag(covariance)
     between = np.sqrt(plain[known] * jackknife[known]) / of_data[known]
@@ -149,8 +149,8 @@ def lost_freedom(problem: Shooting, made: Fit, samples: float) -> float:
     numbers, the latter by the share of their precision that is not the prior's, none where a window diverges
     and the covariance is infinite.
     """
-    _, precision = made.hypothesis.prior()
-    free = max(0.0, len(precision) - float(np.diag(made.covariance) @ precision))
+    precision = made.hypothesis.prior_precision
+    free = max(0.0, len(precision) - float((made.covariance * precision).sum()))
     count = problem.samples / samples
     return count / max(count - len(made.states) * made.states.shape[1] - free, LEAST_LEFT * count)
 

@@ -1,6 +1,6 @@
 """A boat whose numbers are free, as a hypothesis of the critic's output-error fit."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,15 @@ Array = NDArray[np.float64]
 
 WIND_SD = 3.0  # m/s, prior of each component of a run's mean wind
 OF_ACTUATORS = ("pump_time_constant", "azimuth_time_constant", "command_delay")  # fields of the record
+OF_LIKE_THRUSTERS = (  # fields of the record, one number for each thruster
+    "thrust_linear",
+    "thrust_quadratic",
+    "astern_linear",
+    "astern_quadratic",
+    "advance_loss",
+    "dead_band",
+)
+LIKENESS = 0.9  # prior correlation [1] of such numbers of thrusters that are equal in the start file
 CALM = 0.3  # m/s, where the fit of a wind begins: at none a boat at rest does not feel it change
 NUMBERS = Effect("boat", (), "actuator", "replace", "numbers of the boat file", "", moves_actuators=True)
 
@@ -48,6 +57,17 @@ class FreeBoat(Hypothesis):
         sd = np.array([number.sd for number in self.numbers] + [WIND_SD] * winds)
         return mean, sd**-2
 
+    @property
+    def prior_precision(self) -> Array:
+        """(p, p) inverse covariance of the prior; equal thrusters of the start file are correlated."""
+        sd = self.prior()[1] ** -0.5
+        correlation = np.eye(len(sd))
+        for i, one in enumerate(self.numbers):
+            for k, other in enumerate(self.numbers[:i]):
+                if one.field in OF_LIKE_THRUSTERS and _of_equals(one, other):
+                    correlation[i, k] = correlation[k, i] = LIKENESS
+        return np.asarray(np.linalg.inv(correlation) / np.outer(sd, sd))
+
     def start(self) -> Array:
         """(p,) where a fit begins: the boat file, and next to no wind."""
         winds = self.size - len(self.numbers)
@@ -72,6 +92,11 @@ class FreeBoat(Hypothesis):
         if "x_0_ahead" in (made.dtype.names or ()):  # its reference mass is the boat's own
             made["reference_mass"] = made["mass"]
         return made
+
+
+def _of_equals(one: Number, other: Number) -> bool:
+    """Whether two numbers differ by their thruster alone."""
+    return replace(one, name="", trial="", thrusters=()) == replace(other, name="", trial="", thrusters=())
 
 
 def free_boat(boat: Boat, numbers: tuple[Number, ...], runs: int) -> FreeBoat:

@@ -17,6 +17,7 @@ from swamp_rl.boat_fit.fit import BoatFit, fit_boat
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.numbers import free_numbers
 from swamp_rl.boat_fit.pieces import Split, split
+from swamp_rl.boat_fit.recent_thrust import recent_errors
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.run_thrust import FEWEST, RunThrust, run_thrusts, with_other_thrust, without
@@ -91,23 +92,24 @@ def identify_boat(
             time.perf_counter() - began,
             tuple(others),
             errors_on(alike, made.boat) if 0 < len(alike.lengths) < len(here.lengths) else [],
+            recent_errors(here, made.boat),
         )
         page.write_text(page_of(found), encoding="utf-8")
     return found
 
 
 def _fitted_to_alike(
-    data: Split, fit_to: Callable[[RunSet], _FittedFile]
+    data: Split, fit_to: Callable[[RunSet, _FittedFile | None], _FittedFile]
 ) -> tuple[_FittedFile, list[RunThrust]]:
     """The fit to the training runs that have the thrust of most runs, and the runs that have another."""
-    made = fit_to(data.training)
+    made = fit_to(data.training, None)
     others = with_other_thrust(_thrusts(data, made))
     left_out = {one.name for one in others} & set(data.training.names)
     rest = without(data.training, left_out)
     if not left_out or not len(rest.lengths):
         return made, others
     LOG.info("without %s", ", ".join(sorted(left_out)))
-    made = fit_to(rest)
+    made = fit_to(rest, made)
     thrusts = _thrusts(data, made)
     names = left_out | {one.name for one in with_other_thrust(thrusts)}
     return made, [one for one in thrusts if one.name in names]
@@ -122,9 +124,14 @@ def _thrusts(data: Split, made: _FittedFile) -> list[RunThrust]:
     return [one for part in parts for one in run_thrusts(part, made.boat)]
 
 
-def _fitted_file(part: Path, dataset: Path, name: str, positions: bool, training: RunSet) -> _FittedFile:
-    """The fit to runs, its file written to `part` and loaded again."""
-    wiring, made = fitted_boat(training, positions)
+def _fitted_file(
+    part: Path, dataset: Path, name: str, positions: bool, training: RunSet, before: _FittedFile | None
+) -> _FittedFile:
+    """The fit to runs, its file written to `part` and loaded again; before: a fit to more runs, which has
+    their wiring, and numbers to begin with.
+    """
+    known = None if before is None else replace(before.wiring, x=before.fit.fit.x[: len(before.numbers)])
+    wiring, made = fitted_boat(training, positions, known)
     numbers = numbers_of(made)
     mapping = identified_mapping(wiring.boat, name, numbers, _told(dataset))
     part.write_text(yaml_text(mapping), encoding="utf-8")
@@ -161,11 +168,12 @@ def _told(dataset: Path) -> str:
     return dataset.resolve().name or "runs"
 
 
-def fitted_boat(training: RunSet, positions: bool = False) -> tuple[Wiring, BoatFit]:
-    """The wiring of the commands and the fit of a boat's numbers to runs."""
+def fitted_boat(
+    training: RunSet, positions: bool = False, known: Wiring | None = None
+) -> tuple[Wiring, BoatFit]:
+    """The wiring of the commands, unless known, and the fit of a boat's numbers to runs."""
     weight = weights(training, noise_levels(training))
-    LOG.info("%.1f min of runs: channels, signs and delays", training.lengths.sum() * training.dt / 60)
-    wiring = search_wiring(training, weight, positions)
+    wiring = known or _searched(training, weight, positions)
     run_set = advanced(replace(training, boat=wiring.boat), wiring.advance)
     windy = "wind_speed" not in run_set.measured_fields
     numbers = free_numbers(wiring.boat, positions)
@@ -174,6 +182,11 @@ def fitted_boat(training: RunSet, positions: bool = False) -> tuple[Wiring, Boat
     x[: len(numbers)] = wiring.x
     LOG.info("fitting %d numbers", len(numbers))
     return wiring, fit_boat(run_set, weight, hypothesis, x)
+
+
+def _searched(training: RunSet, weight: Array, positions: bool) -> Wiring:
+    LOG.info("%.1f min of runs: channels, signs and delays", training.lengths.sum() * training.dt / 60)
+    return search_wiring(training, weight, positions)
 
 
 def numbers_of(made: BoatFit) -> list[Fitted]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from swamp_rl.boat_fit.boat_file import Fitted
+from swamp_rl.boat_fit.recent_thrust import past_seconds
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
@@ -25,7 +26,10 @@ def page_of(found: Identification) -> str:
             *(f"<p>{html.escape(line)}</p>" for line in summary(found)),
             "<h2>Prediction error on held-out runs</h2>",
             f"<p>{html.escape(held_out_sentence(found))}</p>",
-            table(("horizon", "start file", "identified", *TRIVIAL.values()), error_rows(found)),
+            table(
+                ("horizon", "start file", "identified", "with recent gains", *TRIVIAL.values()),
+                error_rows(found),
+            ),
             "<h2>Numbers</h2>",
             "<p>± is one standard error (sandwich covariance, prior included). Information: share of the "
             "posterior precision that the runs gave; the rest is the prior's.</p>",
@@ -57,6 +61,7 @@ def summary(found: Identification) -> list[str]:
     said += other_thrust(found)
     if worse := not_better(found.after):
         said.append(f"The identified file is not better than {' and '.join(worse)}.")
+    said += with_recent_gains(found)
     if found.alike:
         errors = "; ".join(
             f"{one.horizon_s:g} s ahead {one.boat_file:.3g} m ("
@@ -68,6 +73,20 @@ def summary(found: Identification) -> list[str]:
         better = f"not better than {' and '.join(worse)}" if worse else "better than each of these"
         said.append(f"On the held-out runs without those it is {better}: {errors}.")
     return said
+
+
+def with_recent_gains(found: Identification) -> list[str]:
+    """How the identified file predicts with gains from the recent past of each run, in a sentence."""
+    recent = {one.horizon_s: one.position for one in found.recent}
+    errors = [one.model_copy(update={"boat_file": recent.get(one.horizon_s, np.nan)}) for one in found.after]
+    if not recent or not not_better(found.after):
+        return []
+    worse = not_better(errors)
+    better = f"not better than {' and '.join(worse)}" if worse else "better than each of these"
+    return [
+        "With a gain of each thruster estimated from the same run, from at most the "
+        f"{past_seconds(found.boat):.3g} s before each prediction, it is {better}."
+    ]
 
 
 def other_thrust(found: Identification) -> list[str]:
@@ -105,13 +124,15 @@ def held_out_sentence(found: Identification) -> str:
 
 
 def error_rows(found: Identification) -> list[tuple[str, ...]]:
-    """Errors [m] by horizon: start file, identified file, trivial predictors."""
+    """Errors [m] by horizon: start file, identified without and with recent gains, trivial predictors."""
+    recent = {one.horizon_s: f"{one.position:.3g}" for one in found.recent}
     before = {was.horizon_s: f"{was.boat_file:.3g}" for was in found.before}
     return [
         (
             f"{now.horizon_s:g} s",
             before.get(now.horizon_s, "diverges"),
             f"{now.boat_file:.3g}",
+            recent.get(now.horizon_s, "diverges"),
             *(f"{getattr(now, name):.3g}" for name in TRIVIAL),
         )
         for now in found.after

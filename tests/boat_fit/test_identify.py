@@ -78,6 +78,21 @@ def test_a_hidden_boat_is_found_within_its_intervals(tmp_path: Path) -> None:
     assert found["hull.n_r"].shown and found["x_g"].shown
 
 
+def test_a_thruster_that_was_idle_gets_the_thrust_of_its_equal(tmp_path: Path) -> None:
+    both = "thrusters: {port: {thrust_quadratic: 6.0}, starboard: {thrust_quadratic: 6.0}}\n"
+    truth, start = hidden(tmp_path, "extends: twin.yaml\nname: hidden\n" + both), tmp_path / "twin.yaml"
+    sailed_dataset(tmp_path / "runs", start, truth, count=1, low=0.0, idle=("starboard",))
+    runs = read_run_set(tmp_path / "runs", load_boat(tmp_path / "twin.yaml"))
+    numbers = tuple(one for one in free_numbers(runs.boat) if one.name.endswith("thrust_quadratic"))
+    hypothesis = free_boat(runs.boat, numbers, 0)
+    made = fit_boat(runs, weights(runs, noise_levels(runs)), hypothesis, hypothesis.start())
+    found = by_name(numbers_of(made))
+    port, starboard = (found[f"thrusters.{name}.thrust_quadratic"] for name in ("port", "starboard"))
+    assert port.value == pytest.approx(6.0, rel=0.05)
+    assert 0.8 < (starboard.value - starboard.number.start) / (port.value - port.number.start) < 1.0
+    assert port.standard_error < 0.2 * port.prior_sd < starboard.standard_error
+
+
 @pytest.mark.slow
 def test_the_file_beats_what_is_trivial_and_says_which_numbers_the_runs_do_not_show(tmp_path: Path) -> None:
     truth = hidden(tmp_path, HIDDEN)

@@ -132,3 +132,21 @@ def test_the_derivative_of_a_prediction_by_a_scaled_number_is_that_of_its_record
     up, down = (float(hypothesis.records(boat, np.array([[h]]))["mass"][0]) for h in (1e-4, -1e-4))
     assert (up - down) / 2e-4 == pytest.approx(boat.mass, rel=1e-6)
     assert number.spread(0.2, 0.05) == pytest.approx(boat.mass * math.exp(0.2) * 0.05)
+
+
+@pytest.mark.parametrize(
+    ("other", "correlation"), [("", 0.9), ("thrusters: {port: {thrust_quadratic: 7.0}}", 0)]
+)
+def test_thrust_coefficients_of_equal_thrusters_are_correlated_and_keep_their_widths(
+    other: str, correlation: float, tmp_path: Path
+) -> None:
+    written(tmp_path, "twin")
+    (tmp_path / "own.yaml").write_text(f"extends: twin.yaml\nname: own\n{other}\n")
+    hypothesis = whole(load_boat(tmp_path / "own.yaml"))
+    covariance = np.linalg.inv(hypothesis.prior_precision)
+    sd = np.sqrt(np.diag(covariance))
+    np.testing.assert_allclose(sd, [number.sd for number in hypothesis.numbers])
+    names = [number.name for number in hypothesis.numbers]
+    port, starboard = (names.index(f"thrusters.{name}.thrust_quadratic") for name in ("port", "starboard"))
+    assert covariance[port, starboard] == pytest.approx(correlation * sd[port] * sd[starboard])
+    assert covariance[port, names.index("mass")] == 0.0

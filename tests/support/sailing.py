@@ -1,5 +1,6 @@
 """Runs of a boat whose truth is known, short and with little noise, to identify it from."""
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -38,8 +39,11 @@ def sailed_dataset(
     count: int = 3,
     seconds: float = 60.0,
     low: float = -1.0,
+    idle: Collection[str] = (),
 ) -> Path:
-    """A dataset of runs that `truth` sailed, which names the file `start` as its boat."""
+    """A dataset of runs that `truth` sailed, which names the file `start` as its boat; idle: thrusters that
+    are not commanded.
+    """
     rng = np.random.default_rng(seed)
     rows = int(seconds / RATE)
     told: dict[str, Any] = {
@@ -50,6 +54,7 @@ def sailed_dataset(
     create_dataset(folder, DatasetMeta(vehicle=str(start), sample_rate=1.0 / RATE, source="scripted", **told))
     for number in range(count):
         commands = steps_of_thrust(truth, rows, rng, low, 8.0)
+        commands[:, [len(truth.thrusters) + truth.thruster_names.index(name) for name in idle]] = 0.0
         record = parameters(truth)
         begin = initial_state(record, np.zeros((1, 3)))
         track = simulate(record, tank(truth), begin, commands[None], np.zeros(1, np.uint64), RATE, 1)

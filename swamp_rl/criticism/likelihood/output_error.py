@@ -81,8 +81,7 @@ class Fit:
     @property
     def covariance(self) -> Array:
         """(p, p) of x, the inverse of the Fisher information under white noise of the estimated variance."""
-        _, precision = self.hypothesis.prior()
-        return inverse(self.normal.information.sum(axis=0) + np.diag(precision))
+        return inverse(self.normal.information.sum(axis=0) + self.hypothesis.prior_precision)
 
 
 def state_reach(problem: Shooting) -> Array:
@@ -107,8 +106,8 @@ def inverse(H: Array) -> Array:
 
 def prior_penalty(hypothesis: Hypothesis, x: Array) -> float:
     """Squared distance of x from the prior mean, in standard deviations."""
-    mean, precision = hypothesis.prior()
-    return float(precision @ (x - mean) ** 2)
+    away = x - hypothesis.prior()[0]
+    return float(away @ hypothesis.prior_precision @ away)
 
 
 def bounded_step(H: Array, g: Array, x: Array, low: Array, high: Array) -> Array:
@@ -301,14 +300,14 @@ def _step(
     """The first step of increasing damping that lowers chi2, the index of the damping to begin the next one
     with, and the gain ratio; `at` itself and 0 where no step does.
     """
-    mean, precision = hypothesis.prior()
+    mean, precision = hypothesis.prior()[0], hypothesis.prior_precision
     low, high = hypothesis.bounds()
     reach = hypothesis.scales
     for number in range(start, len(options().dampings)):
         damping = options().dampings[number]
         normal = normal_equations(*slopes, at.residual, damping / state_reach(problem))
-        H = normal.information.sum(axis=0) + np.diag(precision + len(at.states) * (damping / reach) ** 2)
-        g = normal.gradient.sum(axis=0) - precision * (at.x - mean)
+        H = normal.information.sum(axis=0) + precision + np.diag(len(at.states) * (damping / reach) ** 2)
+        g = normal.gradient.sum(axis=0) - precision @ (at.x - mean)
         step = bounded_step(H, g, at.x, low, high)
         predicted_gain = (
             at.chi2 - float(normal.profile_chi2.sum()) - at.penalty + float(2 * g @ step - step @ H @ step)

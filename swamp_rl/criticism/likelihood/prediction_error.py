@@ -178,10 +178,10 @@ def trivial_predictors(run_set: RunSet, weight: Array) -> list[Predictors]:
         found.append(
             Predictors(
                 horizon_s=horizon,
-                boat_file=_rmse(own),
-                at_rest=_rmse(errors_of(run_set, weight, horizon, _at_rest)),
-                constant_velocity=_rmse(errors_of(run_set, weight, horizon, _constant_velocity)),
-                no_thrust=_rmse(boat_file_errors(_without_thrust(run_set), weight, horizon)),
+                boat_file=position_rmse(own),
+                at_rest=position_rmse(errors_of(run_set, weight, horizon, _at_rest)),
+                constant_velocity=position_rmse(errors_of(run_set, weight, horizon, _constant_velocity)),
+                no_thrust=position_rmse(boat_file_errors(_without_thrust(run_set), weight, horizon)),
             )
         )
     return found
@@ -210,7 +210,7 @@ def _without_thrust(run_set: RunSet) -> RunSet:
     return replace(run_set, commands=commands)
 
 
-def _rmse(errors: Errors) -> float:
+def position_rmse(errors: Errors) -> float:
     """Root mean square of the distance [m]."""
     squares = (errors.error[:, :2] ** 2).sum(axis=1)
     return float(np.sqrt(np.nanmean(squares)))

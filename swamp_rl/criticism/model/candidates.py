@@ -190,6 +190,11 @@ class Hypothesis:
         precision = np.array([0.0 if s.prior is None else s.prior**-2 for s in self.specs])
         return np.array([s.mean for s in self.specs]), precision
 
+    @property
+    def prior_precision(self) -> Array:
+        """(p, p) inverse covariance of the Gaussian prior."""
+        return np.diag(self.prior()[1])
+
     def parts(self, x: Array) -> list[tuple[EffectInstance, Array]]:
         """Each effect with its own columns of x (..., p)."""
         ends = list(itertools.accumulate((instance.size for instance in self.instances), initial=0))

@@ -1,0 +1,131 @@
+"""Predictions with each thruster's gain estimated from the same run's recent past."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.boat_fit.fit import SHORT, soft_weights, window_length
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import fit, fit_states
+from swamp_rl.criticism.likelihood.prediction_error import (
+    Restarts,
+    errors_of,
+    position_rmse,
+)
+from swamp_rl.criticism.model.candidates import Hypothesis, instances_of
+from swamp_rl.criticism.options import options
+from swamp_rl.effects import LIBRARY
+
+Array = NDArray[np.float64]
+
+STRETCH = 5.0  # s between two estimates
+PAST = 2.5  # lengths of the fit's last windows, that an estimate is made from at most
+SPREAD = 0.3  # standard deviation [1] of the gains' prior: that of the thrust coefficients of a boat file
+STATE_ROUNDS, STEPS = 8, 4
+
+
+@dataclass(frozen=True)
+class RecentErrors:
+    """Root mean square position error [m] at a horizon, of a boat file with the recent gains."""
+
+    horizon_s: float
+    position: float
+
+
+def recent_errors(run_set: RunSet, boat: Boat) -> list[RecentErrors]:
+    """Errors of a boat file with recent gains at every horizon that the runs hold."""
+    run_set = replace(run_set, boat=boat)
+    weight, hypothesis = weights(run_set, noise_levels(run_set)), thruster_gains(boat)
+    with np.errstate(over="ignore", invalid="ignore"):
+        ends = predictor(run_set, recent_gains(run_set, soft_weights(weight, boat), hypothesis), hypothesis)
+        errors = [(horizon, errors_of(run_set, weight, horizon, ends)) for horizon in options().horizons]
+    return [
+        RecentErrors(horizon, position_rmse(one))
+        for horizon, one in errors
+        if np.isfinite(one.error[:, :2]).all(axis=1).any()
+    ]
+
+
+def thruster_gains(boat: Boat, spread: float = SPREAD) -> Hypothesis:
+    """A gain of each thruster [1], with a normal prior about 1 of that standard deviation."""
+    every = instances_of(LIBRARY["thruster_gain"], boat) or instances_of(LIBRARY["thrust_scale"], boat)
+    own = [replace(one, specs=tuple(replace(spec, prior=spread) for spec in one.specs)) for one in every]
+    return Hypothesis(tuple(sorted((one for one in own if one.selectors != ("all",)), key=lambda a: a.label)))
+
+
+def past_seconds(boat: Boat) -> float:
+    """Seconds of a run that gains are estimated from, at most."""
+    return PAST * window_length(boat)
+
+
+def recent_gains(run_set: RunSet, weight: Array, hypothesis: Hypothesis) -> list[Array]:
+    """(S, p) gains for each stretch of STRETCH of each run, from `past_seconds` before it; 1 for the first.
+
+    weight: (R, T, 6), of independent samples.
+    """
+    rows, past = (round(one / run_set.dt) for one in (STRETCH, past_seconds(run_set.boat)))
+    found = []
+    for run, length in enumerate(run_set.lengths):
+        gains = np.ones((-(-int(length) // rows), hypothesis.size))
+        for k in range(1, len(gains)):
+            first = max([0, k * rows - past, *_gap_ends(run_set, run, k * rows)])
+            gains[k] = _fitted(run_set, weight, run, first, k * rows, hypothesis)
+        found.append(gains)
+    return found
+
+
+def _gap_ends(run_set: RunSet, run: int, end: int) -> list[int]:
+    """Rows at which gaps of a run end that begin before the row `end`."""
+    return [min(gap.row + gap.rows, end) for gap in run_set.gaps if gap.run == run and gap.row < end]
+
+
+def _fitted(run_set: RunSet, weight: Array, run: int, first: int, end: int, hypothesis: Hypothesis) -> Array:
+    """(p,) gains of those rows; 1 where they are too few or the boat diverges."""
+    none = hypothesis.prior()[0]
+    if end - first < 2:
+        return none
+    part, own = rows_of(run_set, run, first, end), weight[run : run + 1, first:end]
+    compared = max(int(part.first_compared[0]), round(options().pad / part.dt))
+    if np.count_nonzero(own[0, compared:, 0]) * part.dt < options().shortest_window:
+        return none
+    problem = Shooting(part, own, SHORT)
+    states = fit_states(problem, hypothesis, none, problem.initial_states(), STATE_ROUNDS)[0]
+    x = fit(problem, hypothesis, none, states, STEPS).x
+    return x if np.isfinite(x).all() else none
+
+
+def rows_of(run_set: RunSet, run: int, first: int, end: int) -> RunSet:
+    """Rows of one run, without gap."""
+    one = run_set.subset([run])
+    return replace(
+        one,
+        commands=one.commands[:, first:end],
+        measured=one.measured[:, first:end],
+        weather=one.weather[:, first:end] if len(one.weather) else one.weather,
+        ignored=one.ignored[:, first:end] if len(one.ignored) else one.ignored,
+        lengths=np.array([end - first]),
+        gaps=(),
+        origin=(),
+    )
+
+
+def predictor(
+    run_set: RunSet, gains: list[Array], hypothesis: Hypothesis
+) -> Callable[[int, Restarts], Array]:
+    """(n, 6) predictions of a run's restarts with the gains of their stretches."""
+    rows = round(STRETCH / run_set.dt)
+
+    def ends(run: int, start: Restarts) -> Array:
+        stretch = start.first // rows
+        found = np.empty((len(stretch), 6))
+        for k in np.unique(stretch):
+            mine = stretch == k
+            found[mine] = start.predict(hypothesis, gains[run][k])[mine, -1]
+        return found
+
+    return ends
