@@ -104,7 +104,7 @@ def simulate(
     out: Annotated[Path, typer.Option(help="The .csv or .parquet file to write.")],
     boat: BoatOption = "swamp",
     window: Annotated[
-        float | None, typer.Option(help="Start anew from the measured state every so many seconds.")
+        float | None, typer.Option(help="Restart from the measured state at this interval (s).")
     ] = None,
     ignore: IgnoreOption = None,
 ) -> None:
@@ -131,13 +131,14 @@ def record_scripted_runs(
     disturbances: Annotated[
         str | None, typer.Option(help="A name in configs/disturbances, or a file of them; none by default.")
     ] = None,
-    count: Annotated[int, typer.Option(min=1, max=100_000, help="How many successful runs.")] = 40,
+    count: Annotated[int, typer.Option(min=1, max=100_000, help="Number of successful runs.")] = 40,
     failed: Annotated[
-        int, typer.Option(min=0, max=100_000, help="How many failed ones at least, kept and marked.")
+        int, typer.Option(min=0, max=100_000, help="Least number of failed runs, kept and marked.")
     ] = 0,
-    seed: Annotated[int, seed_option("Another seed, other runs.")] = 0,
+    seed: Annotated[int, seed_option("Seed of the runs.")] = 0,
     skill: Annotated[
-        Literal["novice", "usual", "expert"], typer.Option(help="How quickly and how cleanly it drives.")
+        Literal["novice", "usual", "expert"],
+        typer.Option(help="Driver model: reaction time and rate of errors."),
     ] = "usual",
 ) -> None:
     """Record runs of the scripted pilot, a model of human drivers."""

@@ -1,4 +1,4 @@
-"""`swamp-rl demo`: people and pilots side by side, to look at."""
+"""`swamp-rl demo`: runs of people and pilots, shown side by side."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -18,7 +18,7 @@ def demo(
     sources: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Results folders, datasets, files of runs; pilots to be flown beside them: a folder, "
+            help="Results folders, datasets, files of runs; pilots to run on the same course: a folder, "
             "line-of-sight, sb3:MODEL.zip, onnx:PILOT.onnx or MODULE:CLASS[=FOLDER]. By default the pilots "
             "and the run that come with the package."
         ),
@@ -28,25 +28,27 @@ def demo(
         typer.Option(help="Runs to show by NAME or DRIVER/NAME, with * and ?; may be repeated."),
     ] = None,
     side_by_side: Annotated[
-        bool, typer.Option("--side-by-side/--overlay", help="A chart for each driver, or one for all.")
+        bool, typer.Option("--side-by-side/--overlay", help="One chart for each driver, or one for all.")
     ] = False,
     align: Annotated[
         Literal["gate", "start"] | None,
         typer.Option(
-            help="What all boats do at the same time: pass the first gate, or start. By default they start "
-            "together where start and weather are the same."
+            help="Event at which the runs are synchronised: the first gate, or the start. By default the "
+            "start, where start and weather are the same."
         ),
     ] = None,
-    web: Annotated[bool, typer.Option("--web", help="Serve rerun's viewer to a browser here.")] = False,
+    web: Annotated[
+        bool, typer.Option("--web", help="Serve rerun's viewer to a browser on this machine.")
+    ] = False,
     port: Annotated[
-        int | None, typer.Option(min=1, max=65535, help="Of --web; any free one by default.")
+        int | None, typer.Option(min=1, max=65535, help="Port of --web; any free one by default.")
     ] = None,
     save: Annotated[Path | None, typer.Option(help="Write a rerun recording, FILE.rrd.")] = None,
-    video: Annotated[Path | None, typer.Option(help="Write a film, FILE.mp4 or FILE.gif.")] = None,
-    speed: Annotated[float, typer.Option(help="Of the film: seconds shown in a second.")] = 4.0,
-    html: Annotated[Path | None, typer.Option(help="Write a page that needs nothing else.")] = None,
+    video: Annotated[Path | None, typer.Option(help="Write a video, FILE.mp4 or FILE.gif.")] = None,
+    speed: Annotated[float, typer.Option(help="Playback rate of the video.")] = 4.0,
+    html: Annotated[Path | None, typer.Option(help="Write a self-contained page, FILE.html.")] = None,
 ) -> None:
-    """Show runs of people, scripts and pilots: in rerun, as a film, or as a page."""
+    """Show runs of people, scripts and pilots: in rerun, as a video, or as a page."""
     from swamp_rl.experiments.artifacts.demo_runs import read_shown
 
     from swamp_rl.demo.viewer import has_display

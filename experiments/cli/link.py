@@ -1,4 +1,4 @@
-"""`swamp-rl vehicle` and `swamp-rl helm`: a virtual vehicle on the network, and a pilot that drives one."""
+"""`swamp-rl vehicle` and `swamp-rl helm`: a virtual vehicle on the network, and a pilot that controls one."""
 
 import os
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ AddressOption = Annotated[
 OriginOption = Annotated[
     str | None,
     typer.Option(
-        metavar="LATITUDE,LONGITUDE", help="Of the course's north and east; by default off Camogli."
+        metavar="LATITUDE,LONGITUDE", help="Geographic origin of the course; by default off Camogli."
     ),
 ]
 
@@ -37,20 +37,25 @@ def vehicle(
         Path | None, typer.Option(help="A new file for its telemetry, for `runs import --from telemetry`.")
     ] = None,
     seconds: Annotated[
-        float | None, typer.Option(min=0.1, max=1e6, help="End after so long; else by Ctrl-C.")
+        float | None, typer.Option(min=0.1, max=1e6, help="Duration (s); by default until Ctrl-C.")
     ] = None,
     timeout: Annotated[
         float, typer.Option(min=0.0, help="Seconds without a command until a pump stops; inf: never.")
     ] = 1.0,
     steps_per_turn: Annotated[
         int | None,
-        typer.Option(min=1, max=10**8, help="Of its azimuths' encoders; 495411, as thesis table 5.5 has it."),
+        typer.Option(
+            min=1, max=10**8, help="Azimuth encoder counts per turn; by default 495411 (thesis table 5.5)."
+        ),
     ] = None,
-    noise: Annotated[bool, typer.Option("--noise", help="Of a plain GPS receiver and AHRS.")] = False,
-    seed: Annotated[int, seed_option("Of gusts and noise.")] = 0,
+    noise: Annotated[
+        bool,
+        typer.Option("--noise", help="Add the noise of a GPS receiver without corrections and of an AHRS."),
+    ] = False,
+    seed: Annotated[int, seed_option("Seed of gusts and noise.")] = 0,
     origin: OriginOption = None,
 ) -> None:
-    """Answer on the network as the boat does: the simulator behind thruster modules and sensors."""
+    """Simulate the boat's network interface: thruster modules and sensors."""
     import time
 
     import numpy as np
@@ -102,19 +107,20 @@ def helm(
     ] = "127.0.0.0/24",
     boat: BoatOption = "swamp",
     course: CourseOption = "camogli",
-    log: Annotated[Path | None, typer.Option(help="A new dataset of what was sensed and commanded.")] = None,
+    log: Annotated[Path | None, typer.Option(help="A new dataset of measurements and commands.")] = None,
     seconds: Annotated[
-        float | None, typer.Option(min=0.1, max=1e6, help="End after so long, if the course has not ended.")
+        float | None,
+        typer.Option(min=0.1, max=1e6, help="Longest duration (s); by default until the course ends."),
     ] = None,
     priority: Annotated[
         bool,
         typer.Option(
-            "--priority", help="Ask the system for real-time scheduling, which it may reserve for root."
+            "--priority", help="Request real-time scheduling, for which the system may require root."
         ),
     ] = False,
     origin: OriginOption = None,
 ) -> None:
-    """Let a pilot drive whatever answers at an address, at 10 Hz, until its course has ended."""
+    """Let a pilot control the vehicle at an address, at 10 Hz, until the course ends."""
     import math
     import time
 
@@ -173,7 +179,7 @@ def _report(voyage: "Voyage") -> None:
 
     late = {name: f"{1e3 * value:.3g} ms" for name, value in lateness_figures(voyage).items()}
     typer.echo(
-        f"{voyage.outcome or 'the link fell silent'} after {len(voyage.lateness)} commands; late by "
+        f"{voyage.outcome or 'telemetry lost'} after {len(voyage.lateness)} commands; lateness "
         f"{late['mean']} on average, {late['p99']} at the 99th percentile, {late['max']} at most"
     )
     typer.echo(

@@ -20,18 +20,18 @@ LEVELS = ("calm", "standard", "severe")
 
 
 def record(
-    out: Annotated[Path, typer.Option(help="The folder of runs, new or one to go on with.")],
+    out: Annotated[Path, typer.Option(help="The folder of runs, new or to be continued.")],
     course: CourseOption = "camogli",
     boat: Annotated[
         list[str] | None,
         typer.Option(
             "--boat",
-            help="A name in configs/boats, or a boat file; may be repeated, to choose from. By default "
-            f"{' and '.join(BOATS)}. OUT is the first one's, OUT/BOAT another's.",
+            help="A name in configs/boats, or a boat file; may be repeated, to offer a choice. By default "
+            f"{' and '.join(BOATS)}. Runs of the first go to OUT, of others to OUT/BOAT.",
         ),
     ] = None,
     disturbances: Annotated[
-        str, typer.Option(help="The first level: a name in configs/disturbances, or a file.")
+        str, typer.Option(help="Initial disturbance level: a name in configs/disturbances, or a file.")
     ] = "calm",
     pilot: Annotated[
         list[str] | None,
@@ -42,13 +42,13 @@ def record(
             "repeated.",
         ),
     ] = None,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any free one.")] = 8000,
-    host: Annotated[str, typer.Option(help="Another address lets others connect, and needs --token.")] = (
-        "127.0.0.1"
-    ),
-    token: Annotated[str | None, typer.Option(help="A word that all who connect must know.")] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="TCP port; 0: any free one.")] = 8000,
+    host: Annotated[
+        str, typer.Option(help="Address to listen on; one that other machines reach needs --token.")
+    ] = ("127.0.0.1"),
+    token: Annotated[str | None, typer.Option(help="Password that the page asks for.")] = None,
     scripted: Annotated[
-        bool, typer.Option("--scripted", help="A programme drives the page: the runs are not human.")
+        bool, typer.Option("--scripted", help="Mark the runs as scripted: a program operates the page.")
     ] = False,
 ) -> None:
     """Drive a boat by joypad, keyboard or touch, from a web page, and keep the runs."""
@@ -122,7 +122,7 @@ def _meta(boat: str, course: str, source: str) -> Any:
     from swamp_rl.runs import DatasetMeta
 
     vehicle = load_boat(boat)
-    notes = "Driven from the recorder's page" + (" by a programme." if source == "scripted" else ".")
+    notes = "Driven from the recorder's page" + (" by a program." if source == "scripted" else ".")
     return DatasetMeta.model_validate(
         {
             "vehicle": boat,

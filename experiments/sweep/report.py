@@ -102,8 +102,8 @@ def _page(sweep: Sweep, found: Mapping[str, Any]) -> str:
         *([sweep.description] if sweep.description else []),
         table(head, rows(sweep, found["trials"], found["measured"])),
         f"{len(found['trials'])} of {found['planned']} trials, {found['failed']} of them failed. "
-        "Brackets are Wilson 95 % intervals of one trial; the best of many is flattered, so try it again in "
-        "episodes of another seed before it is compared with anything.",
+        "Brackets are Wilson 95 % intervals of one trial; the best of many trials is biased upwards: "
+        "evaluate it again with another seed before comparing it.",
         "![the objective over each parameter](sweep.png)",
     ]
     if best is not None:

@@ -122,7 +122,7 @@ def test_straight_trials_show_surge_and_refuse_yaw(call: Call) -> None:
     lines = out.splitlines()
     assert any(line.startswith("surge drag") and "95 %" in line for line in lines)
     assert [line for line in lines if line.startswith("yaw")] == [
-        line for line in lines if "not shown" in line and "record turns on the spot" in line
+        line for line in lines if "not identifiable" in line and "record turns on the spot" in line
     ]
 
 
