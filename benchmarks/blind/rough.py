@@ -33,7 +33,7 @@ def rough_table(results: Sequence[Judged]) -> str:
         ["processor s, longest", f"{max(seconds):.3g}", verdict(max(seconds) <= LONGEST, f"{LONGEST:g} s")],
     ]
     wrong = [[r["case"], r["truth"], r["named"]] for r in results if not r["right"]]
-    return table(["", "R", "bar"], rows) + "\n\n" + table(["wrong case", "hidden", "named"], wrong)
+    return table(["", "R", "bar"], rows) + "\n\n" + table(["wrong case", "true causes", "named"], wrong)
 
 
 def _named(result: Judged) -> bool:

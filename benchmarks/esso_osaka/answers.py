@@ -21,9 +21,9 @@ HORIZON = 30.0  # s
 HEAD = [
     "dataset, result",
     "verdict",
-    "causes, the best first",
-    "written to no file",
-    "wind's intervals that hold",
+    "causes, by rank",
+    "not in the extended file",
+    "wind intervals with the truth",
 ]
 
 
@@ -72,7 +72,7 @@ def main() -> None:
     if not given or len(given) % 2:
         raise SystemExit(__doc__)
     rows = [row(dataset, folder) for dataset, folder in zip(given[::2], given[1::2], strict=True)]
-    head = [*HEAD, "error at 30 s on", "error at 30 s, m (gain's 95 % interval)"]
+    head = [*HEAD, "error at 30 s, runs", "error at 30 s, m (gain's 95 % interval)"]
     write_parts(DOCS / "esso_osaka.md", {"answers": table(head, rows)})
 
 

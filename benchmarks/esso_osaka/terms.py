@@ -148,7 +148,7 @@ def terms_table(boat: Boat, random: Sequence[Run], turning: Sequence[Run], zigza
         shown = "; ".join(f"{key.split()[-1]} {' / '.join(f'{n[key]:.2f}' for n in numbers)}" for key in term)
         rows.append([name, shown, *judged(boat, [boat_with(boat, n) for n in numbers], both, zigzags)])
         print(rows[-1], flush=True)
-    head = ["term", "numbers, of each half", "random, m", "circles, m", "zig-zags, m", *FIGURES]
+    head = ["term", "values, by half", "random, m", "circles, m", "zig-zags, m", *FIGURES]
     return table(head, rows)
 
 

@@ -130,7 +130,7 @@ def wind_table(every: Sequence[Named]) -> str:
         ]
     )
     rows.append(["an independent program, nine runs", "", "", "13 (30)", "0.99 (0.63 to 1.38)"])
-    head = ["run", "anemometer, m/s, deg", "named, m/s, deg", "off, deg", "speed over measured"]
+    head = ["run", "anemometer, m/s, deg", "identified, m/s, deg", "error, deg", "speed / measured"]
     return table(head, rows)
 
 
@@ -169,7 +169,7 @@ def drift_table(every: Sequence[Named]) -> str:
                 f"{100 * current / speed:.1f}",
             ]
         )
-    head = ["run", "wind, m/s and deg off", "current, cm/s", "off the lee, deg", "% of the wind's speed"]
+    head = ["run", "wind, m/s, error in deg", "current, cm/s", "from downwind, deg", "% of the wind speed"]
     return table(head, rows)
 
 

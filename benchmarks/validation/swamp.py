@@ -147,7 +147,7 @@ def turning_rows() -> list[Row]:
         name = f"zig-zag 20°/20°, {100 * throttle:.0f} %: first overshoot, deg"
         results = [trial(boat, "zig-zag", 20.0, throttle) for boat in (FULL, LIGHT)]
         full, light = (result.figures["first_overshoot"].value for result in results)
-        source = "8.1.4, their simulator, RPM not told"
+        source = "8.1.4, their simulator, RPM not stated"
         found.append(Row(name, source, "almost 10°", 10.0, full, light, FULL, reading_of="zig-zag"))
     theirs = trial(THEIRS, "zig-zag", 20.0, 0.9).figures["first_overshoot"].value
     name = f"zig-zag 20°/20°, 90 %: the same, by `{THEIRS}`, that simulator's numbers"

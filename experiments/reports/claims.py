@@ -83,7 +83,7 @@ NOTES = {
     "elsewhere": "\n\nOnly starts outside the convex hull of all tracks that the pilot was trained on count.",
     "disturbed": "\n\nIf the data were recorded at the same disturbance level, this is no evidence for "
     "unseen disturbances.",
-    "smoother": "\n\nMeans of logarithms over episodes in which both succeeded, given as relative savings. The "
+    "smoother": "\n\nMeans of logarithms over episodes in which both succeeded, as relative savings. The "
     "power is that of the thrusters' wake; see `swamp_rl/evaluation/metrics.py`.",
 }
 
