@@ -171,7 +171,7 @@ def _refuse_degrees(path: Path, values: dict[str, Array]) -> None:
     degrees = np.cos(np.radians(values["yaw"])) * np.cos(np.radians(values["pitch"]))
     if np.abs(degrees - told).max() < 0.01 < np.abs(radians - told).max():
         raise UserError(
-            f"{path}: field 2 (yaw) is in degrees, as the orientation matrix shows; say so: --degrees heading"
+            f"{path}: field 2 (yaw) is in degrees, as the orientation matrix shows; add --degrees heading"
         )
 
 

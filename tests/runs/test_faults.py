@@ -214,7 +214,7 @@ def test_a_run_of_fewer_than_two_rows_is_no_run(good: Path) -> None:
 
 def test_a_run_that_lost_its_last_rows_is_found_by_their_number(good: Path) -> None:
     (fault,) = faults_of(good, {name: values[:-3] for name, values in circling().items()})
-    assert f"holds {ROWS - 3} rows, dataset.yaml says {ROWS}" in fault.message
+    assert f"holds {ROWS - 3} rows, dataset.yaml has {ROWS}" in fault.message
 
 
 @given(st.floats(0.0, 0.999))
