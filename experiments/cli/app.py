@@ -39,9 +39,10 @@ from swamp_rl.errors import UserError
 
 BAD_INPUT, INTERRUPTED, TERMINATED, UNEXPECTED = 2, 130, 143, 70
 DEBUG = "SWAMP_RL_DEBUG"
+NAME = "swamp-rl"
 
 app = typer.Typer(
-    name="swamp-rl",
+    name=NAME,
     help="A simulated azimuth-thruster boat, and pilots that learn to drive it from logged runs.",
     add_completion=False,
     no_args_is_help=True,
@@ -190,11 +191,12 @@ def main() -> None:
 def _carried_out(signals: list[int]) -> int:
     """The exit code of what the command line asks for; signals: those that came meanwhile."""
     try:
-        return app(standalone_mode=False) or 0
+        return app(prog_name=NAME, standalone_mode=False) or 0
     except typer.TyperException as error:
         # Without any argument Typer has printed the help and has nothing to add.
-        line = error.format_message()
-        return _complain(f"{line} (swamp-rl --help tells more)", error.exit_code) if line else error.exit_code
+        line, context = error.format_message(), getattr(error, "ctx", None)
+        verb = context.command_path if context else NAME
+        return _complain(f"{line} (see {verb} --help)", error.exit_code) if line else error.exit_code
     except UserError as error:
         return _complain(str(error), BAD_INPUT)
     except SystemExit as ended:
