@@ -1,13 +1,17 @@
 """`swamp-rl demo`: runs of people and pilots, shown side by side."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from swamp_rl.clipped import printable
 from swamp_rl.errors import UserError
 
+if TYPE_CHECKING:
+    from swamp_rl.demo.scene import Scene
+
+Layout = Literal["overlay", "side-by-side"]
 NOTHING_TO_DO = (
     "no display to open a window on; add --web (a browser on this machine), --save FILE.rrd, "
     "--video FILE.mp4 or --html FILE.html"
@@ -61,7 +65,16 @@ def demo(
     )
     scene = read_shown(sources or [], runs or [], align)
     typer.echo(printable(f"{len(scene.shown)} runs: {scene.about}"))
-    layout: Literal["overlay", "side-by-side"] = "side-by-side" if side_by_side else "overlay"
+    layout: Layout = "side-by-side" if side_by_side else "overlay"
+    _write(scene, layout, save, html, video, speed)
+    if web or window:
+        _show(scene, layout, window, port)
+
+
+def _write(
+    scene: "Scene", layout: Layout, save: Path | None, html: Path | None, video: Path | None, speed: float
+) -> None:
+    """The files that are asked for."""
     if save:
         from swamp_rl.demo.recording import write_recording
 
@@ -77,19 +90,22 @@ def demo(
 
         frames = write_video(video, scene, layout, speed)
         typer.echo(f"{video}: {frames} frames")
-    if web or window:
-        import tempfile
 
-        from swamp_rl.demo.recording import write_recording
-        from swamp_rl.demo.viewer import open_viewer, serve
 
-        with tempfile.TemporaryDirectory() as folder:
-            recording = Path(folder) / "demo.rrd"
-            write_recording(recording, scene, layout)
-            if window:
-                open_viewer(recording)
-            else:
-                serve(recording, port, lambda where: typer.echo(f"{where}\nCtrl-C ends it"))
+def _show(scene: "Scene", layout: Layout, window: bool, port: int | None) -> None:
+    """A window of rerun's viewer, or its page for a browser."""
+    import tempfile
+
+    from swamp_rl.demo.recording import write_recording
+    from swamp_rl.demo.viewer import open_viewer, serve
+
+    with tempfile.TemporaryDirectory() as folder:
+        recording = Path(folder) / "demo.rrd"
+        write_recording(recording, scene, layout)
+        if window:
+            open_viewer(recording)
+        else:
+            serve(recording, port, lambda where: typer.echo(f"{where}\nCtrl-C ends it"))
 
 
 def _check_names(asked: dict[str, tuple[Path | None, tuple[str, ...]]]) -> None:

@@ -66,27 +66,43 @@ def diagnose(
     """Identify the causes of a model's error in measured runs, extend the boat file, measure the gain."""
     given = ", ".join(map(str, dataset))
     typer.echo(f"diagnosing {given} against boat {boat}")
-    from swamp_rl.experiments.cli.progress import progress
-
     from swamp_rl.criticism.figures.schema import is_figures_file
 
-    figures = [one for one in dataset if is_figures_file(one)]
-    if figures and len(dataset) > 1:
-        raise UserError(f"{figures[0]}: printed figures are diagnosed alone; leave the other inputs out")
     limits = _limits_of(next, boat, {"seconds": seconds, "speed": top_speed, "throttle": throttle})
-    if figures and limits:
-        raise UserError(f"--next: {figures[0]} holds printed figures, not runs; leave it out")
-    if figures and (self_trial is not None or search_twins or workers):
-        raise UserError(f"--self-trial: {figures[0]} holds printed figures, which have none; leave it out")
-    if workers and not search_twins:
-        raise UserError("--workers: only the searches of twins run in parallel; add --search-twins")
-    if search_twins and self_trial == 0:
-        raise UserError("--search-twins: --self-trial 0 asks for no twins; leave one of them out")
+    figures = [one for one in dataset if is_figures_file(one)]
     if figures:
+        if len(dataset) > 1:
+            raise UserError(f"{figures[0]}: printed figures are diagnosed alone; leave the other inputs out")
+        if limits:
+            raise UserError(f"--next: {figures[0]} holds printed figures, not runs; leave it out")
+        if self_trial is not None or search_twins or workers:
+            raise UserError(
+                f"--self-trial: {figures[0]} holds printed figures, which have none; leave it out"
+            )
         _diagnose_figures(figures[0], boat, out, holdout, fit)
         return
     if fit:
         raise UserError(f"--fit: {given} holds runs, which have no groups; leave it out")
+    if workers and not search_twins:
+        raise UserError("--workers: only the searches of twins run in parallel; add --search-twins")
+    if search_twins and self_trial == 0:
+        raise UserError("--search-twins: --self-trial 0 asks for no twins; leave one of them out")
+    _diagnose_runs(dataset, boat, out, holdout, ignore or [], limits, self_trial, search_twins, workers)
+
+
+def _diagnose_runs(
+    dataset: list[Path],
+    boat: str,
+    out: Path,
+    holdout: Path | None,
+    ignore: list[str],
+    limits: "TrialLimits | None",
+    self_trial: int | None,
+    search_twins: bool,
+    workers: int | None,
+) -> None:
+    """`diagnose` on folders of measured runs."""
+    from swamp_rl.experiments.cli.progress import progress
 
     from swamp_rl.criticism.diagnose import diagnose as examine
     from swamp_rl.criticism.inference.self_trial import TWINS, Method
@@ -97,7 +113,7 @@ def diagnose(
     method: Method = "search" if search_twins else "linearised"
     each = partial(answers, workers=workers)
     with progress(LOG):
-        found = examine(dataset, boat, out, holdout, 0, ignore or [], twins, method, each, limits)
+        found = examine(dataset, boat, out, holdout, 0, ignore, twins, method, each, limits)
     for line in _lines_of(found, limits is not None):
         typer.echo(line)
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")

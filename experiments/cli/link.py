@@ -11,7 +11,11 @@ from swamp_rl.experiments.cli.options import BoatOption, CourseOption, seed_opti
 from swamp_rl.experiments.cli.place import place_of
 
 if TYPE_CHECKING:
+    from swamp_rl.envs.aboard import Aboard
+
+    from swamp_rl.link.addresses import Addresses
     from swamp_rl.link.helm import Voyage
+    from swamp_rl.link.vehicle import Vehicle
 
 AddressOption = Annotated[
     str,
@@ -63,7 +67,6 @@ def vehicle(
     from swamp_rl.boat import load_boat
     from swamp_rl.course import fitted, load_course
     from swamp_rl.link.addresses import addresses
-    from swamp_rl.link.serve import endpoints, serve, telemetry_log
     from swamp_rl.link.vehicle import Conduct, Vehicle
     from swamp_rl.navigation.sensors import Sensors
     from swamp_rl.runs.thruster_telemetry import STEPS_PER_TURN
@@ -81,16 +84,23 @@ def vehicle(
     start = np.array([pose.north, pose.east, pose.heading])
     ends = addresses(address, len(known.thrusters))
     Vehicle(known, ends, start, conduct).advance(0.2)  # compiles what would halt the first second
-    served = Vehicle(known, ends, start, conduct)
-    with endpoints(served) as sockets, telemetry_log(log) as lines:
-        first, last = ends.modules[0], ends.modules[-1]
+    _serve(Vehicle(known, ends, start, conduct), log, seconds)
+
+
+def _serve(vehicle: "Vehicle", log: Path | None, seconds: float | None) -> None:
+    """Answer for `seconds` or until Ctrl-C; print the addresses, at the end what was ignored."""
+    from swamp_rl.link.serve import endpoints, serve, telemetry_log
+
+    with endpoints(vehicle) as sockets, telemetry_log(log) as lines:
+        modules, recipient = vehicle.addresses.modules, vehicle.addresses.recipient
+        first, last = modules[0], modules[-1]
         typer.echo(
-            f"{known.name}: modules at {first[0]}:{first[1]} to {last[0]}:{last[1]}, telemetry to "
-            f"{ends.recipient[0]}:{ends.recipient[1]}; Ctrl-C ends it"
+            f"{vehicle.boat.name}: modules at {first[0]}:{first[1]} to {last[0]}:{last[1]}, telemetry to "
+            f"{recipient[0]}:{recipient[1]}; Ctrl-C ends it"
         )
         with suppress(KeyboardInterrupt, SystemExit):  # how a vehicle is switched off
-            serve(served, sockets, lines, lambda: seconds is not None and served.time >= seconds)
-    typer.echo(f"{served.time:.1f} s; ignored: {_counted(served.ignored)}")
+            serve(vehicle, sockets, lines, lambda: seconds is not None and vehicle.time >= seconds)
+    typer.echo(f"{vehicle.time:.1f} s; ignored: {_counted(vehicle.ignored)}")
 
 
 def helm(
@@ -121,17 +131,14 @@ def helm(
     origin: OriginOption = None,
 ) -> None:
     """Let a pilot control the vehicle at an address, at 10 Hz, until the course ends."""
-    import math
-    import time
-
     import numpy as np
     from swamp_rl.envs.aboard import Aboard
 
     from swamp_rl.boat import load_boat
-    from swamp_rl.link import helm as driving
     from swamp_rl.link.addresses import addresses
+    from swamp_rl.link.helm import PATIENCE
     from swamp_rl.link.priority import schedule_in_real_time
-    from swamp_rl.link.socket_link import no_answer, socket_link
+    from swamp_rl.link.socket_link import no_answer
     from swamp_rl.link.vehicle import refuse_other_thrusters
     from swamp_rl.pilots.arguments import asked_pilot, opened
 
@@ -144,23 +151,35 @@ def helm(
     bridge = Aboard(opened(asked), boat=known, course=course)
     bridge.decide(0.0, np.zeros(6))  # compiles what would delay the first command
     bridge.begin()
-    voyage = driving.Voyage()
     if priority:
         schedule_in_real_time()
-    with socket_link(ends) as line:
-        try:
-            driving.helm(
-                line, bridge, len(known.thrusters), time.monotonic, seconds or math.inf, place, voyage
-            )
-        except (KeyboardInterrupt, SystemExit):
-            voyage.outcome = "interrupted"
+    voyage = _drive(bridge, ends, len(known.thrusters), seconds, place)
     if voyage.outcome is None and not voyage.rows:
-        raise no_answer(ends, driving.PATIENCE)
+        raise no_answer(ends, PATIENCE)
     _report(voyage)
     if log is not None:
         _write_log(log, voyage, boat, course, asked.kind)
     if voyage.outcome is None:
-        raise no_answer(ends, driving.PATIENCE)
+        raise no_answer(ends, PATIENCE)
+
+
+def _drive(
+    bridge: "Aboard", ends: "Addresses", thrusters: int, seconds: float | None, place: tuple[float, float]
+) -> "Voyage":
+    """The voyage until its course has ended, `seconds` are over, the telemetry is lost, or Ctrl-C."""
+    import math
+    import time
+
+    from swamp_rl.link.helm import Voyage, helm
+    from swamp_rl.link.socket_link import socket_link
+
+    voyage = Voyage()
+    with socket_link(ends) as line:
+        try:
+            helm(line, bridge, thrusters, time.monotonic, seconds or math.inf, place, voyage)
+        except (KeyboardInterrupt, SystemExit):
+            voyage.outcome = "interrupted"
+    return voyage
 
 
 def _refuse_log(log: Path) -> None:

@@ -2,7 +2,7 @@
 
 import logging
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -72,11 +72,7 @@ def record(
     asked_for = [asked_pilot(text) for text in pilot or []]
     names = _names(one.folder or Path(one.name) for one in asked_for)
     pilots = dict(zip(names, map(opened, asked_for), strict=True))
-    boats = boat or list(BOATS)
-    berths: dict[str, Berth] = {}
-    for name, asked in zip(_names(map(Path, boats)), boats, strict=True):
-        # Refuses what cannot be sailed before anything is written.
-        berths[name] = _berth(out / name if berths else out, asked, course, disturbances, source)
+    berths = _berths(out, boat or BOATS, course, disturbances, source)
     listening = bound(host, port)  # before the session opens the folder of runs
     session = Session(berths, np.random.default_rng(), pilots, lookout=Lookout(RTK))
     session.warm()
@@ -89,6 +85,17 @@ def record(
         session.close()
     for kept in session.opened:
         typer.echo(f"{kept.folder}: {kept.count} runs")
+
+
+def _berths(
+    out: Path, boats: Sequence[str], course: str, disturbances: str, source: str
+) -> "dict[str, Berth]":
+    """By name, the first in `out` and others in folders of it; what cannot be sailed is refused before
+    anything is written."""
+    berths: dict[str, Berth] = {}
+    for name, asked in zip(_names(map(Path, boats)), boats, strict=True):
+        berths[name] = _berth(out / name if berths else out, asked, course, disturbances, source)
+    return berths
 
 
 def _berth(folder: Path, boat: str, course: str, disturbances: str, source: str) -> "Berth":
