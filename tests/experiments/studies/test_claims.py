@@ -19,6 +19,7 @@ from swamp_rl.experiments.studies.claims import (
     disjoint,
     examine_claims,
     judge,
+    pool_of,
 )
 from swamp_rl.experiments.studies.claims_effects import Flown, Hypothesis, lever_power, named, not_copied
 
@@ -26,7 +27,8 @@ from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import Rollout
 from swamp_rl.files import find_config
-from swamp_rl.runs import Run
+from swamp_rl.runs import Run, RunMeta
+from tests.support.runs import circling
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("claims")]  # what they share is made once
 
@@ -129,6 +131,20 @@ def test_claims_about_what_is_not_there_are_refused(override: str, told: str) ->
     scene = read_scene(load_experiment("thesis_claims", [override]))
     with pytest.raises(UserError, match=told):
         check_claims(scene)
+
+
+def test_a_claim_about_one_drivers_runs_draws_from_his_alone() -> None:
+    scene = read_scene(load_experiment("thesis_claims", ["claims.runs=[1, 2]", "claims.few=2"]))
+    taught = scene.experiment.pilots["reservoir"].model_copy(update={"skill": "expert"})
+    skills = ("novice", "expert", "expert", "usual")
+    runs = [
+        Run(str(i), circling(), RunMeta.model_validate({"outcome": "success", "skill": skill}))
+        for i, skill in enumerate(skills)
+    ]
+    plan = check_claims(scene)
+    assert [run.name for run in pool_of(plan, taught, runs)] == ["1", "2"]
+    with pytest.raises(UserError, match="2 runs are asked for, 1 are there"):
+        pool_of(plan, taught, runs[:2])
 
 
 @pytest.fixture(scope="module")
