@@ -42,8 +42,8 @@ def calm_warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
     if not rough or 2 * calm <= len(runs):
         return None
     return (
-        f"pilots.{name}: {calm} of the {len(runs)} training runs were recorded without disturbances, and "
-        f"evaluation is at {', '.join(rough)}; if it fails there, record runs with --disturbances {rough[0]}"
+        f"pilots.{name}: {calm} of the {len(runs)} training runs were recorded without disturbances, but it "
+        f"is tested at {', '.join(rough)}; if it fails there, record runs with --disturbances {rough[0]}"
     )
 
 

@@ -85,7 +85,7 @@ def test_calm_runs_are_told_of_where_the_pilot_is_tried_among_disturbances(
     lines = [line for line in said.splitlines() if "without disturbances" in line]
     assert [line.split(": ")[1] for line in lines] == ["pilots.reservoir-alone", "pilots.cloning"]
     for line in lines:
-        assert "3 of the 3 training runs" in line and "evaluation is at standard, severe" in line
+        assert "3 of the 3 training runs" in line and "tested at standard, severe" in line
         assert line.endswith("--disturbances standard")
 
 
