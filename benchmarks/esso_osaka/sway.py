@@ -1,4 +1,4 @@
-"""The sway drag that diagnosis names on the pond, and what it is worth on circles it was not told from."""
+"""The sway drag that diagnosis names on the pond, and the circles, held out, that the boat then predicts."""
 
 from collections.abc import Mapping, Sequence
 

@@ -16,8 +16,8 @@ from pydantic import BaseModel
 from scipy.optimize import least_squares
 from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.esso_osaka.pond_tests import HORIZON
 from benchmarks.esso_osaka.sway import FIGURES, errors
+from benchmarks.esso_osaka.wind import HORIZON
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.criticism.likelihood.prediction_error import change
