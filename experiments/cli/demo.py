@@ -9,7 +9,7 @@ from swamp_rl.clipped import printable
 from swamp_rl.errors import UserError
 
 if TYPE_CHECKING:
-    from swamp_rl.demo.scene import Scene
+    from swamp_rl.demo.scene import DemoScene
 
 Layout = Literal["overlay", "side-by-side"]
 NOTHING_TO_DO = (
@@ -72,7 +72,7 @@ def demo(
 
 
 def _write(
-    scene: "Scene", layout: Layout, save: Path | None, html: Path | None, video: Path | None, speed: float
+    scene: "DemoScene", layout: Layout, save: Path | None, html: Path | None, video: Path | None, speed: float
 ) -> None:
     """The files that are asked for."""
     if save:
@@ -92,7 +92,7 @@ def _write(
         typer.echo(f"{video}: {frames} frames")
 
 
-def _show(scene: "Scene", layout: Layout, window: bool, port: int | None) -> None:
+def _show(scene: "DemoScene", layout: Layout, window: bool, port: int | None) -> None:
     """A window of rerun's viewer, or its page for a browser."""
     import tempfile
 
