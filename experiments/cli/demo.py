@@ -9,9 +9,10 @@ from swamp_rl.clipped import printable
 from swamp_rl.errors import UserError
 
 if TYPE_CHECKING:
+    from swamp_rl.demo.layout import Layout
     from swamp_rl.demo.scene import DemoScene
 
-Layout = Literal["overlay", "side-by-side"]
+
 NOTHING_TO_DO = (
     "no display to open a window on; add --web (a browser on this machine), --save FILE.rrd, "
     "--video FILE.mp4 or --html FILE.html"
@@ -72,7 +73,12 @@ def demo(
 
 
 def _write(
-    scene: "DemoScene", layout: Layout, save: Path | None, html: Path | None, video: Path | None, speed: float
+    scene: "DemoScene",
+    layout: "Layout",
+    save: Path | None,
+    html: Path | None,
+    video: Path | None,
+    speed: float,
 ) -> None:
     """The files that are asked for."""
     if save:
@@ -92,7 +98,7 @@ def _write(
         typer.echo(f"{video}: {frames} frames")
 
 
-def _show(scene: "DemoScene", layout: Layout, window: bool, port: int | None) -> None:
+def _show(scene: "DemoScene", layout: "Layout", window: bool, port: int | None) -> None:
     """A window of rerun's viewer, or its page for a browser."""
     import tempfile
 
