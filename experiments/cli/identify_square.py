@@ -16,7 +16,7 @@ def waypoint_square(
     out: Annotated[Path, typer.Option(help="The folder of the report, its figure and JSON.")],
     seed: Annotated[int, seed_option("Seed of the sensors' noise.")] = 0,
 ) -> None:
-    """Sail a twin around a waypoint square, identify it from its own log, and replay the log."""
+    """Simulate a vehicle on a waypoint square, identify it from its own log, and replay the log."""
     from swamp_rl.experiments.reports.waypoint_square import write_square
 
     for line in write_square(out, vehicle, seed):

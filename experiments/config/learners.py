@@ -38,12 +38,12 @@ class Training:
     "`plan.options`, as the settings of its kind."
     dataset: "Dataset"
     tick: Tick
-    "Hears the share done, from 0 to 1."
+    "Called with the share done, from 0 to 1."
     checkpoint: Path | None = None
     """The file that the learner may write, whole or not at all (`write_beside`), to go on from, and read
     where an interrupted training with the same settings has left one. Removed once the pilot is saved."""
     log: Log = lambda step, values: None
-    "Hears points of the learning curve: decisions, epochs or rounds done, and what was measured then."
+    "Called with points of the learning curve: decisions, epochs or rounds done, and what was measured then."
     trained: Mapping[str, "Pilot"] = field(default_factory=dict)
     "The pilots that it starts from, by name, without those that drive before a takeover."
 
@@ -82,7 +82,7 @@ class Learner:
     settings: type[Settings]
     train: Callable[[Training], "Pilot"]
     told: Callable[[PilotPlan], str]
-    "In words, what it learned from; empty where it learned nothing."
+    "Description of what it learned from; empty where it learned from nothing."
     from_runs: bool = False
     "It learns from runs, so that `runs` and `outcomes` have a meaning."
     by_trying: bool = False
