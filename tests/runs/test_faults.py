@@ -268,7 +268,7 @@ CSV_FAULTS: dict[str, tuple[int, str, int | None, str | None, str]] = {
     "too few cells": (3, "0.2,2,0.5", 3, None, "has 3 values for 4 columns"),
     "too many cells": (3, "0.2,2,0.5,0.1,9", 3, None, "has 5 values for 4 columns"),
     "an empty line": (3, "", 3, "time", "is missing"),
-    "a misspelt header": (0, "time,North,east,heading", None, "north", "'North' is to be spelt 'north'"),
+    "a misspelt header": (0, "time,North,east,heading", None, "north", "'North' must be named 'north'"),
     "a header twice": (0, "time,north,north,heading", None, "north", "named twice"),
 }
 

@@ -134,17 +134,17 @@ def test_claims_about_what_is_not_there_are_refused(override: str, told: str) ->
 
 
 def test_a_claim_about_one_drivers_runs_draws_from_his_alone() -> None:
-    scene = read_scene(load_experiment("thesis_claims", ["claims.runs=[1, 2]", "claims.few=2"]))
+    scene = read_scene(load_experiment("thesis_claims", ["claims.runs=[2, 3]", "claims.few=2"]))
     taught = scene.experiment.pilots["reservoir"].model_copy(update={"skill": "expert"})
-    skills = ("novice", "expert", "expert", "usual")
+    skills = ("novice", "expert", "expert", "expert")
     runs = [
         Run(str(i), circling(), RunMeta.model_validate({"outcome": "success", "skill": skill}))
         for i, skill in enumerate(skills)
     ]
     plan = check_claims(scene)
-    assert [run.name for run in pool_of(plan, taught, runs)] == ["1", "2"]
-    with pytest.raises(UserError, match="2 runs are asked for, 1 are there"):
-        pool_of(plan, taught, runs[:2])
+    assert [run.name for run in pool_of(plan, taught, runs)] == ["1", "2", "3"]
+    with pytest.raises(UserError, match="3 runs are asked for, 2 are there"):
+        pool_of(plan, taught, runs[:3])
 
 
 @pytest.fixture(scope="module")
