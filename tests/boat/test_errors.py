@@ -31,7 +31,10 @@ def refused(folder: Path, text: str) -> str:
         (f"mass: 1{'0' * 99}", "mass: an integer of many digits is out of range"),
         ("length: 1.0e+160", "length: 1e+160 is out of range: numbers are 0 or 1e-30 to 1e+20"),
         ("hull: {c_d: 1.0e-320}", "hull.c_d: 9.99989e-321 is out of range"),
-        ("thrusters: {bs: {propeller: {diameter: 1.0e+80}}}", "thrusters.bs.propeller.diameter: 1e+80 is out of range"),
+        (
+            "thrusters: {bs: {propeller: {diameter: 1.0e+80}}}",
+            "thrusters.bs.propeller.diameter: 1e+80 is out of range",
+        ),
         (f"mass: 1{'0' * 400}", "a number of more than 100 characters"),
         ("mass: '48'", "mass: input should be a valid number, not '48'"),
         ("mass: true", "mass: input should be a valid number"),
