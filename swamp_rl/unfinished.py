@@ -165,7 +165,7 @@ def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], No
         link.unlink()
     found = {name: (part / name).read_bytes() for name in description if (part / name).is_file()}
     if any(description[name] != held for name, held in found.items()):
-        say(f"{part}: was begun with another configuration or version; begun anew")
+        say(f"{part}: was made with another configuration or version; started again")
         for entry in part.iterdir():
             shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
     for pattern in (".part-*", ".old-*"):

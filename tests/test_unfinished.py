@@ -49,7 +49,7 @@ def test_another_job_begins_anew_and_says_so(tmp_path: Path) -> None:
     said: list[str] = []
     with taken_up(tmp_path / "out", (), {"config/it.yaml": b"a: 2\n"}, said.append) as part:
         assert not (part / "done").exists()
-    assert len(said) == 1 and "begun anew" in said[0]
+    assert len(said) == 1 and "started again" in said[0]
     assert (tmp_path / "out" / "config" / "it.yaml").read_bytes() == b"a: 2\n"
 
 

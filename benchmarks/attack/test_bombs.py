@@ -180,7 +180,7 @@ def test_a_chunk_of_mcap_that_unpacks_to_more_than_it_says_is_refused(
     end = b"\x0f" + struct.pack("<QI", 4, 0) + b"\x02" + struct.pack("<Q", 20) + bytes(20)
     record = b"\x06" + struct.pack("<Q", len(chunk)) + chunk
     path.write_bytes(data[:head] + record + end + b"\x89MCAP0\r\n")
-    refused("run.mcap", path, "holds more than it says")
+    refused("run.mcap", path, "is larger than it declares")
 
 
 def test_a_header_of_tensors_without_end_is_not_parsed() -> None:

@@ -117,7 +117,7 @@ def extension_table(results: Sequence[dict[str, Any]]) -> str:
                 str(formulas),
             ]
         )
-    heads = ["hidden force", "recovered", "error left, median", "written and worse", "as a formula"]
+    heads = ["hidden force", "recovered", "remaining error, median", "extended and worse", "as a formula"]
     return table(heads, rows)
 
 

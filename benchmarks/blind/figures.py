@@ -69,8 +69,8 @@ def confusion_picture(results: Sequence[Judged], path: Path) -> None:
         axes.text(column, row, str(counts[row, column]), ha="center", va="center", fontsize=7)
     axes.set_xticks(range(len(columns)), columns, rotation=90, fontsize=8)
     axes.set_yticks(range(len(rows)), rows, fontsize=8)
-    axes.set_xlabel("said")
-    axes.set_ylabel("hidden")
+    axes.set_xlabel("diagnosed")
+    axes.set_ylabel("true")
     figure.savefig(path, dpi=110)
 
 

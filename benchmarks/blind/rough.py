@@ -21,19 +21,19 @@ def rough_table(results: Sequence[Judged]) -> str:
     seconds = [r["processor_s"] for r in results]
     rows = [
         ["cases", str(len(results)), ""],
-        least("one effect, named and no other", [r["alone"] for r in single], SINGLE),
-        ["one effect, named, alone or beside others", rate(share([_named(r) for r in single])), ""],
+        least("one effect, identified and no other", [r["alone"] for r in single], SINGLE),
+        ["one effect, identified, alone or with others", rate(share([_named(r) for r in single])), ""],
         [
-            "nothing hidden, a cause named",
+            "no effect, a cause named",
             rate(accused),
             verdict(accused["rate"] <= ACCUSED, f"{ACCUSED:g}") if accused else "",
         ],
-        ["intervals that hold the true value", rate(share([abs(n["away"]) <= Z95 for n in numbers])), ""],
+        ["interval coverage", rate(share([abs(n["away"]) <= Z95 for n in numbers])), ""],
         ["processor s, median", f"{np.median(seconds):.3g}", ""],
         ["processor s, longest", f"{max(seconds):.3g}", verdict(max(seconds) <= LONGEST, f"{LONGEST:g} s")],
     ]
     wrong = [[r["case"], r["truth"], r["named"]] for r in results if not r["right"]]
-    return table(["", "R", "bar"], rows) + "\n\n" + table(["wrong case", "hidden", "named"], wrong)
+    return table(["", "R", "target"], rows) + "\n\n" + table(["wrong case", "true causes", "named"], wrong)
 
 
 def _named(result: Judged) -> bool:

@@ -108,7 +108,7 @@ def wrong_answers(results: Sequence[Judged]) -> str:
         (r["level"], r["kind"], r["truth"], said(r), r["named"]) for r in results if not r["right"]
     )
     rows = [[*key, str(times)] for key, times in sorted(wrong.items())]
-    return table(["level", "kind", "hidden", "said", "named", "times"], rows)
+    return table(["level", "kind", "true causes", "answer", "named", "cases"], rows)
 
 
 def by_effect(results: Sequence[Judged]) -> str:
@@ -121,7 +121,7 @@ def by_effect(results: Sequence[Judged]) -> str:
             mine = [r["small_set"] for r in single if r["truth"] == name and r["level"] == level]
             cells.append(f"{sum(mine)} of {len(mine)}" if mine else "-")
         rows.append([name, *cells])
-    return table(["hidden alone", *LEVELS], rows)
+    return table(["true cause alone", *LEVELS], rows)
 
 
 def power(results: Sequence[Judged]) -> str:

@@ -25,9 +25,9 @@ def scored(hidden: str | None, *named: str) -> dict[str, Any]:
 def test_the_table_tells_what_was_named_alone_beside_others_and_of_nothing() -> None:
     answers = [scored("mass", "mass"), scored("mass", "mass", "wind"), scored(None), scored(None, "wind")]
     told = rough_table(answers)
-    assert "| one effect, named and no other | 0.500 (0.09 to 0.91; 2) | 0.85: missed |" in told
-    assert "| one effect, named, alone or beside others | 1.000" in told
-    assert "| nothing hidden, a cause named | 0.500 (0.09 to 0.91; 2) | 0.02: missed |" in told
+    assert "| one effect, identified and no other | 0.500 (0.09 to 0.91; 2) | 0.85: missed |" in told
+    assert "| one effect, identified, alone or with others | 1.000" in told
+    assert "| no effect, a cause named | 0.500 (0.09 to 0.91; 2) | 0.02: missed |" in told
     assert "| R0001 | nothing | wind |" in told and "| R0001 | mass | mass + wind |" in told
 
 

@@ -25,17 +25,17 @@ def weather_table(results: Sequence[Judged]) -> str:
     seconds = [r["processor_s"] for r in results]
     rows = [
         ["cases", str(len(results)), ""],
-        least("weather alone, named", [r["alone"] for r in alone], 0.97),
+        least("wind or current alone, identified", [r["alone"] for r in alone], 0.97),
         least(
-            "one effect beside it, both named, alone or in a small set", [r["right"] for r in beside], 0.95
+            "with one effect, both identified, alone or in a small set", [r["right"] for r in beside], 0.95
         ),
-        ["one effect beside it, both named alone", rate(share([r["alone"] for r in beside])), ""],
-        ["intervals of the runs' wind or current that hold it", rate(held), within(held)],
-        ["intervals of the other parameters that hold them", rate(others), ""],
+        ["with one effect, both identified alone", rate(share([r["alone"] for r in beside])), ""],
+        ["interval coverage, wind or current of the runs", rate(held), within(held)],
+        ["interval coverage, other parameters", rate(others), ""],
         ["processor s, median", f"{np.median(seconds):.3g}", ""],
         ["processor s, longest", f"{max(seconds):.3g}", verdict(max(seconds) <= LONGEST, f"{LONGEST:g} s")],
     ]
-    return table(["", "E", "bar"], rows)
+    return table(["", "E", "target"], rows)
 
 
 def least(name: str, flags: Sequence[bool], bar: float) -> list[str]:

@@ -201,7 +201,7 @@ def covered(number: int, seed: int) -> tuple[str, Array]:
 
 @one_thread()
 def main(count: int, seed: int) -> None:
-    """Print a line a boat, and write the shares of the intervals that hold the truth."""
+    """Print a line a boat, and write the coverage of the intervals."""
     every: dict[str, list[Array]] = {"calm": [], "gusts": []}
     for number in range(count):
         line, off = covered(number, seed)
@@ -212,7 +212,7 @@ def main(count: int, seed: int) -> None:
     for name, offs in every.items():
         off = np.concatenate([np.zeros(0), *offs])
         rows.append([name, str(len(offs)), str(len(off)), f"{np.mean(np.abs(off) < Z95):.3f}"])
-    text = table(["boats in", "boats", "intervals of 95 %", "hold the truth"], rows)
+    text = table(["boats in", "boats", "95 % intervals", "coverage"], rows)
     print(text)
     write_parts(DOCS / "identify_boat.md", {"coverage": text})
 

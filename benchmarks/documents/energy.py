@@ -66,8 +66,8 @@ def cells(speed: float, of: Callable[[Boat, float], float]) -> list[str]:
 
 def mission_table() -> str:
     """Energy and final charge of the three missions, flown."""
-    head = ["mission", "printed, Wh", "flown, Wh", "difference"]
-    head += ["printed charge", "flown", "by the table's rule"]
+    head = ["mission", "printed, Wh", "simulated, Wh", "difference"]
+    head += ["printed charge", "simulated", "by the table's rule"]
     rows = []
     for name, printed in MISSIONS.items():
         flight = flown(name)

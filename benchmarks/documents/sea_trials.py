@@ -67,7 +67,7 @@ def numbers(causes: Sequence[Cause]) -> str:
 
 
 def stage_text(number: int, stage: StageFound) -> str:
-    """What a stage was told from, what it names, and what it does not tell apart."""
+    """The groups of a stage, its result, and the alternatives that it does not distinguish."""
     rows = [[one.effect, f"{one.chi2:.1f}", f"{one.evidence:.1f}"] for one in stage.candidates[:SHOWN]]
     said = [
         f"### Stage {number}: {', '.join(stage.groups)}",
@@ -77,14 +77,16 @@ def stage_text(number: int, stage: StageFound) -> str:
     ]
     if len(stage.without_particulars) > 1:
         said.append(
-            "Without the particulars the figures do not tell apart: "
-            f"{'; '.join(stage.without_particulars)}. The first's numbers are then {numbers(stage.alone)}."
+            "Without the particulars, the figures do not distinguish: "
+            f"{'; '.join(stage.without_particulars)}. The estimates of the first are then "
+            f"{numbers(stage.alone)}."
         )
     said += [
-        f"These figures leave `{one.effect}` {one.evidence:.1f} behind, which is not enough to tell. "
-        f"Chi2 of the circle that was not fitted to is {one.of_the_first:.1f} with the first and "
+        f"By these figures −2 log marginal likelihood of `{one.effect}` is {one.evidence:.1f} higher, too "
+        f"little to distinguish it. Chi2 of the held-out circle is {one.of_the_first:.1f} with the first and "
         f"{one.held_out_chi2:.1f} with it: "
-        f"{'told apart' if one.told_apart else 'not told apart'}. The extension is the first's either way."
+        f"{'distinguished' if one.told_apart else 'not distinguished'}. "
+        "The extension is the first's in either case."
         for one in stage.rivals
     ]
     return "\n\n".join(said)
@@ -99,7 +101,8 @@ def gain_text(found: FiguresDiagnosis) -> str:
     said = [table(["group", "use", "figures", f"chi2, {GIVEN}", "chi2, extended"], rows)]
     said += [
         f"With `{one.fitted}` fitted to in place of `{one.judged}`: "
-        f"{' + '.join(one.named) or 'nothing'} is named beside the thrust law ({numbers(one.causes)}). "
+        f"{' + '.join(one.named) or 'nothing'} is identified in addition to the thrust law "
+        f"({numbers(one.causes)}). "
         f"Chi2 of `{one.judged}` goes from {one.chi2_before:.1f} to {one.chi2_after:.1f}."
         for one in found.exchange
     ]

@@ -95,5 +95,5 @@ def diagnosis_table(every: dict[str, Told]) -> str:
                 *cells,
             ]
         )
-    head = ["runs", "verdict", "causes, the best first", "anemometer, m/s, deg", "named wind, m/s"]
-    return table([*head, "from, deg", "off, deg", "speed over measured"], rows)
+    head = ["runs", "verdict", "causes, by rank", "anemometer, m/s, deg", "identified wind, m/s"]
+    return table([*head, "from, deg", "error, deg", "speed / measured"], rows)

@@ -1,4 +1,4 @@
-"""The sway drag that diagnosis names on the pond, and what it is worth on circles it was not told from."""
+"""The sway drag that diagnosis names on the pond, and the circles, held out, that the boat then predicts."""
 
 from collections.abc import Mapping, Sequence
 
@@ -63,7 +63,7 @@ def sway_table(every: Sequence[Named]) -> str:
     before, after = (np.mean([misfit(one, names) for one in every]) for names in (("wind",), BESIDE))
     shown = f"**{mean:.2f} ({low:.2f} to {high:.2f})**"
     rows.append(["**mean (95 % interval)**", shown, f"{before:.2f}", f"{after:.2f}"])
-    return table(["run", "sway drag, times the file's", "held-out misfit, wind", "with it"], rows)
+    return table(["run", "sway drag / boat file's", "held-out misfit, wind only", "wind and sway drag"], rows)
 
 
 def figures(turn: Array) -> tuple[float, ...]:
@@ -86,7 +86,7 @@ def circles_table(boat: Boat, scales: Mapping[str, float], turning: Sequence[Run
     boats = {"boat file": boat} | {name: with_sway_drag(boat, scale) for name, scale in scales.items()}
     off = {name: errors(each, turning) for name, each in boats.items()}
     rows = [[figure, *(median_and_worst(one[figure]) for one in off.values())] for figure in FIGURES]
-    return table(["off by, median (worst)", *off], rows)
+    return table(["error, median (worst)", *off], rows)
 
 
 def median_and_worst(errors: Array) -> str:

@@ -16,8 +16,8 @@ from pydantic import BaseModel
 from scipy.optimize import least_squares
 from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.esso_osaka.pond_tests import HORIZON
 from benchmarks.esso_osaka.sway import FIGURES, errors
+from benchmarks.esso_osaka.wind import HORIZON
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.criticism.likelihood.prediction_error import change
@@ -148,7 +148,7 @@ def terms_table(boat: Boat, random: Sequence[Run], turning: Sequence[Run], zigza
         shown = "; ".join(f"{key.split()[-1]} {' / '.join(f'{n[key]:.2f}' for n in numbers)}" for key in term)
         rows.append([name, shown, *judged(boat, [boat_with(boat, n) for n in numbers], both, zigzags)])
         print(rows[-1], flush=True)
-    head = ["term", "numbers, of each half", "random, m", "circles, m", "zig-zags, m", *FIGURES]
+    head = ["term", "values, by half", "random, m", "circles, m", "zig-zags, m", *FIGURES]
     return table(head, rows)
 
 

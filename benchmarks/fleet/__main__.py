@@ -60,16 +60,16 @@ def right_and_wrong(found: Fleet) -> Iterator[tuple[str, int, int]]:
     own = {name: KINDS[int(name.removeprefix("boat")) % len(KINDS)] for name in boats}
     kept = [(one.boat, one.cause) for one in found.findings if one.kept]
     expected = {(one.boat, LABEL[own[one.boat]]) for one in found.members if own[one.boat] != "none"}
-    yield "boats with a fault, and their fault kept", len(expected), len(expected & set(kept))
+    yield "boats with a fault, whose fault is kept", len(expected), len(expected & set(kept))
     shared = next((one.boats for one in found.shared if one.cause == LABEL["weak"]), [])
     weak = [name for name in boats if own[name] == "weak"]
-    yield "boats that share the weak thruster", len(weak), len(set(weak) & set(shared))
+    yield "boats with the shared weak thruster", len(weak), len(set(weak) & set(shared))
     heavy = {name for name in boats if own[name] == "mass"}
     yield "boats whose mass differs by day", len(heavy), len(heavy & {one.boat for one in found.drifts})
     lost = {name for name in boats if own[name] == "failure"}
     yield "boats that lose a thruster by day", len(lost), len(lost & {one.boat for one in found.changes})
     false = [pair for pair in kept if pair not in expected]
-    yield "causes kept, and false ones among them", len(kept), len(false)
+    yield "causes kept; of these, false", len(kept), len(false)
 
 
 def seconds_of(given: Sequence[Path], out: Path, workers: int) -> float:
@@ -95,10 +95,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
         found = Fleet.model_validate(json.loads((folder / "whole" / "fleet.json").read_text()))
     rows = [list(map(str, row)) for row in right_and_wrong(found)]
     rows.append(
-        ["logs not diagnosed", str(options.logs), str(sum(one.verdict is None for one in found.members))]
+        [
+            "logs without a diagnosis",
+            str(options.logs),
+            str(sum(one.verdict is None for one in found.members)),
+        ]
     )
-    rows.append([f"times as fast with {options.workers} workers", f"{len(few)} logs", f"{ratio:.2f}"])
-    write_parts(DOCS / "fleet.md", {"fleet": table([f"of {options.logs} logs", "in truth", "told"], rows)})
+    rows.append([f"speed-up with {options.workers} workers", f"{len(few)} logs", f"{ratio:.2f}"])
+    write_parts(
+        DOCS / "fleet.md", {"fleet": table([f"of {options.logs} logs", "true", "in fleet.json"], rows)}
+    )
 
 
 if __name__ == "__main__":

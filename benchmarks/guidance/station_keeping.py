@@ -158,7 +158,7 @@ def margin_in_gusts(gusty: Boat, jets: Jets, chosen: Holding) -> Holding:
 
 
 def promises_row(name: str, score: Score) -> list[str]:
-    """How often what was said beforehand was right."""
+    """How often what was predicted was right."""
     right = sum(promised == held for promised, held in score)
     broken = sum(promised and not held for promised, held in score)
     return [name, str(len(score)), str(right), str(broken), str(len(score) - right - broken)]
@@ -166,9 +166,9 @@ def promises_row(name: str, score: Score) -> list[str]:
 
 def main() -> None:
     """Write the tables."""
-    heading = ["failed", "margin", "said beforehand", f"farthest in the last {JUDGED:.0f} s"]
-    chosen = ["failed", "heading, deg", "margin", "said", "farthest"]
-    chosen += ["margin in gusts", "said", "farthest in gusts, by the filter"]
+    heading = ["failed", "margin", "predicted", f"greatest offset in the last {JUDGED:.0f} s"]
+    chosen = ["failed", "heading, deg", "margin", "predicted", "greatest offset"]
+    chosen += ["margin in gusts", "predicted", "greatest offset in gusts, by the filter"]
     parts: dict[str, str] = {}
     known: Score = []
     rough: Score = []
@@ -179,7 +179,7 @@ def main() -> None:
         known += in_calm
         rough += in_gusts
     rows = [promises_row("known state, steady wind", known), promises_row("gusts, by the filter", rough)]
-    heads = ["", "cases", "right", "said to hold, lost", "said to be lost, held"]
+    heads = ["", "cases", "right", "predicted to hold, lost", "predicted to fail, held"]
     write_parts(DOCS / "station_keeping.md", parts | {"promises": table(heads, rows)})
 
 

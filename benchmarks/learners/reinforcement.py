@@ -27,9 +27,17 @@ Spread = dict[str, Any]
 
 def parts(spreads: Mapping[str, Spread]) -> dict[str, str]:
     """The two tables by their marks: success by level, and how soon it is learned."""
-    success = ["pilot", "seeds", "level", "success", "least to most", "change", "data's change"]
-    pace = ["pilot", "decisions", f"of which until {SKILLED:g}", "seconds of training"]
-    pace.append("success while trying, at a quarter, half and the end")
+    success = [
+        "pilot",
+        "seeds",
+        "level",
+        "success",
+        "range over seeds",
+        "command change",
+        "command change of the data",
+    ]
+    pace = ["pilot", "decisions", f"decisions to success {SKILLED:g}", "training time, s"]
+    pace.append("success during training, at a quarter, half and the end")
     return {
         "reinforcement, success": table(success, [r for n, one in spreads.items() for r in _levels(n, one)]),
         "reinforcement, pace": table(pace, [_pace(name, spread) for name, spread in spreads.items()]),
@@ -90,7 +98,7 @@ def main() -> None:
     spreads = {name: json.loads(Path(file).read_text(encoding="utf-8")) for name, _, file in named}
     write_parts(DOCS / "learners.md", parts(spreads))
     curves = {name: [_curve(seed["curve"]) for seed in spread.values()] for name, spread in spreads.items()}
-    learning_curves(DOCS / PICTURE, curves, "Success while trying")
+    learning_curves(DOCS / PICTURE, curves, "Success during training")
 
 
 if __name__ == "__main__":

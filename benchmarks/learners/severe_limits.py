@@ -17,12 +17,11 @@ from swamp_rl.experiments.reports.experiment import table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.evaluation import drive
 from swamp_rl.evaluation.rollout import Pilot
-from swamp_rl.pilots.scripted import Habits, ScriptedPilot
+from swamp_rl.pilots.dagger import STEADY
+from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.store import load_pilot
 
 LEVEL = "severe"
-NEVER = 1e6  # s
-STEADY = Habits(guess_interval=NEVER, hesitation_interval=NEVER, messy=0.0, gentle=0.0)
 PROMPT = STEADY.model_copy(update={"reaction": (0.0, 0.0), "aim_spread": 0.0})
 WINDS = ((0.0, 4.0), (4.0, 5.0), (5.0, 6.0), (6.0, 7.0))
 OUTCOMES = ("buoy", "out_of_bounds", "timeout")

@@ -58,10 +58,10 @@ def curves(spreads: dict[str, dict[str, Any]]) -> str:
         rows.append([name, quantity, " or ".join(sorted(ends)), str(len(told)), *cells])
     heads = [
         "pilot",
-        "what it tells",
-        "points to",
+        "quantity",
+        "steps",
         "seeds",
-        "at first",
+        "at the start",
         "at a quarter",
         "at half",
         "at the end",

@@ -47,7 +47,10 @@ def experiment_of(args: argparse.Namespace, seed: int) -> Experiment:
 
 @dataclass
 class Trained:
-    """A pilot with what it was recorded and learned; cpu_seconds: of its training, since it last began."""
+    """A pilot with its runs and its learning curve.
+
+    cpu_seconds: processor time of its training and of those that it starts from, since it last began.
+    """
 
     pilot: Pilot
     dataset: Dataset

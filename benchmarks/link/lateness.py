@@ -28,7 +28,7 @@ from swamp_rl.pilots.arguments import asked_pilot, opened
 
 ADDRESS = "127.0.0.1:29680"
 PILOTS = ("line-of-sight", "reservoir", "cloning")
-HEAD = ["pilot", "scheduling", "commands", "mean, ms", "99 %, ms", "most, ms", "missed", "not fresh", "load"]
+HEAD = ["pilot", "scheduling", "commands", "mean, ms", "99 %, ms", "max, ms", "missed", "stale", "load"]
 
 
 class Endless(Aboard):

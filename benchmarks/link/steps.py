@@ -30,7 +30,7 @@ def example_angle(steps_per_turn: float) -> float:
 def main() -> None:
     """Write the table."""
     rows = [[name, f"{steps:,.0f}", f"{example_angle(steps):.2f}°"] for name, steps in READINGS.items()]
-    head = ["source", "steps of 360°", f"{EXAMPLE_STEPS:,} steps are"]
+    head = ["source", "steps per turn", f"{EXAMPLE_STEPS:,} steps"]
     write_parts(DOCS / "link.md", {"steps": table(head, rows)})
 
 

@@ -59,7 +59,7 @@ def watt_hours(flight: Flight) -> float:
 
 
 def charge_by_the_tables_rule(flight: Flight) -> float:
-    """State of charge [1] at the end as table 6.3 reckons it: 1 − Σ I^1.05 t / 13 Ah, I = P / V_leg.
+    """State of charge [1] at the end by the rule of table 6.3: 1 − Σ I^1.05 t / 13 Ah, I = P / V_leg.
 
     V_leg is the voltage that P_tot / I_tot gives for each leg, 40, 38, 36, 34 and 32 V, whatever the charge.
     """
@@ -86,7 +86,7 @@ def energy_rows() -> list[Row]:
         rows.append((f"{mission}: energy of a hull, Wh", "table 6.3", f"{energy:.0f}", energy, ours, ""))
         final = float(flight.packs.charge[-1].mean())
         by_rule = charge_by_the_tables_rule(flight)
-        for what, value in (("flown", final), ("by the table's rule", by_rule)):
+        for what, value in (("simulated", final), ("by the table's rule", by_rule)):
             number = f"{mission}: final state of charge"
             rows.append((f"{number}, {what}", "table 6.3", "0.08", FINAL_CHARGE, value, number))
     return [

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.esso_osaka.circles import turn_rows
-from benchmarks.esso_osaka.pond_tests import HORIZON, rms, window_errors
+from benchmarks.esso_osaka.pond_tests import rms, window_errors
+from benchmarks.esso_osaka.wind import HORIZON
 from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
@@ -15,7 +16,6 @@ from swamp_rl.manoeuvres.analysis.figure import Result
 from swamp_rl.runs import Run
 from swamp_rl.simulator.windows import replay_from
 
-INDEPENDENT = (0.75, 0.47)  # m at 30 s without and with the measured wind, by an independent program
 BEFORE = 5.0  # s before the execute that a replay starts, so that the approach is in it
 FIGURES = ("advance", "tactical_diameter")
 

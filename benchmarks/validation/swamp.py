@@ -28,9 +28,8 @@ from swamp_rl.simulator.state import SURGE
 FULL, LIGHT = "swamp", "swamp-light"  # 58 kg and 48 kg
 THEIRS = "swamp-thesis"  # as the simulator of chapter 8 had it
 TANK_DENSITY = 1001.0  # kg/m3
-FIT_THROTTLE = (
-    0.6  # of the runs that the yaw model is fitted to: 1600 rpm, see configs/trials/ittc_swamp.yaml
-)
+FIT_THROTTLE = 0.6
+"""Of the runs that the yaw model is fitted to: 1600 rpm, see configs/trials/ittc_swamp.yaml."""
 
 THRUST_TABLE = (  # table 5.5: RPM%, N
     *((10, 0.1), (15, 0.3), (20, 0.5), (25, 0.8), (30, 1.1), (35, 1.5), (40, 2.0), (45, 2.5), (50, 3.1)),
@@ -147,7 +146,7 @@ def turning_rows() -> list[Row]:
         name = f"zig-zag 20°/20°, {100 * throttle:.0f} %: first overshoot, deg"
         results = [trial(boat, "zig-zag", 20.0, throttle) for boat in (FULL, LIGHT)]
         full, light = (result.figures["first_overshoot"].value for result in results)
-        source = "8.1.4, their simulator, RPM not told"
+        source = "8.1.4, their simulator, RPM not stated"
         found.append(Row(name, source, "almost 10°", 10.0, full, light, FULL, reading_of="zig-zag"))
     theirs = trial(THEIRS, "zig-zag", 20.0, 0.9).figures["first_overshoot"].value
     name = f"zig-zag 20°/20°, 90 %: the same, by `{THEIRS}`, that simulator's numbers"

@@ -10,6 +10,7 @@ from swamp_rl.experiments.config.learners import learner
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan, Targets
 
+from swamp_rl.errors import UserError
 from swamp_rl.evaluation import Interval, Table, command_change, differences, summary
 from swamp_rl.runs import Dataset, Run
 
@@ -52,8 +53,16 @@ def learned_from(plan: PilotPlan) -> str:
 
 
 def data_results(dataset: Dataset) -> dict[str, Any]:
-    """What there was to learn from; the change of command is the mean over the successful runs."""
+    """What there was to learn from; the change of command is the mean over the successful runs.
+
+    UserError where no run is successful, or one has no commands of a joypad.
+    """
     good = dataset.successful
+    if not good:
+        raise UserError(
+            f"{dataset.folder}: no run is marked successful, and pilots are compared with such runs; mark "
+            "one, or import them with --outcome success"
+        )
     return {
         "source": dataset.meta.source,
         "vehicle": dataset.meta.vehicle,

@@ -39,9 +39,10 @@ from swamp_rl.errors import UserError
 
 BAD_INPUT, INTERRUPTED, TERMINATED, UNEXPECTED = 2, 130, 143, 70
 DEBUG = "SWAMP_RL_DEBUG"
+NAME = "swamp-rl"
 
 app = typer.Typer(
-    name="swamp-rl",
+    name=NAME,
     help="A simulated azimuth-thruster boat, and pilots that learn to drive it from logged runs.",
     add_completion=False,
     no_args_is_help=True,
@@ -104,7 +105,7 @@ def simulate(
     out: Annotated[Path, typer.Option(help="The .csv or .parquet file to write.")],
     boat: BoatOption = "swamp",
     window: Annotated[
-        float | None, typer.Option(help="Start anew from the measured state every so many seconds.")
+        float | None, typer.Option(help="Restart from the measured state at this interval (s).")
     ] = None,
     ignore: IgnoreOption = None,
 ) -> None:
@@ -131,13 +132,14 @@ def record_scripted_runs(
     disturbances: Annotated[
         str | None, typer.Option(help="A name in configs/disturbances, or a file of them; none by default.")
     ] = None,
-    count: Annotated[int, typer.Option(min=1, max=100_000, help="How many successful runs.")] = 40,
+    count: Annotated[int, typer.Option(min=1, max=100_000, help="Number of successful runs.")] = 40,
     failed: Annotated[
-        int, typer.Option(min=0, max=100_000, help="How many failed ones at least, kept and marked.")
+        int, typer.Option(min=0, max=100_000, help="Least number of failed runs, kept and marked.")
     ] = 0,
-    seed: Annotated[int, seed_option("Another seed, other runs.")] = 0,
+    seed: Annotated[int, seed_option("Seed of the runs.")] = 0,
     skill: Annotated[
-        Literal["novice", "usual", "expert"], typer.Option(help="How quickly and how cleanly it drives.")
+        Literal["novice", "usual", "expert"],
+        typer.Option(help="Driver model: reaction time and rate of errors."),
     ] = "usual",
 ) -> None:
     """Record runs of the scripted pilot, a model of human drivers."""
@@ -189,11 +191,12 @@ def main() -> None:
 def _carried_out(signals: list[int]) -> int:
     """The exit code of what the command line asks for; signals: those that came meanwhile."""
     try:
-        return app(standalone_mode=False) or 0
+        return app(prog_name=NAME, standalone_mode=False) or 0
     except typer.TyperException as error:
         # Without any argument Typer has printed the help and has nothing to add.
-        line = error.format_message()
-        return _complain(f"{line} (swamp-rl --help tells more)", error.exit_code) if line else error.exit_code
+        line, context = error.format_message(), getattr(error, "ctx", None)
+        verb = context.command_path if context else NAME
+        return _complain(f"{line} (see {verb} --help)", error.exit_code) if line else error.exit_code
     except UserError as error:
         return _complain(str(error), BAD_INPUT)
     except SystemExit as ended:

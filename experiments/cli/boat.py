@@ -1,4 +1,4 @@
-"""`swamp-rl boat new` and `boat check`: a boat file from a few sizes, and a boat file looked over."""
+"""`swamp-rl boat new` and `boat check`: estimate a boat file from its main particulars, or check one."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +7,7 @@ import typer
 
 from swamp_rl.errors import UserError
 
-boat_app = typer.Typer(help="Boat files: a new one by estimates, or one looked over.", no_args_is_help=True)
+boat_app = typer.Typer(help="Boat files: estimate a new one, or check one.", no_args_is_help=True)
 
 HEAD = """Boat {name}, {kind}: by `swamp-rl boat new` from length, breadth, mass and thrust.
 Every number is an estimate: `sd` is the standard deviation of its prior. Replace what was measured, with
@@ -17,18 +17,20 @@ midship, y to starboard."""
 
 @boat_app.command()
 def new(
-    name: Annotated[str, typer.Argument(help="Of the boat: letters, digits, _ and -, a letter first.")],
+    name: Annotated[str, typer.Argument(help="Name of the boat: letters, digits, _ and -, a letter first.")],
     kind: Annotated[
         str, typer.Option(help="twin-fixed, azimuth, propeller-rudder, waterjet or outboard (stern drive).")
     ],
-    length: Annotated[float, typer.Option(help="Of the hull at the waterline (m).")],
-    breadth: Annotated[float, typer.Option(help="Of the hull, over both where there are two (m).")],
-    mass: Annotated[float, typer.Option(help="As sailed (kg).")],
-    thrust: Annotated[float, typer.Option(help="Of all thrusters together, full ahead at rest (N).")],
+    length: Annotated[float, typer.Option(help="Length of the hull at the waterline (m).")],
+    breadth: Annotated[float, typer.Option(help="Breadth of the hull, over both demihulls (m).")],
+    mass: Annotated[float, typer.Option(help="Mass in operating condition (kg).")],
+    thrust: Annotated[float, typer.Option(help="Total bollard pull, full ahead (N).")],
     top_speed: Annotated[
-        float | None, typer.Option(help="That this thrust gives (m/s); estimated by default.")
+        float | None, typer.Option(help="Speed at full thrust (m/s); estimated by default.")
     ] = None,
-    draught: Annotated[float | None, typer.Option(help="Of the hull (m); estimated by default.")] = None,
+    draught: Annotated[
+        float | None, typer.Option(help="Draught of the hull (m); estimated by default.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="The file to write, NAME.yaml by default.")] = None,
 ) -> None:
     """Write an annotated boat file whose other numbers are estimated by published formulas."""
@@ -57,7 +59,7 @@ def new(
                 f"{first}; check --length, --breadth, --mass, --thrust and --top-speed"
             ) from error
     draught = content["draught"]["value"]
-    typer.echo(f"{path}: {kind}, draught {draught:.3g} m; look it over with: swamp-rl boat check {path}")
+    typer.echo(f"{path}: {kind}, draught {draught:.3g} m; check it with: swamp-rl boat check {path}")
 
 
 @boat_app.command()
@@ -67,7 +69,7 @@ def check(
         Path | None, typer.Option(help="Folder for the report with figures; none by default.")
     ] = None,
 ) -> None:
-    """Say where a boat file's numbers come from and simulate it: speeds, turning circles, stopping."""
+    """List the provenance of a boat file's numbers; simulate its speeds, turning circles and stopping."""
     from swamp_rl.experiments.reports.boat_check import check_lines, sail, write_check
 
     from swamp_rl.boat import load_boat

@@ -24,7 +24,7 @@ LIMITS = {  # of an option, as annotated-types names them
 
 
 def effects(
-    name: Annotated[str | None, typer.Argument(help="One effect; all of them by default.")] = None,
+    name: Annotated[str | None, typer.Argument(help="An effect; by default all.")] = None,
 ) -> None:
     """List the effects with their parameters, units, bounds and sources."""
     from swamp_rl.effects import LIBRARY
@@ -122,7 +122,11 @@ def _shipped(kind: str) -> list[str]:
     for name, folder in shipped_folders("pilots").items():
         told = describe_pilot(folder)
         if told.kind == kind:
-            fitted = f", of {len(told.fitted_on.runs)} {told.fitted_on.source} runs" if told.fitted_on else ""
+            fitted = (
+                f", trained on {len(told.fitted_on.runs)} {told.fitted_on.source} runs"
+                if told.fitted_on
+                else ""
+            )
             made = f", by {told.made.package} for the boat {told.made.boat}" if told.made else ""
             lines.append(f"shipped as {name}{fitted}{made}")
     return lines
@@ -137,14 +141,14 @@ def _refuse_unknown(what: str, name: str | None, known: Iterable[str]) -> None:
 
 def _effect_lines(effect: "Effect") -> list[str]:
     if effect.curve:
-        key = ["  component, covariate, knots, values, and if they are known standard_errors"]
-        key += ["  formula: of the range between two knots, in place of values at the knots"]
+        key = ["  component, covariate, knots, values, and, where known, standard_errors"]
+        key += ["  formula: a formula on the interval between two knots, in place of values"]
         key += ["  thruster: a name, of a thrust, an azimuth or a throttle"]
     else:
         key = ["  thruster: two names"] if effect.swaps else ["  thruster: a name, or all"] * effect.thruster
     return [
         f"{effect.name}: {effect.description}",
-        f"  acts on: {effect.acts_on}; several of it {COMBINED[effect.combine]}; source: {effect.source}",
+        f"  acts on: {effect.acts_on}; several entries {COMBINED[effect.combine]}; source: {effect.source}",
         f"  {_searched(effect)}",
         *key,
         *(f"  {parameter.name}: {_parameter(parameter)}" for parameter in effect.parameters),

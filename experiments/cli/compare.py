@@ -18,13 +18,16 @@ def compare(
         typer.Argument(help="Folders of results; each may hold several, of training seeds for example."),
     ] = None,
     leaderboard: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Make one sortable page of all results in there.")
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Write one sortable page of all results in a folder."),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(help="Folder of compare.md and compare.json (comparison), or page (leaderboard.html)."),
+        typer.Option(
+            help="Folder of compare.md and compare.json (comparison), or the page (leaderboard.html)."
+        ),
     ] = None,
-    seed: Annotated[int, seed_option("Of the bootstrap and the permutations.")] = 0,
+    seed: Annotated[int, seed_option("Seed of the bootstrap and the permutation test.")] = 0,
 ) -> None:
     """Compare pilots on the same episodes, with intervals and p-values (Holm), or rank them on a page."""
     from swamp_rl.files import write_text

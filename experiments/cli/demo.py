@@ -1,12 +1,17 @@
-"""`swamp-rl demo`: people and pilots side by side, to look at."""
+"""`swamp-rl demo`: runs of people and pilots, shown side by side."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from swamp_rl.clipped import printable
 from swamp_rl.errors import UserError
+
+if TYPE_CHECKING:
+    from swamp_rl.demo.layout import Layout
+    from swamp_rl.demo.scene import DemoScene
+
 
 NOTHING_TO_DO = (
     "no display to open a window on; add --web (a browser on this machine), --save FILE.rrd, "
@@ -18,7 +23,7 @@ def demo(
     sources: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Results folders, datasets, files of runs; pilots to be flown beside them: a folder, "
+            help="Results folders, datasets, files of runs; pilots to run on the same course: a folder, "
             "line-of-sight, sb3:MODEL.zip, onnx:PILOT.onnx or MODULE:CLASS[=FOLDER]. By default the pilots "
             "and the run that come with the package."
         ),
@@ -28,25 +33,27 @@ def demo(
         typer.Option(help="Runs to show by NAME or DRIVER/NAME, with * and ?; may be repeated."),
     ] = None,
     side_by_side: Annotated[
-        bool, typer.Option("--side-by-side/--overlay", help="A chart for each driver, or one for all.")
+        bool, typer.Option("--side-by-side/--overlay", help="One chart for each driver, or one for all.")
     ] = False,
     align: Annotated[
         Literal["gate", "start"] | None,
         typer.Option(
-            help="What all boats do at the same time: pass the first gate, or start. By default they start "
-            "together where start and weather are the same."
+            help="Event at which the runs are synchronised: the first gate, or the start. By default the "
+            "start, where start and weather are the same."
         ),
     ] = None,
-    web: Annotated[bool, typer.Option("--web", help="Serve rerun's viewer to a browser here.")] = False,
+    web: Annotated[
+        bool, typer.Option("--web", help="Serve rerun's viewer to a browser on this machine.")
+    ] = False,
     port: Annotated[
-        int | None, typer.Option(min=1, max=65535, help="Of --web; any free one by default.")
+        int | None, typer.Option(min=1, max=65535, help="Port of --web; any free one by default.")
     ] = None,
     save: Annotated[Path | None, typer.Option(help="Write a rerun recording, FILE.rrd.")] = None,
-    video: Annotated[Path | None, typer.Option(help="Write a film, FILE.mp4 or FILE.gif.")] = None,
-    speed: Annotated[float, typer.Option(help="Of the film: seconds shown in a second.")] = 4.0,
-    html: Annotated[Path | None, typer.Option(help="Write a page that needs nothing else.")] = None,
+    video: Annotated[Path | None, typer.Option(help="Write a video, FILE.mp4 or FILE.gif.")] = None,
+    speed: Annotated[float, typer.Option(help="Playback rate of the video.")] = 4.0,
+    html: Annotated[Path | None, typer.Option(help="Write a self-contained page, FILE.html.")] = None,
 ) -> None:
-    """Show runs of people, scripts and pilots: in rerun, as a film, or as a page."""
+    """Show runs of people, scripts and pilots: in rerun, as a video, or as a page."""
     from swamp_rl.experiments.artifacts.demo_runs import read_shown
 
     from swamp_rl.demo.viewer import has_display
@@ -59,7 +66,21 @@ def demo(
     )
     scene = read_shown(sources or [], runs or [], align)
     typer.echo(printable(f"{len(scene.shown)} runs: {scene.about}"))
-    layout: Literal["overlay", "side-by-side"] = "side-by-side" if side_by_side else "overlay"
+    layout: Layout = "side-by-side" if side_by_side else "overlay"
+    _write(scene, layout, save, html, video, speed)
+    if web or window:
+        _show(scene, layout, window, port)
+
+
+def _write(
+    scene: "DemoScene",
+    layout: "Layout",
+    save: Path | None,
+    html: Path | None,
+    video: Path | None,
+    speed: float,
+) -> None:
+    """The files that are asked for."""
     if save:
         from swamp_rl.demo.recording import write_recording
 
@@ -75,19 +96,22 @@ def demo(
 
         frames = write_video(video, scene, layout, speed)
         typer.echo(f"{video}: {frames} frames")
-    if web or window:
-        import tempfile
 
-        from swamp_rl.demo.recording import write_recording
-        from swamp_rl.demo.viewer import open_viewer, serve
 
-        with tempfile.TemporaryDirectory() as folder:
-            recording = Path(folder) / "demo.rrd"
-            write_recording(recording, scene, layout)
-            if window:
-                open_viewer(recording)
-            else:
-                serve(recording, port, lambda where: typer.echo(f"{where}\nCtrl-C ends it"))
+def _show(scene: "DemoScene", layout: "Layout", window: bool, port: int | None) -> None:
+    """A window of rerun's viewer, or its page for a browser."""
+    import tempfile
+
+    from swamp_rl.demo.recording import write_recording
+    from swamp_rl.demo.viewer import open_viewer, serve
+
+    with tempfile.TemporaryDirectory() as folder:
+        recording = Path(folder) / "demo.rrd"
+        write_recording(recording, scene, layout)
+        if window:
+            open_viewer(recording)
+        else:
+            serve(recording, port, lambda where: typer.echo(f"{where}\nCtrl-C ends it"))
 
 
 def _check_names(asked: dict[str, tuple[Path | None, tuple[str, ...]]]) -> None:

@@ -6,12 +6,12 @@ from typing import Annotated
 import typer
 
 design_app = typer.Typer(
-    help="Design a pump-jet, a hull, or propellers that fit a hull.", no_args_is_help=True
+    help="Design a pump-jet or a hull, or match propellers to a hull.", no_args_is_help=True
 )
 
 File = Annotated[str, typer.Argument(metavar="DESIGN", help="A name in configs/designs, or a design file.")]
-Out = Annotated[Path, typer.Option(help="The folder for the tables, the figure and the boat file.")]
-Extended = Annotated[str, typer.Option("--boat", help="The boat that the boat file written extends.")]
+Out = Annotated[Path, typer.Option(help="The folder of the tables, the figure and the boat file.")]
+Extended = Annotated[str, typer.Option("--boat", help="Base boat of the boat file that is written.")]
 
 
 @design_app.command("pump-jet")

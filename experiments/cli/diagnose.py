@@ -23,62 +23,86 @@ def diagnose(
     out: Annotated[Path, typer.Option(help="The folder to write.")],
     boat: BoatOption = "swamp",
     holdout: Annotated[
-        Path | None, typer.Option(help="Runs to measure the gain on; else each run in turn is held out.")
+        Path | None, typer.Option(help="Runs held out to measure the gain; by default each run in turn.")
     ] = None,
     fit: Annotated[
         list[str] | None,
-        typer.Option(help="Of figures: groups to fit to, joined by commas; once for each stage."),
+        typer.Option(
+            help="Printed figures: groups fitted to in a stage, comma-separated; repeat for further stages."
+        ),
     ] = None,
     ignore: IgnoreOption = None,
     next: Annotated[
         str | None,
-        typer.Option(help="Design the next trial within an area, metres north and east, as 40x40."),
+        typer.Option(help="Design the next trial within an area in m north x m east, such as 40x40."),
     ] = None,
-    seconds: Annotated[float | None, typer.Option(help="Of the next trial; 60 by default.")] = None,
+    seconds: Annotated[
+        float | None, typer.Option(help="Duration of the next trial (s); 60 by default.")
+    ] = None,
     top_speed: Annotated[
-        float | None, typer.Option(help="Greatest speed over ground of the next trial (m/s).")
+        float | None, typer.Option(help="Limit of the speed over ground in the next trial (m/s).")
     ] = None,
     throttle: Annotated[
-        float | None, typer.Option(help="Greatest share of full throttle of the next trial; 1 by default.")
+        float | None, typer.Option(help="Throttle limit of the next trial, 0 to 1; 1 by default.")
     ] = None,
     self_trial: Annotated[
         int | None,
         typer.Option(
-            metavar="N", min=0, max=1000, help="Twins of the answer that are diagnosed, 0 for none [20]."
+            metavar="N",
+            min=0,
+            max=1000,
+            help="Number of simulated replicates (twins) of the runs to diagnose; 0: none. 20 by default.",
         ),
     ] = None,
     search_twins: Annotated[
-        bool, typer.Option("--search-twins", help="Diagnose each twin by a search of its own; takes long.")
+        bool,
+        typer.Option("--search-twins", help="Run the full search on each twin (slow)."),
     ] = False,
     workers: Annotated[
         int | None,
-        typer.Option(min=1, max=1024, help="Of --search-twins: processes, by default one a processor."),
+        typer.Option(min=1, max=1024, help="Processes of --search-twins; by default one for each processor."),
     ] = None,
 ) -> None:
-    """Find the causes of a model's error in measured runs, extend the boat by them, and measure the gain."""
+    """Identify the causes of a model's error in measured runs, extend the boat file, measure the gain."""
     given = ", ".join(map(str, dataset))
     typer.echo(f"diagnosing {given} against boat {boat}")
-    from swamp_rl.experiments.cli.progress import progress
-
     from swamp_rl.criticism.figures.schema import is_figures_file
 
-    figures = [one for one in dataset if is_figures_file(one)]
-    if figures and len(dataset) > 1:
-        raise UserError(f"{figures[0]}: printed figures are diagnosed alone; leave the other inputs out")
     limits = _limits_of(next, boat, {"seconds": seconds, "speed": top_speed, "throttle": throttle})
-    if figures and limits:
-        raise UserError(f"--next: {figures[0]} holds printed figures, not runs; leave it out")
-    if figures and (self_trial is not None or search_twins or workers):
-        raise UserError(f"--self-trial: {figures[0]} holds printed figures, which have none; leave it out")
-    if workers and not search_twins:
-        raise UserError("--workers: only the searches of twins are divided; add --search-twins")
-    if search_twins and self_trial == 0:
-        raise UserError("--search-twins: --self-trial 0 asks for no twins; leave one of them out")
+    figures = [one for one in dataset if is_figures_file(one)]
     if figures:
+        if len(dataset) > 1:
+            raise UserError(f"{figures[0]}: printed figures are diagnosed alone; leave the other inputs out")
+        if limits:
+            raise UserError(f"--next: {figures[0]} holds printed figures, not runs; leave it out")
+        if self_trial is not None or search_twins or workers:
+            raise UserError(
+                f"--self-trial: {figures[0]} holds printed figures, which have none; leave it out"
+            )
         _diagnose_figures(figures[0], boat, out, holdout, fit)
         return
     if fit:
         raise UserError(f"--fit: {given} holds runs, which have no groups; leave it out")
+    if workers and not search_twins:
+        raise UserError("--workers: only the searches of twins run in parallel; add --search-twins")
+    if search_twins and self_trial == 0:
+        raise UserError("--search-twins: --self-trial 0 asks for no twins; leave one of them out")
+    _diagnose_runs(dataset, boat, out, holdout, ignore or [], limits, self_trial, search_twins, workers)
+
+
+def _diagnose_runs(
+    dataset: list[Path],
+    boat: str,
+    out: Path,
+    holdout: Path | None,
+    ignore: list[str],
+    limits: "TrialLimits | None",
+    self_trial: int | None,
+    search_twins: bool,
+    workers: int | None,
+) -> None:
+    """`diagnose` on folders of measured runs."""
+    from swamp_rl.experiments.cli.progress import progress
 
     from swamp_rl.criticism.diagnose import diagnose as examine
     from swamp_rl.criticism.inference.self_trial import TWINS, Method
@@ -89,14 +113,14 @@ def diagnose(
     method: Method = "search" if search_twins else "linearised"
     each = partial(answers, workers=workers)
     with progress(LOG):
-        found = examine(dataset, boat, out, holdout, 0, ignore or [], twins, method, each, limits)
+        found = examine(dataset, boat, out, holdout, 0, ignore, twins, method, each, limits)
     for line in _lines_of(found, limits is not None):
         typer.echo(line)
     typer.echo(f"{out}: diagnosis.json, extended_boat.yaml, report.html ({found.elapsed_s:.0f} s)")
 
 
 def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
-    """What the terminal is told of a diagnosis of runs."""
+    """The lines that the terminal prints of a diagnosis of runs."""
     from swamp_rl.criticism.report.evidence import (
         carry_over_sentence,
         minor_sentence,
@@ -114,7 +138,7 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
         if said:
             yield f"  {said}"
     if found.verdict == "indistinguishable":
-        yield "  the one with the lowest chi2:"
+        yield "  the explanation with the lowest chi2:"
     for cause in found.causes:
         for where, parameters in parameter_sets(cause):
             numbers = ", ".join(_number(name, p) for name, p in parameters.items())
@@ -131,7 +155,7 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
     if found.next_trial:
         yield "  next trial: " + "\n    ".join(next_trial_sentences(found.next_trial))
     elif trial_asked:
-        yield "  next trial: none was designed; the lines above say why"
+        yield "  next trial: none was designed; see the lines above"
     if said := self_trial_sentence(found):
         yield f"  {said}"
     for left in found.leftover[:1]:
@@ -186,10 +210,10 @@ def _diagnose_figures(path: Path, boat: str, out: Path, holdout: Path | None, fi
             f"{stage.chi2_before:.1f} before, {stage.chi2_after:.1f} after"
         )
         for rival in stage.rivals:
-            apart = "told apart" if rival.told_apart else "not told apart"
+            apart = "distinguished" if rival.told_apart else "not distinguished"
             typer.echo(
-                f"    {apart} from {rival.effect} ({rival.evidence:.1f} less likely; chi2 of the figures "
-                f"that judge them {rival.of_the_first:.1f} against {rival.held_out_chi2:.1f})"
+                f"    {apart} from {rival.effect} (-2 log likelihood {rival.evidence:.1f} higher; chi2 of "
+                f"held-out figures {rival.of_the_first:.1f} against {rival.held_out_chi2:.1f})"
             )
     for cause in found.causes:
         on = f" {cause.thruster}" if cause.thruster else ""
@@ -207,7 +231,7 @@ def _diagnose_figures(path: Path, boat: str, out: Path, holdout: Path | None, fi
 
 
 def _number(name: str, found: "Estimate") -> str:
-    """A parameter as one reads it."""
+    """A parameter with unit and interval."""
     from swamp_rl.criticism.report.words import number_cells
 
     value, interval, unit = number_cells(found)
@@ -220,10 +244,10 @@ def disturbances(
     out: Annotated[Path, typer.Option(help="The .yaml file to write.")],
     among: Annotated[
         str | None,
-        typer.Option(help="A name in configs/disturbances, or a file, whose other effects are kept."),
+        typer.Option(help="A name in configs/disturbances, or a file, to which the effects are added."),
     ] = None,
 ) -> None:
-    """Write a diagnosis as disturbances, with its standard errors, to train pilots in."""
+    """Write a diagnosis, with its standard errors, as disturbances for training."""
     from swamp_rl.criticism.posterior import write_posterior
 
     level = write_posterior(diagnosis, out, among)

@@ -1,4 +1,4 @@
-"""`swamp-rl run`, `train` and `evaluate`: an experiment whole, its pilots alone, or what they are worth."""
+"""`swamp-rl run`, `train` and `evaluate`: a whole experiment, its training, or its evaluation."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,17 +8,21 @@ from swamp_rl.experiments.cli.options import seed_option
 
 ExperimentName = Annotated[
     str,
-    typer.Argument(help="A name in configs/experiments, a YAML file, or a folder of results to do again."),
+    typer.Argument(help="A name in configs/experiments, a YAML file, or a folder of results to repeat."),
 ]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the file, dotted; may be repeated."),
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Override a key of the file, as in evaluation.episodes=100; may be repeated.",
+    ),
 ]
 Out = Annotated[Path | None, typer.Option(help="Folder of results, in place of results/NAME.")]
 
 
 def run(experiment: ExperimentName, set_: Set = None, out: Out = None) -> None:
-    """Train, evaluate and report all that an experiment's YAML asks for."""
+    """Train, evaluate and report the pilots of an experiment's YAML file."""
     from swamp_rl.experiments.studies.run import run_experiment
 
     run_experiment(experiment, set_ or [], out)
@@ -28,7 +32,9 @@ def train(
     experiment: ExperimentName,
     only: Annotated[
         list[str] | None,
-        typer.Option(metavar="PILOT", help="Train this one and those it starts from; may be repeated."),
+        typer.Option(
+            metavar="PILOT", help="Train this pilot and those that it starts from; may be repeated."
+        ),
     ] = None,
     set_: Set = None,
     out: Out = None,
@@ -48,21 +54,22 @@ def evaluate(
         ),
     ],
     level: Annotated[
-        list[str] | None, typer.Option(help="A level of disturbance in place of the file's; may be repeated.")
+        list[str] | None, typer.Option(help="Disturbance level, in place of the file's; may be repeated.")
     ] = None,
     episodes: Annotated[
-        int | None, typer.Option(min=1, max=100_000, help="How many episodes at each level.")
+        int | None, typer.Option(min=1, max=100_000, help="Number of episodes at each level.")
     ] = None,
-    seed: Annotated[int | None, seed_option("Of the first episode.")] = None,
+    seed: Annotated[int | None, seed_option("Seed of the first episode.")] = None,
     experiment: Annotated[
-        str | None, typer.Option(help="Whose boat, course and levels; by default the first folder's.")
+        str | None,
+        typer.Option(help="Experiment that gives boat, course and levels; by default the first folder's."),
     ] = None,
     set_: Set = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder of results; by default FOLDER itself, or beside it.")
     ] = None,
 ) -> None:
-    """Evaluate and report pilots that are trained already, all in the same episodes."""
+    """Evaluate trained pilots, all in the same episodes, and report."""
     from swamp_rl.experiments.studies.stored import evaluate_folders
 
     asked = {"levels": level, "episodes": episodes, "seed": seed}

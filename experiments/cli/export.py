@@ -10,7 +10,7 @@ def export(
     pilot: Annotated[Path, typer.Argument(help="The folder of a pilot, such as results/camogli/pilots/ppo.")],
     out: Annotated[Path, typer.Option(help="The ONNX file to write.")] = Path("pilot.onnx"),
 ) -> None:
-    """Write a pilot's step as ONNX, and measure its difference from the step in NumPy and both times."""
+    """Write a pilot's step as ONNX; compare its actions and its run time with NumPy's."""
     import numpy as np
 
     from swamp_rl.errors import UserError
@@ -29,7 +29,7 @@ def export(
     write_onnx(loaded, out, about)
     rng = np.random.default_rng(0)
     difference = greatest_difference(loaded, out, rng)
-    typer.echo(f"{out}: greatest difference of a lever from the step in NumPy {difference:.1e}")
+    typer.echo(f"{out}: greatest difference of an action from NumPy's {difference:.1e}")
     exported = OnnxPilot(out)
     exported.reset(1)
     loaded.reset(1)
@@ -38,4 +38,4 @@ def export(
         step_microseconds(loaded.act, len(loaded.senses), rng),
         step_microseconds(lambda seen: exported.act(seen, first), len(exported.senses), rng),
     )
-    typer.echo(f"one boat's step: {times[0]:.0f} µs in NumPy, {times[1]:.0f} µs in onnxruntime")
+    typer.echo(f"one step of one boat: {times[0]:.0f} µs in NumPy, {times[1]:.0f} µs in onnxruntime")

@@ -1,4 +1,4 @@
-"""`swamp-rl fleet`: many datasets, each diagnosed apart, and what they have in common."""
+"""`swamp-rl fleet`: many datasets, each diagnosed by itself, and their common causes."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -11,18 +11,20 @@ from swamp_rl.experiments.cli.options import IgnoreOption, Ray, Workers
 
 def fleet(
     dataset: Annotated[
-        list[Path], typer.Argument(help="Folders of measured runs, each diagnosed apart from the others.")
+        list[Path], typer.Argument(help="Folders of measured runs, each diagnosed by itself.")
     ],
-    out: Annotated[Path, typer.Option(help="The folder to write, or one to go on with.")],
+    out: Annotated[Path, typer.Option(help="The folder to write, or one to resume.")],
     boat: Annotated[
         str | None,
-        typer.Option("--boat", help="Compare all with this name or file; by default each dataset's own."),
+        typer.Option(
+            "--boat", help="Boat file for all datasets, name or file; by default each dataset's own."
+        ),
     ] = None,
     ignore: IgnoreOption = None,
     workers: Workers = None,
     ray: Ray = None,
 ) -> None:
-    """Diagnose many boats; the same command again goes on where one was interrupted or killed."""
+    """Diagnose many boats; the same command resumes an interrupted one."""
     from swamp_rl.experiments.fleet import diagnose_fleet, members_of
 
     def tell(name: str, said: str) -> None:
@@ -39,7 +41,8 @@ def fleet(
     kept = sum(one.kept for one in found.findings)
     failed = sum(one.verdict is None for one in found.members)
     typer.echo(
-        f"{out}: fleet.json, fleet.html; {kept} of {len(found.findings)} causes kept, {failed} not diagnosed"
+        f"{out}: fleet.json, fleet.html; {kept} of {len(found.findings)} causes kept, "
+        f"{failed} of {len(found.members)} datasets not diagnosed"
     )
     if failed == len(found.members):
         raise typer.Exit(1)

@@ -10,15 +10,17 @@ from swamp_rl.experiments.cli.options import BoatOption, seed_option
 from swamp_rl.constants import DAY
 from swamp_rl.errors import UserError
 
-Out = Annotated[Path, typer.Option(help="The folder for the run; report, figure and JSON in its analysis.")]
+Out = Annotated[
+    Path, typer.Option(help="The folder of the run; report, figure and JSON go to its folder analysis.")
+]
 Level = Annotated[
     str | None, typer.Option("--disturbances", help="A name in configs/disturbances, or a file of them.")
 ]
-Current = Annotated[float, typer.Option(min=0.0, help="A steady current (m/s) besides.")]
-CurrentTo = Annotated[float, typer.Option(help="Where the current goes to (deg from north).")]
-Wind = Annotated[float, typer.Option(min=0.0, help="A steady wind (m/s) besides.")]
-WindFrom = Annotated[float, typer.Option(help="Where the wind comes from (deg from north).")]
-Seed = Annotated[int, seed_option("Of the disturbances and of the gusts.")]
+Current = Annotated[float, typer.Option(min=0.0, help="Additional steady current (m/s).")]
+CurrentTo = Annotated[float, typer.Option(help="Direction that the current sets to (deg from north).")]
+Wind = Annotated[float, typer.Option(min=0.0, help="Additional steady wind (m/s).")]
+WindFrom = Annotated[float, typer.Option(help="Direction that the wind comes from (deg from north).")]
+Seed = Annotated[int, seed_option("Seed of the disturbances and of the gusts.")]
 
 
 def _sea(current: float, current_to: float, wind: float, wind_from: float) -> list[dict[str, Any]]:
@@ -78,12 +80,12 @@ def follow_vehicle(
 def hold(
     out: Out,
     boat: BoatOption = "swamp",
-    duration: Annotated[float, typer.Option(min=10.0, max=DAY, help="How long (s).")] = 120.0,
+    duration: Annotated[float, typer.Option(min=10.0, max=DAY, help="Duration (s).")] = 120.0,
     heading: Annotated[
-        float | None, typer.Option(help="Of the bow (deg); that with the greatest margin by default.")
+        float | None, typer.Option(help="Heading (deg); by default that with the greatest margin.")
     ] = None,
     failed: Annotated[
-        list[str] | None, typer.Option(help="A thruster that is dead from the start; may be repeated.")
+        list[str] | None, typer.Option(help="A thruster that is out of service; may be repeated.")
     ] = None,
     disturbances: Level = None,
     current: Current = 0.0,
@@ -92,7 +94,7 @@ def hold(
     wind_from: WindFrom = 0.0,
     seed: Seed = 0,
 ) -> None:
-    """Keep station in current and wind, or say why it cannot be done."""
+    """Keep station in current and wind; report if the thrusters cannot."""
     from swamp_rl.experiments.reports.guidance import hold_station
 
     sea = _sea(current, current_to, wind, wind_from)
@@ -106,13 +108,13 @@ def capability(
     boat: Annotated[str, typer.Argument(metavar="BOAT", help="A name in configs/boats, or a boat file.")],
     out: Annotated[Path, typer.Option(help="The folder for the plot, its JSON and CSV.")],
     wind: Annotated[
-        float, typer.Option(min=0.0, max=60.0, help="That comes with every current (m/s).")
+        float, typer.Option(min=0.0, max=60.0, help="Wind that is present with every current (m/s).")
     ] = 0.0,
     current: Annotated[
-        float, typer.Option(min=0.0, max=20.0, help="That comes with every wind (m/s).")
+        float, typer.Option(min=0.0, max=20.0, help="Current that is present with every wind (m/s).")
     ] = 0.0,
     failed: Annotated[
-        list[str] | None, typer.Option(help="A thruster that is dead; may be repeated.")
+        list[str] | None, typer.Option(help="A thruster that is out of service; may be repeated.")
     ] = None,
 ) -> None:
     """Plot the strongest current and wind that a boat can hold from each direction."""

@@ -19,9 +19,14 @@ identify_app = typer.Typer(
 
 Folder = Annotated[Path, typer.Argument(help="A folder of runs.")]
 BoatOption = Annotated[
-    str | None, typer.Option("--boat", help="Another boat than the dataset's, or that of a plain folder.")
+    str | None,
+    typer.Option(
+        "--boat", help="Boat to use in place of the dataset's; needed for a folder without dataset.yaml."
+    ),
 ]
-Smooth = Annotated[float, typer.Option(min=0.0, max=3600.0, help="Span of a quadratic smoother, s; 0: none.")]
+Smooth = Annotated[
+    float, typer.Option(min=0.0, max=3600.0, help="Span of the quadratic smoother (s); 0: no smoothing.")
+]
 
 
 def _motion(folder: Path, name: str | None, smooth: float) -> tuple["Motion", "Boat"]:
@@ -52,9 +57,9 @@ def _print(found: Sequence[Line], dataset: Path) -> None:
             + f"; record {needed}"
             for needed in needs
         ]
-        raise UserError(f"{dataset}: the runs show none of it; {'; '.join(parts)}")
+        raise UserError(f"{dataset}: nothing can be identified; {'; '.join(parts)}")
     for line in found:
-        refused = f"{line.label:<5} not shown: {line.doubt}; record {line.needed}"
+        refused = f"{line.label:<5} not identifiable: {line.doubt}; record {line.needed}"
         typer.echo(f"{line.label:<5} {line.text}" if line.doubt is None else refused)
 
 
@@ -64,7 +69,10 @@ def yaw_model(
     boat: BoatOption = None,
     smooth: Smooth = 0.0,
     inertia: Annotated[
-        float | None, typer.Option(min=1e-6, max=1e9, help="I_r, kg m2; by default the boat file's.")
+        float | None,
+        typer.Option(
+            min=1e-6, max=1e9, help="Yaw moment of inertia I_r (kg m2); by default the boat file's."
+        ),
     ] = None,
 ) -> None:
     """k_r, c_ru, c_rv and b_r of the yaw model of paper 002, by pseudo-inverse and by rollout."""
@@ -86,13 +94,15 @@ def yaw_model(
     lines = []
     for name, one, other, why in zip(NAMES, estimates, rolled[:4], doubts, strict=True):
         between = f"95 % {one.low:.4g} to {one.high:.4g}"
-        text = f"{one.value:>9.4g} {one.unit:<8} {between:<30} by rollout {other:.4g}"
+        text = f"{one.value:>9.4g} {one.unit:<8} {between:<30} rollout {other:.4g}"
         lines.append(Line(name, text, why, NEEDED))
     _print(lines, dataset)
     pushing = motion.throttle[motion.throttle > 0.0]
     if len(pushing) and pushing.max() - pushing.min() > 0.05:
         low, high = pushing.min(), pushing.max()
-        typer.echo(f"note: throttles from {low:.2f} to {high:.2f}; b_r holds for one, give runs of one")
+        typer.echo(
+            f"note: throttles from {low:.2f} to {high:.2f}; b_r holds for one; use runs at one throttle"
+        )
 
 
 @identify_app.command()
@@ -133,7 +143,7 @@ def elementary(dataset: Folder, boat: BoatOption = None, smooth: Smooth = 0.0) -
 
 @identify_app.command("thrust-deduction")
 def thrust_deduction(dataset: Folder, boat: BoatOption = None) -> None:
-    """1 - t from the speed that each throttle reaches on straight runs (thesis eq. 7.3)."""
+    """Thrust deduction 1 - t from the steady speed at each throttle on straight runs (thesis eq. 7.3)."""
     from swamp_rl.identification.deduction import LEAST, SETTLE, deduction_points, paired, point_doubt
 
     needed = "straight runs of a steady speed, ahead and astern"

@@ -12,13 +12,13 @@ from swamp_rl.experiments.cli.options import IgnoreOption
 def identify_boat(
     dataset: Annotated[Path, typer.Argument(help="A folder of runs.")],
     boat: Annotated[str, typer.Option("--boat", help="The boat file to start from: a name or a file.")],
-    out: Annotated[
-        Path, typer.Option(help="The .yaml file to write; its report goes beside it, with the end .html.")
-    ],
+    out: Annotated[Path, typer.Option(help="The .yaml file to write; the report goes beside it as .html.")],
     holdout: Annotated[
-        Path | None, typer.Option(help="Runs that the errors are measured on; else every third run.")
+        Path | None, typer.Option(help="Runs held out to measure the errors; by default every third run.")
     ] = None,
-    positions: Annotated[bool, typer.Option("--positions", help="Also fit where the thrusters are.")] = False,
+    positions: Annotated[
+        bool, typer.Option("--positions", help="Also fit the positions of the thrusters.")
+    ] = False,
     ignore: IgnoreOption = None,
 ) -> None:
     """Fit a boat file's masses, damping, thrust and lags to runs, under priors, and write the boat file."""

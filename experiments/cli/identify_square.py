@@ -13,10 +13,10 @@ def waypoint_square(
     vehicle: Annotated[
         str, typer.Argument(metavar="VEHICLE", help="A name in configs/vehicles, or a vehicle file.")
     ],
-    out: Annotated[Path, typer.Option(help="The folder for the report, its figure and JSON.")],
-    seed: Annotated[int, seed_option("Of the sensors' noise.")] = 0,
+    out: Annotated[Path, typer.Option(help="The folder of the report, its figure and JSON.")],
+    seed: Annotated[int, seed_option("Seed of the sensors' noise.")] = 0,
 ) -> None:
-    """Sail a twin around a waypoint square, identify it from its own log, and replay the log."""
+    """Simulate a vehicle on a waypoint square, identify it from its own log, and replay the log."""
     from swamp_rl.experiments.reports.waypoint_square import write_square
 
     for line in write_square(out, vehicle, seed):

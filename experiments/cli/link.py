@@ -1,4 +1,4 @@
-"""`swamp-rl vehicle` and `swamp-rl helm`: a virtual vehicle on the network, and a pilot that drives one."""
+"""`swamp-rl vehicle` and `swamp-rl helm`: a virtual vehicle on the network, and a pilot that controls one."""
 
 import os
 from collections.abc import Mapping
@@ -11,7 +11,11 @@ from swamp_rl.experiments.cli.options import BoatOption, CourseOption, seed_opti
 from swamp_rl.experiments.cli.place import place_of
 
 if TYPE_CHECKING:
+    from swamp_rl.envs.aboard import Aboard
+
+    from swamp_rl.link.addresses import Addresses
     from swamp_rl.link.helm import Voyage
+    from swamp_rl.link.vehicle import Vehicle
 
 AddressOption = Annotated[
     str,
@@ -24,7 +28,7 @@ AddressOption = Annotated[
 OriginOption = Annotated[
     str | None,
     typer.Option(
-        metavar="LATITUDE,LONGITUDE", help="Of the course's north and east; by default off Camogli."
+        metavar="LATITUDE,LONGITUDE", help="Geographic origin of the course; by default off Camogli."
     ),
 ]
 
@@ -37,20 +41,25 @@ def vehicle(
         Path | None, typer.Option(help="A new file for its telemetry, for `runs import --from telemetry`.")
     ] = None,
     seconds: Annotated[
-        float | None, typer.Option(min=0.1, max=1e6, help="End after so long; else by Ctrl-C.")
+        float | None, typer.Option(min=0.1, max=1e6, help="Duration (s); by default until Ctrl-C.")
     ] = None,
     timeout: Annotated[
         float, typer.Option(min=0.0, help="Seconds without a command until a pump stops; inf: never.")
     ] = 1.0,
     steps_per_turn: Annotated[
         int | None,
-        typer.Option(min=1, max=10**8, help="Of its azimuths' encoders; 495411, as thesis table 5.5 has it."),
+        typer.Option(
+            min=1, max=10**8, help="Azimuth encoder counts per turn; by default 495411 (thesis table 5.5)."
+        ),
     ] = None,
-    noise: Annotated[bool, typer.Option("--noise", help="Of a plain GPS receiver and AHRS.")] = False,
-    seed: Annotated[int, seed_option("Of gusts and noise.")] = 0,
+    noise: Annotated[
+        bool,
+        typer.Option("--noise", help="Add the noise of a GPS receiver without corrections and of an AHRS."),
+    ] = False,
+    seed: Annotated[int, seed_option("Seed of gusts and noise.")] = 0,
     origin: OriginOption = None,
 ) -> None:
-    """Answer on the network as the boat does: the simulator behind thruster modules and sensors."""
+    """Simulate the boat's network interface: thruster modules and sensors."""
     import time
 
     import numpy as np
@@ -58,7 +67,6 @@ def vehicle(
     from swamp_rl.boat import load_boat
     from swamp_rl.course import fitted, load_course
     from swamp_rl.link.addresses import addresses
-    from swamp_rl.link.serve import endpoints, serve, telemetry_log
     from swamp_rl.link.vehicle import Conduct, Vehicle
     from swamp_rl.navigation.sensors import Sensors
     from swamp_rl.runs.thruster_telemetry import STEPS_PER_TURN
@@ -76,16 +84,23 @@ def vehicle(
     start = np.array([pose.north, pose.east, pose.heading])
     ends = addresses(address, len(known.thrusters))
     Vehicle(known, ends, start, conduct).advance(0.2)  # compiles what would halt the first second
-    served = Vehicle(known, ends, start, conduct)
-    with endpoints(served) as sockets, telemetry_log(log) as lines:
-        first, last = ends.modules[0], ends.modules[-1]
+    _serve(Vehicle(known, ends, start, conduct), log, seconds)
+
+
+def _serve(vehicle: "Vehicle", log: Path | None, seconds: float | None) -> None:
+    """Answer for `seconds` or until Ctrl-C; print the addresses, at the end what was ignored."""
+    from swamp_rl.link.serve import endpoints, serve, telemetry_log
+
+    with endpoints(vehicle) as sockets, telemetry_log(log) as lines:
+        modules, recipient = vehicle.addresses.modules, vehicle.addresses.recipient
+        first, last = modules[0], modules[-1]
         typer.echo(
-            f"{known.name}: modules at {first[0]}:{first[1]} to {last[0]}:{last[1]}, telemetry to "
-            f"{ends.recipient[0]}:{ends.recipient[1]}; Ctrl-C ends it"
+            f"{vehicle.boat.name}: modules at {first[0]}:{first[1]} to {last[0]}:{last[1]}, telemetry to "
+            f"{recipient[0]}:{recipient[1]}; Ctrl-C ends it"
         )
         with suppress(KeyboardInterrupt, SystemExit):  # how a vehicle is switched off
-            serve(served, sockets, lines, lambda: seconds is not None and served.time >= seconds)
-    typer.echo(f"{served.time:.1f} s; ignored: {_counted(served.ignored)}")
+            serve(vehicle, sockets, lines, lambda: seconds is not None and vehicle.time >= seconds)
+    typer.echo(f"{vehicle.time:.1f} s; ignored: {_counted(vehicle.ignored)}")
 
 
 def helm(
@@ -102,30 +117,28 @@ def helm(
     ] = "127.0.0.0/24",
     boat: BoatOption = "swamp",
     course: CourseOption = "camogli",
-    log: Annotated[Path | None, typer.Option(help="A new dataset of what was sensed and commanded.")] = None,
+    log: Annotated[Path | None, typer.Option(help="A new dataset of measurements and commands.")] = None,
     seconds: Annotated[
-        float | None, typer.Option(min=0.1, max=1e6, help="End after so long, if the course has not ended.")
+        float | None,
+        typer.Option(min=0.1, max=1e6, help="Longest duration (s); by default until the course ends."),
     ] = None,
     priority: Annotated[
         bool,
         typer.Option(
-            "--priority", help="Ask the system for real-time scheduling, which it may reserve for root."
+            "--priority", help="Request real-time scheduling, for which the system may require root."
         ),
     ] = False,
     origin: OriginOption = None,
 ) -> None:
-    """Let a pilot drive whatever answers at an address, at 10 Hz, until its course has ended."""
-    import math
-    import time
-
+    """Let a pilot control the vehicle at an address, at 10 Hz, until the course ends."""
     import numpy as np
     from swamp_rl.envs.aboard import Aboard
 
     from swamp_rl.boat import load_boat
-    from swamp_rl.link import helm as driving
     from swamp_rl.link.addresses import addresses
+    from swamp_rl.link.helm import PATIENCE
     from swamp_rl.link.priority import schedule_in_real_time
-    from swamp_rl.link.socket_link import no_answer, socket_link
+    from swamp_rl.link.socket_link import no_answer
     from swamp_rl.link.vehicle import refuse_other_thrusters
     from swamp_rl.pilots.arguments import asked_pilot, opened
 
@@ -138,23 +151,35 @@ def helm(
     bridge = Aboard(opened(asked), boat=known, course=course)
     bridge.decide(0.0, np.zeros(6))  # compiles what would delay the first command
     bridge.begin()
-    voyage = driving.Voyage()
     if priority:
         schedule_in_real_time()
-    with socket_link(ends) as line:
-        try:
-            driving.helm(
-                line, bridge, len(known.thrusters), time.monotonic, seconds or math.inf, place, voyage
-            )
-        except (KeyboardInterrupt, SystemExit):
-            voyage.outcome = "interrupted"
+    voyage = _drive(bridge, ends, len(known.thrusters), seconds, place)
     if voyage.outcome is None and not voyage.rows:
-        raise no_answer(ends, driving.PATIENCE)
+        raise no_answer(ends, PATIENCE)
     _report(voyage)
     if log is not None:
         _write_log(log, voyage, boat, course, asked.kind)
     if voyage.outcome is None:
-        raise no_answer(ends, driving.PATIENCE)
+        raise no_answer(ends, PATIENCE)
+
+
+def _drive(
+    bridge: "Aboard", ends: "Addresses", thrusters: int, seconds: float | None, place: tuple[float, float]
+) -> "Voyage":
+    """The voyage until its course has ended, `seconds` are over, the telemetry is lost, or Ctrl-C."""
+    import math
+    import time
+
+    from swamp_rl.link.helm import Voyage, helm
+    from swamp_rl.link.socket_link import socket_link
+
+    voyage = Voyage()
+    with socket_link(ends) as line:
+        try:
+            helm(line, bridge, thrusters, time.monotonic, seconds or math.inf, place, voyage)
+        except (KeyboardInterrupt, SystemExit):
+            voyage.outcome = "interrupted"
+    return voyage
 
 
 def _refuse_log(log: Path) -> None:
@@ -173,7 +198,7 @@ def _report(voyage: "Voyage") -> None:
 
     late = {name: f"{1e3 * value:.3g} ms" for name, value in lateness_figures(voyage).items()}
     typer.echo(
-        f"{voyage.outcome or 'the link fell silent'} after {len(voyage.lateness)} commands; late by "
+        f"{voyage.outcome or 'telemetry lost'} after {len(voyage.lateness)} commands; lateness "
         f"{late['mean']} on average, {late['p99']} at the 99th percentile, {late['max']} at most"
     )
     typer.echo(

@@ -1,4 +1,4 @@
-"""`swamp-rl mission`: legs flown in simulation, with power, current and charge."""
+"""`swamp-rl mission`: simulated mission legs, with power, current and charge."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,16 +8,16 @@ import typer
 
 def mission(
     file: Annotated[str, typer.Argument(help="A name in configs/missions, or a mission file.")],
-    boat: Annotated[str | None, typer.Option("--boat", help="Another boat than the mission's.")] = None,
+    boat: Annotated[str | None, typer.Option("--boat", help="Boat to use in place of the mission's.")] = None,
     out: Annotated[
         Path | None, typer.Option(help="The folder for the report, its figure and data; none by default.")
     ] = None,
     even_if_empty: Annotated[
         bool,
-        typer.Option("--even-if-empty", help="Fly on below the reserve, until a pack is empty."),
+        typer.Option("--even-if-empty", help="Continue below the reserve, until a pack is empty."),
     ] = False,
 ) -> None:
-    """Fly a mission's legs; power, current and charge of each battery pack, and the range left."""
+    """Simulate a mission's legs; power, current and charge of each battery pack, remaining range."""
     from swamp_rl.experiments.reports.mission import lines, write_mission
 
     from swamp_rl.boat import load_boat

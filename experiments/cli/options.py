@@ -8,7 +8,7 @@ BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats
 CourseOption = Annotated[str, typer.Option("--course", help="A name in configs/courses, or a course file.")]
 IgnoreOption = Annotated[
     list[str] | None,
-    typer.Option("--ignore", help="Leave out what the runs measured: wind or depth; may be repeated."),
+    typer.Option("--ignore", help="Ignore a measured quantity, wind or depth; may be repeated."),
 ]
 Workers = Annotated[
     int | None,
@@ -16,10 +16,12 @@ Workers = Annotated[
 ]
 Ray = Annotated[
     str | None,
-    typer.Option("--ray", metavar="ADDRESS", help="Use the Ray cluster there, such as 127.0.0.1:6379."),
+    typer.Option(
+        "--ray", metavar="ADDRESS", help="Use the Ray cluster at this address, such as 127.0.0.1:6379."
+    ),
 ]
 
 
-def seed_option(of: str) -> Any:
-    """The option of a seed; of: what it is a seed of, for the help."""
-    return typer.Option(min=0, max=2**31 - 1, help=of)
+def seed_option(help: str) -> Any:
+    """The option of a seed; help: its help text."""
+    return typer.Option(min=0, max=2**31 - 1, help=help)

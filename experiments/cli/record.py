@@ -2,7 +2,7 @@
 
 import logging
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -23,18 +23,18 @@ LEVELS = ("calm", "standard", "severe")
 
 
 def record(
-    out: Annotated[Path, typer.Option(help="The folder of runs, new or one to go on with.")],
+    out: Annotated[Path, typer.Option(help="The folder of runs, new or to be continued.")],
     course: CourseOption = "camogli",
     boat: Annotated[
         list[str] | None,
         typer.Option(
             "--boat",
-            help="A name in configs/boats, or a boat file; may be repeated, to choose from. By default "
-            f"{' and '.join(BOATS)}, with --link {BOATS[0]}. OUT is the first one's, OUT/BOAT another's.",
+            help="A name in configs/boats, or a boat file; may be repeated, to offer a choice. By default "
+            f"{' and '.join(BOATS)}, with --link {BOATS[0]}. Runs of the first go to OUT, others to OUT/BOAT.",
         ),
     ] = None,
     disturbances: Annotated[
-        str, typer.Option(help="The first level: a name in configs/disturbances, or a file.")
+        str, typer.Option(help="Initial disturbance level: a name in configs/disturbances, or a file.")
     ] = "calm",
     pilot: Annotated[
         list[str] | None,
@@ -45,13 +45,13 @@ def record(
             "repeated.",
         ),
     ] = None,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any free one.")] = 8000,
-    host: Annotated[str, typer.Option(help="Another address lets others connect, and needs --token.")] = (
-        "127.0.0.1"
-    ),
-    token: Annotated[str | None, typer.Option(help="A word that all who connect must know.")] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="TCP port; 0: any free one.")] = 8000,
+    host: Annotated[
+        str, typer.Option(help="Address to listen on; one that other machines reach needs --token.")
+    ] = ("127.0.0.1"),
+    token: Annotated[str | None, typer.Option(help="Password that the page asks for.")] = None,
     scripted: Annotated[
-        bool, typer.Option("--scripted", help="A programme drives the page: the runs are not human.")
+        bool, typer.Option("--scripted", help="Mark the runs as scripted: a program operates the page.")
     ] = False,
     link: Annotated[
         str | None,
@@ -86,15 +86,11 @@ def record(
     asked_for = [asked_pilot(text) for text in pilot or []]
     names = _names(one.folder or Path(one.name) for one in asked_for)
     pilots = dict(zip(names, map(opened, asked_for), strict=True))
-    # Refuses what cannot be sailed, or does not answer, before anything is written.
     with ExitStack() as stack:
-        berths: dict[str, Berth] = {}
-        for name, asked in zip(_names(map(Path, boats)), boats, strict=True):
-            if link is not None:
-                answering = _vehicle(out, asked, course, source, link, origin)
-                berths[name] = stack.enter_context(answering)
-            else:
-                berths[name] = _berth(out / name if berths else out, asked, course, disturbances, source)
+        if link is None:
+            berths = _berths(out, boats, course, disturbances, source)
+        else:
+            berths = {boats[0]: stack.enter_context(_vehicle(out, boats[0], course, source, link, origin))}
         listening = bound(host, port)  # before the session opens the folder of runs
         lookout = Lookout(RTK if link is None else None)  # telemetry has the noise of its sensors
         session = Session(berths, np.random.default_rng(), pilots, lookout=lookout)
@@ -164,6 +160,17 @@ def _vehicle(
             stop(line, len(known.thrusters))
 
 
+def _berths(
+    out: Path, boats: Sequence[str], course: str, disturbances: str, source: str
+) -> "dict[str, Berth]":
+    """By name, the first in `out` and others in folders of it; what cannot be sailed is refused before
+    anything is written."""
+    berths: dict[str, Berth] = {}
+    for name, asked in zip(_names(map(Path, boats)), boats, strict=True):
+        berths[name] = _berth(out / name if berths else out, asked, course, disturbances, source)
+    return berths
+
+
 def _berth(folder: Path, boat: str, course: str, disturbances: str, source: str) -> "Berth":
     """UserError where the boat does not fit the course or the first level."""
     from swamp_rl.envs.single import GatesEnv
@@ -177,7 +184,7 @@ def _berth(folder: Path, boat: str, course: str, disturbances: str, source: str)
 
     make_craft(disturbances, ("north",))
     levels = [disturbances, *(name for name in LEVELS if name != disturbances and _fits(make_craft, name))]
-    by = " by a programme" if source == "scripted" else ""
+    by = " by a program" if source == "scripted" else ""
     meta = _meta(boat, course, source, f"Driven from the recorder's page{by}.")
     return Berth(make_craft, tuple(levels), lambda: Recordings(folder, meta, typer.echo))
 

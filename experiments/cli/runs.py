@@ -1,15 +1,15 @@
-"""`swamp-rl runs`: whether a folder of recorded runs is right, and what it holds."""
+"""`swamp-rl runs`: check and summarise a folder of recorded runs."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-runs_app = typer.Typer(help="Check and look at recorded runs.", no_args_is_help=True)
+runs_app = typer.Typer(help="Check, show, import and export recorded runs.", no_args_is_help=True)
 
 Folder = Annotated[Path, typer.Argument(help="A folder of runs.")]
 BoatOption = Annotated[
-    str | None, typer.Option("--boat", help="Whose runs they are, where no dataset.yaml says it.")
+    str | None, typer.Option("--boat", help="Boat of the runs, where no dataset.yaml names it.")
 ]
 
 
@@ -26,7 +26,7 @@ def boat_for(folder: Path, boat: str | None) -> str | None:
 
 @runs_app.command()
 def check(folder: Folder, boat: BoatOption = None) -> None:
-    """Name every fault by file, row and column; exits with 1 if there is any."""
+    """List every fault by file, row and column; exit code 1 if there is any."""
     from swamp_rl.runs import inspect_dataset
 
     found = inspect_dataset(folder, boat_for(folder, boat))
@@ -48,7 +48,7 @@ def check(folder: Folder, boat: BoatOption = None) -> None:
 def show(
     folder: Folder,
     out: Annotated[
-        Path | None, typer.Option(help="The PNG of the tracks; by default results/FOLDER-tracks.png.")
+        Path | None, typer.Option(help="PNG file of the tracks; by default results/FOLDER-tracks.png.")
     ] = None,
     boat: BoatOption = None,
 ) -> None:

@@ -1,4 +1,4 @@
-"""`swamp-rl runs doctor`: what is odd about recorded runs before anyone rests on them."""
+"""`swamp-rl runs doctor`: plausibility checks of recorded runs before they are used."""
 
 from typing import Annotated
 
@@ -12,7 +12,7 @@ def doctor(
     boat: BoatOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
 ) -> None:
-    """Say what is odd: exchanged, flipped, stuck, filtered columns, units, times, latency; 1 if a fault."""
+    """Find swapped, inverted, stuck or filtered columns, wrong units, times, latency; exit code 1 if any."""
     import json
 
     from swamp_rl.doctor.examine import examine
@@ -41,7 +41,9 @@ def doctor(
         if len(records.faults) > 20:
             typer.echo(f"format: and {len(records.faults) - 20} more (swamp-rl runs check {folder})")
         without = (
-            "" if records.boat else "; no boat is known: commands were judged by their names (--boat NAME)"
+            ""
+            if records.boat
+            else "; no boat is known: commands were recognised by their names (--boat NAME)"
         )
         counted = f"{faults} fault{'s' * (faults != 1)}, {len(found) - faults} notes"
         typer.echo(f"{folder} ({records.layout}): {len(records.runs)} runs, {rows} rows, {counted}{without}")

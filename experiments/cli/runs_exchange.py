@@ -1,4 +1,4 @@
-"""`swamp-rl runs import` and `runs export`: datasets from and for the programmes of others."""
+"""`swamp-rl runs import` and `runs export`: datasets from and for other programs."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, cast
@@ -13,11 +13,9 @@ if TYPE_CHECKING:
     from swamp_rl.runs.schema import RunMeta
 
 Rate = Annotated[
-    float | None, typer.Option(min=1e-3, max=1e6, help="Rows a second, where there are no times to use.")
+    float | None, typer.Option(min=1e-3, max=1e6, help="Sample rate (Hz) of files without times.")
 ]
-Resample = Annotated[
-    float | None, typer.Option(min=1e-3, max=1e6, help="Rows a second to make of uneven ones.")
-]
+Resample = Annotated[float | None, typer.Option(min=1e-3, max=1e6, help="Resample to this rate (Hz).")]
 
 
 @runs_app.command("import")
@@ -25,72 +23,79 @@ def import_(
     sources: Annotated[list[Path], typer.Argument(help="Files, or folders of them.")],
     from_: Annotated[
         Literal["csv", "parquet", "mcap", "telemetry", "free-running", "dataflash", "ulog", "rosbag"] | None,
-        typer.Option("--from", help="What they are; by default as their suffix tells."),
+        typer.Option("--from", help="Format; by default by the suffix."),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="The new dataset.")] = None,
-    boat: Annotated[str | None, typer.Option(help="Whose runs they are; by default swamp.")] = None,
+    boat: Annotated[str | None, typer.Option(help="Boat of the runs; by default swamp.")] = None,
     source: Annotated[
         Literal["measured", "simulated", "human", "scripted", "learned"] | None,
-        typer.Option(help="Who or what made them; by default measured."),
+        typer.Option(help="Origin of the runs; by default measured."),
     ] = None,
     course: Annotated[str | None, typer.Option(help="A name in configs/courses, or a file.")] = None,
-    notes: Annotated[str | None, typer.Option(help="Kept in dataset.yaml.")] = None,
+    notes: Annotated[str | None, typer.Option(help="Remarks for dataset.yaml.")] = None,
     outcome: Annotated[
         Literal["success", "failed", "auto"] | None,
-        typer.Option(help="How the runs ended; auto, and the default with --course: by the course."),
+        typer.Option(help="Outcome of the runs; auto (default with --course): by the course."),
     ] = None,
     group: Annotated[str | None, typer.Option(help="Day or place of runs that share their weather.")] = None,
     column: Annotated[
-        list[str] | None, typer.Option(metavar="OUR=THEIRS", help="What a column is called there.")
+        list[str] | None, typer.Option(metavar="OUR=THEIRS", help="Column name in the source.")
     ] = None,
     degrees: Annotated[
-        list[str] | None, typer.Option(metavar="OUR", help="A column in degrees there.")
+        list[str] | None, typer.Option(metavar="OUR", help="A column that is in degrees in the source.")
     ] = None,
     unit: Annotated[
         list[str] | None,
-        typer.Option(metavar="OUR=UNIT", help="A column in deg, deg/s, kn, km/h, km, cm, ms, rpm, percent …"),
+        typer.Option(
+            metavar="OUR=UNIT",
+            help="Unit of a column in the source: deg, deg/s, kn, km/h, km, cm, ms, rpm, percent …",
+        ),
     ] = None,
     drop: Annotated[list[str] | None, typer.Option(metavar="THEIRS", help="A column to leave out.")] = None,
     rate: Rate = None,
     resample: Resample = None,
     origin: Annotated[
         str | None,
-        typer.Option(metavar="LATITUDE,LONGITUDE", help="Of north and east; by default the first place."),
+        typer.Option(
+            metavar="LATITUDE,LONGITUDE", help="Origin of north and east; by default the first position."
+        ),
     ] = None,
-    topic: Annotated[str | None, typer.Option(help="Of an MCAP file with several.")] = None,
-    sender: Annotated[int | None, typer.Option(help="Of telemetry of several hulls.")] = None,
+    topic: Annotated[str | None, typer.Option(help="Topic of an MCAP file with several.")] = None,
+    sender: Annotated[int | None, typer.Option(help="Sender, in telemetry of several hulls.")] = None,
     repair: Annotated[
-        bool, typer.Option("--repair", help="End a free-running test before its first hole.")
+        bool, typer.Option("--repair", help="Truncate a free-running test at its first gap.")
     ] = False,
     map_: Annotated[
         list[str] | None,
         typer.Option(
-            "--map", metavar="OUR=EXPRESSION", help="A column from those there, or a .yaml of them."
+            "--map",
+            metavar="OUR=EXPRESSION",
+            help="A column as an expression of source columns, or a .yaml file of such.",
         ),
     ] = None,
     frame: Annotated[
         Literal["ned", "enu"] | None,
-        typer.Option(help="Of x, y, yaw, vx, vy, u, v, r; by default ned, of ROS enu."),
+        typer.Option(help="Frame of x, y, yaw, vx, vy, u, v, r; by default ned, of ROS enu."),
     ] = None,
     clock: Annotated[
         list[str] | None,
-        typer.Option(metavar="A~B", help="One quantity of two tables: shift the clock of the second."),
+        typer.Option(metavar="A~B", help="The same quantity in two tables, to align the second's clock."),
     ] = None,
     join: Annotated[
-        str | None, typer.Option(metavar="NAME", help="The files are tables of one run of this name.")
+        str | None, typer.Option(metavar="NAME", help="Join the files as tables of one run of this name.")
     ] = None,
     bad_rows: Annotated[
         Literal["refuse", "cut", "split"],
-        typer.Option(help="Refuse the file, keep the longest stretch without them, or keep all stretches."),
+        typer.Option(
+            help="Invalid rows: refuse the file, keep the longest valid stretch, or keep all valid stretches."
+        ),
     ] = "refuse",
-    list_: Annotated[
-        bool, typer.Option("--list", help="Print tables, rates and fields, to write a mapping; nothing else.")
-    ] = False,
+    list_: Annotated[bool, typer.Option("--list", help="Only print tables, rates and fields.")] = False,
     fill: Annotated[
-        float, typer.Option(min=0.0, max=60.0, help="Seconds without rows that --resample interpolates.")
+        float, typer.Option(min=0.0, max=60.0, help="Longest gap (s) that --resample interpolates.")
     ] = 0.0,
 ) -> None:
-    """Make a dataset of the logs of a boat: tables, messages, telemetry, free-running tests."""
+    """Convert logs to a dataset: tables, messages, telemetry, free-running tests."""
     from swamp_rl.logs.import_logs import BINARY, Reading, import_logs
     from swamp_rl.logs.mapping import mapping_of
     from swamp_rl.runs.import_dataset import About, Kind, import_runs, kind_of
@@ -115,7 +120,9 @@ def import_(
         raise UserError("--out: the new dataset has no name; give one, or --list")
     if kind in BINARY or map_ or frame or clock or join:
         if wishes.renamed or wishes.dropped or wishes.rate:
-            raise UserError("--column, --drop, --rate: a mapping says it all; give --map OUR=THEIRS")
+            raise UserError(
+                "--column, --drop, --rate: a mapping replaces these options; give --map OUR=THEIRS"
+            )
         reading = Reading(mapping_of(map_ or [], frame, clock or []), join)
         made = import_logs(sources, kind, out, about, wishes, reading)
     else:
@@ -139,7 +146,7 @@ def _list(sources: list[Path], kind: str) -> None:
 
 
 def _tell(run: "RunMeta") -> None:
-    """What was done to the rows of an imported run."""
+    """Print how the rows of an imported run were changed."""
     told = run.model_extra or {}
     for key in ("times", "joined", "clocks", "resampled", "commands", "not_imported"):
         if key in told:
@@ -167,7 +174,9 @@ def _pairs(option: str, given: list[str] | None) -> dict[str, str]:
     for word in given or ():
         ours, equals, theirs = word.partition("=")
         if not (ours and equals and theirs) or ours in found:
-            raise UserError(f"{option} {word}: give each of our names once, as in {option} heading=psi")
+            raise UserError(
+                f"{option} {word}: give each of our column names once, as in {option} heading=psi"
+            )
         found[ours] = theirs
     return found
 

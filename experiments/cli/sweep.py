@@ -14,14 +14,14 @@ def sweep(
         typer.Option(
             "--set",
             metavar="KEY=VALUE",
-            help="Override a key of the experiment, the same in every trial; may be repeated.",
+            help="Override a key of the experiment in every trial; may be repeated.",
         ),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder, in place of results/sweeps/NAME.")] = None,
     workers: Workers = None,
     ray: Ray = None,
 ) -> None:
-    """Try every trial of a sweep; the same command again goes on where one was interrupted or killed."""
+    """Run every trial of a sweep; the same command resumes an interrupted one."""
     from swamp_rl.experiments.sweep.run import run_sweep
     from swamp_rl.experiments.sweep.store import Trial
 

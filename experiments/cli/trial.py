@@ -8,17 +8,19 @@ from swamp_rl.experiments.cli.options import BoatOption, seed_option
 
 trial_app = typer.Typer(help="Automatic ITTC manoeuvres and their analysis.", no_args_is_help=True)
 
-Out = Annotated[Path, typer.Option(help="The folder for the runs; their figures go to its folder analysis.")]
-Throttle = Annotated[list[float], typer.Option(help="Share of full throttle, up to 1; may be repeated.")]
+Out = Annotated[
+    Path, typer.Option(help="The folder of the runs; their analysis goes to its folder analysis.")
+]
+Throttle = Annotated[list[float], typer.Option(help="Throttle, 0 to 1; may be repeated.")]
 Angle = Annotated[
-    list[float], typer.Option(help="Steering angle (deg), + first to starboard; may be repeated.")
+    list[float], typer.Option(help="Steering angle (deg), positive: first to starboard; may be repeated.")
 ]
 Pattern = Annotated[
-    str, typer.Option(help="What azimuth thrusters do: opposed (bow +, stern -), bow alone, or parallel.")
+    str, typer.Option(help="Azimuth thrusters: opposed (bow +, stern -), bow (bow alone) or parallel.")
 ]
-StartSpeed = Annotated[float | None, typer.Option(help="Speed (m/s) that the approach is to reach.")]
-Direction = Annotated[float, typer.Option(help="Course (deg) on which the trials begin.")]
-Seed = Annotated[int, seed_option("Of the wind's gusts.")]
+StartSpeed = Annotated[float | None, typer.Option(help="Approach speed (m/s).")]
+Direction = Annotated[float, typer.Option(help="Approach course (deg).")]
+Seed = Annotated[int, seed_option("Seed of the wind's gusts.")]
 
 
 def _carry_out(out: Path, boat: str, direction: float, seed: int, entry: dict[str, Any]) -> None:
@@ -58,14 +60,14 @@ def turning_circle(
     angle: Angle,
     throttle: Throttle,
     boat: BoatOption = "swamp",
-    turns: Annotated[int, typer.Option(help="Full turns; the second half counts as steady.")] = 6,
-    duration: Annotated[float, typer.Option(help="Of the pull-out (s).")] = 30.0,
+    turns: Annotated[int, typer.Option(help="Number of full turns; the second half counts as steady.")] = 6,
+    duration: Annotated[float, typer.Option(help="Duration of the pull-out (s).")] = 30.0,
     pattern: Pattern = "opposed",
     start_speed: StartSpeed = None,
     direction: Direction = 0.0,
     seed: Seed = 0,
 ) -> None:
-    """Full turns at an angle, then a pull-out."""
+    """Turning circles at a steering angle, then a pull-out."""
     entry = {"manoeuvre": "turning-circle", "angle_deg": angle, "throttle": throttle, "turns": turns}
     more = {"duration_s": duration, "pattern": pattern, "start_speed": start_speed}
     _carry_out(out, boat, direction, seed, entry | more)
@@ -78,18 +80,16 @@ def zig_zag(
     throttle: Throttle,
     heading: Annotated[
         list[float] | None,
-        typer.Option(help="Where to reverse (deg), one for each angle; the angle itself by default."),
+        typer.Option(help="Execute heading (deg), one for each angle; by default the angle itself."),
     ] = None,
     boat: BoatOption = "swamp",
-    executes: Annotated[
-        int, typer.Option(help="How often the steering is laid, the first time included.")
-    ] = 6,
+    executes: Annotated[int, typer.Option(help="Number of executes, the first included.")] = 6,
     pattern: Pattern = "opposed",
     start_speed: StartSpeed = None,
     direction: Direction = 0.0,
     seed: Seed = 0,
 ) -> None:
-    """Steering laid over whenever the heading has gone far enough; --heading 1 makes it the modified one."""
+    """Zig-zag test; with --heading 1 the modified (very small) zig-zag."""
     entry = {"manoeuvre": "zig-zag", "angle_deg": angle, "heading_deg": heading or None, "throttle": throttle}
     more = {"executes": executes, "pattern": pattern, "start_speed": start_speed}
     _carry_out(out, boat, direction, seed, entry | more)
@@ -124,13 +124,13 @@ def pull_out(
     angle: Angle,
     throttle: Throttle,
     boat: BoatOption = "swamp",
-    duration: Annotated[float, typer.Option(help="Of each pull-out (s).")] = 30.0,
+    duration: Annotated[float, typer.Option(help="Duration of each pull-out (s).")] = 30.0,
     pattern: Pattern = "opposed",
     start_speed: StartSpeed = None,
     direction: Direction = 0.0,
     seed: Seed = 0,
 ) -> None:
-    """Steady turns to either side, each followed by the steering amidships."""
+    """Steady turns to either side, each followed by steering amidships."""
     entry = {"manoeuvre": "pull-out", "angle_deg": angle, "throttle": throttle, "duration_s": duration}
     _carry_out(out, boat, direction, seed, entry | {"pattern": pattern, "start_speed": start_speed})
 
@@ -140,12 +140,12 @@ def stopping(
     out: Out,
     throttle: Throttle,
     boat: BoatOption = "swamp",
-    astern_throttle: Annotated[float, typer.Option(help="Share of full throttle astern.")] = 1.0,
+    astern_throttle: Annotated[float, typer.Option(help="Astern throttle, 0 to 1.")] = 1.0,
     start_speed: StartSpeed = None,
     direction: Direction = 0.0,
     seed: Seed = 0,
 ) -> None:
-    """Astern from steady running until the boat has no way on."""
+    """Stopping test: full astern from steady speed until the boat is dead in the water."""
     entry = {"manoeuvre": "stopping", "throttle": throttle, "astern_throttle": astern_throttle}
     _carry_out(out, boat, direction, seed, entry | {"start_speed": start_speed})
 
@@ -156,13 +156,13 @@ def straight(
     throttle: Throttle,
     astern: Annotated[bool, typer.Option("--astern", help="Run astern instead.")] = False,
     boat: BoatOption = "swamp",
-    duration: Annotated[float, typer.Option(help="Of the measured part (s).")] = 30.0,
+    duration: Annotated[float, typer.Option(help="Duration of the measured part (s).")] = 30.0,
     pattern: Pattern = "opposed",
     start_speed: StartSpeed = None,
     direction: Direction = 0.0,
     seed: Seed = 0,
 ) -> None:
-    """Speed at each throttle, the heading held."""
+    """Speed trial: steady speed at each throttle on a constant heading."""
     entry = {"manoeuvre": "straight", "throttle": throttle, "astern": astern, "duration_s": duration}
     _carry_out(out, boat, direction, seed, entry | {"pattern": pattern, "start_speed": start_speed})
 
@@ -171,9 +171,9 @@ def straight(
 def plan(
     file: Annotated[str, typer.Argument(help="A name in configs/trials, or a plan file.")],
     out: Out,
-    boat: Annotated[str | None, typer.Option("--boat", help="Another boat than the plan's.")] = None,
+    boat: Annotated[str | None, typer.Option("--boat", help="Boat to use in place of the plan's.")] = None,
 ) -> None:
-    """Every trial of a plan file."""
+    """Execute every manoeuvre of a plan file."""
     from swamp_rl.manoeuvres.plan import load_plan
 
     asked = load_plan(file)
@@ -184,12 +184,12 @@ def plan(
 def commands(
     file: Annotated[
         list[Path],
-        typer.Argument(help="Runs (.csv or .parquet) whose commands are sailed, as next_trial.csv."),
+        typer.Argument(help="Runs (.csv or .parquet) whose commands are executed, such as next_trial.csv."),
     ],
     out: Annotated[Path, typer.Option(help="The folder for the runs.")],
     boat: BoatOption = "swamp",
 ) -> None:
-    """Commands of a file, as `diagnose --next` writes them, from the file's first state."""
+    """Execute the commands of a file, such as that of `diagnose --next`, from its first state."""
     from swamp_rl.manoeuvres.commands import record_commands
 
     for run in record_commands(out, boat, file):
@@ -204,10 +204,13 @@ def analyse(
         Path | None, typer.Option(help="The folder to write, DATASET/analysis by default.")
     ] = None,
     boat: Annotated[
-        str | None, typer.Option("--boat", help="Another boat than the dataset's, or that of a plain folder.")
+        str | None,
+        typer.Option(
+            "--boat", help="Boat to use in place of the dataset's; needed for a folder without dataset.yaml."
+        ),
     ] = None,
 ) -> None:
-    """Figures of recorded trials, measured or simulated."""
+    """Analyse recorded manoeuvres, measured or simulated."""
     from swamp_rl.experiments.reports.trials import analyse_trials
 
     _say(*analyse_trials(dataset, out, boat))

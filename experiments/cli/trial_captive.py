@@ -1,4 +1,4 @@
-"""`swamp-rl trial bollard` and `trial towed`: captive trials, the forces at an imposed speed."""
+"""`swamp-rl trial bollard` and `trial towed`: captive tests, the forces at an imposed speed."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,19 +10,21 @@ from swamp_rl.experiments.cli.trial import trial_app
 
 SWEEP = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
 
-Out = Annotated[Path, typer.Option(help="The folder for captive.csv; the figures go to its folder analysis.")]
+Out = Annotated[
+    Path, typer.Option(help="The folder of captive.csv; the analysis goes to its folder analysis.")
+]
 Sweep = Annotated[
     list[float] | None,
-    typer.Option("--throttle", help="Share of full throttle, 0 to 1; may be repeated. 0.1 to 1 by default."),
+    typer.Option("--throttle", help="Throttle, 0 to 1; may be repeated. By default 0.1 to 1."),
 ]
 Jets = Annotated[
     list[str] | None,
     typer.Option(
-        help="Which thrusters run: names as bs,bp, or how many of the boat file's first; may be repeated."
+        help="Running thrusters: names such as bs,bp, or the number of the first ones; may be repeated."
     ),
 ]
-Speed = Annotated[list[float], typer.Option(help="Of the carriage (m/s); may be repeated.")]
-Astern = Annotated[bool, typer.Option("--astern", help="Push, and tow, astern instead.")]
+Speed = Annotated[list[float], typer.Option(help="Speed of the carriage (m/s); may be repeated.")]
+Astern = Annotated[bool, typer.Option("--astern", help="Thrust and tow astern.")]
 
 
 @trial_app.command()
@@ -33,7 +35,7 @@ def bollard(
     astern: Astern = False,
     boat: BoatOption = "swamp",
 ) -> None:
-    """Pull on a line at rest against the throttle, of one thruster to all of them."""
+    """Bollard pull against throttle, of one thruster up to all."""
     _carry_out("bollard", out, boat, [0.0], throttle, jets or [], astern)
 
 
@@ -46,7 +48,7 @@ def towed(
     astern: Astern = False,
     boat: BoatOption = "swamp",
 ) -> None:
-    """Towing force under a carriage with the thrusters running, and 1 - t by it (thesis eq. 7.1)."""
+    """Towing force with the thrusters running, and thrust deduction 1 - t (thesis eq. 7.1)."""
     _carry_out("towed", out, boat, speed, throttle, jets or [], astern)
 
 

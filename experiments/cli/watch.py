@@ -1,4 +1,4 @@
-"""`swamp-rl watch`: faults and changes of weather named while a boat sails."""
+"""`swamp-rl watch`: online fault detection on a live or recorded stream."""
 
 import json
 from contextlib import suppress
@@ -16,13 +16,13 @@ def watch(
     ] = None,
     mcap: Annotated[Path | None, typer.Option("--mcap", help="A recorded run, as an MCAP file.")] = None,
     boat: BoatOption = "swamp",
-    topic: Annotated[str | None, typer.Option(help="Of an MCAP file with several.")] = None,
+    topic: Annotated[str | None, typer.Option(help="Topic of an MCAP file with several.")] = None,
     seconds: Annotated[
-        float | None, typer.Option(min=1.0, max=1e7, help="End after so much of the stream.")
+        float | None, typer.Option(min=1.0, max=1e7, help="Length of the stream to process (s).")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="A JSON object a line, for a program.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object a line.")] = False,
 ) -> None:
-    """Watch a boat under way: say within seconds which thruster failed, sensor froze or current rose."""
+    """Detect and isolate faults of a boat under way: thrusters, sensors, current."""
     from dataclasses import asdict
 
     from swamp_rl.boat import load_boat
@@ -42,13 +42,15 @@ def watch(
             notices = monitor.feed(sample)
             last, count = sample.time, count + 1
             if monitor.watching and not said and not as_json:
-                typer.echo(f"{last:.1f} s: noise and usual innovations are known; watching")
+                typer.echo(f"{last:.1f} s: noise and innovation statistics estimated; monitoring")
                 said = True
             for notice in notices:
                 typer.echo(json.dumps(asdict(notice), allow_nan=False) if as_json else notice.text)
             if seconds is not None and last >= seconds:
                 break
     if not monitor.watching:
-        raise UserError(f"{link or mcap}: {last:.0f} s; the first 30 s show the noise, watching begins then")
+        raise UserError(
+            f"{link or mcap}: {last:.0f} s; the first 30 s calibrate the noise, monitoring begins then"
+        )
     if not as_json:
-        typer.echo(f"{last:.1f} s, {count} samples: notices: {monitor.notices}")
+        typer.echo(f"{last:.1f} s, {count} samples, notices: {monitor.notices}")

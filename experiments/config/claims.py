@@ -15,21 +15,21 @@ class Least(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
     success: Share = 0.9
-    "Success rate that a few runs must reach."
+    "Success rate to be exceeded with a few runs."
     loss: Share = 0.05
-    "Loss of success that does not matter: from fewer runs, or among disturbances."
+    "Tolerated loss of success: with fewer runs, or with disturbances."
     novelty: Annotated[float, Field(gt=0.0, le=1.0)] = 0.5
-    "Distance of tracks, as a share of what it is among the runs of the data."
+    "Distance of tracks relative to that among the runs of the data."
     success_elsewhere: Share = 0.5
-    "Success rate from where no run has been."
+    "Success rate from starts outside the training tracks."
     saving: Share = 0.1
-    "Share by which commands are to be smoother, and power is to be less."
+    "Relative reduction of the command change and of the power."
 
 
 class Claims(BaseModel):
     """The claims of thesis 7.3.3 about a pilot that learned from runs, as hypotheses.
 
-    pilot: one of the experiment's, trained anew for each of `draws` choices of its runs. runs: numbers of
+    pilot: one of the experiment's, trained again on each of `draws` samples of its runs. runs: numbers of
     runs it learns from, of which `few` is what the claims are about and the highest what it is compared
     with. The others are names of levels that the experiment evaluates: `at` is like the data's, `calm` is
     without disturbance.

@@ -1,6 +1,7 @@
 """SHA-256 of datasets and stored pilots, by which they are recognised."""
 
 import hashlib
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -25,8 +26,7 @@ def digest(of: Mapping[str, str]) -> str:
 def write_hashes(data: Path, folder: Path) -> str:
     """Write `data.sha256` into `folder`, to be checked there by `sha256sum -c`; the digest of all of it."""
     found = hashes(data)
-    shown = Path(data.name) if data.parent == folder else data
-    write_text(folder / HASHES, _lines(found, shown))
+    write_text(folder / HASHES, _lines(found, Path(os.path.relpath(data, folder))))
     return digest(found)
 
 

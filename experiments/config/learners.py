@@ -38,12 +38,12 @@ class Training:
     "`plan.options`, as the settings of its kind."
     dataset: "Dataset"
     tick: Tick
-    "Hears the share done, from 0 to 1."
+    "Called with the share done, from 0 to 1."
     checkpoint: Path | None = None
     """The file that the learner may write, whole or not at all (`write_beside`), to go on from, and read
     where an interrupted training with the same settings has left one. Removed once the pilot is saved."""
     log: Log = lambda step, values: None
-    "Hears points of the learning curve: decisions, epochs or rounds done, and what was measured then."
+    "Called with points of the learning curve: decisions, epochs or rounds done, and what was measured then."
     trained: Mapping[str, "Pilot"] = field(default_factory=dict)
     "The pilots that it starts from, by name, without those that drive before a takeover."
 
@@ -82,7 +82,7 @@ class Learner:
     settings: type[Settings]
     train: Callable[[Training], "Pilot"]
     told: Callable[[PilotPlan], str]
-    "In words, what it learned from; empty where it learned nothing."
+    "Description of what it learned from; empty where it learned from nothing."
     from_runs: bool = False
     "It learns from runs, so that `runs` and `outcomes` have a meaning."
     by_trying: bool = False
@@ -168,8 +168,8 @@ def _runs_told(plan: PilotPlan) -> str:
 
 
 def _tries_told(plan: PilotPlan) -> str:
-    tried = f"{plan.options['decisions']:,} decisions of trying"
-    return f"{tried}, disturbed as in `{plan.disturbances}`" if plan.disturbances else tried
+    tried = f"{plan.options['decisions']:,} decisions in the simulator"
+    return f"{tried} at level `{plan.disturbances}`" if plan.disturbances else tried
 
 
 def _scripted() -> Learner:
@@ -252,8 +252,8 @@ def _dagger() -> Learner:
 
     def told(plan: PilotPlan) -> str:
         corrected = plan.options["rounds"] * plan.options["runs"]
-        level = f", disturbed as in `{plan.disturbances}`" if plan.disturbances else ""
-        return f"{_runs_told(plan)}, and {corrected} runs of its own that were corrected{level}"
+        level = f", at level `{plan.disturbances}`" if plan.disturbances else ""
+        return f"{_runs_told(plan)}, and {corrected} runs of its own with the expert's commands{level}"
 
     return Learner(DaggerSettings, train, told, from_runs=True, by_trying=True)
 
@@ -298,7 +298,7 @@ def _stored() -> Learner:
     return Learner(
         StoredSettings,
         train=lambda training: load_pilot(training.settings.folder),
-        told=lambda plan: f"as it was stored in `{plan.options['folder']}`",
+        told=lambda plan: f"stored in `{plan.options['folder']}`",
         fitted_on=lambda training: describe_pilot(training.settings.folder).fitted_on,
         made=lambda training: describe_pilot(training.settings.folder).made,
     )
@@ -313,7 +313,7 @@ def _own(kind: str) -> Learner:
         return OwnPilot(kind, found.train(training), training.settings)
 
     from_runs = getattr(found, "from_runs", True)
-    told = _runs_told if from_runs else lambda plan: f"as `{plan.kind}` was trained"
+    told = _runs_told if from_runs else lambda plan: f"trained by `{plan.kind}`"
     return Learner(settings_of(found), train, told, from_runs=from_runs, by_trying=True)
 
 

@@ -138,10 +138,13 @@ def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> d
 
 def _find_beside(path: Path, data: dict[str, Any]) -> None:
     """Replace the paths in `data`, read from `path`, that exist only from its folder."""
-    logged, evaluation, pilots = (_mapping(data.get(key)) for key in ("data", "evaluation", "pilots"))
+    logged, evaluation, pilots, hidden = (
+        _mapping(data.get(key)) for key in ("data", "evaluation", "pilots", "hidden")
+    )
     if isinstance(logged.get("folder"), str):
         logged["folder"] = or_beside(path, logged["folder"])
-    for holder in (data, _mapping(logged.get("record")), *map(_mapping, pilots.values())):
+    recorded = (_mapping(logged.get("record")), _mapping(hidden.get("logs")))
+    for holder in (data, *recorded, *map(_mapping, pilots.values())):
         for key in ("boat", "course", "disturbances"):
             if isinstance(holder.get(key), str):
                 holder[key] = config_beside(path, holder[key])

@@ -99,8 +99,11 @@ def config_files(scene: Scene) -> dict[str, Path]:
 
 
 def _levels(scene: Scene) -> list[str]:
-    trained_in = [plan.disturbances for plan in scene.experiment.pilots.values()]
-    asked = [*scene.levels.values(), scene.experiment.data.record.disturbances, *trained_in]
+    """Every level that an experiment names, each once."""
+    experiment = scene.experiment
+    asked = [*scene.levels.values(), experiment.data.record.disturbances]
+    asked += [plan.disturbances for plan in experiment.pilots.values()]
+    asked += [experiment.hidden.logs.disturbances] if experiment.hidden else []
     return list(dict.fromkeys(level for level in asked if level is not None))
 
 

@@ -185,19 +185,20 @@ class Experiment(Part):
 
     @model_validator(mode="after")
     def _records_the_runs_that_are_asked_for(self) -> Self:
-        recorded = None if self.data.folder is not None else self.data.record.good
+        if self.data.folder is not None:
+            return self
+        record = self.data.record
+        several = record.skills if len(record.skills) > 1 else ()
         for name, plan in self.pilots.items():
-            several = self.data.record.skills if len(self.data.record.skills) > 1 else ()
-            if self.data.folder is None and plan.skill is not None and plan.skill not in several:
+            if plan.skill is not None and plan.skill not in several:
                 raise ValueError(
                     f"pilots.{name}.skill: data.record.skills must name {plan.skill} and another; add them"
                 )
-            if plan.skill is None:
-                recorded = None if recorded is None else recorded * max(len(several), 1)
-            if recorded is not None and (plan.runs or 0) > recorded and plan.outcomes == ("success",):
+            recorded = record.good * (len(record.skills) if plan.skill is None else 1)
+            if (plan.runs or 0) > recorded and plan.outcomes == ("success",):
                 raise ValueError(
-                    f"pilots.{name}.runs: {plan.runs} runs are asked for, data.record.good is {recorded}; "
-                    "record more, or learn from fewer"
+                    f"pilots.{name}.runs: {plan.runs} runs are asked for, data.record makes {recorded} "
+                    "good ones; record more, or learn from fewer"
                 )
         return self
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.experiments.fleet.result import Change, Drift, Finding, Member, SharedCause
 
-from swamp_rl.criticism.result import Cause, Diagnosis, HeldOut
+from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, HeldOut
 
 RATE = 0.05
 
@@ -74,54 +74,63 @@ def shared_causes(findings: Sequence[Finding]) -> list[SharedCause]:
 def changes_of(
     members: Sequence[Member], found: Mapping[str, Diagnosis], findings: Sequence[Finding]
 ) -> tuple[list[Drift], list[Change]]:
-    """What differs between the datasets of one boat: parameters of its kept causes, and the causes."""
-    from scipy.special import chdtrc
-
+    """Differences between the datasets of one boat: parameters of its kept causes, and the causes."""
     kept = {(one.name, one.cause) for one in findings if one.kept}
     of_boat = defaultdict[str, list[str]](list)
     for member in members:
         if member.name in found:
             of_boat[member.boat].append(member.name)
-    drifts, changes = [], []
+    drifts: list[Drift] = []
+    changes: list[Change] = []
     for boat, names in sorted(of_boat.items()):
         for cause in sorted({cause for name, cause in kept if name in names}):
             has = [name for name in names if (name, cause) in kept]
-            if len(has) < len(names):
-                absent = [name for name in names if name not in has]
+            absent = [name for name in names if name not in has]
+            if absent:
                 changes.append(Change(boat=boat, cause=cause, found_in=has, absent_in=absent))
-            if len(has) < 2:
-                continue
-            own = {name: next((c for c in found[name].causes if label(c) == cause), None) for name in has}
-            first = own[has[0]]
-            for parameter in first.parameters if first else ():
-                estimates = {
-                    name: one.parameters[parameter]
-                    for name, one in own.items()
-                    if one and parameter in one.parameters
-                }
-                errors = {name: one.standard_error for name, one in estimates.items()}
-                values = {name: one.value for name, one in estimates.items()}
-                known = np.isfinite([*errors.values(), *values.values()]).all() and min(errors.values()) > 0.0
-                if len(values) < 2 or not known or any(one.at_bound for one in estimates.values()):
-                    continue
-                unit = next(iter(estimates.values())).unit
-                q = heterogeneity(list(values.values()), list(errors.values()), unit == "rad")
-                if math.isnan(q):
-                    continue  # of values beyond floating-point arithmetic
-                drifts.append(
-                    Drift(
-                        boat=boat,
-                        cause=cause,
-                        parameter=parameter,
-                        unit=unit,
-                        values=values,
-                        standard_errors=errors,
-                        p=float(chdtrc(len(values) - 1, q)),
-                    )
-                )
+            drifts += _drifts(boat, cause, {name: found[name] for name in has})
     held = adjusted([one.p for one in drifts])
-    told = [one.model_copy(update={"p": float(p)}) for one, p in zip(drifts, held, strict=True) if p <= RATE]
-    return told, changes
+    kept_drifts = [one.model_copy(update={"p": p}) for one, p in zip(drifts, held.tolist(), strict=True)]
+    return [one for one in kept_drifts if one.p <= RATE], changes
+
+
+def _drifts(boat: str, cause: str, diagnoses: Mapping[str, Diagnosis]) -> list[Drift]:
+    """A cause's parameters compared between diagnoses by name, with p-values that are not adjusted."""
+    causes = {
+        name: next((one for one in diagnosis.causes if label(one) == cause), None)
+        for name, diagnosis in diagnoses.items()
+    }
+    parameters = dict.fromkeys(name for one in causes.values() if one for name in one.parameters)
+    made = []
+    for parameter in parameters:
+        estimates = {name: one.parameters.get(parameter) for name, one in causes.items() if one}
+        made.append(_drift(boat, cause, parameter, {name: one for name, one in estimates.items() if one}))
+    return [one for one in made if one]
+
+
+def _drift(boat: str, cause: str, parameter: str, estimates: Mapping[str, Estimate]) -> Drift | None:
+    """The estimates compared; None where they are fewer than two, or one has no finite standard error."""
+    from scipy.special import chdtrc
+
+    errors = {name: one.standard_error for name, one in estimates.items()}
+    values = {name: one.value for name, one in estimates.items()}
+    if len(values) < 2 or any(one.at_bound for one in estimates.values()):
+        return None
+    if not np.isfinite([*errors.values(), *values.values()]).all() or min(errors.values()) <= 0.0:
+        return None
+    unit = next(iter(estimates.values())).unit
+    q = heterogeneity(list(values.values()), list(errors.values()), unit == "rad")
+    if math.isnan(q):
+        return None  # of values beyond floating-point arithmetic
+    return Drift(
+        boat=boat,
+        cause=cause,
+        parameter=parameter,
+        unit=unit,
+        values=values,
+        standard_errors=errors,
+        p=float(chdtrc(len(values) - 1, q)),
+    )
 
 
 @np.errstate(over="ignore", invalid="ignore")

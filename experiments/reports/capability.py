@@ -29,7 +29,7 @@ def write_capability(out: Path, boat_name: str, wind: float, current: float, fai
             "failed": failed,
             "reserve": RESERVE,
             "units": {
-                "direction": "deg off the bow that the weather comes from",
+                "direction": "relative direction of the weather [deg]",
                 "current": "m/s",
                 "wind": "m/s",
             },

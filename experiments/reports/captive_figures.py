@@ -48,9 +48,7 @@ def draw_towed(path: Path, boat: str, points: Sequence[Point]) -> None:
                 force.plot(at, [p.towing_force for p in some], line, label=label, **style)
                 factor.plot(at, [p.thrust_factor for p in some], line, **style)
         force.axhline(0.0, color="#888888", lw=0.8)
-        force.set(
-            xlabel="throttle [%]", ylabel="towing force F_D [N]", title="below 0 the boat needs no towing"
-        )
+        force.set(xlabel="throttle [%]", ylabel="towing force F_D [N]", title="below 0: self-propelled")
         factor.set(xlabel="throttle [%]", ylabel="1 - t [1]", title="(R - F_D) / T_bollard, eq. 7.1")
         _from_zero(factor)
         handles, labels = force.get_legend_handles_labels()

@@ -1,4 +1,4 @@
-"""The claims and what became of them, as Markdown and as a table on the screen."""
+"""Verdicts on the claims, as Markdown and as a table for the terminal."""
 
 import math
 from collections.abc import Mapping
@@ -25,9 +25,9 @@ def opening(results: Results) -> str:
     text = f"# {results['name']}: the claims of thesis 7.3.3, tested\n\n{results['description']}\n\n"
     if data["source"] == "scripted":
         return text + (
-            f"**The data are `scripted`: {data['successful']} successful runs of a programme that imitates "
-            f"how people drove, disturbed as in `{data['recorded_at']}`. No person drove.** The verdicts are "
-            "about learning from that programme, until runs of people are given as `data.folder`."
+            f"**The data are `scripted`: {data['successful']} successful runs of the scripted pilot, a "
+            f"model of human drivers, at the level `{data['recorded_at']}`; none is of a person.** The "
+            "verdicts hold for pilots trained on it. Runs of people can be given as `data.folder`."
         )
     return text + f"The data are {data['successful']} successful runs, `{data['source']}`."
 
@@ -41,23 +41,21 @@ def summary(results: Results) -> str:
 def method(results: Results) -> str:
     """Method of the tests."""
     plan, data = results["plan"], results["data"]
-    drawn = "no two of which share a run" if data["disjoint"] else "which share runs, for there are too few"
+    drawn = "disjoint samples" if data["disjoint"] else "overlapping samples, as there are too few runs"
     first = ""
     if results["takeover"]:
-        first = (
-            f" The scripted pilot drives for the first {results['takeover']:g} s, as someone did at Camogli."
-        )
+        first = f" The scripted pilot steers for the first {results['takeover']:g} s, as a person did there."
     return (
         f"## Method\n\nThe pilot `{plan['pilot']}` ({results['kind']}) was trained {plan['draws']} times, "
-        f"each time from another random choice of {plan['few']} runs ({drawn}) and another training seed, "
-        f"and tried in the same {results['episodes']} seeded episodes.{first} The hypotheses and the "
-        "smallest effects that count are in the experiment's file. The effect is the mean over trainings and "
+        f"each time on another random sample of {plan['few']} runs ({drawn}) and another training seed, "
+        f"and evaluated in the same {results['episodes']} seeded episodes.{first} The hypotheses and the "
+        "smallest relevant effects are in the experiment's file. The effect is the mean over trainings and "
         "episodes; its 95 % interval is from a bootstrap over both and is not corrected for the number of "
-        "hypotheses. p is one-sided, from flipping the signs of the trainings' mean distances from the "
+        "hypotheses. p is from a one-sided sign-flip test of the trainings' mean differences from the "
         "bound, and is corrected by Holm over all hypotheses. "
         "*Supported*: the interval lies wholly beyond the bound and p is below 0.05. *Not supported*: it "
-        "lies wholly short of it. Else *undecided*. A claim is supported where all hypotheses that decide it "
-        "are, and not supported where one of them is not. The last column is the data's own pilot in the "
+        "lies wholly short of it. Else *undecided*. A claim is supported if all its deciding hypotheses "
+        "are, and not supported if one of them is not. *Demonstrator*: the pilot of the data in the "
         "same episodes."
     )
 
@@ -75,25 +73,25 @@ def hypotheses(found: Results) -> str:
         text = one["text"] if one["decides"] else f"*{one['text']}* (does not decide)"
         reference = "–" if one["reference"] is None else shown(one["shown"], one["reference"])
         rows.append([text, effect(one), p_value(one["p_corrected"]), f"**{one['verdict']}**", reference])
-    return table(["hypothesis", "effect (95 %, uncorrected)", "p (Holm)", "verdict", "data's pilot"], rows)
+    return table(["hypothesis", "effect (95 %, uncorrected)", "p (Holm)", "verdict", "demonstrator"], rows)
 
 
 NOTES = {
-    "copy": "\n\nDistances are between places at equal shares of the way, averaged over the way; of "
-    "successful tracks, as geometric means. A copy of a run would be 0 times as far, another run of the "
-    "data's own kind once.",
-    "elsewhere": "\n\nOnly starts outside the convex hull of all tracks that the pilot learned from count.",
-    "disturbed": "\n\nWhere the data were recorded among the same disturbances, this does not show that the "
-    "pilot stands new ones.",
-    "smoother": "\n\nMeans of logarithms over episodes in which both succeeded, given as shares saved. The "
-    "power is what the jets leave in the water; see `swamp_rl/evaluation/metrics.py`.",
+    "copy": "\n\nDistance of two tracks: mean distance of points at equal shares of their lengths; of "
+    "successful tracks only, averaged geometrically. 0 is a copy of a run; 1 is the typical distance of the "
+    "data's runs from their nearest neighbour.",
+    "elsewhere": "\n\nOnly starts outside the convex hull of all tracks that the pilot was trained on count.",
+    "disturbed": "\n\nIf the data were recorded at the same disturbance level, this is no evidence for "
+    "unseen disturbances.",
+    "smoother": "\n\nMeans of logarithms over episodes in which both succeeded, as relative savings. The "
+    "power is that of the thrusters' wake; see `swamp_rl/evaluation/metrics.py`.",
 }
 
 
 def effect(row: Results) -> str:
     """The effect with its interval, in words of its kind."""
     if row["value"] is None:
-        return "nothing to count"
+        return "no data"
     value, low, high = (shown(row["shown"], row[end]) for end in ("value", "low", "high"))
     return f"{value} ({low} to {high})"
 
@@ -108,7 +106,7 @@ def shown(kind: str, value: float) -> str:
 
 
 def print_claims(results: Results, folder: Path) -> None:
-    """The verdicts, and where the report lies."""
+    """Print the verdicts and the path of the report."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table

@@ -1,4 +1,4 @@
-"""`report.md` of a closed loop: was the cause found, and do pilots that trained with it drive better?"""
+"""`report.md` of a closed loop: the diagnosis, and the pilots trained with it."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -25,13 +25,14 @@ def report(results: Results) -> str:
     """The whole text."""
     parts = [
         f"# {results['name']}: from logs to a better pilot\n\n{results['description']}\n\n"
-        f"The true boat is `{results['boat']}` with {effects(results)}, which nothing but the sailing knows.",
+        f"The true boat is `{results['boat']}` with {effects(results)}. Neither the diagnosis "
+        "nor the training uses this.",
         found(results),
         "## In the true boat\n\n"
         f"Every pilot in the same {results['evaluation']['episodes']} seeded episodes at each level of "
-        "disturbance. Success in percent, with Wilson's 95 % interval. The scripted pilot learned nothing; "
-        "it is there for comparison.\n\n" + success(results),
-        "Extended less nominal, paired over the episodes, with a bootstrap 95 % interval:\n\n"
+        "disturbance. Success in percent, with Wilson's 95 % interval. The scripted pilot is not trained; "
+        "it is a reference.\n\n" + success(results),
+        "Extended minus nominal, paired over the episodes, with a bootstrap 95 % interval:\n\n"
         + differences(results),
         f"{verdict(results)}\n\nIt took {results['measured']['total_seconds']:.0f} s.",
     ]
@@ -39,7 +40,7 @@ def report(results: Results) -> str:
 
 
 def effects(results: Results) -> str:
-    """The hidden effects, with their numbers."""
+    """The effects of the true boat, with their parameters."""
     said = []
     for entry in results["hidden"]["effects"]:
         rest = ", ".join(f"{key} {value}" for key, value in entry.items() if key != "effect")
@@ -58,7 +59,7 @@ def causes(results: Results) -> str:
 
 
 def found(results: Results) -> str:
-    """What the diagnosis said about the logs."""
+    """The diagnosis of the logs."""
     logs, diagnosis = results["hidden"]["logs"], results["diagnosis"]
     verdict = diagnosis["verdict"].replace("_", " ")
     text = (
@@ -99,5 +100,5 @@ def verdict(results: Results) -> str:
     better, worse = (sum(s["low"] > 0 for s in spans), sum(s["high"] < 0 for s in spans))
     return (
         f"The pilot from the extended simulator is better in {better} of {len(spans)} comparisons and worse "
-        f"in {worse}; in the others the interval holds zero."
+        f"in {worse}; in the others the interval contains zero."
     )

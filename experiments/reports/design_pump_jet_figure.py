@@ -24,7 +24,7 @@ def draw_pump_jet(path: Path, jet: PumpJet) -> None:
             triangles(canvas.add_subplot(grid[row, 0]), name, three, widest)
         lines = mean_lines(jet)
         plan(canvas.add_subplot(grid[0, 1]), jet, lines)
-        meridian(canvas.add_subplot(grid[1, 1]), jet, lines)
+        meridian(canvas.add_subplot(grid[1, 1]), lines)
         vane_angles(canvas.add_subplot(grid[0, 2]), lines)
         curves(canvas.add_subplot(grid[1, 2]), jet)
         told = f"{jet.design.thrust:g} N at {60 * jet.design.revolutions:.4g} rpm"
@@ -126,7 +126,7 @@ def outlined(line: Vector, thickness: float) -> Vector:
     return np.concatenate([line + aside, (line - aside)[::-1]])
 
 
-def meridian(axes: Any, jet: PumpJet, lines: dict[str, MeanLine]) -> None:
+def meridian(axes: Any, lines: dict[str, MeanLine]) -> None:
     """The section through the axis: streamlines from the inlet's edge to the outlet's."""
     styles = {"tip": "--", "mean": "-", "root": ":"}
     for side in (-1.0, 1.0):

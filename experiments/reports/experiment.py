@@ -61,8 +61,8 @@ def _opening(results: Results) -> str:
     return (
         f"# {results['name']}: success and costs of the pilots\n\n"
         f"Boat `{results['boat']}` on the course `{results['course']}`. There were {data['successful']} "
-        f"successful runs to learn from ({data['source']}, {data['minutes']:.0f} minutes). Then every pilot "
-        f"was tried in the same {results['evaluation']['episodes']} seeded episodes at each level of "
+        f"successful training runs ({data['source']}, {data['minutes']:.0f} minutes). Every pilot was "
+        f"evaluated in the same {results['evaluation']['episodes']} seeded episodes at each level of "
         f"disturbance. **{targets_reached(results['targets'])}**"
     )
 
@@ -97,7 +97,7 @@ def success(results: Results) -> str:
 def failures(results: Results) -> str:
     """How the episodes ended that did not succeed, by pilot and level."""
     return (
-        "## Failures\n\nHow the other episodes ended: a buoy touched, out of bounds, aground, or the time "
+        "## Failures\n\nOutcomes of the other episodes: a buoy touched, out of bounds, aground, or the time "
         "limit reached.\n\n" + _by_level(results, _ended)
     )
 
@@ -147,7 +147,7 @@ def _training(results: Results) -> str:
     return (
         "## Training data\n\n"
         f"There are {data['runs']} runs, {failed} of which failed. Failed runs are kept and marked; a "
-        "pilot learns from them only where that is said here.\n\n"
+        "pilot is trained on them only where this list says so.\n\n"
         + "\n".join(learners)
         + "\n\n![Training tracks](figures/training_tracks.png)"
     )
@@ -169,8 +169,8 @@ def _commands(results: Results) -> str:
         rows.append([name, *(_number("command_change", change) for change in changes)])
     return (
         "## Commands\n\n"
-        f"Above, a run of the data ({data['source']}); below it, each learned pilot from the same "
-        "start and, where the run tells it, in the same weather.\n\n![Commands](figures/commands.png)\n\n"
+        f"Top: a run of the data ({data['source']}); below: each learned pilot from the same "
+        "start and, where the run records it, in the same weather.\n\n![Commands](figures/commands.png)\n\n"
         f"In the data the command changes by **{data['command_change']:.4f}** a step (throttle and angle "
         "together, each as a share of its range; 0 for a constant command). In the successful episodes it "
         "is:\n\n" + table(["pilot", *levels], rows)
@@ -186,9 +186,9 @@ def _costs(results: Results) -> str:
     told = [*COSTS, *(cost for cost in ELECTRIC if all(cost in costs for costs in means.values()))]
     rows = [[who, *(_number(cost, costs[cost]) for cost in told)] for who, costs in means.items()]
     electric = (
-        " Electric energy is what all battery packs give, the hotel load included; the range is what is left "
-        "above their reserve, at that energy per metre, of packs that were full at the start, or as low as "
-        "the level has them."
+        " Electric energy is the energy drawn from all battery packs, hotel load included. Range is the "
+        "distance left above the reserve at that energy per metre, from the state of charge that the level "
+        "gives, by default full packs."
     )
     return (
         "## Costs of successful episodes\n\n"
@@ -209,7 +209,7 @@ def _differences(results: Results) -> str:
         "## Paired differences\n\n"
         "Paired over the shared episodes, each with its own 95 % bootstrap interval, not corrected for the "
         "number of comparisons: success over all episodes, costs over those in which both succeeded. "
-        "`results.json` has path and energy too.\n\n"
+        "`results.json` also has path and energy.\n\n"
         + table(["difference", "success [%]", *(COST_NAMES[cost][0] for cost in shown)], rows)
     )
 
@@ -218,12 +218,12 @@ def _again(results: Results) -> str:
     measured = results["measured"]
     return (
         "## Files, and how to repeat this\n\n"
-        "* `rerun demo.rrd` shows the run of the data and the learned pilots racing each other; "
-        "`swamp-rl demo` on this folder shows these and any other run that is kept here.\n"
+        "* `rerun demo.rrd` shows the run of the data and the learned pilots on a common time axis; "
+        "`swamp-rl demo` on this folder shows these and any other run in it.\n"
         "* `episodes.parquet` has a row for each episode of each pilot.\n"
         "* `pilots/` holds the pilots, `config/` the experiment with every option written out and copies of "
         "the files it names, `versions.json` the versions; `sha256sum -c data.sha256` checks the runs.\n"
-        "* `swamp-rl run` on this folder does it again, with the same numbers on the same machine.\n\n"
+        "* `swamp-rl run` on this folder repeats it, with the same numbers on the same machine.\n\n"
         "## Wall-clock time\n\n" + time_table(measured)
     )
 
@@ -236,7 +236,7 @@ def time_table(measured: Mapping[str, Any]) -> str:
         for name, seconds in measured["seconds"].items()
     ]
     return (
-        f"{total:.0f} s of wall-clock and at most {measured['peak_memory_gb']:.1f} GB, "
+        f"{total:.0f} s of wall-clock time and at most {measured['peak_memory_gb']:.1f} GB, "
         f"on {machine['processors']} processors ({machine['processor']}, {machine['platform']}).\n\n"
         + table(["stage", "seconds", "percent"], rows)
     )

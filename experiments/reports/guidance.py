@@ -31,7 +31,7 @@ from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE, SWA
 
 Array = NDArray[np.float64]
 
-NOTES = "Guidance of swamp_rl in closed loop on its own simulator; nothing of this was measured."
+NOTES = "Guidance of swamp_rl in closed loop on its own simulator; no measured data."
 PATIENCE, STARTING = 3.0, 60.0  # multiple of a path's time at its speed, and s more
 SETTLING = 0.25  # share of a station's time that is left out of its figures
 UNITS = {"cross_track_error": "m", "distance": "m", "heading_error": "rad", "gap_error": "m"}
@@ -84,9 +84,7 @@ def way_of(time: Array, places: Array, length: float, file: object) -> tuple[Cur
         if math.dist(places[i], places[kept[-1]]) >= 0.5 * length:
             kept.append(i)
     if len(kept) < 4:
-        raise UserError(
-            f"{file}: its vehicle moves less than two lengths of the boat; there is no way to follow"
-        )
+        raise UserError(f"{file}: its vehicle moves less than two lengths of the boat; no path to follow")
     curve = joined([spline(places[kept], str(file))])
     way = along_and_across(curve, _as_states(places), length)[:, 0]
     return curve, time - time[0], way

@@ -68,7 +68,7 @@ def gather(folder: Path, seed: int = 0) -> Board:
         first = group[0].experiment
         title = f"{first.get('boat')} on {first.get('course')}, step {first.get('step')} s"
         if first.get("hidden"):
-            title += ", hidden effects in the true boat"
+            title += ", unknown effects in the true boat"
         if len(settings) > 1:
             title += f" (setting {number})"
         rng = np.random.default_rng(seed)

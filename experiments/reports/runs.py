@@ -17,21 +17,25 @@ UNTOLD = "#777777"
 
 
 def run_table(dataset: Dataset) -> Table:
-    """One row for each run, and their sums."""
-    meta = dataset.meta
+    """One row for each run; outcome, seed and the count of successes where any run has them."""
+    meta, runs = dataset.meta, dataset.runs
+    columns = {
+        "run": [run.name for run in runs],
+        "duration [s]": [f"{run.duration:.1f}" for run in runs],
+        "distance [m]": [f"{run.path_length:.1f}" for run in runs],
+        "outcome": [run.meta.outcome or "" for run in runs],
+        "seed": ["" if run.meta.seed is None else str(run.meta.seed) for run in runs],
+    }
+    shown = {head: cells for head, cells in columns.items() if any(cells)}
     table = Table(
-        title=f"{dataset.folder}: {meta.vehicle}, {meta.mass:g} kg, {meta.sample_rate:g} Hz, {meta.source}",
-        caption=f"{len(dataset.successful)} of {len(dataset.runs)} runs are marked successful",
+        title=f"{dataset.folder}: {meta.vehicle}, {meta.mass:g} kg, {meta.sample_rate:g} Hz, {meta.source}"
     )
-    table.add_column("run")
-    table.add_column("duration [s]", justify="right")
-    table.add_column("distance [m]", justify="right")
-    table.add_column("outcome")
-    table.add_column("seed", justify="right")
-    for run in dataset.runs:
-        seed = "" if run.meta.seed is None else str(run.meta.seed)
-        length = f"{run.path_length:.1f}"
-        table.add_row(run.name, f"{run.duration:.1f}", length, run.meta.outcome or "", seed)
+    if "outcome" in shown:
+        table.caption = f"{len(dataset.successful)} of {len(runs)} runs are marked successful"
+    for head in shown:
+        table.add_column(head, justify="left" if head in ("run", "outcome") else "right")
+    for row in zip(*shown.values(), strict=True):
+        table.add_row(*row)
     return table
 
 

@@ -62,7 +62,7 @@ def colours(values: Sequence[float]) -> dict[float, Any]:
 
 def percent(throttle: float) -> str:
     """A throttle for a legend."""
-    return "throttle not told" if math.isnan(throttle) else f"{throttle:.3g} %"
+    return "throttle unknown" if math.isnan(throttle) else f"{throttle:.3g} %"
 
 
 def _legend(canvas: Canvas, axes: Any, columns: int) -> None:
@@ -87,7 +87,7 @@ def circles(canvas: Canvas, results: Sequence[Result], length: float) -> None:
         zip(sorted({throttle_of(r) for r in results})[::-1], ("-", "--", ":", "-.") * 9, strict=False)
     )
     for panel, kind, title in zip(
-        axes, ("raw", "corrected"), ("as it was", "drift of the centre removed"), strict=True
+        axes, ("raw", "corrected"), ("as recorded", "drift of the centre removed"), strict=True
     ):
         for result in results:
             if kind not in result.traces:
@@ -205,7 +205,7 @@ def zig_zag_tracks(canvas: Canvas, results: Sequence[Result], length: float) -> 
             ahead / length, aside / length + apart, color=shades[abs(angle_of(result))], lw=1.2, label=label
         )
         apart += float(aside.max()) / length + 2.0
-    axes.set(xlabel="ahead [L]", ylabel="to starboard, drawn apart [L]", aspect="equal")
+    axes.set(xlabel="ahead [L]", ylabel="to starboard, offset for clarity [L]", aspect="equal")
     axes.invert_yaxis()  # as seen from above, bow to the right
     canvas.legend(loc="outside lower center", ncols=8)
     canvas.suptitle(f"Tracks of the zig-zags at {percent(most)}", fontweight="bold")

@@ -148,7 +148,7 @@ def tables(results: Sequence[Result], length: float) -> list[str]:
 
     found = [table(head, rows("figures"))]
     if kind == "turning-circle":
-        found[0] = "As they were, over ground:\n\n" + found[0]
+        found[0] = "As recorded, over ground:\n\n" + found[0]
         corrected = rows("corrected")
         if corrected:
             head, rest = [*head, "drift, m/s"], [result for result in results if result.corrected]

@@ -29,7 +29,8 @@ def write_square(out: Path, name: str, seed: int) -> list[str]:
     log = sail(vehicle, seed)
     found = identify(vehicle, log)
     if not any(one.shown for one in found):
-        raise UserError(f"{name}: the square shows none of it; {'; '.join(refusal(one) for one in found)}")
+        refused = "; ".join(refusal(one) for one in found)
+        raise UserError(f"{name}: nothing can be identified from the square; {refused}")
     poses = replay(vehicle, log, found)
     error = track_error(log, poses)
     with folder_beside(out, replaces=DATA) as part:
@@ -94,7 +95,7 @@ def lines(vehicle: Vehicle, log: Log, found: list[Found], error: Array) -> list[
         f"{name:<11} {value} {unit:<7} 95 % {between}, file {true}"
         for name, unit, true, value, between in rows_of(vehicle, found)
     ]
-    told += [f"not shown: {refusal(one)}" for one in found if not one.shown]
+    told += [f"not identifiable: {refusal(one)}" for one in found if not one.shown]
     e = figures(error)
     return [*told, f"replay: mean track error {e['mean']:.2f} m, rms {e['rms']:.2f} m, max {e['max']:.2f} m"]
 

@@ -13,6 +13,7 @@ from swamp_rl.experiments.config.claims import Claims
 from swamp_rl.experiments.config.digests import write_hashes
 from swamp_rl.experiments.config.learners import learner
 from swamp_rl.experiments.config.scene import Scene
+from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.evaluation.comparison import without_nan
 from swamp_rl.experiments.reports.claims import report
 from swamp_rl.experiments.studies.claims_effects import CLAIMS, Hypothesis, hypotheses
@@ -50,11 +51,8 @@ def examine_claims(scene: Scene, folder: Path, progress: Stages) -> dict[str, An
     """Every stage in turn; what goes into results.json. The report is written beside."""
     plan = check_claims(scene)
     dataset = get_data(scene, folder, progress)
-    pool = choose_runs(dataset.runs, None, scene.experiment.pilots[plan.pilot].outcomes)
-    if len(pool) < max(plan.runs):
-        raise UserError(
-            f"claims.runs: {max(plan.runs)} runs are asked for, {len(pool)} are there; record more"
-        )
+    taught = scene.experiment.pilots[plan.pilot]
+    pool = pool_of(plan, taught, dataset.runs)
     rng = np.random.default_rng(scene.experiment.evaluation.seed)
     lessons = blocks(pool, plan.draws, max(plan.runs), rng)
     flown = fly(scene, plan, dataset, lessons, progress, folder / WORK / "flown")
@@ -66,8 +64,8 @@ def examine_claims(scene: Scene, folder: Path, progress: Stages) -> dict[str, An
         "boat": scene.boat.name,
         "course": scene.course.name,
         "plan": plan.model_dump(mode="json"),
-        "takeover": scene.experiment.pilots[plan.pilot].takeover,
-        "kind": scene.experiment.pilots[plan.pilot].kind,
+        "takeover": taught.takeover,
+        "kind": taught.kind,
         "episodes": len(scene.seeds),
         "data": data_results(dataset) | {"recorded_at": recorded_at(scene), "disjoint": disjoint(plan, pool)},
         "sha256": write_hashes(dataset.folder, folder),
@@ -77,6 +75,16 @@ def examine_claims(scene: Scene, folder: Path, progress: Stages) -> dict[str, An
     }
     (folder / "report.md").write_text(report(results), encoding="utf-8")
     return results
+
+
+def pool_of(plan: Claims, taught: PilotPlan, runs: Sequence[Run]) -> list[Run]:
+    """The runs that the pilot may be trained on; UserError where they are fewer than a claim asks for."""
+    pool = choose_runs(runs, None, taught.outcomes, taught.skill)
+    if len(pool) < max(plan.runs):
+        raise UserError(
+            f"claims.runs: {max(plan.runs)} runs are asked for, {len(pool)} are there; record more"
+        )
+    return pool
 
 
 def recorded_at(scene: Scene) -> str | None:

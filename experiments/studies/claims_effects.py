@@ -17,14 +17,14 @@ from swamp_rl.runs import Run
 Array = NDArray[np.float64]
 Flight = tuple[Table, Rollout]
 Who = tuple[str, str]
-"""Which pilot, and the level it was tried at."""
+"""Pilot and level of evaluation."""
 
 CLAIMS = {
     "few": "A few runs suffice",
-    "copy": "The AI does not copy a track",
-    "elsewhere": "It starts from where no run has been, reversed heading included",
-    "disturbed": "It stands gusts, current and stern-thruster kicks",
-    "smoother": "Its commands are smoother and use less power than the pilot's",
+    "copy": "The pilot does not copy a track",
+    "elsewhere": "It succeeds from starts outside the training tracks, reversed heading included",
+    "disturbed": "It withstands gusts, current and stern-thruster kicks",
+    "smoother": "Its commands are smoother and use less power than the demonstrator's",
 }
 
 
@@ -71,7 +71,7 @@ def named(runs: int) -> str:
 
 
 def alone(runs: int) -> str:
-    """As `named`, driving from the first moment."""
+    """As `named`, without a takeover."""
     return f"{runs} runs, alone"
 
 
@@ -91,7 +91,8 @@ def few_suffice(plan: Claims, flown: Flown) -> list[Hypothesis]:
         text = f"{runs} runs: success at `{plan.at}` is above {100 * plan.least.success:g} %"
         made.append(Hypothesis("few", text, own, plan.least.success, "rate", teacher, decides))
         if runs < most:
-            text = f"{runs} runs lose less than {100 * plan.least.loss:g} points against {most} runs"
+            loss = f"{100 * plan.least.loss:g} points below that of {most} runs"
+            text = f"{runs} runs: success is less than {loss}"
             made.append(Hypothesis("few", text, own - best, -plan.least.loss, "points", None, decides))
     return made
 
@@ -118,10 +119,8 @@ def not_copied(plan: Claims, flown: Flown) -> list[Hypothesis]:
             theirs = [drive.track(int(i)) for i in np.flatnonzero(driven["success"])]
             own.append(_middle(nearest_of_fewer(distances(theirs, runs))) - scale)
     least, share = float(np.log(plan.least.novelty)), f"{plan.least.novelty:g} times"
-    nearest = (
-        f"its tracks lie further from the nearest run of the data than {share} what the runs lie from theirs"
-    )
-    apart = f"its tracks differ from each other by more than {share} what the runs of the data do"
+    nearest = f"distance of its tracks from the nearest run of the data is above {share} that among the runs"
+    apart = f"mean distance between its tracks is above {share} that between the runs"
     teacher = float(np.mean(own)) if own else None
     return [
         Hypothesis("copy", nearest, np.array(near), least, "ratio", teacher),
@@ -136,7 +135,7 @@ def from_elsewhere(plan: Claims, flown: Flown) -> list[Hypothesis]:
     """
     made = []
     for level in plan.elsewhere:
-        first = ((named(plan.few), "", True), (alone(plan.few), ", driving from the first moment", False))
+        first = ((named(plan.few), "", True), (alone(plan.few), ", without a takeover", False))
         for who, words, decides in first:
             values = []
             for (table, rollout), lesson in zip(flown.trained[who, level], flown.lessons, strict=True):
@@ -154,7 +153,7 @@ def stands(plan: Claims, flown: Flown) -> list[Hypothesis]:
     made, teacher = [], flown.teachers_success(plan.calm)
     still = flown.success(named(plan.few), plan.calm)
     for level in plan.disturbed:
-        text = f"`{level}` costs less than {100 * plan.least.loss:g} points of success against `{plan.calm}`"
+        text = f"`{level}` : success is less than {100 * plan.least.loss:g} points below `{plan.calm}`"
         lost = flown.success(named(plan.few), level) - still
         theirs = flown.teachers_success(level)
         reference = None if theirs is None or teacher is None else theirs - teacher
@@ -181,8 +180,8 @@ def smoother(plan: Claims, flown: Flown) -> list[Hypothesis]:
                 kept.append(np.where(both, np.log(other / own), np.nan))
     bound, share = -np.log1p(-plan.least.saving), f"{100 * plan.least.saving:g} %"
     texts = (
-        f"its levers change at least {share} less per step than the pilot's",
-        f"its jets leave at least {share} less power in the water than the pilot's",
+        f"command change per step is at least {share} below the demonstrator's",
+        f"power of the wake is at least {share} below the demonstrator's",
     )
     return [
         Hypothesis("smoother", text, np.array(values), float(bound), "saving")

@@ -93,7 +93,7 @@ def _teacher(scene: Scene, plan: Claims, keep: Path, progress: Stages) -> Mappin
     )
     missing = [level for level in everywhere(plan) if not _file(place, ("teacher", level)).is_file()]
     if missing:
-        with progress.stage("the data's pilot"):
+        with progress.stage("demonstrator"):
             for level in missing:
                 _write(_file(place, ("teacher", level)), flight(scene, scripted, level))
     for level in everywhere(plan):

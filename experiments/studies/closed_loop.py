@@ -25,6 +25,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.diagnose import RESULT, diagnose
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.effects import parse_effects
+from swamp_rl.errors import UserError
 from swamp_rl.evaluation import Table, paired_difference, write_episodes
 from swamp_rl.pilots.record import NOTES, drive_episodes
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
@@ -36,6 +37,8 @@ from swamp_rl.unfinished import folder_beside
 Array = NDArray[np.float64]
 
 SIMULATORS = ("nominal", "extended")
+SCRIPTED = "scripted"
+"""Name of the untrained pilot that is evaluated as a reference."""
 LOGGED = ("time", "north", "east", "heading", "surge", "sway", "yaw_rate")
 COMMANDS = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_")
 FIRST_LOG = 2**32
@@ -43,9 +46,14 @@ FIRST_LOG = 2**32
 
 
 def true_scene(scene: Scene) -> Scene:
-    """The experiment's scene with the true boat in place of the boat file's; UserError for a wrong effect."""
+    """The experiment's scene with the true boat in place of the boat file's.
+
+    UserError for a wrong effect, and for a pilot of the name that the scripted one is evaluated under.
+    """
     hidden = scene.experiment.hidden
     assert hidden is not None
+    if SCRIPTED in scene.experiment.pilots:
+        raise UserError(f"pilots.{SCRIPTED}: a closed loop evaluates it anyway; drop it, or rename yours")
     effects = parse_effects(hidden.effects, "hidden", scene.boat.thruster_names)
     boat = scene.boat.model_copy(update={"effects": (*scene.boat.effects, *effects)})
     return replace(scene, boat=boat)
@@ -76,7 +84,7 @@ def close_loop(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
 
 def called(name: str, simulator: str) -> str:
     """How a pilot trained there is named; the scripted one learned nowhere."""
-    return name if name == "scripted" else f"{name}, {simulator}"
+    return name if name == SCRIPTED else f"{name}, {simulator}"
 
 
 def with_boat(scene: Scene, boat: str) -> Scene:
@@ -90,10 +98,10 @@ def fly(own: Scene, truth: Scene, folder: Path, progress: Stages) -> dict[tuple[
     dataset = get_data(own, folder, progress)
     pilots = train_pilots(own, dataset, folder / "pilots", progress)
     if folder.name == SIMULATORS[0]:
-        pilots["scripted"] = ScriptedPilot(
+        pilots[SCRIPTED] = ScriptedPilot(
             own.experiment.evaluation.seed, Habits(boat_length=own.boat.length), own.experiment.step
         )
-        save_pilot(pilots["scripted"], folder / "pilots" / "scripted")
+        save_pilot(pilots[SCRIPTED], folder / "pilots" / SCRIPTED)
     return dict(try_pilots(truth, pilots, progress, folder / WORK / "tried").tables)
 
 
@@ -177,8 +185,6 @@ def differences_of(scene: Scene, tables: dict[tuple[str, str], Table]) -> list[d
     rng = np.random.default_rng(scene.experiment.evaluation.seed)
     found = []
     for pilot in scene.experiment.pilots:
-        if pilot == "scripted":
-            continue
         for level in scene.levels:
             nominal, extended = (tables[called(pilot, s), level]["success"] for s in SIMULATORS)
             made = paired_difference(extended, nominal, rng)

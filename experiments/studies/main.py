@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from swamp_rl.experiments.artifacts.provenance import WORK, seeds
-from swamp_rl.experiments.artifacts.results import gather
+from swamp_rl.experiments.artifacts.results import data_results, gather
 from swamp_rl.experiments.artifacts.stages import Stages, measured
 from swamp_rl.experiments.config.digests import pilot_hash, write_hashes
 from swamp_rl.experiments.config.scene import Scene
@@ -24,6 +24,7 @@ from swamp_rl.runs import Dataset
 def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
     """Every stage in turn, each writing what it makes into `folder`; what goes into results.json."""
     dataset = get_data(scene, folder, progress)
+    data_results(dataset)  # what the report could not use is refused before the training
     pilots = train_pilots(scene, dataset, folder / "pilots", progress)
     tried = try_pilots(scene, pilots, progress, folder / WORK / "tried")
     with progress.stage("compare"):

@@ -74,7 +74,7 @@ def train_experiment(
         scene, work = _sound(load_experiment(name_or_path, overrides), name_or_path)
         plans = scene.experiment.pilots
         if work is not do_experiment:
-            raise UserError(f"{name_or_path}: its pilots are trained on the way; use swamp-rl run")
+            raise UserError(f"{name_or_path}: its pilots are trained between other stages; use swamp-rl run")
         for name in only or ():
             if name not in plans:
                 raise UserError(f"{name_or_path}: no pilot {name!r}{nearest(name, plans)}")
@@ -88,7 +88,7 @@ def _train(scene: Scene, folder: Path, only: list[str] | None) -> list[str]:
     """The names of the pilots that lie in `folder` afterwards."""
     if (folder / RESULTS).is_file():
         raise UserError(
-            f"{folder}: holds a whole result, which is not replaced by pilots alone; name another with --out"
+            f"{folder}: holds a complete result, which training does not replace; name another with --out"
         )
     with job(scene, folder, (TRAINED,), _earlier(folder, scene)) as (part, progress):
         dataset = get_data(scene, part, progress)
@@ -124,5 +124,5 @@ def _earlier(folder: Path, scene: Scene) -> Path | None:
         return None
     if same_job(folder, scene):
         return folder
-    say(f"{folder}: was trained with another configuration or version; begun anew")
+    say(f"{folder}: was trained with another configuration or version; training starts again")
     return None

@@ -61,7 +61,7 @@ def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], 
         experiment = overridden(home, kept, asked, overrides)
         fixed = set(Experiment.model_fields) - set(CHANGEABLE)
         if any(getattr(experiment, key) != getattr(kept, key) for key in fixed):
-            raise UserError(f"{home}: only {' and '.join(CHANGEABLE)} can be set, nothing is trained anew")
+            raise UserError(f"{home}: only {' and '.join(CHANGEABLE)} can be set, nothing is trained again")
         there = [name for name in kept.pilots if _is_pilot(home / "pilots" / name)]
         if not there:
             raise UserError(f"{home}: holds no trained pilot; train them with swamp-rl train")
@@ -92,7 +92,7 @@ def _of_pilots(
     homes = [home for folder in folders if (home := _home(folder)) is not None]
     if name is None and not homes:
         raise UserError(
-            f"{[*folders, *others][0]}: keeps no {CONFIG}/{EXPERIMENT} that says which boat, course and "
+            f"{[*folders, *others][0]}: has no {CONFIG}/{EXPERIMENT} with boat, course and "
             "levels; name an experiment with --experiment"
         )
     home = homes[0] if name is None else None

@@ -1,6 +1,7 @@
 """What a sweep found: `sweep.json`, a table of it, and a chart of the objective over each parameter."""
 
 import json
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -66,7 +67,8 @@ def best_of(sweep: Sweep, trials: Sequence[Trial]) -> Trial | None:
 def _again(sweep: Sweep, fixed: Sequence[str], trial: Trial) -> dict[str, str]:
     """The command that carries out the whole experiment with a trial's values."""
     keys = [*fixed, *(override(key, value) for key, value in trial.values.items())]
-    return {"again": " ".join(["swamp-rl run", sweep.experiment, *(f"--set '{key}'" for key in keys)])}
+    words = ["swamp-rl", "run", sweep.experiment, *(word for key in keys for word in ("--set", key))]
+    return {"again": shlex.join(words)}
 
 
 def objective_line(sweep: Sweep) -> str:
@@ -102,8 +104,8 @@ def _page(sweep: Sweep, found: Mapping[str, Any]) -> str:
         *([sweep.description] if sweep.description else []),
         table(head, rows(sweep, found["trials"], found["measured"])),
         f"{len(found['trials'])} of {found['planned']} trials, {found['failed']} of them failed. "
-        "Brackets are Wilson 95 % intervals of one trial; the best of many is flattered, so try it again in "
-        "episodes of another seed before it is compared with anything.",
+        "Brackets are Wilson 95 % intervals of one trial; the best of many trials is biased upwards: "
+        "evaluate it again with another seed before comparing it.",
         "![the objective over each parameter](sweep.png)",
     ]
     if best is not None:

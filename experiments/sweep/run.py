@@ -58,17 +58,27 @@ def run_sweep(
 
 
 def carry_on(sweep: Sweep, store: Store, pool: Pool, job: Callable[[Values], str], tell: Tell) -> None:
-    """Have every trial done that has not ended yet, batch after batch."""
+    """Have every trial done that has not ended yet, batch after batch.
+
+    One whose values the experiment refuses together has failed without an attempt.
+    """
     total = trials_of(sweep)
+
+    def keep(trial: Trial) -> None:
+        store.add(trial)
+        tell(trial, total)
+
     for numbers in batches_of(sweep):
         ended = store.trials()
         values = propose(sweep, numbers, ended)
-        left = [number for number in numbers if number not in ended]
-        jobs = {number: job(values[number]) for number in left}
+        jobs = {}
+        for number in (number for number in numbers if number not in ended):
+            try:
+                jobs[number] = job(values[number])
+            except UserError as error:
+                keep(Trial(number, dict(values[number]), None, None, str(error), 0, 0.0))
         for done in completed(jobs, jobs.__getitem__, pool, sweep.retries):
-            trial = _ended(values[done.number], done)
-            store.add(trial)
-            tell(trial, total)
+            keep(_ended(values[done.number], done))
 
 
 def _ended(values: Values, ended: Ended) -> Trial:

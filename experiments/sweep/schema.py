@@ -94,12 +94,14 @@ class Sweep(Part):
     def _is_a_grid_or_a_search(self) -> Self:
         for key, parameter in self.parameters.items():
             if self.trials is None and parameter.kind != "grid":
-                raise ValueError(f"parameters.{key}: is drawn; say with trials how many draws there are")
+                raise ValueError(f"parameters.{key}: is drawn at random; give the number of draws as trials")
             if self.trials is not None and parameter.kind == "grid":
                 raise ValueError(f"parameters.{key}: is a grid; drop trials, or make it a choice")
         grid = math.prod(len(parameter.grid or ()) for parameter in self.parameters.values())
         if self.trials is None and grid > MOST_TRIALS:
-            raise ValueError(f"parameters: a grid of {grid:.3g} trials; at most {MOST_TRIALS}, or say trials")
+            raise ValueError(
+                f"parameters: a grid of {grid:.3g} trials; at most {MOST_TRIALS}, or give trials"
+            )
         return self
 
 

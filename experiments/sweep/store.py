@@ -14,7 +14,7 @@ from swamp_rl.ordinary import ordinary
 from swamp_rl.seal import BLANK, KEY, refuse_changed, sealed
 
 FILE = "trials.sqlite"
-AGAIN = "remove the file to begin anew, or name another folder with --out"
+AGAIN = "remove the file to start again, or name another folder with --out"
 TABLES = {
     "trials": "CREATE TABLE trials (number INTEGER PRIMARY KEY, trial TEXT)",
     "plan": "CREATE TABLE plan (plan TEXT)",
@@ -64,7 +64,7 @@ class Store:
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise UserError(f"{where}: is no trial ({error}); {AGAIN}") from error
         if trial.number != number:
-            raise UserError(f"{where}: stands in the place of trial {trial.number}; {AGAIN}")
+            raise UserError(f"{where}: is in the place of trial {trial.number}; {AGAIN}")
         return trial
 
     def add(self, trial: Trial) -> None:

@@ -26,10 +26,10 @@ def warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
     outside = starts_outside(scene, runs)
     if outside == 0.0:
         return None
-    said = "no run covers where evaluation starts" if outside == 1.0 else "not every start is covered"
+    said = "no run covers the starts of the evaluation" if outside == 1.0 else "not every start is covered"
     return (
         f"pilots.{name}: {said}: {100.0 * outside:.0f} % of the evaluation's starts are more than "
-        f"{scene.boat.length:g} m from the {len(runs)} runs it learns from; record runs from the start of "
+        f"{scene.boat.length:g} m from the {len(runs)} training runs; record runs from the start of "
         f"{scene.course.name} on"
     )
 
@@ -42,8 +42,8 @@ def calm_warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
     if not rough or 2 * calm <= len(runs):
         return None
     return (
-        f"pilots.{name}: {calm} of the {len(runs)} runs it learns from were driven without disturbances, and "
-        f"it is tried at {', '.join(rough)}; where it fails there, record runs with --disturbances {rough[0]}"
+        f"pilots.{name}: {calm} of the {len(runs)} training runs were recorded without disturbances, but it "
+        f"is tested at {', '.join(rough)}; if it fails there, record runs with --disturbances {rough[0]}"
     )
 
 

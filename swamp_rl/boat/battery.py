@@ -36,7 +36,7 @@ class PowerTable(Part):
     power: Annotated[
         tuple[Annotated[float, NOT_NEGATIVE], ...], FROM_LIST, Field(min_length=2, max_length=1000), Unit("W")
     ]
-    "At each of these."
+    "Power at each of these throttles."
 
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:

@@ -77,7 +77,7 @@ def boat_chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:
         path = extended_config("boats", path, extended)
         if any(path.resolve() == seen.resolve() for seen, _ in chain):
             way = " -> ".join(str(file) for file, _ in reversed(chain))
-            raise UserError(f"{way} -> {path}: extends goes round in a circle; remove one of them")
+            raise UserError(f"{way} -> {path}: extends forms a cycle; remove one of them")
 
 
 def _validated(raw: dict[str, Any], origins: Mapping[Key, tuple[Path, Any]], asked: Path) -> Boat:

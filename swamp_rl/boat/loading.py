@@ -17,11 +17,11 @@ class Loading(Part):
     """
 
     density: Annotated[float, POSITIVE, Unit("kg/m3")]
-    "Of the water that the table holds for."
+    "Density of the water that the table holds for."
     mass: Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, Field(max_length=1000), Unit("kg")]
     "Increasing."
     draught: Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, Field(max_length=1000), Unit("m")]
-    "At each of these masses, increasing."
+    "Draught at each of these masses, increasing."
 
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:

@@ -23,7 +23,7 @@ def out_of_range(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             told = f"{found[0]:.6g}" if isinstance(found[0], float) else "an integer of many digits"
             yield (
                 ".".join(key),
-                f"{told} is no number of a boat: numbers are 0 or {LEAST:g} to {MOST:g}; check the unit",
+                f"{told} is out of range: numbers are 0 or {LEAST:g} to {MOST:g}; check the unit",
             )
 
 

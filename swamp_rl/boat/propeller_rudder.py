@@ -112,7 +112,7 @@ class Rudder(Part):
     k_x: Annotated[float, NOT_NEGATIVE, Unit("1")]
     "k_x: acceleration of the flow by the propeller, turning ahead."
     k_x_astern: Annotated[float, NOT_NEGATIVE, Unit("1")]
-    "The same where the propeller does not drive the boat ahead (Kitagawa)."
+    "k_x where the propeller does not drive the boat ahead (Kitagawa)."
     c_pr: Annotated[float, Unit("1")]
     "C_PR of C_PR u², added to u_R² where the propeller does not drive the boat ahead (Kitagawa)."
 
@@ -125,7 +125,7 @@ class PropellerRudder(Part):
     """
 
     name: Annotated[str, NAME]
-    "By which runs, effects and the joypad refer to it."
+    "Name in runs, effects and the joypad."
     kind: Literal["propeller_rudder"]
     "A propeller with its rudder."
     rudder_max: Annotated[float, RUDDER_ANGLE, Unit("rad")]

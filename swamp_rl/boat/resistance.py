@@ -19,7 +19,7 @@ class ResistanceCurve(Part):
     speed: Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, Unit("m/s")]
     "Through the water, increasing."
     resistance: Annotated[tuple[Annotated[float, POSITIVE], ...], FROM_LIST, Unit("N")]
-    "At each of these speeds."
+    "Resistance at each of these speeds."
 
     @model_validator(mode="after")
     def _is_a_curve(self) -> Self:
@@ -34,9 +34,9 @@ class TankResistance(Part):
     """The towing tank's results, with the mass [kg] and water density [kg/m³] they hold for."""
 
     reference_mass: Annotated[float, POSITIVE, Unit("kg")]
-    "Of the model as towed; the resistance is scaled from it to the boat's `mass`."
+    "Mass of the model as towed; the resistance is scaled from it to the boat's `mass`."
     reference_density: Annotated[float, POSITIVE, Unit("kg/m3")]
-    "Of the tank's water; the resistance is scaled from it to `water_density`."
+    "Density of the tank's water; the resistance is scaled from it to `water_density`."
     table: Annotated[tuple[ResistanceCurve, ...], Field(strict=False, min_length=1)]
     "Curves by increasing `h_over_t`."
 

@@ -38,7 +38,7 @@ class Hull(Part):
     c_rn: Annotated[float, Unit("1")]
     "C_rN: the same for the yaw moment."
     spacing: Annotated[float, NOT_NEGATIVE, Unit("m")] = 0.0
-    "Between the centre planes of two demihulls, each at its own surge speed; 0: resistance at midship."
+    "Distance of the centre planes of two demihulls, each at its own surge speed; 0: resistance at midship."
 
 
 class Thruster(Part):
@@ -55,13 +55,13 @@ class Thruster(Part):
     """
 
     name: Annotated[str, NAME]
-    "By which runs, effects and the joypad refer to it."
+    "Name in runs, effects and the joypad."
     kind: Literal["azimuth", "fixed"]
     "Whether it turns."
     x: Annotated[float, Unit("m")]
     "Forward of midship."
     y: Annotated[float, Unit("m")]
-    "To starboard of the centre line."
+    "Position to starboard of the centre line."
     azimuth_min: Annotated[float, ANGLE, Unit("rad")] = -math.inf
     "Least azimuth; none: it turns without end."
     azimuth_max: Annotated[float, ANGLE, Unit("rad")] = math.inf
@@ -81,13 +81,13 @@ class Thruster(Part):
     thrust_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
     "Thrust at rest, coefficient of p |p|."
     astern_linear: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
-    "The same for p < 0."
+    "Thrust at rest, coefficient of p, for p < 0."
     astern_quadratic: Annotated[float, NOT_NEGATIVE, Unit("N")] = 0.0
-    "The same for p < 0; both 0: it does not reverse."
+    "Thrust at rest, coefficient of p |p|, for p < 0; both 0: no reverse thrust."
     dead_band: Annotated[float, NOT_NEGATIVE, DEAD_BAND, Unit("1")] = 0.0
     "Throttle, either way, below which it gives no thrust; the curve is stretched over the rest."
     nozzle_area: Annotated[float, NOT_NEGATIVE, Unit("m2")] = 0.0
-    "Of the jet; 0: no momentum drag."
+    "Outlet area of the jet; 0: no momentum drag."
     advance_loss: Annotated[float, NOT_NEGATIVE, Unit("1")] = 0.0
     "c_a of T = T_bollard (1 − c_a V_a/V_o)."
     propeller: Screw | None = None
@@ -241,13 +241,13 @@ class Wind(Part):
     """What the wind meets: areas [m²], lateral centre forward of midship [m], coefficients (8.17 to 8.19)."""
 
     air_density: Annotated[float, POSITIVE, Unit("kg/m3")]
-    "Of the air."
+    "Density of the air."
     frontal_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
     "Projected area ahead."
     lateral_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
     "Projected area abeam."
     lateral_centre: Annotated[float, Unit("m")]
-    "Of the lateral area, forward of midship."
+    "Centre of the lateral area, forward of midship."
     c_x: Annotated[float, NOT_NEGATIVE, Unit("1")]
     "Surge coefficient (8.17)."
     c_y: Annotated[float, NOT_NEGATIVE, Unit("1")]
@@ -264,13 +264,13 @@ class Current(Part):
     """
 
     model: Literal["relative", "dnv_force"]
-    "How a current acts."
+    "Model of the current's action."
     frontal_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
     "Underwater area ahead."
     lateral_area: Annotated[float, NOT_NEGATIVE, Unit("m2")]
     "Underwater area abeam."
     lateral_centre: Annotated[float, Unit("m")]
-    "Of the lateral area, forward of midship."
+    "Centre of the lateral area, forward of midship."
     c_x: Annotated[float, NOT_NEGATIVE, Unit("1")]
     "Surge coefficient."
     c_y: Annotated[float, NOT_NEGATIVE, Unit("1")]
@@ -308,13 +308,13 @@ class Boat(Part):
     """
 
     name: Annotated[str, Field(min_length=1)]
-    "As reports print it."
+    "Name in reports."
     length: Annotated[float, POSITIVE, Unit("m")]
-    "Of the hull, L."
+    "Length of the hull, L."
     breadth: Annotated[float, POSITIVE, Unit("m")]
-    "Of the hull."
+    "Breadth of the hull, B."
     draught: Annotated[float, POSITIVE, Unit("m")]
-    "Of the hull, d; `loading` in the file: that of `mass` by the table `loading`."
+    "Draught of the hull, d; `loading` in the file: that of `mass` by the table `loading`."
     mass: Annotated[float, POSITIVE, Unit("kg")]
     "Without added mass."
     inertia_z: Annotated[float, POSITIVE, Unit("kg m2")]
@@ -328,15 +328,15 @@ class Boat(Part):
     added_inertia_yaw: Annotated[float, NOT_POSITIVE, Unit("kg m2")]
     "Hydrodynamic derivative by yaw acceleration."
     water_density: Annotated[float, POSITIVE, Unit("kg/m3")]
-    "Of the water."
+    "Density of the water."
     hull: Hull
     "Hull coefficients."
     resistance: Resistance
     "A towing tank's table, or coefficients by drift angle."
     thrusters: Annotated[tuple[AnyThruster, ...], Field(strict=False, min_length=1)]
-    "In the order of every per-thruster array."
+    "Thrusters, in the order of every per-thruster array."
     thrust_deduction: ThrustDeduction | None = None
-    "Of the jets, none where it is left out; a propeller has its own."
+    "Thrust deduction of the jets, none where it is left out; a propeller has its own."
     wind: Wind
     "Areas and coefficients above water."
     current: Current

@@ -26,7 +26,7 @@ class Disc(Part):
     """
 
     kind: Literal["disc"]
-    "Which model."
+    "Kind of model."
     pitch_ratio: Annotated[float, Field(gt=0, le=10), Unit("1")]
     "p/d."
 
@@ -35,7 +35,7 @@ class Linear(Part):
     """K_t = K_t(0) (1 − J/J_0) (Allotta et al. 2018, 18 and 19), turning astern its mirror image."""
 
     kind: Literal["linear"]
-    "Which model."
+    "Kind of model."
     bollard_coefficient: Annotated[float, Field(gt=0, le=10), Unit("1")]
     "K_t(0)."
     null_advance: Annotated[float, Field(gt=0, le=10), Unit("1")]
@@ -49,7 +49,7 @@ class FourQuadrant(Part):
     """
 
     kind: Literal["four_quadrant"]
-    "Which model."
+    "Kind of model."
     cosines: SERIES
     "A_0, A_1, ..."
     sines: SERIES
@@ -94,7 +94,7 @@ class Wash(Part):
     of: Annotated[str, NAME]
     "The thruster ahead; it has a propeller too."
     share: Annotated[float, NOT_NEGATIVE, Field(le=1), Unit("1")]
-    "Of its race's increase of speed that arrives."
+    "Share of the race's increase of speed that arrives."
 
 
 class Motor(Part):
@@ -142,9 +142,9 @@ class Screw(Part):
     diameter: Annotated[float, POSITIVE, Unit("m")]
     "d."
     revolutions_max: Annotated[float, POSITIVE, Unit("rps")]
-    "At throttle 1."
+    "Revolutions at throttle 1."
     revolutions_max_astern: Annotated[float, NOT_NEGATIVE, Unit("rps")] = 0.0
-    "At throttle −1; 0: it does not turn astern."
+    "Revolutions at throttle −1; 0: it does not turn astern."
     wake: Annotated[float, NOT_NEGATIVE, BELOW_ONE, Unit("1")] = 0.0
     "w: V_a = (1 − w) V in water from ahead, V in water from astern."
     crossflow_loss: Annotated[float, NOT_NEGATIVE, Unit("1")] = 0.0
@@ -158,7 +158,7 @@ class Screw(Part):
     wash: Wash | None = None
     "The race that it stands in."
     motor: Motor | None = None
-    "What turns it; limits how fast its revolutions change."
+    "Motor; limits the rate of change of the revolutions."
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
@@ -203,9 +203,9 @@ class ThrustRow(Part):
     """Thrust at one throttle."""
 
     throttle: Annotated[float, Field(ge=-1, le=1), Unit("1")]
-    "Of the test."
+    "Throttle of the test."
     thrust: Annotated[tuple[float, ...], FROM_LIST, SEVERAL, Unit("N")]
-    "At each of the table's speeds, negative astern."
+    "Thrust at each of the table's speeds, negative astern."
 
 
 class ThrustTable(Part):
@@ -217,7 +217,7 @@ class ThrustTable(Part):
     speed: Annotated[tuple[float, ...], FROM_LIST, SEVERAL, Unit("m/s")]
     "V_a along the thrust, increasing; 0 is among them."
     rows: Annotated[tuple[ThrustRow, ...], FROM_LIST, SEVERAL]
-    "By increasing throttle, the last at 1, the first at −1 or above 0."
+    "Rows by increasing throttle, the last at 1, the first at −1 or above 0."
 
     @model_validator(mode="after")
     def _is_a_table(self) -> Self:

@@ -109,7 +109,7 @@ def _replace(section: dict[str, Any], key: str, one: Fitted, told_from: str) -> 
     else:
         value, sd = _rounded(one.value), _rounded(one.standard_error)
     if not one.shown and isinstance(given, dict):
-        source = f"{given['source']}; {told_from} does not show it"
+        source = f"{given['source']}; not identifiable from {told_from}"
         section[key] = {**given, "value": value, "source": source}
         return
     section[key] = {

@@ -56,7 +56,7 @@ def summary(found: Identification) -> list[str]:
     if found.wiring.advance > 0.0:
         said.append(
             f"Commands are stamped {found.wiring.advance:g} s after the motion that they cause. They were "
-            "taken that much earlier; correct the log, for no boat file can say it."
+            "taken that much earlier; correct the log; a boat file has no parameter for it."
         )
     said += other_thrust(found)
     if worse := not_better(found.after):

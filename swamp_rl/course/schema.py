@@ -221,7 +221,7 @@ def course_files(name_or_path: str | Path) -> list[Path]:
     while "extends" in (data := read_yaml(files[-1])):
         files.append(extended_config("courses", files[-1], data["extends"]))
         if files[-1].resolve() in [file.resolve() for file in files[:-1]]:
-            raise UserError(f"{files[-1]}: extends goes round in a circle; remove one of them")
+            raise UserError(f"{files[-1]}: extends forms a cycle; remove one of them")
     return files
 
 

@@ -45,7 +45,7 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
         matrix = correlated["correlated"]["matrix"]
         factor_of(matrix, len(matrix), f"{diagnosis}: correlation")
     level = below | {
-        "description": f"what a diagnosis found, with its doubt{beside}",
+        "description": f"result of a diagnosis, with its standard errors{beside}",
         "effects": entries + others,
         **correlated,
     }
@@ -77,7 +77,7 @@ def _entry(cause: Cause, where: Path) -> dict[str, Any]:
         if name not in effect.parameter_names:
             raise UserError(f"{where}: {cause.effect}: no {name!r}{nearest(name, effect.parameter_names)}")
         if not math.isfinite(found.value) or not 0.0 <= found.standard_error < math.inf:
-            raise UserError(f"{where}: {cause.effect}: {name} is no number with an error; diagnose anew")
+            raise UserError(f"{where}: {cause.effect}: {name} is no number with an error; diagnose again")
     thruster = {} if cause.thruster is None else {"thruster": cause.thruster}
     if cause.spread and effect.vector:
         return {"effect": cause.effect, **thruster, COMPONENTS: _between_runs(cause, *effect.vector)}

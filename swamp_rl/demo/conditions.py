@@ -28,7 +28,7 @@ def conditions(runs: Sequence[Run], one_boat: bool = True) -> Conditions:
         return Conditions(False, "different boats")
     for run in runs:
         if _weather(run) is None or _start(run) is None:
-            return Conditions(False, f"different weather: {run.name} does not tell its own")
+            return Conditions(False, f"different weather: {run.name} does not record its own")
         if (run.meta.model_extra or {}).get("kicked_steps"):
             return Conditions(False, f"different weather: in {run.name} someone moved the stern thrusters")
     if len({_weather(run) for run in runs}) > 1:

@@ -80,7 +80,7 @@ def _wait_for(server: subprocess.Popen[str], ports: tuple[int, ...]) -> None:
     while waiting:
         if server.poll() is not None:
             said = (server.communicate()[0] or "").strip().splitlines()
-            raise UserError(f"rerun's server ended at once: {said[-1] if said else 'it said nothing'}")
+            raise UserError(f"rerun's server exited at once: {said[-1] if said else 'no message'}")
         if time.monotonic() > until:
             raise UserError(f"rerun's server did not listen within {PATIENCE:g} s; try again, or --save")
         with socket.socket() as probe:

@@ -34,11 +34,11 @@ class Condition(Part):
     """A loading condition: draught or mass, and height of the centre of gravity above the bottom."""
 
     name: Annotated[str, NAME]
-    "As tables and figures print it."
+    "Name in tables and figures."
     draught: Annotated[float | None, POSITIVE, Unit("m")] = None
-    "Of the hull, or give mass."
+    "Draught of the hull, or give mass."
     mass: Annotated[float | None, POSITIVE, Unit("kg")] = None
-    "Of the vessel, or give draught."
+    "Mass of the vessel, or give draught."
     centre_of_gravity: Annotated[float, NOT_NEGATIVE, Unit("m")]
     "VCG: above the bottom."
 
@@ -55,7 +55,7 @@ class HullDesign(Part):
     design: Literal["hull"]
     "Kind of design."
     name: Annotated[str, Field(min_length=1)]
-    "As tables print it; the file's by default."
+    "Name in tables; the file's by default."
     middle_half_length: Annotated[float, POSITIVE, Unit("m")]
     "a: half the length of the parallel middle body."
     end_length: Annotated[float, POSITIVE, Unit("m")]
@@ -67,13 +67,13 @@ class HullDesign(Part):
     cut: Annotated[float, POSITIVE, Unit("m")]
     "Cut_prog: height of what is cut off."
     depth: Annotated[float, POSITIVE, Unit("m")]
-    "From the bottom to the deck."
+    "Depth from the bottom to the deck."
     demihulls: Annotated[int, Field(ge=1, le=2)]
     "1, or 2 side by side."
     spacing: Annotated[float, NOT_NEGATIVE, Unit("m")]
     "S: between the centre planes of two demihulls; 0 for one."
     water_density: Annotated[float, POSITIVE, Unit("kg/m3")]
-    "Of the water."
+    "Density of the water."
     conditions: Annotated[tuple[Condition, ...], FROM_LIST, FILLED, Field(max_length=MOST_CONDITIONS)]
     "The first one is what the boat file is written for."
 

@@ -54,7 +54,7 @@ class Pitch(Part):
     """A propeller of the series."""
 
     name: Annotated[str, NAME]
-    "As tables and figures print it."
+    "Name in tables and figures."
     pitch_ratio: Annotated[float, Field(gt=0, le=10), Unit("1")]
     "p/d."
     bollard_coefficient: Annotated[float, Field(gt=0, le=10), Unit("1")]
@@ -82,19 +82,19 @@ class MatchDesign(Part):
     design: Literal["match"]
     "Kind of design."
     name: Annotated[str, Field(min_length=1)]
-    "As tables print it; the file's by default."
+    "Name in tables; the file's by default."
     water_density: Annotated[float | None, POSITIVE, Unit("kg/m3")] = None
-    "Of the water; a boat's file has its own."
+    "Density of the water; a boat's file has its own."
     vehicle: Vehicle
-    "What is driven."
+    "Vehicle to be propelled."
     propellers: Propellers
-    "What drives it."
+    "Propellers."
     design_speed: Annotated[float, POSITIVE, Unit("m/s")]
-    "At which revolutions and thrust are told."
+    "Speed of the revolutions and thrust that are reported."
     efficiency: Annotated[float, SHARE, Unit("1")]
     "η: drag times speed over electric power."
     energy: Annotated[float, POSITIVE, Unit("J")]
-    "That the accumulators give."
+    "Energy of the accumulators."
     onboard_power: Annotated[Several, Unit("W")]
     "W_inst: each that the best range is looked for at."
 

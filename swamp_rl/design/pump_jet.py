@@ -32,13 +32,13 @@ class PumpJetDesign(Part):
     design: Literal["pump-jet"]
     "Kind of design."
     name: Annotated[str, Field(min_length=1)]
-    "As tables print it; the file's by default."
+    "Name in tables; the file's by default."
     thrust: Annotated[float, POSITIVE, Unit("N")]
     "T: ahead, at rest, at full revolutions."
     revolutions: Annotated[float, POSITIVE, Unit("1/s")]
     "n: full revolutions of the impeller."
     water_density: Annotated[float, POSITIVE, Unit("kg/m3")]
-    "Of the water."
+    "Density of the water."
     module_diameter: Annotated[float, POSITIVE, Unit("m")]
     "D_p: of the module, which all lengths are scaled by."
     nozzle_area: Annotated[float, POSITIVE, Unit("m2")]
@@ -58,11 +58,11 @@ class PumpJetDesign(Part):
     rotative_efficiency: Annotated[float, SHARE, Unit("1")] = 1.0
     "η_r of the power (5.12)."
     motor_efficiency: Annotated[float, SHARE, Unit("1")]
-    "Of the motor: shaft power over electric power."
+    "Efficiency of the motor: shaft power over electric power."
     blades: Annotated[int, Field(ge=2, le=40)]
     "Number of vanes."
     blade_thickness: Annotated[float, POSITIVE, Unit("m")]
-    "Of a vane, constant along it."
+    "Thickness of a vane, constant along it."
     inlet_tip_ratio: Annotated[float, RATIO, Unit("1")]
     "D_1t / D_p."
     inlet_mean_ratio: Annotated[float, RATIO, Unit("1")]

@@ -22,7 +22,9 @@ def computable(name: str) -> Iterator[None]:
         yield
     except ArithmeticError as error:
         told = clipped(f"{type(error).__name__}: {error}", 100)
-        raise UserError(f"{name}: cannot be computed ({told}); check the sizes and their units") from error
+        raise UserError(
+            f"{name}: cannot be computed ({told}); check the dimensions and their units"
+        ) from error
 
 
 def read_design(name_or_path: str | Path, kind: str, model: type[Model]) -> Model:

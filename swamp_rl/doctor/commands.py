@@ -38,10 +38,10 @@ def command_findings(runs: Sequence[Run]) -> list[Finding]:
     own = [name for name in joined if not name.startswith("joy_")] or list(joined)
     if own and set(own) <= set(constant):
         told = "no command varies in any run"
-        advice = "nothing about thrust or steering can be learnt from them; check that commands were logged"
+        advice = "thrust and steering cannot be identified from them; check that commands were logged"
         found.append(Finding("fault", "commands_constant", tuple(own), told, advice))
     elif constant:
-        told, advice = "never vary", "their effect cannot be told from the others'"
+        told, advice = "never vary", "their effect cannot be distinguished from that of the others"
         found.append(Finding("note", "command_constant", tuple(constant), told, advice))
     levers = [values for name, values in joined.items() if name.startswith("joy_")]
     for name, values in joined.items():

@@ -145,7 +145,7 @@ def _yaw_rate_against_heading(motions: Sequence[Motion]) -> list[Finding]:
             Finding("fault", "unit", ("yaw_rate",), told, "give it in rad/s (--unit)", figures=figures)
         )
     elif unit := _unit(1.0 / abs(ratio), {"degrees": TURNS["deg/s"]}):
-        told = f"changes {1.0 / abs(ratio):.3g} times as fast as yaw_rate says, as {unit} do"
+        told = f"changes {1.0 / abs(ratio):.3g} times as fast as yaw_rate, as if in {unit}"
         found.append(
             Finding("fault", "unit", ("heading",), told, "give it in rad (--degrees)", figures=figures)
         )

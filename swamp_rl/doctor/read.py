@@ -143,7 +143,7 @@ def _frames(path: Path, features: dict[str, Any]) -> dict[str, Array]:
     try:
         file = pq.ParquetFile(ordinary(_own(path)))
         if file.metadata.num_rows * file.metadata.num_columns > MOST_CELLS:
-            raise UserError(f"{path}: says that it has {file.metadata.num_rows} rows; divide it")
+            raise UserError(f"{path}: declares {file.metadata.num_rows} rows; divide it")
         data = file.read()
         columns = list(zip(data.column_names, data.columns, strict=True))
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:

@@ -30,7 +30,7 @@ def time_findings(runs: Sequence[Run]) -> list[Finding]:
                 kinds[kind].append((run.name, first + 2, float(np.abs(steps[wrong]).max())))
     words = {
         "again": ("time_repeated", "the same time comes twice", "cut the second row (--bad-rows)"),
-        "back": ("time_back", "the time goes back", "split the runs there (--bad-rows split)"),
+        "back": ("time_back", "time decreases", "split the runs there (--bad-rows split)"),
         "jump": (
             "time_jump",
             "rows are missing",

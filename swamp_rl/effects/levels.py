@@ -120,5 +120,5 @@ def _offsets(given: Any, where: str) -> tuple[Distribution, ...]:
         for key, unit in START.items()
     }
     if max(map(abs, offsets["heading"].reach)) > FULL_TURN:
-        raise UserError(f"{where}: start.heading goes beyond a full turn; give it in radians")
+        raise UserError(f"{where}: start.heading is beyond a full turn; give it in radians")
     return tuple(offsets.values())

@@ -21,14 +21,14 @@ class Leg(Part):
     speed: Annotated[float, Field(gt=0.0, le=50.0), Unit("m/s")]
     "Over ground."
     duration_s: Annotated[float, Field(ge=1.0, le=LONGEST), Unit("s")] | None = None
-    "How long the leg is."
+    "Duration of the leg."
     course_deg: Annotated[Degrees, Unit("deg")] | None = None
-    "Of a leg with a duration; that of the leg before where it is left out."
+    "Course of a leg with a duration; that of the leg before where it is left out."
     waypoints: Annotated[tuple[Place, ...], FROM_LIST, Field(min_length=1, max_length=1000)] | None = None
     "Places [north, east] in m, from where the boat is."
 
     depth: Annotated[float, Field(gt=0.0, le=12000.0), Unit("m")] | None = None
-    "Of the water; that of the leg before where it is left out, and deep where none has one."
+    "Depth of the water; that of the leg before where it is left out, and deep where none has one."
 
     @model_validator(mode="after")
     def _has_one_end(self) -> Self:
@@ -43,21 +43,21 @@ class Mission(Part):
     """A mission file, whole."""
 
     name: Annotated[str, NAME]
-    "As reports print it."
+    "Name in reports."
     description: str = ""
     "For people."
     boat: str
     "A name in configs/boats, or a boat file."
     start: Start = Start()
-    "Where the boat lies at rest; its course is that of a first leg that has none."
+    "Pose at rest at the start; its course is that of a first leg that has none."
     charge: Annotated[float, Field(gt=0.0, le=1.0), Unit("1")] = 1.0
     "State of charge of every pack at the start."
     reserve: Annotated[float, Field(ge=0.0, lt=1.0), Unit("1")] | None = None
     "State of charge that must be left; 1 − depth_of_discharge of the boat file where it is left out."
     seed: Annotated[int, Field(ge=0, lt=2**31)] = 0
-    "Of the wind's gusts."
+    "Seed of the wind's gusts."
     legs: Annotated[tuple[Leg, ...], FROM_LIST, Field(min_length=1, max_length=1000)]
-    "In their order."
+    "Legs, in their order."
 
     @model_validator(mode="after")
     def _has_an_end(self) -> Self:

@@ -31,7 +31,7 @@ class OnnxPilot:
         try:
             self.senses = tuple(parsed_json(known["senses"]))
         except (TypeError, ValueError) as error:
-            raise UserError(f"{path}: does not tell what it senses; export the pilot again") from error
+            raise UserError(f"{path}: does not name its observations; export the pilot again") from error
         refuse_unnamed(self.senses, f"{path}: the pilot observes")
         self.wants_first = FIRST_LEVERS in inputs
         "Whether the levers of whoever drives first are to be given."

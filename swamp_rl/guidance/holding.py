@@ -49,10 +49,12 @@ class Holding:
         if self.holds:
             return f"can hold {at}: {need}, the jets give {self.margin:.1f} times that"
         if not self.needed.any():
-            return "cannot hold: one jet, with neither current nor wind to lie against, cannot steer"
+            return "cannot hold: one jet cannot steer without current or wind"
         if self.margin == 0.0:
             return f"cannot hold {at}: {need}, and the jets have no force along that line"
-        return f"cannot hold {at}: {need}, the jets give {self.margin:.2f} times that, {RESERVE:g} is asked"
+        return (
+            f"cannot hold {at}: {need}, the jets give {self.margin:.2f} times that, {RESERVE:g} is required"
+        )
 
 
 def steady_force(boat: Boat, heading: float, gust: float = 0.0) -> Array:

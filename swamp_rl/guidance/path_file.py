@@ -32,7 +32,7 @@ class Line(Part):
     kind: Literal["line"]
     "A straight line."
     to: Place
-    "Its end [north, east] in m."
+    "End of the line [north, east] in m."
 
 
 class Arc(Part):
@@ -41,7 +41,7 @@ class Arc(Part):
     kind: Literal["arc"]
     "A circular arc."
     radius: Radius
-    "Of the circle."
+    "Radius of the circle."
     turn_deg: Annotated[float, Field(ge=-36000.0, le=36000.0), Unit("deg")]
     "Change of course, positive to starboard; may be more than a turn."
 
@@ -67,13 +67,13 @@ class LawnMower(Part):
     kind: Literal["lawn_mower"]
     "Parallel lines joined by half circles."
     length: Radius
-    "Of a line."
+    "Length of a line."
     spacing: Radius
-    "Between two lines."
+    "Distance between two lines."
     lines: Annotated[int, Field(ge=2, le=1000)]
-    "How many."
+    "Number of lines."
     side: Literal["starboard", "port"] = "starboard"
-    "To which the lines follow one another."
+    "Side on which the next line lies."
 
 
 class Eight(Part):
@@ -82,9 +82,9 @@ class Eight(Part):
     kind: Literal["eight"]
     "Two circles that touch."
     radius: Radius
-    "Of each circle."
+    "Radius of each circle."
     turns: Annotated[int, Field(ge=1, le=100)] = 1
-    "Of each circle."
+    "Turns of each circle."
 
 
 Piece = Annotated[Line | Arc | Spline | LawnMower | Eight, Field(discriminator="kind")]
@@ -94,15 +94,15 @@ class PathFile(Part):
     """A path file, whole."""
 
     name: Annotated[str, NAME]
-    "As reports print it."
+    "Name in reports."
     description: str = ""
     "For people."
     speed: Annotated[float, Field(gt=0.0, le=50.0), Unit("m/s")]
     "Over ground; less where the boat could not turn as fast as the curve does."
     start: Start = Start()
-    "Where the path begins, and the course of a first piece that is an arc or lines."
+    "Start of the path, and the course of a first piece that is an arc or lines."
     pieces: Annotated[tuple[Piece, ...], FROM_LIST, Field(min_length=1, max_length=1000)]
-    "In their order."
+    "Pieces, in their order."
 
     @model_validator(mode="after")
     def _has_an_end(self) -> Self:

@@ -29,7 +29,7 @@ class Vehicle(Part):
     """A vehicle file, whole: M v' + D v |v| (+ g) = force on each axis, and the square that it sails."""
 
     name: Annotated[str, NAME]
-    "As reports print it."
+    "Name in reports."
     description: str = ""
     "For people."
     surge_mass: Annotated[float, SIZE, Unit("kg")]
@@ -47,15 +47,15 @@ class Vehicle(Part):
     buoyancy: Annotated[float, Field(ge=0.0, le=1e9), Unit("N")] = 0.0
     "Surplus, upwards."
     surge_force: Annotated[float, SIZE, Unit("N")]
-    "Of the propellers in a surge motion."
+    "Force of the propellers in a surge motion."
     heave_force: Annotated[float, SIZE, Unit("N")]
-    "Of the thrusters in a heave motion."
+    "Force of the thrusters in a heave motion."
     yaw_moment: Annotated[float, SIZE, Unit("N m")]
-    "Of the thrusters in a yaw motion."
+    "Moment of the thrusters in a yaw motion."
     side: Annotated[float, Field(ge=2.0, le=1000.0), Unit("m")]
-    "Of the square."
+    "Side of the square."
     depth: Annotated[float, Field(ge=0.0, le=100.0), Unit("m")]
-    "Of its second half; 0: it does not dive."
+    "Depth of its second half; 0: it does not dive."
     thrust_error: Annotated[float, Field(ge=-0.5, le=0.5), Unit("1")] = 0.0
     "True over estimated force, less 1."
     current: Annotated[float, Field(ge=0.0, le=10.0), Unit("m/s")] = 0.0

@@ -34,7 +34,7 @@ def reading(path: Path, what: str) -> Iterator[None]:
         raise os_error(error, path) from error
     except (Exception, RecursionError) as error:
         said = clipped(f"{type(error).__name__}: {error}", 200)
-        raise UserError(f"{path}: is no whole {what} ({said}); copy it again") from error
+        raise UserError(f"{path}: is no complete {what} ({said}); copy it again") from error
 
 
 class Gathered:

@@ -196,14 +196,15 @@ def _has_numbers(table: LogTable, text: str) -> bool:
     return len(there) == len(columns) and int(np.isfinite(evaluated(node, there)).sum()) > 1
 
 
-GROUPS = (
+ALTERNATIVES = (
     {"latitude", "longitude", "north", "east", "x", "y"},
     {"heading", "yaw", "qw", "qx", "qy", "qz"},
     {"surge", "sway", "u", "v", "vx", "vy", "velocity_north", "velocity_east"},
     {"yaw_rate", "r"},
 )
+"""Sources of the same columns."""
 
 
 def _replaced(name: str, given: Collection[str]) -> bool:
     """Whether the given mapping has another source of the same columns."""
-    return any(name in group and group & set(given) for group in GROUPS)
+    return any(name in group and group & set(given) for group in ALTERNATIVES)

@@ -151,7 +151,7 @@ def _timed(function: str, values: Array, time: Array | None) -> Array:
     """Derivative or integral over the times; an integral is 0 at the first one, and linear across gaps."""
     if time is None:
         raise UserError(
-            f"{function}(): needs the times of the table; it cannot stand in their own expression"
+            f"{function}(): needs the times of the table; it cannot be used in their own expression"
         )
     if function == "integral":
         values = np.array(np.broadcast_to(values, time.shape))

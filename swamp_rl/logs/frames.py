@@ -13,13 +13,13 @@ from swamp_rl.logs.mapping import Frame
 Array = NDArray[np.float64]
 
 QUATERNION = ("qw", "qx", "qy", "qz")
-GROUPS = (("x", "y"), QUATERNION, ("vx", "vy"), ("velocity_north", "velocity_east"))
+TOGETHER = (("x", "y"), QUATERNION, ("vx", "vy"), ("velocity_north", "velocity_east"))
 """Columns of which all or none must be mapped."""
 
 
 def refuse_halves(names: Mapping[str, object]) -> None:
     """UserError where a mapping has part of a group, or two sources of one column."""
-    for group in GROUPS:
+    for group in TOGETHER:
         missing = [name for name in group if name not in names]
         if 0 < len(missing) < len(group):
             raise UserError(f"the mapping has no {missing[0]}; give all of {', '.join(group)}")

@@ -9,7 +9,7 @@ from swamp_rl.runs import Run, append_runs, dataset_beside, read_run
 from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.replay import replay, sample_step
 
-NOTES = "Commands of other runs sailed by swamp_rl on its own simulator; nothing of this was measured."
+NOTES = "Commands of other runs executed by swamp_rl on its own simulator; no measured data."
 RATE_TOLERANCE = 1e-3  # of a sample step, by which the steps of several runs may differ
 
 
@@ -26,7 +26,7 @@ def record_commands(out: Path | str, boat_name: str, files: Sequence[Path]) -> l
     for path, step in zip(files, steps, strict=True):
         if abs(step / steps[0] - 1.0) > RATE_TOLERANCE:
             raise UserError(
-                f"{path}: a row every {step:g} s, in {files[0]} every {steps[0]:g} s; sail them apart"
+                f"{path}: a row every {step:g} s, in {files[0]} every {steps[0]:g} s; execute them separately"
             )
     sailed = [replay(boat, run) for run in read]
     meta = meta_of(boat, boat_name, round(1.0 / steps[0], 9), "simulated", notes=NOTES)

@@ -17,7 +17,7 @@ from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.replay import run_of
 from swamp_rl.simulator.sensors import CHANNELS
 
-NOTES = "Trials executed by swamp_rl in closed loop on its own simulator; nothing of this was measured."
+NOTES = "Trials executed by swamp_rl in closed loop on its own simulator; no measured data."
 
 
 def trial_name(number: int, trial: Trial) -> str:

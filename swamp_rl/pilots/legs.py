@@ -218,19 +218,19 @@ def _load(path: Path, progress: Progress, legs: Legs) -> None:
             progress.curve = parsed_json(header["curve"])
             return
     except (KeyError, ValueError, RuntimeError) as error:
-        raise UserError(f"{path}: is no whole checkpoint ({error}); remove it to train anew") from error
+        raise UserError(f"{path}: is no complete checkpoint ({error}); remove it to train again") from error
     other = [key for key in progress.settings if made_with.get(key) != progress.settings[key]]
     raise UserError(
         f"{path}: was made with other settings ({', '.join(other) or 'of another version'}); "
-        "train with those, or remove it to train anew"
+        "train with those, or remove it to train again"
     )
 
 
 def _read(path: Path) -> tuple[dict[str, str], dict[str, Array]]:
     from safetensors.numpy import load
 
-    data = sealed_file(path, "remove it to train anew")
+    data = sealed_file(path, "remove it to train again")
     try:
         return tensors_in(data, load)
     except ValueError as error:
-        raise UserError(f"{path}: is damaged ({error}); remove it to train anew") from error
+        raise UserError(f"{path}: is damaged ({error}); remove it to train again") from error

@@ -17,9 +17,9 @@ class LineOfSightSettings(Settings):
     """
 
     gain: NotNegative = 4.0
-    "Of the bearing [1/rad]."
+    "Gain of the bearing [1/rad]."
     damping: NotNegative = 0.5
-    "Of the yaw rate [s/rad]."
+    "Gain of the yaw rate [s/rad]."
     lead: Share = 0.6
     "The aim lies this share of the remaining distance before the gate; 0 is the gate itself."
     beyond: NotNegative = 0.0

@@ -216,7 +216,7 @@ def _check(kind: str, found: Any) -> None:
         raise UserError(f"{kind}: is no class; name one as module:Class")
     missing = [name for name in NEEDED if not callable(getattr(found, name, None))]
     if missing:
-        raise UserError(f"{kind}: has no {', '.join(missing)}; docs/own_pilot.md tells what a pilot needs")
+        raise UserError(f"{kind}: has no {', '.join(missing)}; see docs/own_pilot.md")
     model = settings_of(found)
     if not (isinstance(model, type) and issubclass(model, BaseModel)):
         raise UserError(f"{kind}.Settings: must be a pydantic model, not {model!r}")

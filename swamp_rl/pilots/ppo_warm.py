@@ -39,7 +39,7 @@ def warm_start(learner: Any, scaled: Any, start: Pilot, senses: tuple[str, ...])
     with torch.no_grad():
         for module, (weight, bias) in zip(linear, layers, strict=True):
             if module.weight.shape != weight.T.shape:
-                raise UserError(f"the pilot to start from has a layer {weight.shape}; make `hidden` alike")
+                raise UserError(f"the initial pilot has a layer {weight.shape}; use the same `hidden`")
             module.weight.copy_(torch.from_numpy(weight.T.copy()))
             module.bias.copy_(torch.from_numpy(bias.copy()))
 
@@ -63,7 +63,7 @@ def _places(start: NetworkPilot, senses: tuple[str, ...]) -> list[int]:
 def _as_actions(weights: dict[str, Array], layers: int) -> list[tuple[Array, Array]]:
     """The layers (weight, bias) with levers turned into actions from -1 to 1."""
     if f"weight_{layers - 1}" not in weights or f"weight_{layers}" in weights:
-        raise UserError("the pilot to start from has another number of layers; make `hidden` alike")
+        raise UserError("the initial pilot has another number of layers; use the same `hidden`")
     pairs = [(weights[f"weight_{i}"], weights[f"bias_{i}"]) for i in range(layers)]
     middle, reach = 0.5 * (HIGHEST + LOWEST), 0.5 * (HIGHEST - LOWEST)
     weight, bias = pairs[-1]

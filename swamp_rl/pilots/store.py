@@ -74,7 +74,7 @@ def load_pilot(folder: Path | str) -> Pilot:
     try:
         pilot = _build(description.kind, description.settings, weights)
         if tuple(pilot.senses) != description.senses:
-            raise ValueError("its settings sense something else than it says")
+            raise ValueError("its settings and its description differ in the observation")
     except (LookupError, TypeError, AttributeError, ValueError, ArithmeticError, RecursionError) as error:
         cause = f"{error} is missing" if isinstance(error, KeyError) else " ".join(str(error).split())
         raise UserError(f"{folder}: does not hold a whole pilot ({cause}); train it again") from error
@@ -103,7 +103,7 @@ def _read_weights(path: Path, description: Description) -> dict[str, Array]:
     except ValueError as error:
         raise UserError(f"{path}: is damaged ({error}); train the pilot again") from error
     if described_arrays(weights, stored) != description.weights:
-        raise UserError(f"{path}: holds other arrays than {DESCRIPTION} says; train the pilot again")
+        raise UserError(f"{path}: holds other arrays than {DESCRIPTION} lists; train the pilot again")
     return weights
 
 

@@ -39,7 +39,7 @@ def apart(work: Callable[P, R]) -> Callable[P, R]:
         said = ended.stderr.decode(errors="replace")
         if told := REFUSED.search(said):
             raise OSError(int(told[1]), os.strerror(int(told[1])))
-        last = said.strip().splitlines()[-1:] or ["it said nothing"]
+        last = said.strip().splitlines()[-1:] or ["no message"]
         raise UserError(f"the process that wrote it ended with {ended.returncode}: {last[0]}")
 
     return done

@@ -73,7 +73,7 @@ def unknown_columns(names: list[str], boat: Boat | None) -> list[str]:
 
 def _near_miss(name: str, names: list[str]) -> str:
     alike = [other for other in names if other != name and other.strip().lower() == name]
-    return f" (column {alike[0]!r} is to be spelt {name!r})" if alike else ""
+    return f" (column {alike[0]!r} must be named {name!r})" if alike else ""
 
 
 def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]:

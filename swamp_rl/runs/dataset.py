@@ -186,7 +186,7 @@ def _inspect_run(
     table = read_table(path)
     found.faults += check_table(meta.file, table, boat, rate)
     if meta.rows is not None and table.whole and len(table.rows) != meta.rows:
-        message = f"holds {len(table.rows)} rows, {META} says {meta.rows}; restore the file or correct rows"
+        message = f"holds {len(table.rows)} rows, {META} has {meta.rows}; restore the file or correct rows"
         found.faults.append(Fault(meta.file, None, None, message))
     found.notes += [
         f"{meta.file}: column {name} is not in the run format; kept as it is"

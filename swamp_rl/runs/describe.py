@@ -131,7 +131,7 @@ def noted(told: Told, meta: DatasetMeta) -> list[str]:
     found = [f"{key} {getattr(meta, key):g} {unit}" for key, unit in units.items() if key in told.lacking]
     found += [f"source {meta.source}"] if "source" in told.lacking else []
     found += [f"{len(meta.runs)} runs"] if "runs" in told.lacking else []
-    notes = [f"worked out, as no {META} says it: {', '.join(found)}"] if found else []
+    notes = [f"worked out, as no {META} gives it: {', '.join(found)}"] if found else []
     if not meta.copies:
         notes.append(
             f"no copy of boat {meta.vehicle} lies here, today's is taken; swamp-rl runs export adds one"

@@ -36,7 +36,7 @@ def split_columns(dataset: Dataset) -> Split:
     state = tuple(name for name in STATES if name in names)
     action = LEVERS if set(LEVERS) <= set(names) else tuple(filter(_commands, names))
     if not action:
-        raise UserError(f"{dataset.folder}: no column says what was commanded; this format needs actions")
+        raise UserError(f"{dataset.folder}: no column has the commands; this format needs actions")
     return Split(state, action, _rest(names, state, action))
 
 

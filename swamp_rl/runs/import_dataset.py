@@ -233,7 +233,7 @@ def _agreed(found: Sequence[Foreign]) -> DatasetMeta | None:
     ]
     for file, dataset in told:
         if dataset != told[0][1]:
-            raise UserError(f"{file}: is of another dataset than {told[0][0]}; import each by itself")
+            raise UserError(f"{file}: is of another dataset than {told[0][0]}; import them separately")
     return told[0][1] if told else None
 
 

@@ -159,8 +159,8 @@ def _refuse_invalid(path: Path, lines: NDArray[np.int64], values: dict[str, Arra
         bad = np.flatnonzero(values[flags].astype(np.int64) & VALID == 0)
         if len(bad):
             raise UserError(
-                f"{path}: line {lines[bad[0]]}, field {FIELDS.index(flags) + 1} ({flags}): the GPS says that "
-                f"its {what} is not valid, as in {len(bad)} line(s); cut the file where it is"
+                f"{path}: line {lines[bad[0]]}, field {FIELDS.index(flags) + 1} ({flags}): the GPS marks "
+                f"its {what} as not valid, in {len(bad)} line(s); cut these lines out"
             )
 
 
@@ -171,7 +171,7 @@ def _refuse_degrees(path: Path, values: dict[str, Array]) -> None:
     degrees = np.cos(np.radians(values["yaw"])) * np.cos(np.radians(values["pitch"]))
     if np.abs(degrees - told).max() < 0.01 < np.abs(radians - told).max():
         raise UserError(
-            f"{path}: field 2 (yaw) is in degrees, as the orientation matrix shows; say so: --degrees heading"
+            f"{path}: field 2 (yaw) is in degrees, as the orientation matrix shows; add --degrees heading"
         )
 
 

@@ -96,7 +96,7 @@ def _refuse_unpacked(path: Path, stream: Any) -> None:
         if size > MOST_BYTES:
             raise UserError(f"{path}: holds {size / 2**30:.3g} GiB unpacked; divide it into runs")
         if _unpacked(record.compression, record.data, record.uncompressed_size) > record.uncompressed_size:
-            raise ValueError("a chunk holds more than it says")
+            raise ValueError("a chunk is larger than it declares")
 
 
 def _unpacked(compression: str, data: bytes, told: int) -> int:
@@ -182,7 +182,7 @@ def _told(path: Path, record: dict[str, str] | None) -> tuple[RunMeta, DatasetMe
     except ValidationError as error:
         raise explain(f"{path}: its record {RECORD}", error) from error
     except (KeyError, ValueError, AttributeError) as error:
-        raise UserError(f"{path}: its record {RECORD} is not as it was written ({error})") from error
+        raise UserError(f"{path}: its record {RECORD} is damaged ({error})") from error
 
 
 def _number(value: Any) -> float | None:

@@ -73,7 +73,7 @@ def _read_parquet(path: Path, held: bytes) -> Table:
             path, f"has {file.metadata.num_columns} columns, at most {MOST_COLUMNS}; leave some out"
         )
     if file.metadata.num_rows * file.metadata.num_columns > MOST_CELLS:
-        return _unreadable(path, f"says that it has {file.metadata.num_rows} rows; divide it into runs")
+        return _unreadable(path, f"declares {file.metadata.num_rows} rows; divide it into runs")
     odd = [one for one in file.schema_arrow if pa.types.is_nested(one.type)]
     if odd:
         kind = clipped(odd[0].type)

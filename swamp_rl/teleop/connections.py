@@ -75,6 +75,6 @@ class Sparing(logging.Filter):
             self._kept_out += 1
             return False
         if self._kept_out:
-            record.msg, record.args = f"{record.getMessage()} ({self._kept_out} lines were left out)", ()
+            record.msg, record.args = f"{record.getMessage()} ({self._kept_out} lines omitted)", ()
             self._kept_out = 0
         return True

@@ -38,7 +38,7 @@ def is_loopback(host: str) -> bool:
 def checked_token(host: str, token: str | None) -> str | None:
     """The token if it will do; UserError where others could connect without one."""
     if token is None and not is_loopback(host):
-        raise UserError(f"--host {host} lets other machines connect; add --token with a word they must know")
+        raise UserError(f"--host {host} lets other machines connect; add --token with a password")
     if token is not None and (len(token) < SHORTEST_TOKEN or not token.isascii() or not token.isalnum()):
         raise UserError(f"--token must be {SHORTEST_TOKEN} or more letters and digits")
     return token

@@ -147,7 +147,7 @@ class Session:
     def change_helm(self, now: float) -> None:
         """Give the helm to the pilot, or back; UserError where there is none."""
         if self.pilot is None:
-            raise UserError("no pilot is aboard; start the recorder with --pilot MODEL")
+            raise UserError("no pilot is loaded; start the recorder with --pilot MODEL")
         self.advance(now)
         self.helm = PERSON if self.helm == PILOT else PILOT
         self._heed(now)

@@ -34,10 +34,10 @@ class Ended:
     answer: str | None
     "None where every attempt failed."
     error: str
-    "Of the last attempt."
+    "Error of the last attempt."
     attempts: int
     seconds: float
-    "From its first submission."
+    "Wall time from its first submission."
 
 
 def open_pool(work: Work, workers: int | None, ray: str | None) -> Pool:

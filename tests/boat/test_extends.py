@@ -123,7 +123,7 @@ def test_a_long_chain_of_files_ends_with_the_topmost_value(tmp_path: Path) -> No
 def test_files_that_extend_each_other_are_refused_with_the_way_round(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("extends: b.yaml\n")
     (tmp_path / "b.yaml").write_text("extends: ./a.yaml\n")
-    with pytest.raises(Exception, match=r"a\.yaml -> .*b\.yaml -> .*a\.yaml: extends goes round"):
+    with pytest.raises(Exception, match=r"a\.yaml -> .*b\.yaml -> .*a\.yaml: extends forms a cycle"):
         load_boat(tmp_path / "a.yaml")
 
 

@@ -105,7 +105,7 @@ def test_the_file_beats_what_is_trivial_and_says_which_numbers_the_runs_do_not_s
     assert not astern.shown
     assert astern.value == pytest.approx(astern.number.start, abs=0.5 * astern.prior_sd)
     told = found.boat.provenance["thrusters.port.astern_quadratic"]
-    assert told.provenance == "assumed" and "does not show it" in told.source
+    assert told.provenance == "assumed" and "not identifiable from" in told.source
     assert any("astern of port" in line and "astern_quadratic" in line for line in next_runs(found))
 
 

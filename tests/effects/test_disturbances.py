@@ -217,7 +217,7 @@ def test_a_wrong_entry_is_refused_with_its_place_and_what_is_allowed(entry: Any,
         ("start: {headng: 0.1}", "unknown key start.headng; did you mean 'heading'?"),
         (
             "start: {heading: {uniform: [-45, 45]}}",
-            "start.heading goes beyond a full turn; give it in radians",
+            "start.heading is beyond a full turn; give it in radians",
         ),
         ("start: {north: x}", "start.north [m]: must be a number"),
     ],

@@ -122,7 +122,7 @@ def test_straight_trials_show_surge_and_refuse_yaw(call: Call) -> None:
     lines = out.splitlines()
     assert any(line.startswith("surge drag") and "95 %" in line for line in lines)
     assert [line for line in lines if line.startswith("yaw")] == [
-        line for line in lines if "not shown" in line and "record turns on the spot" in line
+        line for line in lines if "not identifiable" in line and "record turns on the spot" in line
     ]
 
 
@@ -130,10 +130,18 @@ def test_straight_trials_show_surge_and_refuse_yaw(call: Call) -> None:
 @pytest.mark.parametrize(
     ("verb", "rows", "parts"),
     [
-        ("elementary", np.zeros((600, 8)), ["none of it", "record runs straight ahead", "turns on the spot"]),
+        (
+            "elementary",
+            np.zeros((600, 8)),
+            ["nothing can be identified", "record runs straight ahead", "turns on the spot"],
+        ),
         ("yaw-model", np.zeros((600, 8)), ["no steering", "0.0 deg", "record zig-zags"]),
         ("thrust-deduction", np.zeros((600, 8)), ["no straight run", "record straight runs"]),
-        ("elementary", circle(), ["none of it", "record runs straight ahead", "turns on the spot"]),
+        (
+            "elementary",
+            circle(),
+            ["nothing can be identified", "record runs straight ahead", "turns on the spot"],
+        ),
         ("yaw-model", circle(), ["no steering", "20.1 deg", "record zig-zags"]),
         ("thrust-deduction", circle(), ["no straight run"]),
         ("yaw-model", straights(BOAT, 0.1, (0.4, 0.8), True), ["no steering", "record zig-zags"]),

@@ -127,7 +127,7 @@ def test_a_pull_out_that_is_still_changing_is_judged_neither_way(tmp_path: Path)
     boat = with_effects(tmp_path, "{effect: hull_asymmetry, yaw_moment: -0.4}")
     (executed,) = execute(boat, [Trial("pull-out", 0.6, 20 * DEG, duration=20.0)])
     result = analyse_run(run_of_trial(executed, boat, "short", 0), boat)
-    assert all(verdict.startswith("not told") for verdict in result.verdicts.values())
+    assert all(verdict.startswith("undetermined") for verdict in result.verdicts.values())
 
 
 # Y'v N'r - N'v (Y'r - m'x - m') < 0 makes the printed model unstable; the demihulls' moment makes up for it.

@@ -96,7 +96,7 @@ def test_ppo_drives_as_the_clone_it_begins_as_until_its_value_function_has_settl
     ("start", "told"),
     [
         (ScriptedPilot(0), "cannot start from a scripted pilot"),
-        (clone(("north", "east"), hidden=32), "make `hidden` alike"),
+        (clone(("north", "east"), hidden=32), "use the same `hidden`"),
         (clone(("north", "gate_sin")), "senses gate_sin, which"),
         (NetworkPilot("ppo", ("north",), clone(CLONED).weights(), memory=1), "has a memory, which"),
     ],

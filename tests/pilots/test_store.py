@@ -93,7 +93,7 @@ def test_a_description_that_makes_no_pilot_is_told_in_one_line_that_names_it(tmp
         "'senses' is missing": {"settings": {}},
         "centre has the shape": {"settings": {"senses": SENSES[1:]}},
         "two outputs": {"kind": "ppo", "settings": bare},
-        "sense something else": {"senses": ("north",)},
+        "differ in the observation": {"senses": ("north",)},
         "string indices": {"kind": "takeover", "settings": {"first": "reservoir", "then": "ppo"}},
     }
     for message, changes in spoilt.items():

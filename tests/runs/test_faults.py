@@ -214,7 +214,7 @@ def test_a_run_of_fewer_than_two_rows_is_no_run(good: Path) -> None:
 
 def test_a_run_that_lost_its_last_rows_is_found_by_their_number(good: Path) -> None:
     (fault,) = faults_of(good, {name: values[:-3] for name, values in circling().items()})
-    assert f"holds {ROWS - 3} rows, dataset.yaml says {ROWS}" in fault.message
+    assert f"holds {ROWS - 3} rows, dataset.yaml has {ROWS}" in fault.message
 
 
 @given(st.floats(0.0, 0.999))
@@ -268,7 +268,7 @@ CSV_FAULTS: dict[str, tuple[int, str, int | None, str | None, str]] = {
     "too few cells": (3, "0.2,2,0.5", 3, None, "has 3 values for 4 columns"),
     "too many cells": (3, "0.2,2,0.5,0.1,9", 3, None, "has 5 values for 4 columns"),
     "an empty line": (3, "", 3, "time", "is missing"),
-    "a misspelt header": (0, "time,North,east,heading", None, "north", "'North' is to be spelt 'north'"),
+    "a misspelt header": (0, "time,North,east,heading", None, "north", "'North' must be named 'north'"),
     "a header twice": (0, "time,north,north,heading", None, "north", "named twice"),
 }
 

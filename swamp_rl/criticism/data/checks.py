@@ -61,7 +61,7 @@ def refuse_other_boat(run: Run, boat: Boat, folder: str) -> None:
     if missing:
         raise UserError(
             f"{folder}: run {run.name}: column {missing[0]}, by which boat {boat.name} is commanded, is "
-            "missing; give --boat the boat that sailed these runs, or record the column"
+            "missing; give the boat of these runs by --boat, or record the column"
         )
     driven = [
         name

@@ -124,7 +124,7 @@ def _heading_and_yaw_rate(measured: list[Array], dt: float, folder: str) -> None
         readings = {"look like degrees a second": math.pi / 180, "look positive to port": -1.0}
         for reading, factor in readings.items():
             if explained(every[0], factor * every[1]) > options().reading_good:
-                raise UserError(f"{folder}: yaw_rate {reading}: the heading says so; correct the column")
+                raise UserError(f"{folder}: yaw_rate {reading}according to the heading; correct the column")
     shifts = [shift for shift in range(-lag, lag + 1) if abs(shift) * dt >= options().out_of_step]
     shares = [explained(*_shifted(turned, measured_rate, shift)) for shift in shifts]
     best = int(np.argmax(shares))

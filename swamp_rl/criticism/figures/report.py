@@ -14,7 +14,7 @@ MEANING = {
     "cause": "The effects below explain the figures that they were fitted to; no other set of effects that "
     "was tried is as likely.",
     "indistinguishable": "Several sets of effects explain the figures; the most likely one extends the boat.",
-    "unexplained": "No set of effects that was tried explains the figures within their errors.",
+    "unexplained": "No set of effects that was fitted explains the figures within their errors.",
     "nothing_wrong": "The boat file explains the figures within their errors.",
 }
 
@@ -78,7 +78,9 @@ def _stage(number: int, stage: StageFound, boat: Boat) -> str:
     said += table(("candidate", "χ² of the figures", "evidence above the first"), rows, numbers=(1, 2))
     if len(stage.without_particulars) > 1:
         alike = "; ".join(readable(one) for one in stage.without_particulars)
-        said += f"<p>The figures alone, without the particulars, do not separate: {html.escape(alike)}.</p>"
+        said += (
+            f"<p>The figures alone, without the particulars, do not distinguish: {html.escape(alike)}.</p>"
+        )
     if stage.alone:
         said += "<p>Parameters of the first from the figures alone:</p>" + _numbers(stage.alone, boat)
     for one in stage.rivals:

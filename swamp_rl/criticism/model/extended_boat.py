@@ -59,4 +59,4 @@ def _write_conditions(path: Path, hypothesis: Hypothesis, x: NDArray[np.float64]
     """The effects that may differ between days or runs as a level of disturbances, if there are any."""
     effects = [one for one in effect_mappings(hypothesis, x) if LIBRARY[one["effect"]].scope != "boat"]
     if effects:
-        write_yaml(path, {"description": "what a diagnosis found of a run's weather", "effects": effects})
+        write_yaml(path, {"description": "environment of a run by a diagnosis", "effects": effects})

@@ -63,7 +63,7 @@ def carry_over_sentence(found: Diagnosis) -> str:
         )
         if worst.ci95[1] >= 0.0:
             why = "with all effects the position error on held-out runs is larger than the boat file's"
-        parts.append(f"{readable(cause.label)} does not carry over: {why}. It is written to no file.")
+        parts.append(f"{readable(cause.label)} does not carry over: {why}. It is not in the extended file.")
     return " ".join(parts)
 
 
@@ -164,7 +164,7 @@ def self_trial_section(found: Diagnosis) -> str:
     if not said or found.self_trial is None:
         return ""
     how = (
-        "by a search of its own"
+        "by a full search"
         if found.self_trial.method == "search"
         else "by the criterion of this answer and of its competitors, linearised about fits without noise"
     )

@@ -51,7 +51,7 @@ def extension_sentence(found: Diagnosis) -> str:
     return (
         f"extended_boat.yaml has the missing force ({by}): {names}. On held-out runs it accounts for "
         f"{percent(saved)} of the position error {saved.horizon_s:g} s ahead ({saved.without:.3g} m without "
-        f"it, {saved.with_cause:.3g} m with it). The cause has no name. Outside the range of the data the "
+        f"it, {saved.with_cause:.3g} m with it). The cause is unknown. Outside the range of the data the "
         "force is zero."
     )
 

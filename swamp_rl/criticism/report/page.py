@@ -243,7 +243,7 @@ def separating_manoeuvre(found: Diagnosis, run_set: RunSet) -> str:
     if trial is None:
         return ""
     apart = f"{trial.separation:.1f}" if trial.separation < 100.0 else "100"
-    enough = "Three are enough to decide between them."
+    enough = "Three are sufficient to distinguish them."
     if trial.separation < 3.0:
         enough = "Three are needed: repeat it several times."
     return (

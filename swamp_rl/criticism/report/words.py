@@ -202,8 +202,8 @@ TURNING_JETS = {
 }
 """RunSet of which only thrusters that turn all the way are capable."""
 DESCRIPTIONS = {
-    "differential thrust": "straight ahead, the thrusters of either side pushing harder in turn",
-    "adrift": "ten seconds ahead at 80 %, then adrift",
+    "differential thrust": "straight ahead, the thrusters of either side with alternating thrust",
+    "adrift": "ten seconds ahead at 80 %, then without thrust",
 }
 
 

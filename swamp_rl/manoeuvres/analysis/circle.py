@@ -69,11 +69,11 @@ def analyse_circle(motion: Motion, found: Recognised, result: Result, rng: np.ra
     if circle.turns == 0:
         turned = math.degrees(circle.turning.turned[-1])
         result.notes.append(
-            f"no complete turn, {turned:.0f} deg only: first-turn figures where it got so far"
+            f"no complete turn, {turned:.0f} deg only: first-turn figures as far as available"
         )
     if drift is None:
         result.notes.append(
-            "less than 1.75 turns: the drift of the centre cannot be told, nothing is corrected"
+            "less than 1.75 turns: the drift of the centre is not identifiable and not corrected"
         )
         return
     result.corrected = circle_figures(circle, drift, rng)

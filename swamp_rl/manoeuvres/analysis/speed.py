@@ -42,7 +42,7 @@ def analyse_straight(motion: Motion, found: Recognised, result: Result, rng: np.
     """Mean speed over ground of the measured part, positive ahead, and how straight it was."""
     marks = found.of("measured")
     if not marks:
-        result.notes.append("the measured part never began: no speed")
+        result.notes.append("the measured part was not reached: no speed")
         return
     first, end = motion.row(marks[0].time), found.end(marks[0], motion)
     rows = slice(first, end)

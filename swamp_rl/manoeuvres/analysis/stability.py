@@ -71,7 +71,7 @@ def _loop(
     }
     stable = height <= small
     result.verdicts["course_stability"] = (
-        f"stable: the ways there and back lie within {height:.2f} deg/s"
+        f"stable: both branches agree within {height:.2f} deg/s"
         if stable
         else f"unstable: a loop {height:.2f} deg/s high and {abs(neutral[1] - neutral[0]):.1f} deg wide"
     )
@@ -102,7 +102,7 @@ def analyse_reverse_spiral(
     angles = np.array([np.degrees(motion.angle[rows]).mean() for rows in parts])
     result.traces |= {"angle": angles, "rate": rates}
     if len(rates) < 8:
-        result.notes.append("fewer than eight yaw rates were held: no curve through them")
+        result.notes.append("fewer than eight steady yaw rates: no curve through them")
         return
     curve = _curve(rates, angles)
     picks = rng.integers(0, len(rates), (300, len(rates)))
@@ -177,8 +177,10 @@ def judge_pull_outs(result: Result, starboard: Figure, port: Figure, small: floa
     result.figures["bias_rate"] = Figure(bias, "deg/s")
     changed = max(abs(rate.each[-1] - rate.each[0]) for rate in (starboard, port))
     if changed > small:
-        result.verdicts["course_stability"] = f"not told: the yaw rate still changed by {changed:.2f} deg/s"
-        result.verdicts["bias"] = "not told, for the same reason: a longer pull-out would tell"
+        result.verdicts["course_stability"] = (
+            f"undetermined: the yaw rate still changed by {changed:.2f} deg/s"
+        )
+        result.verdicts["bias"] = "undetermined, for the same reason: use a longer pull-out"
         return
     result.verdicts["course_stability"] = (
         f"stable: both pull-outs end within {abs(apart):.2f} deg/s of one another"

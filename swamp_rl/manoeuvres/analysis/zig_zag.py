@@ -87,7 +87,7 @@ def _bias(result: Result) -> None:
     change = abs(longer[-1] - longer[-2])
     more = starboard[-1] - port[-1]
     if change > SETTLED:
-        result.verdicts["bias"] = f"not told: the overshoots still changed by {change:.1f} deg"
+        result.verdicts["bias"] = f"undetermined: the overshoots still changed by {change:.1f} deg"
     elif abs(more) <= SETTLED:
         result.verdicts["bias"] = f"none: the last overshoots to either side differ by {more:+.1f} deg"
     else:

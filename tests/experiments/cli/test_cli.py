@@ -82,6 +82,8 @@ def test_help_waits_for_no_heavy_library() -> None:
         (["runs", "check"], "Missing argument"),
         (["runs", "show"], "Missing argument"),
         (["runs", "dance"], "No such command"),
+        (["runs", "check"], "(see swamp-rl runs check --help)"),
+        (["dance"], "(see swamp-rl --help)"),
         (["runs", "show", "a", "--out", "a.jpg"], "end the name in .png"),
     ],
 )
@@ -149,6 +151,13 @@ def test_show_prints_each_run_and_draws_a_png(call: Call, folder: Path) -> None:
     for word in ("one", "two", "three", "buoy", "1.5", "2 of 3 runs"):
         assert word in out
     assert Path("results/runs-tracks.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_show_of_runs_without_outcomes_and_seeds_has_no_column_for_them(call: Call, folder: Path) -> None:
+    (folder / "dataset.yaml").unlink()
+    code, out, _ = call("runs", "show", folder, "--boat", "swamp")
+    assert code == 0 and "distance" in out
+    assert not any(word in out for word in ("outcome", "seed", "successful"))
 
 
 @pytest.mark.parametrize("course", ["camogli", "nowhere-known"])

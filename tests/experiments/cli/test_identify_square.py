@@ -23,7 +23,7 @@ def test_what_is_not_shown_is_said_and_bad_files_are_refused(call: Call, tmp_pat
     (tmp_path / "flat.yaml").write_text(text.replace("depth: {value: 3.0", "depth: {value: 0.0"))
     code, said, _ = call("identify", "waypoint-square", "flat.yaml", "--out", "flat")
     assert code == 0
-    assert "not shown: heave: no elementary heave motion" in said
+    assert "not identifiable: heave: no elementary heave motion" in said
     (tmp_path / "bad.yaml").write_text(text.replace("surge_mass: {value: 180.0", "surge_mass: {value: -1.0"))
     assert_complains(
         call("identify", "waypoint-square", "bad.yaml", "--out", "bad"), "bad.yaml", "surge_mass"

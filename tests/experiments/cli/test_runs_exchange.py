@@ -69,8 +69,8 @@ def test_all_that_is_missing_is_listed_a_line_each(call: Callable[..., Called], 
 @pytest.mark.parametrize(
     ("words", "part"),
     [
-        (["--column", "north"], "--column north: give each of our names once"),
-        (["--column", "north=x", "--column", "north=y"], "give each of our names once"),
+        (["--column", "north"], "--column north: give each of our column names once"),
+        (["--column", "north=x", "--column", "north=y"], "give each of our column names once"),
         (["--unit", "surge=furlongs"], "--unit surge=furlongs: known units are deg"),
         (["--unit", "heading=deg", "--degrees", "heading"], "--degrees heading: has a --unit already"),
         (["--origin", "north pole"], "--origin north pole: give latitude and longitude"),

@@ -35,9 +35,9 @@ def test_a_recorded_failure_is_named(call: Call, tmp_path: Path) -> None:
     recorded(tmp_path / "run.mcap", BEGINS + 5.0)
     code, said, complaint = call("watch", "--mcap", "run.mcap")
     assert (code, complaint) == (0, "")
-    assert "watching" in said.splitlines()[0]
+    assert "monitoring" in said.splitlines()[0]
     assert "thruster_failure bp" in said.splitlines()[1]
-    assert said.splitlines()[-1].endswith("notices: 1")
+    assert said.splitlines()[-1].endswith("samples, notices: 1")
 
 
 def test_a_program_reads_it_as_json_lines(call: Call, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from swamp_rl.experiments.config.load import load_experiment, merged
+from swamp_rl.experiments.config.scene import config_files, read_scene
 
 from swamp_rl.errors import UserError
 
@@ -88,6 +89,34 @@ def test_a_path_that_exists_only_beside_the_file_is_taken_from_there(
     (away / "boats").mkdir()
     (away / "boats" / "mine.yaml").write_text("extends: swamp-light\n")
     assert load_experiment(write(tmp_path, text)).boat == "boats/mine.yaml"  # the working directory first
+
+
+def test_the_level_of_the_logs_of_a_closed_loop_is_found_beside_the_file_and_kept(tmp_path: Path) -> None:
+    (tmp_path / "squall.yaml").write_text("effects: [{effect: wind, speed: 3.0, from: 0.0}]\n")
+    hidden = (
+        "hidden: {effects: [{effect: mass, mass: 60.0}], logs: {disturbances: squall.yaml}}\n"
+        "pilots: {net: {kind: cloning}}\n"
+    )
+    text = SMALL.replace("  scripted: {kind: scripted}\n  net: {kind: cloning, options: {epochs: 3}}\n", "")
+    scene = read_scene(load_experiment(write(tmp_path, text.replace("pilots:\n", hidden))))
+    assert config_files(scene)["disturbances/squall.yaml"] == tmp_path / "squall.yaml"
+
+
+@pytest.mark.parametrize(
+    ("runs", "skill", "refused"), [(20, "null", False), (21, "null", True), (11, "expert", True)]
+)
+def test_more_runs_than_are_recorded_are_refused_of_whichever_pilot(
+    tmp_path: Path, runs: int, skill: str, refused: bool
+) -> None:
+    asked = [
+        "data={record: {good: 10, skills: [novice, expert]}}",
+        f"pilots.late={{kind: cloning, runs: {runs}, skill: {skill}}}",
+    ]
+    path = write(tmp_path, SMALL)
+    if refused:
+        assert f"pilots.late.runs: {runs} runs" in complaint(path, *asked)
+    else:
+        assert load_experiment(path, asked).pilots["late"].runs == runs
 
 
 def test_files_that_extend_each_other_in_a_circle_are_refused(tmp_path: Path) -> None:

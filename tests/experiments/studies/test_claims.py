@@ -19,6 +19,7 @@ from swamp_rl.experiments.studies.claims import (
     disjoint,
     examine_claims,
     judge,
+    pool_of,
 )
 from swamp_rl.experiments.studies.claims_effects import Flown, Hypothesis, lever_power, named, not_copied
 
@@ -26,7 +27,8 @@ from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import Rollout
 from swamp_rl.files import find_config
-from swamp_rl.runs import Run
+from swamp_rl.runs import Run, RunMeta
+from tests.support.runs import circling
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("claims")]  # what they share is made once
 
@@ -131,6 +133,20 @@ def test_claims_about_what_is_not_there_are_refused(override: str, told: str) ->
         check_claims(scene)
 
 
+def test_a_claim_about_one_drivers_runs_draws_from_his_alone() -> None:
+    scene = read_scene(load_experiment("thesis_claims", ["claims.runs=[2, 3]", "claims.few=2"]))
+    taught = scene.experiment.pilots["reservoir"].model_copy(update={"skill": "expert"})
+    skills = ("novice", "expert", "expert", "expert")
+    runs = [
+        Run(str(i), circling(), RunMeta.model_validate({"outcome": "success", "skill": skill}))
+        for i, skill in enumerate(skills)
+    ]
+    plan = check_claims(scene)
+    assert [run.name for run in pool_of(plan, taught, runs)] == ["1", "2", "3"]
+    with pytest.raises(UserError, match="3 runs are asked for, 2 are there"):
+        pool_of(plan, taught, runs[:3])
+
+
 @pytest.fixture(scope="module")
 def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
     """Few runs, trainings and episodes of at most 45 s."""
@@ -160,7 +176,7 @@ def test_the_whole_in_small_tells_every_claim_and_goes_on_after_a_break_to_the_s
         "smoother",
     ]
     assert all(one["hypotheses"] for one in results["claims"])
-    assert "No person drove" in (tmp_path / "unbroken" / "report.md").read_text(encoding="utf-8")
+    assert "none is of a person" in (tmp_path / "unbroken" / "report.md").read_text(encoding="utf-8")
 
     def stopped(*_: Any) -> None:
         raise KeyboardInterrupt

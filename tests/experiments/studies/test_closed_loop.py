@@ -106,6 +106,12 @@ def test_noise_is_added_to_what_sensors_measure_and_to_nothing_else() -> None:
     assert "applied_throttle_bs" not in made
 
 
+def test_a_pilot_under_the_name_of_the_reference_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"pilots\.scripted: .*rename"):
+        run_experiment("closed_loop", ["pilots.scripted={kind: line-of-sight}"], tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_wrong_hidden_effect_is_refused_before_any_work(tmp_path: Path) -> None:
     wrong = ["hidden.effects=[{effect: thruster_gian, thruster: bs, gain: 0.5}]"]
     with pytest.raises(UserError, match="thruster_gain"):

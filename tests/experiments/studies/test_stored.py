@@ -152,7 +152,7 @@ def test_what_would_need_training_or_is_not_there_is_refused_in_one_line(place: 
         assert "\n" not in str(told.value)
         return str(told.value)
 
-    assert "nothing is trained anew" in complaint([place / "run"], {}, ["pilots.net.options.epochs=9"])
+    assert "nothing is trained again" in complaint([place / "run"], {}, ["pilots.net.options.epochs=9"])
     assert "did you mean 'episodes'" in complaint([place / "run"], {}, ["evaluation.episods=9"])
     assert "no such folder" in complaint([place / "nowhere"], {})
     damaged = tmp_path / "damaged"

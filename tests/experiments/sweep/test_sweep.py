@@ -4,6 +4,7 @@ import importlib.util
 import json
 import os
 import random
+import shlex
 import sqlite3
 import subprocess
 import sys
@@ -17,7 +18,7 @@ import pytest
 import yaml
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.sweep.propose import batches_of, propose
-from swamp_rl.experiments.sweep.report import best_of, write_report
+from swamp_rl.experiments.sweep.report import best_of, results, write_report
 from swamp_rl.experiments.sweep.run import checked, run_sweep
 from swamp_rl.experiments.sweep.schema import load_sweep, override
 from swamp_rl.experiments.sweep.store import Trial, opened
@@ -43,6 +44,27 @@ def test_order_workers_and_interruptions_make_no_difference(changes: dict[str, A
         pool = PoolHere(sweep_trials.formula, size, seed)
         other = swept(tmp_path / f"{size}-{seed}", sweep, pool, stop_after=stop)
         assert said(sweep, other) == said(sweep, alone)
+
+
+def test_values_that_are_refused_together_are_a_failed_trial_and_the_others_go_on(tmp_path: Path) -> None:
+    def job(values: dict[str, Any]) -> str:
+        if (values["a"], values["b"]) == (1, 0.5):
+            raise UserError("a 1 does not go with b 0.5")
+        return json.dumps(values)
+
+    trials = swept(tmp_path / "s", sweep_of(), PoolHere(sweep_trials.formula, 2, 0), job)
+    failed = [trial for trial in trials.values() if trial.error]
+    assert [(trial.error, trial.attempts) for trial in failed] == [("a 1 does not go with b 0.5", 0)]
+    assert sum(trial.value is not None for trial in trials.values()) == 8
+
+
+@pytest.mark.parametrize("value", ["true", "it's", [64, "1e-3"]])
+def test_the_command_of_the_best_trial_gives_a_shell_its_values_to_the_bit(value: Any) -> None:
+    sweep = sweep_of(experiment="my pilots.yaml", parameters={"a.b": {"grid": [value]}})
+    trial = Trial(0, {"a.b": value}, 1.0, None, None, 1, 1.0)
+    words = shlex.split(results(sweep, [], {0: trial})["best"]["again"])
+    assert words[:4] == ["swamp-rl", "run", "my pilots.yaml", "--set"]
+    assert yaml.safe_load(words[4].removeprefix("a.b=")) == value
 
 
 def test_a_grid_is_every_combination_once() -> None:
@@ -199,7 +221,7 @@ def test_values_reach_the_experiment_with_every_bit(value: Any) -> None:
 
 WRONG: dict[str, dict[str, Any]] = {
     "exactly one of": {"parameters": {"a": {"grid": [1], "choice": [2]}}},
-    "say with trials": {"parameters": {"a": {"choice": [1, 2]}}},
+    "number of draws as trials": {"parameters": {"a": {"choice": [1, 2]}}},
     "make it a choice": {"trials": 3},
     "must be more than 2.0": {"parameters": {"a": {"uniform": [2.0, 1.0]}}, "trials": 3},
     "did you mean 'uniform'": {"parameters": {"a": {"unifrom": [2.0, 1.0]}}, "trials": 3},

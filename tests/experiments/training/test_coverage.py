@@ -60,7 +60,7 @@ def test_runs_kept_from_the_first_gate_are_told_of_in_one_line_a_learner(
     lines = [line for line in said.splitlines() if "evaluation" in line]
     assert [line.split(": ")[1] for line in lines] == ["pilots.reservoir-alone", "pilots.cloning"]
     for line in lines:
-        assert "no run covers where evaluation starts: 100 %" in line and "3 runs" in line
+        assert "no run covers the starts of the evaluation: 100 %" in line and "3 training runs" in line
 
 
 def test_a_pilot_that_takes_over_later_is_not_told_of(
@@ -85,7 +85,7 @@ def test_calm_runs_are_told_of_where_the_pilot_is_tried_among_disturbances(
     lines = [line for line in said.splitlines() if "without disturbances" in line]
     assert [line.split(": ")[1] for line in lines] == ["pilots.reservoir-alone", "pilots.cloning"]
     for line in lines:
-        assert "3 of the 3 runs" in line and "tried at standard, severe" in line
+        assert "3 of the 3 training runs" in line and "tested at standard, severe" in line
         assert line.endswith("--disturbances standard")
 
 

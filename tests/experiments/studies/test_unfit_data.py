@@ -1,0 +1,22 @@
+"""Runs that the report of an experiment could not use are refused before anything is trained."""
+
+from pathlib import Path
+
+import pytest
+from swamp_rl.experiments.studies.run import run_experiment
+
+from swamp_rl.boat import load_boat
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run, append_run, create_dataset
+from swamp_rl.runs.schema import meta_of
+from tests.support.runs import circling
+from tests.support.tiny_experiment import write_tiny
+
+
+def test_runs_without_a_success_are_refused_in_one_line(tmp_path: Path) -> None:
+    data = tmp_path / "runs"
+    create_dataset(data, meta_of(load_boat("swamp"), "swamp", 10.0, "measured"))
+    append_run(data, Run("one", circling()))
+    with pytest.raises(UserError, match="no run is marked successful") as told:
+        run_experiment(write_tiny(tmp_path, "scripted"), [f"data={{folder: {data}}}"], tmp_path / "out")
+    assert "\n" not in str(told.value) and not (tmp_path / "out").exists()
