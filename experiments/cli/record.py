@@ -29,8 +29,9 @@ def record(
         list[str] | None,
         typer.Option(
             "--boat",
-            help="A name in configs/boats, or a boat file; may be repeated, to offer a choice. By default "
-            f"{' and '.join(BOATS)}, with --link {BOATS[0]}. Runs of the first go to OUT, others to OUT/BOAT.",
+            help="A name in configs/boats, or a boat file; may be repeated, to offer a choice. By "
+            f"default {' and '.join(BOATS)}, with --link {BOATS[0]}. Runs of the first go to OUT, of others "
+            "to OUT/BOAT.",
         ),
     ] = None,
     disturbances: Annotated[
@@ -90,7 +91,8 @@ def record(
         if link is None:
             berths = _berths(out, boats, course, disturbances, source)
         else:
-            berths = {boats[0]: stack.enter_context(_vehicle(out, boats[0], course, source, link, origin))}
+            answering = _vehicle(out, boats[0], course, source, link, origin)
+            berths = dict(zip(_names([Path(boats[0])]), [stack.enter_context(answering)], strict=True))
         listening = bound(host, port)  # before the session opens the folder of runs
         lookout = Lookout(RTK if link is None else None)  # telemetry has the noise of its sensors
         session = Session(berths, np.random.default_rng(), pilots, lookout=lookout)
