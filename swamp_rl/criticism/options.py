@@ -173,6 +173,9 @@ class Options:
     process_piece: float = 2.0  # s that a force is constant in, at least
     process_pieces: int = 60  # of a window, at most
     process_times: tuple[float, ...] = (2.0, 8.0, 32.0)  # s, of which the most likely is taken
+    # ---- Errors of the model's curves
+    # in `force_scale`, sizes that the estimate begins with: of Gauss-Markov forces, of the curves' errors
+    curve_errors_begin: tuple[float, float] = (0.01, 0.003)
     # ---- Random effects
     spreads: tuple[float, float, int] = (1e-4, 1e2, 121)  # typical sizes: least, largest and number tried
     # ---- Channels that a filter smoothed
@@ -280,7 +283,8 @@ class Options:
     # ---- Stepwise selection under model error
     most_exchanges: int = 3  # single effects tried in place of each effect at the end
     screening_samples: int = 8000  # of score tests
-    weather_level: float = 1e-2  # chance of any false alarm by the Wald tests of weather
+    # chance of any false alarm by the likelihood ratio tests beside errors of the model's curves
+    curve_errors_level: float = 1e-2
     # ---- Share of the prediction error
     judged_horizons: tuple[float, ...] = (10.0, 30.0)  # s that causes are judged at
     # of the error without the cause, below which it is minor if it is below the sensor's noise too

@@ -8,16 +8,14 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.inference.force_regression import (
-    ForceLikelihood,
     MarginalLikelihood,
-    Pair,
-    functions,
     held_out_gain,
     marginal_likelihood,
     residual_force_functions,
 )
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import force_scale
+from swamp_rl.criticism.nuisance.force_functions import ForceLikelihood, Pair, functions
 from swamp_rl.criticism.nuisance.process_noise import random_forces
 from swamp_rl.criticism.options import options
 from tests.support.unmodelled_forces import DEAD_ZONE, MOORING, SECTOR, sailed

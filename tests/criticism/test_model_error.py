@@ -11,6 +11,7 @@ from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.nuisance.process_noise import correlation_samples, in_noise_units, model_error
 from swamp_rl.criticism.selection.stepwise_selection import (
+    RatioTests,
     best_confirmed,
     select_under_model_error,
     single_stage,
@@ -55,9 +56,8 @@ def test_sets_of_effects_are_compared_without_what_held_out_windows_do_not_confi
     found = simulated_runs(
         [{"effect": "wind", "speed": 6.0, "from": 1.0}, {"effect": "resistance", "scale": 1.6}]
     )
-    continuation = single_stage(
-        model_error(found, weights(found, noise_levels(found)), Hypothesis(), np.zeros(0), 10.0)
-    )
+    weight = weights(found, noise_levels(found))
+    continuation = single_stage(model_error(found, weight, Hypothesis(), np.zeros(0), 10.0))
     known, states = by_label(candidates(found.boat, SECONDS)), continuation.problems[0].initial_states()
     starts = {"wind": (3.0, 4.0), "resistance": (1.2,), "position_delay": (0.1,)}
 
@@ -68,7 +68,7 @@ def test_sets_of_effects_are_compared_without_what_held_out_windows_do_not_confi
         )
 
     fits = [fitted("wind"), fitted("resistance"), fitted("wind", "resistance", "position_delay")]
-    best, confirmed = best_confirmed(continuation, fits, 3)
+    best, confirmed = best_confirmed(continuation, fits, RatioTests(found, weight, 3))
     assert best.hypothesis.label == "resistance + wind"
     assert all(one.holds for one in confirmed.values())
 

@@ -5,7 +5,8 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.inference.residual_force import Forces, motion_variables
+from swamp_rl.criticism.inference.residual_force import Forces
+from swamp_rl.criticism.nuisance.force_functions import motion_variables
 from swamp_rl.criticism.report.evidence import smoothed_sentence
 from swamp_rl.criticism.report.figures import DEGREES, labelled, shown_variables, thrusters_of_causes
 from swamp_rl.criticism.report.page import (

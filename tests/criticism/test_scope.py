@@ -22,7 +22,6 @@ from swamp_rl.criticism.model.candidates import (
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.report.words import spread_sets
 from swamp_rl.criticism.selection.backward_elimination import nested
-from swamp_rl.criticism.selection.stepwise_selection import wald_probability
 from tests.support.criticism import SECONDS, simulated_runs
 
 RUNS = simulated_runs([{"effect": "wind", "speed": 4.0, "from": 0.5}])
@@ -107,14 +106,6 @@ def test_a_cause_of_each_run_has_their_mean_and_the_spread_between_them() -> Non
     assert wind.spread["north"].low <= wind.spread["north"].value < wind.spread["north"].high < 2.0
     assert abs(wind.parameters["speed"].value - 4.0) < 4.0 * wind.parameters["speed"].standard_error
     assert next(name for name, *_ in spread_sets(wind)) == "standard deviation of north between runs"
-
-
-def test_a_wald_test_tells_wind_from_none() -> None:
-    problem, both = shooting(), hypothesis("mass", "wind by_run")
-    at = fit(problem, both, np.array([RUNS.boat.mass, *([3.5, 1.9] * 3)]), problem.initial_states())
-    assert wald_probability(problem, at, EVERY["wind by_run"]) < 1e-9
-    calm = replace(at, x=np.array([at.x[0], *([0.0] * 6)]))
-    assert wald_probability(problem, calm, EVERY["wind by_run"]) > 0.5
 
 
 def test_waves_that_differ_between_runs_are_fitted_run_by_run() -> None:

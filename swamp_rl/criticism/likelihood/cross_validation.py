@@ -91,18 +91,19 @@ class Confirmation:
     """Whether a cause lowers chi2 on runs that the parameters were not fitted to.
 
     gain: of the saturated loss; low: lower end of its interval at `level`, corrected for the number of
-    candidates; certain: whether a Wald test leaves no doubt, of weather, which no other run can confirm.
+    candidates; significant: whether a likelihood ratio test finds it beside errors of the model's curves,
+    None where there was no such test. It stands in for other runs where they have no part in the cause.
     """
 
     gain: float
     low: float
     level: float
-    certain: bool = False
+    significant: bool | None = None
 
     @property
     def holds(self) -> bool:
-        """Whether the interval of the gain excludes zero, or a gain is certain."""
-        return self.low > 0.0 or (self.certain and self.gain > 0.0)
+        """Whether the interval of the gain excludes zero, or a gain is significant by that test."""
+        return self.low > 0.0 if self.significant is None else self.significant and self.gain > 0.0
 
     @property
     def gains(self) -> bool:

@@ -276,10 +276,12 @@ class Shooting:
         states: Array,
         base: Array,
         chosen: NDArray[np.bool_] | None = None,
+        acceleration: Array = NO_ACCELERATION,
+        block: int = 1,
     ) -> Array:
         """(W, M, p) derivative of the standardised prediction by x, one-sided differences within the bounds;
         chosen: (p,) the columns that are wanted. A parameter that differs between groups of runs is moved in
-        all groups at once, since each window is of one group.
+        all groups at once, since each window is of one group. acceleration: (W or 0, B, 3).
         """
         size = hypothesis.size
         wanted = np.arange(size) if chosen is None else np.flatnonzero(chosen)
@@ -292,7 +294,8 @@ class Shooting:
         moved = np.repeat(x[None], len(moves), axis=0)
         for row, (columns, _) in zip(moved, moves, strict=True):
             row[columns] += step[columns]
-        prediction = self.predict(hypothesis, moved, np.repeat(states[None], len(moves), axis=0))
+        same = np.repeat(states[None], len(moves), axis=0), np.tile(acceleration, (len(moves), 1, 1))
+        prediction = self.predict(hypothesis, moved, *same, block)
         for change, (columns, own) in zip(prediction - base, moves, strict=True):
             group = np.array(own.groups)[self.run_set.origins[self.windows.run]] if own.groups else None
             mine = columns[0] if group is None else columns[group]

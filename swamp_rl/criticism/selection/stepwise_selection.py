@@ -1,7 +1,7 @@
 """Stepwise selection under model error: effects are added while held-out windows confirm them."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +10,14 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.cross_validation import Confirmation, confirmation, saturated_loss
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.likelihood.sandwich_covariance import scattered_covariance
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined, may_differ
+from swamp_rl.criticism.nuisance.curve_errors import deviance
 from swamp_rl.criticism.nuisance.process_noise import ModelError, model_error
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection, nested, without
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.information_criterion import information_criterion
-from swamp_rl.criticism.selection.score_test import ScoreTest, neutral_start, score_tests
+from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
 
 Array = NDArray[np.float64]
 
@@ -34,29 +34,68 @@ def select_under_model_error(
     closest: the best fit under white noise. In windows of `model_error_short` the model error is what it
     leaves, so that a cause is not its own noise (Mallows, Some comments on C_p, Technometrics 15, 1973). If
     no effect is confirmed there, it is what the boat file leaves in windows of `model_error_window`: weather
-    is slow, and needs no other run if its Wald test leaves no doubt.
+    is slow, and needs no other run if its likelihood ratio test finds it.
     """
     every = [*instances, *([hull] if hull else [])]
+    tests = RatioTests(run_set, weight, len(every))
     nothing = Hypothesis(), np.zeros(0)
     beside = [nothing, *([(closest.hypothesis, closest.x)] if closest else [])]
     errors = [model_error(run_set, weight, *one, options().model_error_short) for one in beside]
-    found = _selected(min(errors, key=lambda one: one.volume), every, 0.0)
+    found = _selected(min(errors, key=lambda one: one.volume), every, tests)
     if found[2].winner.hypothesis.instances:
         return found
-    return _selected(model_error(run_set, weight, *nothing), every, options().weather_level)
+    return _selected(model_error(run_set, weight, *nothing), every, replace(tests, alone=True))
+
+
+@dataclass(frozen=True)
+class RatioTests:
+    """Likelihood ratio tests beside errors of the model's curves, at a level divided by the number of
+    comparisons (Bonferroni).
+
+    weight: (R, T, 6) of the measurement noise; alone: whether they decide on what no other run can confirm;
+    deviances: of the hypotheses that were tested, by label and parameters.
+    """
+
+    run_set: RunSet
+    weight: Array
+    comparisons: int
+    alone: bool = False
+    deviances: dict[tuple[str, bytes], float] = field(default_factory=dict)
+
+    def deviance(self, at: Fit) -> float:
+        """-2 log likelihood of a fit's hypothesis but for a constant."""
+        key = at.hypothesis.label, at.x.tobytes()
+        if key not in self.deviances:
+            self.deviances[key] = deviance(self.run_set, self.weight, at.hypothesis, at.x)
+        return self.deviances[key]
+
+    def find(self, whole: Fit, less: Fit) -> bool:
+        """Whether `whole` is significantly more likely than `less`: chi2 of as many degrees of freedom as it
+        has more parameters (Wilks 1938), one at least.
+        """
+        from scipy.special import chdtri
+
+        freedom = max(whole.hypothesis.size - less.hypothesis.size, 1)
+        least = float(chdtri(freedom, options().curve_errors_level / self.comparisons))
+        return self.deviance(less) - self.deviance(whole) > least
+
+    def decide(self, instance: EffectInstance) -> bool:
+        """Whether they decide on an effect, since it may differ between runs."""
+        runs = len(self.run_set.lengths)
+        return self.alone and bool(instance.groups or (runs == 1 and may_differ(instance.effect, "run")))
 
 
 def _selected(
-    weighted: ModelError, every: Sequence[EffectInstance], wald: float
+    weighted: ModelError, every: Sequence[EffectInstance], tests: RatioTests
 ) -> tuple[RunSet, Continuation, Selection]:
-    """The selection under one model error; wald: level of the Wald tests of weather."""
+    """The selection under one model error."""
     continuation = single_stage(weighted)
     nothing = continuation.fit(0, Hypothesis(), np.zeros(0))
-    best, first, singles = _forward_selection(continuation, nothing, every, wald)
+    best, first, singles = _forward_selection(continuation, nothing, every, tests)
     singles = sorted(singles, key=lambda one: _held_out_loss(continuation, one))
     others = [best, *_exchanged(continuation, best, singles)]
     unidentifiable = [one.instance.label for one in first if one.information < options().least_information]
-    best, confirmed = best_confirmed(continuation, others, len(every), wald)
+    best, confirmed = best_confirmed(continuation, others, tests)
     rivals = equivalent(continuation, best, [*singles, *others]) if best.hypothesis.instances else []
     tried = [*singles, *(one for one in others if one is not best), best]
     found = Selection(best, False, 0, rivals, tried, first, unidentifiable, confirmed)
@@ -78,7 +117,7 @@ def _held_out_loss(continuation: Continuation, one: Fit) -> float:
 
 
 def _forward_selection(
-    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance], wald: float
+    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance], tests: RatioTests
 ) -> tuple[Fit, list[ScoreTest], list[Fit]]:
     """Effects of least confirmed held-out loss in turn; the first score tests, the single effects' fits."""
     problem = continuation.problems[0]
@@ -96,7 +135,7 @@ def _forward_selection(
         confirmed_fits = [
             one
             for score, one in zip(likely, made, strict=True)
-            if confirmed(problem, one, at, score.instance, len(instances), wald).holds
+            if _is_likely(problem, one, at, score.instance, tests)
         ]
         if not confirmed_fits:
             break
@@ -105,33 +144,24 @@ def _forward_selection(
     return at, first, singles
 
 
+def _is_likely(problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, tests: RatioTests) -> bool:
+    """Whether held-out windows confirm an effect, whose test is left for the end, or its test decides."""
+    if confirmation(problem, whole, less, tests.comparisons).holds:
+        return True
+    return tests.decide(instance) and confirmed(problem, whole, less, instance, tests).holds
+
+
 def confirmed(
-    problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, comparisons: int, wald: float = 0.0
+    problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, tests: RatioTests
 ) -> Confirmation:
-    """Of an effect that `whole` has more than `less`: on held-out windows. What a run has of its own no other
-    run confirms, and one run has few windows: where those gain without being significant, its Wald test
-    decides, at the level `wald` divided by the number of comparisons (Bonferroni).
+    """Of an effect that `whole` has more than `less`: on held-out windows, and by a likelihood ratio test.
+    What a run has of its own no other run confirms, and one run has few windows: where those gain without
+    being significant, the test alone decides.
     """
-    found = confirmation(problem, whole, less, comparisons)
-    alone = instance.groups or (len(problem.run_set.lengths) == 1 and may_differ(instance.effect, "run"))
-    if found.holds or not wald or not alone:
+    found = confirmation(problem, whole, less, tests.comparisons)
+    if not found.holds and not (tests.decide(instance) and found.gains):
         return found
-    return replace(found, certain=wald_probability(problem, whole, instance) < wald / comparisons)
-
-
-def wald_probability(problem: Shooting, at: Fit, instance: EffectInstance) -> float:
-    """Probability of an effect's k parameters being as far from neutral where there is no effect: F of k
-    degrees of freedom and those of the sandwich covariance; one where that has none.
-    """
-    from scipy.special import fdtrc
-
-    own = at.hypothesis.columns(instance.label)
-    away = at.x[own] - np.tile(neutral_start(instance, problem.boat), instance.count)
-    covariance, freedom = (of[own] for of in scattered_covariance(problem, at))
-    distance = away @ np.linalg.pinv(covariance[:, own], rcond=1e-9, hermitian=True) @ away
-    if not np.isfinite(freedom).all():
-        return 1.0
-    return float(fdtrc(len(away), freedom[0], distance / len(away)))
+    return replace(found, significant=tests.find(whole, less))
 
 
 def _simplest(continuation: Continuation, best: Fit, confirmed_fits: Sequence[Fit]) -> Fit:
@@ -188,7 +218,7 @@ def _is_other(single: Hypothesis, best: Hypothesis, instance: EffectInstance) ->
 
 
 def best_confirmed(
-    continuation: Continuation, fits: Sequence[Fit], comparisons: int, wald: float = 0.0
+    continuation: Continuation, fits: Sequence[Fit], tests: RatioTests
 ) -> tuple[Fit, dict[str, Confirmation]]:
     """The fit of least held-out loss among fits less what held-out windows do not confirm of them.
 
@@ -196,14 +226,14 @@ def best_confirmed(
     """
     reduced = []
     for one in sorted(fits, key=lambda one: _held_out_loss(continuation, one)):
-        reduced.append(_eliminated(continuation, one, comparisons, wald))
+        reduced.append(_eliminated(continuation, one, tests))
         if len(reduced[-1][0].hypothesis.instances) == len(one.hypothesis.instances):
             break
     return min(reduced, key=lambda each: _held_out_loss(continuation, each[0]))
 
 
 def _eliminated(
-    continuation: Continuation, best: Fit, comparisons: int, wald: float
+    continuation: Continuation, best: Fit, tests: RatioTests
 ) -> tuple[Fit, dict[str, Confirmation]]:
     """The best fit less the effects that held-out windows do not confirm, the least confirmed first."""
     while True:
@@ -211,7 +241,7 @@ def _eliminated(
         for instance in best.hypothesis.instances:
             less = without(continuation, best, instance.label, 0)
             where = continuation.problems[0], best, less
-            found[instance.label] = confirmed(*where, instance, comparisons, wald)
+            found[instance.label] = confirmed(*where, instance, tests)
         if all(one.holds for one in found.values()):
             return best, found
         doubtful = [label for label, one in found.items() if not one.holds]

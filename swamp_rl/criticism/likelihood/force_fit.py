@@ -1,0 +1,59 @@
+"""Forces constant in short intervals, fitted together with the initial states of windows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.criticism.likelihood.force_sensitivity import AXES, ForceGrid, force_normal_equations
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import fit_states, next_damping
+from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.options import options
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ForceFit:
+    """Initial states (W, 6), track (W, T, 6), force (W, B, 3) [N, N, N m], its covariance (W, 3 B, 3 B)."""
+
+    states: Array
+    track: Array
+    force: Array
+    covariance: Array
+
+
+def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceGrid) -> ForceFit:
+    """The forces, constant in each interval, at least chi2."""
+    states, track, residual = fit_states(
+        problem, hypothesis, x, problem.initial_states(), options().force_rounds
+    )
+    shape = (problem.windows.count, grid.count, AXES)
+    reach = options().force_reach * float(np.max(problem.boat_thrust))
+    prior = np.tile(1.0 / np.array([reach, reach, reach * problem.boat.length]), grid.count) ** 2
+    force = np.zeros(shape)
+    damping = np.zeros(shape[0])
+    covariance = np.zeros((shape[0], AXES * shape[1], AXES * shape[1]))
+    for _ in range(options().force_rounds):
+        acting = force.reshape(-1, grid.count, AXES)
+        acceleration: Array = acting / grid.inertia
+        by_state = problem.state_jacobian(hypothesis, x, states, track, acceleration, grid.block)
+        normal = force_normal_equations(
+            problem, hypothesis, x, states, grid, (0, 1, 2), by_state, residual, acting, damping=damping
+        )
+        H = normal.information + np.diag(prior)
+        covariance = np.asarray(np.linalg.inv(H))
+        H = H + (damping[:, None] * np.einsum("wii->wi", H))[..., None] * np.eye(H.shape[1])
+        g = normal.gradient - prior * force.reshape(shape[0], -1)
+        step = np.asarray(np.linalg.solve(H, g[..., None])[..., 0])
+        shift = normal.shift(step)
+        tried: Array = force + step.reshape(shape)
+        acceleration = np.asarray(tried / grid.inertia)
+        moved = problem.predict(hypothesis, x[None], (states + shift)[None], acceleration, grid.block)[0]
+        left = problem.residuals(moved)
+        better = (left**2).sum(axis=1) < (residual**2).sum(axis=1)
+        states[better] += shift[better]
+        force[better], track[better], residual[better] = tried[better], moved[better], left[better]
+        damping = next_damping(damping, better, options().force_damping)
+    return ForceFit(states, track, force, covariance)
