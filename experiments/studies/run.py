@@ -68,7 +68,7 @@ def train_experiment(
     """Record and train what an experiment asks for, all its pilots or `only` some, and evaluate none.
 
     The folder, by default results/NAME, is one that `run_experiment` goes on from, and so does a later call
-    for other pilots of the same experiment. UserError where it holds a whole result.
+    for other pilots of the same experiment. UserError where it holds a complete result.
     """
     with same_configs(kept_config(name_or_path)):
         scene, work = _sound(load_experiment(name_or_path, overrides), name_or_path)

@@ -244,8 +244,8 @@ class Session:
 
     @property
     def levers(self) -> Levers:
-        """Throttle and angle in force."""
-        return self._in_force[0]
+        """Throttle and angle in force; none where the boat cannot be driven."""
+        return IDLE if self.boat.trouble else self._in_force[0]
 
     @property
     def outcome(self) -> str | None:

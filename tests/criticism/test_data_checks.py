@@ -148,7 +148,7 @@ def test_a_boat_file_that_lacks_a_thruster_that_ran_is_refused(tmp_path: Path) -
     data = recorded(tmp_path / "data", as_it_is)
     told = complaint(data, tmp_path / "two.yaml", tmp_path / "out")
     assert "column throttle_ss drives a thruster that boat two does not have (it has bs, bp)" in told
-    assert "give --boat the boat that sailed" in complaint(data, "esso_osaka", tmp_path / "out")
+    assert "give the boat of these runs by --boat" in complaint(data, "esso_osaka", tmp_path / "out")
     idle = recorded(tmp_path / "idle", setting(throttle_ss=0.0, throttle_sp=0.0))
     with pytest.raises(FittedError):
         diagnose(idle, tmp_path / "two.yaml", tmp_path / "out")

@@ -62,7 +62,7 @@ def test_beside_a_run_that_tells_nothing_it_starts_there_in_calm_and_that_is_sai
     measured = Run("tow", circling())
     own = flown(LineOfSightPilot(), "line-of-sight", measured, BOAT, COURSE, STEP)
     assert own.pose[0] == pytest.approx(measured.pose[0])
-    assert conditions([measured, own]).said == "different weather: tow does not tell its own"
+    assert conditions([measured, own]).said == "different weather: tow does not record its own"
 
 
 @pytest.mark.parametrize(

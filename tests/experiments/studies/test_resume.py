@@ -73,7 +73,7 @@ def test_a_changed_configuration_begins_anew_and_says_so(
         with pytest.raises(KeyboardInterrupt):
             run_experiment(path, out=tmp_path / "out")
     run_experiment(path, ["evaluation.seed=7"], tmp_path / "out")
-    assert "training starts again" in capsys.readouterr().err
+    assert "started again" in capsys.readouterr().err
     again = run_experiment(path, ["evaluation.seed=7"], tmp_path / "other")
     assert content(tmp_path / "out") == content(again)
 

@@ -172,7 +172,7 @@ def test_what_would_need_training_or_is_not_there_is_refused_in_one_line(place: 
     assert "holds no trained pilot" in complaint([place / "run" / "data", place / "run"], {})
     with pytest.raises(UserError, match="did you mean 'ppo'"):
         train_experiment(place / "tiny.yaml", out=place / "none", only=["pop"])
-    with pytest.raises(UserError, match="whole result"):
+    with pytest.raises(UserError, match="complete result"):
         train_experiment(place / "tiny.yaml", out=place / "run")
 
 
