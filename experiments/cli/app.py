@@ -188,14 +188,22 @@ def main() -> None:
     sys.exit(code)
 
 
+def _verb(words: list[str]) -> list[str]:
+    """The leading words of a command line that name a verb; an error of parsing does not always name it."""
+    command, found = typer.main.get_command(app), list[str]()
+    while len(found) < len(words) and words[len(found)] in getattr(command, "commands", {}):
+        command = command.commands[words[len(found)]]  # type: ignore[attr-defined]
+        found.append(words[len(found)])
+    return found
+
+
 def _carried_out(signals: list[int]) -> int:
     """The exit code of what the command line asks for; signals: those that came meanwhile."""
     try:
         return app(prog_name=NAME, standalone_mode=False) or 0
     except typer.TyperException as error:
         # Without any argument Typer has printed the help and has nothing to add.
-        line, context = error.format_message(), getattr(error, "ctx", None)
-        verb = context.command_path if context else NAME
+        line, verb = error.format_message(), " ".join([NAME, *_verb(sys.argv[1:])])
         return _complain(f"{line} (see {verb} --help)", error.exit_code) if line else error.exit_code
     except UserError as error:
         return _complain(str(error), BAD_INPUT)

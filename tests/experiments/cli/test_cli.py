@@ -84,6 +84,7 @@ def test_help_waits_for_no_heavy_library() -> None:
         (["runs", "dance"], "No such command"),
         (["runs", "check"], "(see swamp-rl runs check --help)"),
         (["dance"], "(see swamp-rl --help)"),
+        (["trial", "zig-zag", "--angle"], "(see swamp-rl trial zig-zag --help)"),
         (["runs", "show", "a", "--out", "a.jpg"], "end the name in .png"),
     ],
 )
