@@ -28,9 +28,7 @@ class Measured:
         """given: boat, course and step, as of an environment."""
         task = Task.read(**given)
         self.boat, self.course, self.step = task.boat, task.course, task.step
-        self.stern = tuple(
-            name for name in self.boat.thruster_names if name not in self.boat.joypad.thrusters
-        )
+        self.stern = self.boat.beside_joypad
         "Thrusters that the levers do not drive."
         self._places = task.observed.places
         self._world, self._gates, self._buoys = (

@@ -357,6 +357,11 @@ class Boat(Part):
         return tuple(thruster.name for thruster in self.thrusters)
 
     @property
+    def beside_joypad(self) -> tuple[str, ...]:
+        """Names of the thrusters that the joypad's levers do not drive."""
+        return tuple(name for name in self.thruster_names if name not in self.joypad.thrusters)
+
+    @property
     def provenance(self) -> dict[str, Provenance]:
         """Unit, provenance and source of each number by its dotted key, such as `thrusters.bs.x`."""
         return self._provenance

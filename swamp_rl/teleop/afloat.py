@@ -67,8 +67,7 @@ class Afloat:
     def __init__(self, env: Env) -> None:
         self.env, self._fleet = env, env.fleet
         self.boat, self.course, self.step = env.fleet.boat, env.fleet.course, env.fleet.step
-        joypad = self.boat.joypad.thrusters
-        self.stern = tuple(name for name in self.boat.thruster_names if name not in joypad)
+        self.stern = self.boat.beside_joypad
 
     def begin(self, seed: int) -> None:
         """Put the boat at the start of the episode of `seed`; it waits there."""

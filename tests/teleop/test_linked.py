@@ -74,6 +74,12 @@ def recorder(folder: Path, telemetry: Faults = PERFECT) -> Recorder:
     return Recorder(Session({"swamp": berth}, np.random.default_rng(1)), link)
 
 
+def assert_obeys_once_released(at: Recorder) -> None:
+    at.pass_time(2 * TICK, lambda: RELEASED)
+    at.pass_time(1.0, lambda: AHEAD)
+    assert at.game.phase == RUN and at.pumps.max() > 0.1
+
+
 def how_far_off(run: Run) -> float:
     """Greatest distance [m] of the run from its own commands replayed."""
     simulated = replay(load_boat("swamp"), run)
@@ -107,9 +113,7 @@ def test_the_levers_are_not_obeyed_before_the_motors_are_on(tmp_path: Path) -> N
     at.pass_time(SETTLE * PERIOD, lambda: AHEAD)
     assert at.game.boat.trouble is None
     assert at.game.phase == READY and not at.pumps.any()  # the throttle was held all the time
-    at.pass_time(2 * TICK, lambda: RELEASED)
-    at.pass_time(1.0, lambda: AHEAD)
-    assert at.game.phase == RUN and at.pumps.max() > 0.1
+    assert_obeys_once_released(at)
 
 
 def test_a_page_that_is_gone_stops_the_vehicle(tmp_path: Path) -> None:
@@ -140,9 +144,7 @@ def test_a_vehicle_that_falls_silent_is_told_and_ends_the_run(tmp_path: Path) ->
     at.link.vehicle.blind.clear()
     at.pass_time(SETTLE * PERIOD + 1.0, lambda: AHEAD)
     assert at.game.phase == READY and not at.link.vehicle.commands()[4:].any()
-    at.pass_time(2 * TICK, lambda: RELEASED)
-    at.pass_time(1.0, lambda: AHEAD)
-    assert at.game.phase == RUN and at.pumps.max() > 0.1
+    assert_obeys_once_released(at)
 
 
 def test_a_recorder_that_stood_still_ends_the_run(tmp_path: Path) -> None:
