@@ -20,7 +20,7 @@ def joypad_space() -> spaces.Box:
 def known_levers(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
     """`actions` as a new array of `shape`; UserError where they are of another or hold no numbers."""
     try:
-        levers = np.array(actions)
+        levers = np.array(actions, order="C")  # of one order, so that nothing is compiled twice
     except ValueError:
         levers = np.array(None)
     if levers.shape != shape:

@@ -230,18 +230,21 @@ def parameters(boat: Boat, n: int = 1) -> NDArray[Any]:
 
 @lru_cache(maxsize=64)
 def tank(boat: Boat) -> NDArray[np.float64]:
-    """The boat's towing-tank curves as the compiled functions read them; shared by all boats of a batch.
+    """The boat's towing-tank curves as the compiled functions read them; shared by all boats of a batch, so
+    that nobody may write to it.
 
     Zeros, which nothing reads, for a boat whose resistance comes as coefficients.
     """
     if isinstance(boat.resistance, DriftResistance):
-        return np.zeros((1, 6, 1))
-    curves = [
-        (curve.h_over_t, np.array(curve.speed, dtype=float), np.array(curve.resistance, dtype=float))
-        for curve in boat.resistance.table
-    ]
-    table = tank_table(curves)
-    table.flags.writeable = False
+        table = np.zeros((1, 6, 1))
+    else:
+        table = tank_table(
+            [
+                (curve.h_over_t, np.array(curve.speed, dtype=float), np.array(curve.resistance, dtype=float))
+                for curve in boat.resistance.table
+            ]
+        )
+    table.flags.writeable = False  # also for numba, which would compile everything twice
     return table
 
 

@@ -217,11 +217,19 @@ def simulate(params: Any, tank: Any, start: Any, commands: Any, seeds: Any, dt: 
     return simulate_in_weather(params, tank, start, commands, np.empty((0, 0, 3)), seeds, dt, substeps)
 
 
-@compiled
 def simulate_in_weather(
     params: Any, tank: Any, start: Any, commands: Any, weather: Any, seeds: Any, dt: float, substeps: int
 ) -> Any:
     """As `simulate`, with measured weather (n or 0, T, 3): rows of `take_weather`, each held for dt [s]."""
+    # contiguous: numba would compile every other order of the same numbers anew, which takes seconds
+    given = (np.ascontiguousarray(each) for each in (start, commands, weather, seeds))
+    return _simulated(params, tank, *given, dt, substeps)
+
+
+@compiled
+def _simulated(
+    params: Any, tank: Any, start: Any, commands: Any, weather: Any, seeds: Any, dt: float, substeps: int
+) -> Any:
     boats, steps = commands.shape[0], commands.shape[1]
     track = np.empty((boats, steps + 1, start.shape[1]))
     room, row = np.empty((3, commands.shape[2] // 2, JET)), np.empty(commands.shape[2])

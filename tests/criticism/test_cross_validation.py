@@ -40,10 +40,10 @@ GAINS = {
 
 @pytest.mark.parametrize("name", GAINS)
 @pytest.mark.parametrize("tail", [0.025, 1e-3])
-def test_the_bootstrap_quantile_is_that_of_a_million_draws(name: str, tail: float) -> None:
+def test_the_bootstrap_quantile_is_that_of_many_draws(name: str, tail: float) -> None:
     gains, rng = GAINS[name], np.random.default_rng(3)
     shares = np.full(len(gains), 1.0 / len(gains))
-    sums = np.concatenate([rng.multinomial(len(gains), shares, 100_000) @ gains for _ in range(10)])
+    sums = rng.multinomial(len(gains), shares, 100_000) @ gains
     assert bootstrap_quantile(gains, tail) == pytest.approx(np.quantile(sums, tail), abs=0.02 * np.ptp(sums))
 
 

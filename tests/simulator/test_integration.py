@@ -8,7 +8,7 @@ from swamp_rl.physics.noise import normal_pair, uniform
 from swamp_rl.physics.thrusters import azimuth_after
 from swamp_rl.simulator import initial_state, parameters, simulate, step, step_parallel, tank
 from swamp_rl.simulator.state import ACTUATORS, GUST_SPEED, HEADING, NORTH, SURGE
-from swamp_rl.simulator.step import substeps_of
+from swamp_rl.simulator.step import _simulated, substeps_of
 from tests.support.boats import commands, track
 
 BOAT = load_boat("swamp")
@@ -176,3 +176,16 @@ def test_boats_of_other_thrust_that_move_alike_are_simulated_together_as_alone()
         alone = simulate(boats[own], tank(BOAT), start[own], given[own], seeds[own], 0.1, 1)
         np.testing.assert_array_equal(alone[0], together[boat])
     assert together[0, -1, SURGE] > 1.2 * together[1, -1, SURGE]
+
+
+def test_commands_of_any_order_in_memory_need_no_other_machine_code() -> None:
+    boat, seeds = BOAT, np.zeros(2, np.uint64)
+    params = parameters(boat, 2)
+    start = initial_state(params, np.zeros((2, 3)))
+    asked = np.random.default_rng(0).uniform(0.0, 1.0, (2, 20, 8))
+    first = simulate(params, tank(boat), start, asked, seeds, 0.1, 1)
+    known = len(_simulated.signatures)
+    for same in (np.asfortranarray(asked), np.repeat(asked, 2, axis=1)[:, ::2]):
+        again = simulate(params, tank(boat), np.asfortranarray(start), same, seeds, 0.1, 1)
+        np.testing.assert_array_equal(again, first)
+    assert len(_simulated.signatures) == known

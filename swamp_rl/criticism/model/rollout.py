@@ -41,6 +41,8 @@ def roll(
     step's share before the step and half after (Strang splitting).
     """
 
+    commands, weather = np.ascontiguousarray(commands), np.ascontiguousarray(weather)
+
     def part(mine: slice) -> None:
         added = acceleration[mine] if len(acceleration) else acceleration
         own = params[mine], tank, start[mine], commands, weather, run[mine], first[mine], steps[mine]
@@ -51,6 +53,8 @@ def roll(
 
 def roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, states: Any) -> None:
     """Fill states (n, T, S - 6) with time and actuators of whole runs; they depend on the commands alone."""
+
+    commands = np.ascontiguousarray(commands)
 
     def part(mine: slice) -> None:
         _roll_actuators(params[mine], start[mine], commands, run[mine], dt, states[mine])
