@@ -11,7 +11,6 @@ import pytest
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.demonstrations import choose_runs, observed
 from swamp_rl.pilots.reservoir import (
-    ReservoirPilot,
     ReservoirSettings,
     fit_reservoir,
     states_along,
@@ -20,15 +19,9 @@ from swamp_rl.pilots.reservoir import (
 from swamp_rl.runs import Run, RunMeta
 from tests.support.patience import PATIENCE
 from tests.support.runs import circling
-from tests.support.steering_runs import RUNS, SMALL, wandering
+from tests.support.steering_runs import RUNS, SMALL, steered, wandering
 
 pytestmark = pytest.mark.numerical
-
-
-def steered(pilot: ReservoirPilot, run: Run) -> np.ndarray:
-    """(T, 2) levers of the pilot along a run that it does not steer."""
-    pilot.reset(1)
-    return np.array([pilot.act(row[None])[0] for row in observed(run, pilot.senses)])
 
 
 def test_decisions_are_those_of_reservoirpy_to_1e_9() -> None:
