@@ -17,3 +17,8 @@ def wrapped(angle: Angle) -> Angle:
 def wrapped_below(angle: Angle) -> Angle:
     """The same direction [rad] in [−π, π): straight astern is −π."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
+
+
+def within_half_turn(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The same direction [rad] in [−π, π]; what lies there already stays as it is to the last bit."""
+    return np.asarray(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))

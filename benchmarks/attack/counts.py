@@ -41,7 +41,7 @@ def kept(folder: Path) -> list[Count]:
     return list(counts.values())
 
 
-HEAD = ["| attack | | tried | unexplained | |", "| :-- | :-- | --: | --: | :-- |"]
+HEAD = ["| attack | target | cases | failures | remarks |", "| :-- | :-- | --: | --: | :-- |"]
 
 
 def table(counts: Iterable[Count], order: Iterable[str], before: str = "") -> str:

@@ -19,7 +19,6 @@ from benchmarks.attack.samples import (
     dataset_with,
     make_arrays,
     make_checkpoint,
-    make_curve,
     make_diagnosis,
     make_episodes,
     make_free_running,
@@ -211,12 +210,6 @@ def _onnx(path: Path) -> Any:
     return pilot
 
 
-def _curve(path: Path) -> Any:
-    from swamp_rl.experiments.training.curves import read_curve
-
-    return read_curve(path)
-
-
 def _diagnosis(path: Path) -> Any:
     from swamp_rl.criticism.posterior import write_posterior
 
@@ -285,7 +278,6 @@ FORMATS: dict[str, Format] = {
     "trials.sqlite row": Format(make_row, _row, with_checksum),
     "pilot.onnx": Format(make_onnx, _onnx),
     "episodes.parquet": Format(make_episodes, _episodes),
-    "curve.jsonl": Format(make_curve, _curve),
     "diagnosis.json": Format(make_diagnosis, _diagnosis),
     "unfinished.json": Format(make_unfinished, _unfinished),
     "message": Format(make_message, _message),

@@ -63,6 +63,7 @@ LOADERS = (
     "swamp_rl.manoeuvres.plan",
     "swamp_rl.pilots.description",
     "swamp_rl.pilots.store",
+    "swamp_rl.pilots.checkpoint",
     "swamp_rl.pilots.dagger_checkpoint",
     "swamp_rl.export.onnx_pilot",
     "swamp_rl.teleop.messages",

@@ -162,12 +162,6 @@ def make_diagnosis(folder: Path) -> Path:
     return folder / "diagnosis.json"
 
 
-def make_curve(folder: Path) -> Path:
-    points = [{"step": i, "success": 0.1 * i, "seconds": 1.0} for i in range(4)]
-    (folder / "curve.jsonl").write_text("".join(json.dumps(point) + "\n" for point in points))
-    return folder / "curve.jsonl"
-
-
 def make_unfinished(folder: Path) -> Path:
     from swamp_rl.teleop.journal import write_description
 

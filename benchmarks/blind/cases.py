@@ -20,10 +20,10 @@ from swamp_rl.experiments.synthetic.cases import (
     draw_case,
     write_case,
 )
-from swamp_rl.experiments.synthetic.rough import rough_voyages
 
 from benchmarks.blind.bound import Bound, bound_of
 from benchmarks.blind.classifier import Rates, classifier_rates
+from benchmarks.blind.rough_simulator import rough_voyages
 from benchmarks.blind.score import Judged, judged
 from benchmarks.blind.variants import VARIANT, write_variant
 

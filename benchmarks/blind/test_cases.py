@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from swamp_rl.experiments.synthetic import rough
 from swamp_rl.experiments.synthetic.cases import (
     EACH_RUN,
     EFFECTS,
@@ -19,6 +18,7 @@ from swamp_rl.experiments.synthetic.cases import (
     write_case,
 )
 
+from benchmarks.blind import rough_simulator as rough
 from benchmarks.blind.cases import drawn
 from benchmarks.blind.score import is_false_positive, judged
 from swamp_rl.boat import load_boat

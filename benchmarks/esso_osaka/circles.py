@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.experiments.reports.experiment import table
 
+from benchmarks.esso_osaka.turning import Turn, turn_of
+from benchmarks.esso_osaka.windows import predicted
 from swamp_rl.boat import Boat
 from swamp_rl.runs import Run
-from swamp_rl.runs.turning import Turn, turn_of
-from swamp_rl.simulator.windows import replay_from
 
 Array = NDArray[np.float64]
 Steady = tuple[float, float, float]  # speed [m/s], drift angle [deg], yaw rate [deg/s]
@@ -37,7 +37,7 @@ def measured_turn(run: Run) -> Array:
 def predicted_turn(boat: Boat, run: Run, wind: bool = True) -> Array:
     """The track of the run's turn as predicted from its first state, with the measured wind or without."""
     first, last = turn_rows(run)
-    return replay_from(boat, run, np.array([first]), last - first, wind).simulated[0]
+    return predicted(boat, run, np.array([first]), last - first, wind)[0]
 
 
 def circle(boat: Boat, run: Run) -> tuple[Turn, Turn, Turn]:

@@ -26,20 +26,19 @@ from benchmarks.esso_osaka.wind import (
     ranking_table,
     wind_table,
 )
+from benchmarks.esso_osaka.windows import errors_at_end
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from swamp_rl.runs.free_running import import_free_running
-from swamp_rl.simulator.windows import replay_windows
 
 Array = NDArray[np.float64]
 
 
 def window_errors(boat: Boat, runs: Sequence[Run], seconds: float, measured_wind: bool) -> Array:
     """(n,) position error [m] at the end of all windows of the runs."""
-    found = [replay_windows(boat, run, seconds, measured_wind).position_error[:, -1] for run in runs]
-    return np.concatenate(found)
+    return np.concatenate([errors_at_end(boat, run, seconds, measured_wind) for run in runs])
 
 
 def rms(errors: Array) -> float:

@@ -9,11 +9,11 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.esso_osaka.circles import after_a_minute, measured_turn, predicted_turn
 from benchmarks.esso_osaka.diagnosis import Told
+from benchmarks.esso_osaka.turning import turn_of
 from benchmarks.esso_osaka.wind import Named, misfit, with_effects
 from swamp_rl.boat import Boat
 from swamp_rl.effects import parse_effects
 from swamp_rl.runs import Run
-from swamp_rl.runs.turning import turn_of
 
 Array = NDArray[np.float64]
 

@@ -18,12 +18,12 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.esso_osaka.sway import FIGURES, errors
 from benchmarks.esso_osaka.wind import HORIZON
+from benchmarks.esso_osaka.windows import errors_at_end
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.criticism.likelihood.prediction_error import change
 from swamp_rl.runs import Run
 from swamp_rl.runs.free_running import import_free_running
-from swamp_rl.simulator.windows import replay_windows
 
 Array = NDArray[np.float64]
 Numbers = Mapping[str, float]
@@ -78,7 +78,7 @@ def _changed(part: BaseModel, name: str, value: float) -> BaseModel:
 
 def windows(boat: Boat, runs: Sequence[Run]) -> list[Array]:
     """Of each run, position errors [m] at the end of its windows in the measured wind."""
-    return [replay_windows(boat, run, HORIZON, True).position_error[:, -1] for run in runs]
+    return [errors_at_end(boat, run, HORIZON, True) for run in runs]
 
 
 def circles(boat: Boat, runs: Sequence[Run]) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.experiments.reports.experiment import table
 
+from benchmarks.esso_osaka.windows import WIND, errors_at_end
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import CHANNELS, run_set_of
 from swamp_rl.criticism.likelihood.cross_validation import heldout_loss
@@ -17,7 +18,6 @@ from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.selection.score_test import at_neutral_values
 from swamp_rl.effects import EffectEntry
 from swamp_rl.runs import Run
-from swamp_rl.simulator.windows import WIND, replay_from
 
 Array = NDArray[np.float64]
 
@@ -185,7 +185,7 @@ def horizon_errors(boat: Boat, one: Named, names: tuple[str, ...]) -> Array:
         starts = np.concatenate([first, first + steps])
         starts = starts[starts + steps < len(one.run.time)]
         extended = with_effects(boat, told.hypothesis.entries(told.x))
-        errors.append(replay_from(extended, one.run, starts, steps).position_error[:, -1])
+        errors.append(errors_at_end(extended, one.run, HORIZON, False, starts))
     return np.concatenate(errors)
 
 

@@ -13,9 +13,8 @@ from typing import Any
 
 import numpy as np
 from swamp_rl.experiments.reports.experiment import table
-from swamp_rl.experiments.reports.figures import learning_curves
-from swamp_rl.experiments.training.curves import Curve
 
+from benchmarks.learners.learning_curves import Curve, learning_curves
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.evaluation.seeds import interquartile_mean
 

@@ -19,7 +19,6 @@ import numpy as np
 from swamp_rl.experiments.config.learners import learner
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.reports.experiment import table
-from swamp_rl.experiments.training.curves import quantity_of
 
 from benchmarks.learners.reservoir_choice import correlation
 from benchmarks.markers import DOCS, write_parts
@@ -49,8 +48,9 @@ def curves(spreads: dict[str, dict[str, Any]]) -> str:
     rows = []
     for name, by_seed in spreads.items():
         told = [seed["curve"] for seed in by_seed.values() if seed["curve"]]
-        quantity = quantity_of(point for curve in told for point in curve)
-        if quantity is None:
+        logged = [set(point) for curve in told for point in curve]
+        quantity = next((one for one in ("success", "loss") if all(one in keys for keys in logged)), None)
+        if quantity is None or not logged:
             continue
         ends = {f"{curve[-1]['step']:,}" for curve in told}
         at = [[_told_at(curve, quantity, share) for curve in told] for share in SHARES]

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from swamp_rl.experiments.reports.experiment import table
 
+from benchmarks.link.faults import FAULTS, Array, Outcome, most_of, outcome_of
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.allocation import force_region, jets_of
 from swamp_rl.boat import load_boat
 from swamp_rl.figure_style import sheet
 from swamp_rl.link.network import Faults
-from swamp_rl.link.redundancy import FAULTS, Array, Outcome, most_of, outcome_of
 
 LOSSY = Faults(loss=0.2, doubled=0.1, delay=(0.0, 0.03))
 SEEDS = range(4)

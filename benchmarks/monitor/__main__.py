@@ -34,14 +34,14 @@ KINDS = ("thruster_failure", "current", "gyro_bias", "heading_bias", "frozen")
 SEAS = {"calm": False, "wind": True}
 ALARM_HEAD = ["sea", "hours", "false alarms", "95 % upper limit, in 100 h"]
 FAULT_HEAD = [
-    "what begins",
+    "fault",
     "sea",
     "cases",
-    "heard within 20 s",
-    "median s",
-    "90 % s",
-    "named first",
-    "or among its rivals",
+    "detected within 20 s",
+    "median delay, s",
+    "90 % quantile, s",
+    "identified",
+    "identified or an alternative",
 ]
 
 

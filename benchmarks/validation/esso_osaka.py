@@ -9,12 +9,12 @@ import numpy as np
 from benchmarks.esso_osaka.circles import turn_rows
 from benchmarks.esso_osaka.pond_tests import rms, window_errors
 from benchmarks.esso_osaka.wind import HORIZON
+from benchmarks.esso_osaka.windows import predicted
 from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
 from swamp_rl.manoeuvres.analysis.figure import Result
 from swamp_rl.runs import Run
-from swamp_rl.simulator.windows import replay_from
 
 BEFORE = 5.0  # s before the execute that a replay starts, so that the approach is in it
 FIGURES = ("advance", "tactical_diameter")
@@ -48,16 +48,16 @@ def circles(boat: Boat, runs: Sequence[Run]) -> list[Circle]:
         first, last = turn_rows(source)
         rows = slice(max(first - round(BEFORE * 10), 0), last + 1)
         cut = Run(source.name, {name: values[rows] for name, values in source.columns.items()})
-        each = (cut, predicted(boat, cut, True), predicted(boat, cut, False))
+        each = (cut, replayed(boat, cut, True), replayed(boat, cut, False))
         results = [analyse_run(run, boat) for run in each]
         angle = math.degrees(float(results[0].setting["angle"]))
         found.append(Circle(source.name, angle, float(source.columns["propeller_main"][first]), *results))
     return found
 
 
-def predicted(boat: Boat, run: Run, wind: bool) -> Run:
+def replayed(boat: Boat, run: Run, wind: bool) -> Run:
     """The run that the boat file predicts for the commands of another, from its first state."""
-    track = replay_from(boat, run, np.array([0]), len(run.time) - 1, wind).simulated[0]
+    track = predicted(boat, run, np.array([0]), len(run.time) - 1, wind)[0]
     columns = {"time": run.time, "north": track[:, 0], "east": track[:, 1]}
     columns["heading"] = wrapped(track[:, 2])
     columns |= {name: run.columns[name] for name in ("rudder_main", "propeller_main")}

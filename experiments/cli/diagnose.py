@@ -15,53 +15,64 @@ if TYPE_CHECKING:
     from swamp_rl.criticism.result import Diagnosis, Estimate
 
 
+Datasets = Annotated[
+    list[Path],
+    typer.Argument(help="Folders of measured runs of one boat, or a YAML file of printed figures."),
+]
+Out = Annotated[Path, typer.Option(help="The folder to write.")]
+Holdout = Annotated[
+    Path | None, typer.Option(help="Runs held out to measure the gain; by default each run in turn.")
+]
+FitTo = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Printed figures: groups fitted to in a stage, comma-separated; repeat for further stages."
+    ),
+]
+NextTrial = Annotated[
+    str | None,
+    typer.Option(help="Design the next trial within an area in m north x m east, such as 40x40."),
+]
+TrialSeconds = Annotated[float | None, typer.Option(help="Duration of the next trial (s); 60 by default.")]
+TrialSpeed = Annotated[
+    float | None, typer.Option(help="Limit of the speed over ground in the next trial (m/s).")
+]
+TrialThrottle = Annotated[
+    float | None, typer.Option(help="Throttle limit of the next trial, 0 to 1; 1 by default.")
+]
+SelfTrial = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        min=0,
+        max=1000,
+        help="Number of simulated replicates (twins) of the runs to diagnose; 0: none. 20 by default.",
+    ),
+]
+SearchTwins = Annotated[
+    bool,
+    typer.Option("--search-twins", help="Run the full search on each twin (slow)."),
+]
+TwinWorkers = Annotated[
+    int | None,
+    typer.Option(min=1, max=1024, help="Processes of --search-twins; by default one for each processor."),
+]
+
+
 def diagnose(
-    dataset: Annotated[
-        list[Path],
-        typer.Argument(help="Folders of measured runs of one boat, or a YAML file of printed figures."),
-    ],
-    out: Annotated[Path, typer.Option(help="The folder to write.")],
+    dataset: Datasets,
+    out: Out,
     boat: BoatOption = "swamp",
-    holdout: Annotated[
-        Path | None, typer.Option(help="Runs held out to measure the gain; by default each run in turn.")
-    ] = None,
-    fit: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Printed figures: groups fitted to in a stage, comma-separated; repeat for further stages."
-        ),
-    ] = None,
+    holdout: Holdout = None,
+    fit: FitTo = None,
     ignore: IgnoreOption = None,
-    next: Annotated[
-        str | None,
-        typer.Option(help="Design the next trial within an area in m north x m east, such as 40x40."),
-    ] = None,
-    seconds: Annotated[
-        float | None, typer.Option(help="Duration of the next trial (s); 60 by default.")
-    ] = None,
-    top_speed: Annotated[
-        float | None, typer.Option(help="Limit of the speed over ground in the next trial (m/s).")
-    ] = None,
-    throttle: Annotated[
-        float | None, typer.Option(help="Throttle limit of the next trial, 0 to 1; 1 by default.")
-    ] = None,
-    self_trial: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=0,
-            max=1000,
-            help="Number of simulated replicates (twins) of the runs to diagnose; 0: none. 20 by default.",
-        ),
-    ] = None,
-    search_twins: Annotated[
-        bool,
-        typer.Option("--search-twins", help="Run the full search on each twin (slow)."),
-    ] = False,
-    workers: Annotated[
-        int | None,
-        typer.Option(min=1, max=1024, help="Processes of --search-twins; by default one for each processor."),
-    ] = None,
+    next: NextTrial = None,
+    seconds: TrialSeconds = None,
+    top_speed: TrialSpeed = None,
+    throttle: TrialThrottle = None,
+    self_trial: SelfTrial = None,
+    search_twins: SearchTwins = False,
+    workers: TwinWorkers = None,
 ) -> None:
     """Identify the causes of a model's error in measured runs, extend the boat file, measure the gain."""
     given = ", ".join(map(str, dataset))

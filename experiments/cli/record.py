@@ -22,46 +22,55 @@ LEVELS = ("calm", "standard", "severe")
 "Levels of disturbance that the page offers, after the one that was asked for."
 
 
+Out = Annotated[Path, typer.Option(help="The folder of runs, new or to be continued.")]
+Boats = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--boat",
+        help="A name in configs/boats, or a boat file; may be repeated, to offer a choice. By "
+        f"default {' and '.join(BOATS)}, with --link {BOATS[0]}. Runs of the first go to OUT, of others "
+        "to OUT/BOAT.",
+    ),
+]
+Level = Annotated[
+    str, typer.Option(help="Initial disturbance level: a name in configs/disturbances, or a file.")
+]
+Pilots = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--pilot",
+        metavar="MODEL",
+        help="A trained pilot's folder, sb3:MODEL.zip, onnx:PILOT.onnx or MODULE:CLASS[=FOLDER]; may be "
+        "repeated.",
+    ),
+]
+Port = Annotated[int, typer.Option(min=0, max=65535, help="TCP port; 0: any free one.")]
+Host = Annotated[str, typer.Option(help="Address to listen on; one that other machines reach needs --token.")]
+Token = Annotated[str | None, typer.Option(help="Password that the page asks for.")]
+Scripted = Annotated[
+    bool, typer.Option("--scripted", help="Mark the runs as scripted: a program operates the page.")
+]
+LinkTo = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Drive the vehicle that answers there, not a simulated boat; an address as `swamp-rl "
+        "vehicle --address` takes it.",
+    ),
+]
+
+
 def record(
-    out: Annotated[Path, typer.Option(help="The folder of runs, new or to be continued.")],
+    out: Out,
     course: CourseOption = "camogli",
-    boat: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--boat",
-            help="A name in configs/boats, or a boat file; may be repeated, to offer a choice. By "
-            f"default {' and '.join(BOATS)}, with --link {BOATS[0]}. Runs of the first go to OUT, of others "
-            "to OUT/BOAT.",
-        ),
-    ] = None,
-    disturbances: Annotated[
-        str, typer.Option(help="Initial disturbance level: a name in configs/disturbances, or a file.")
-    ] = "calm",
-    pilot: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--pilot",
-            metavar="MODEL",
-            help="A trained pilot's folder, sb3:MODEL.zip, onnx:PILOT.onnx or MODULE:CLASS[=FOLDER]; may be "
-            "repeated.",
-        ),
-    ] = None,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="TCP port; 0: any free one.")] = 8000,
-    host: Annotated[
-        str, typer.Option(help="Address to listen on; one that other machines reach needs --token.")
-    ] = ("127.0.0.1"),
-    token: Annotated[str | None, typer.Option(help="Password that the page asks for.")] = None,
-    scripted: Annotated[
-        bool, typer.Option("--scripted", help="Mark the runs as scripted: a program operates the page.")
-    ] = False,
-    link: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Drive the vehicle that answers there, not a simulated boat; an address as `swamp-rl "
-            "vehicle --address` takes it.",
-        ),
-    ] = None,
+    boat: Boats = None,
+    disturbances: Level = "calm",
+    pilot: Pilots = None,
+    port: Port = 8000,
+    host: Host = "127.0.0.1",
+    token: Token = None,
+    scripted: Scripted = False,
+    link: LinkTo = None,
     origin: OriginOption = None,
 ) -> None:
     """Drive a boat by joypad, keyboard or touch, from a web page, and keep the runs."""

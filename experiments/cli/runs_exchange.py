@@ -10,90 +10,108 @@ from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
 from swamp_rl.errors import UserError
 
 if TYPE_CHECKING:
-    from swamp_rl.runs.schema import RunMeta
+    from swamp_rl.runs.schema import DatasetMeta
 
+Sources = Annotated[list[Path], typer.Argument(help="Files, or folders of them.")]
+From = Annotated[
+    Literal["csv", "parquet", "mcap", "telemetry", "free-running", "dataflash", "ulog", "rosbag"] | None,
+    typer.Option("--from", help="Format; by default by the suffix."),
+]
+Out = Annotated[Path | None, typer.Option(help="The new dataset.")]
+BoatOfRuns = Annotated[str | None, typer.Option(help="Boat of the runs; by default swamp.")]
+Source = Annotated[
+    Literal["measured", "simulated", "human", "scripted", "learned"] | None,
+    typer.Option(help="Origin of the runs; by default measured."),
+]
+Course = Annotated[str | None, typer.Option(help="A name in configs/courses, or a file.")]
+Notes = Annotated[str | None, typer.Option(help="Remarks for dataset.yaml.")]
+Outcome = Annotated[
+    Literal["success", "failed", "auto"] | None,
+    typer.Option(help="Outcome of the runs; auto (default with --course): by the course."),
+]
+Group = Annotated[str | None, typer.Option(help="Day or place of runs that share their weather.")]
+Column = Annotated[list[str] | None, typer.Option(metavar="OUR=THEIRS", help="Column name in the source.")]
+Degrees = Annotated[
+    list[str] | None, typer.Option(metavar="OUR", help="A column that is in degrees in the source.")
+]
+UnitOf = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="OUR=UNIT",
+        help="Unit of a column in the source: deg, deg/s, kn, km/h, km, cm, ms, rpm, percent …",
+    ),
+]
+Drop = Annotated[list[str] | None, typer.Option(metavar="THEIRS", help="A column to leave out.")]
 Rate = Annotated[
     float | None, typer.Option(min=1e-3, max=1e6, help="Sample rate (Hz) of files without times.")
 ]
 Resample = Annotated[float | None, typer.Option(min=1e-3, max=1e6, help="Resample to this rate (Hz).")]
+Origin = Annotated[
+    str | None,
+    typer.Option(
+        metavar="LATITUDE,LONGITUDE", help="Origin of north and east; by default the first position."
+    ),
+]
+Topic = Annotated[str | None, typer.Option(help="Topic of an MCAP file with several.")]
+Sender = Annotated[int | None, typer.Option(help="Sender, in telemetry of several hulls.")]
+Repair = Annotated[bool, typer.Option("--repair", help="Truncate a free-running test at its first gap.")]
+Map = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--map",
+        metavar="OUR=EXPRESSION",
+        help="A column as an expression of source columns, or a .yaml file of such.",
+    ),
+]
+FrameOf = Annotated[
+    Literal["ned", "enu"] | None,
+    typer.Option(help="Frame of x, y, yaw, vx, vy, u, v, r; by default ned, of ROS enu."),
+]
+Clock = Annotated[
+    list[str] | None,
+    typer.Option(metavar="A~B", help="The same quantity in two tables, to align the second's clock."),
+]
+Join = Annotated[
+    str | None, typer.Option(metavar="NAME", help="Join the files as tables of one run of this name.")
+]
+BadRows = Annotated[
+    Literal["refuse", "cut", "split"],
+    typer.Option(
+        help="Invalid rows: refuse the file, keep the longest valid stretch, or keep all valid stretches."
+    ),
+]
+List = Annotated[bool, typer.Option("--list", help="Only print tables, rates and fields.")]
+Fill = Annotated[float, typer.Option(min=0.0, max=60.0, help="Longest gap (s) that --resample interpolates.")]
 
 
 @runs_app.command("import")
 def import_(
-    sources: Annotated[list[Path], typer.Argument(help="Files, or folders of them.")],
-    from_: Annotated[
-        Literal["csv", "parquet", "mcap", "telemetry", "free-running", "dataflash", "ulog", "rosbag"] | None,
-        typer.Option("--from", help="Format; by default by the suffix."),
-    ] = None,
-    out: Annotated[Path | None, typer.Option(help="The new dataset.")] = None,
-    boat: Annotated[str | None, typer.Option(help="Boat of the runs; by default swamp.")] = None,
-    source: Annotated[
-        Literal["measured", "simulated", "human", "scripted", "learned"] | None,
-        typer.Option(help="Origin of the runs; by default measured."),
-    ] = None,
-    course: Annotated[str | None, typer.Option(help="A name in configs/courses, or a file.")] = None,
-    notes: Annotated[str | None, typer.Option(help="Remarks for dataset.yaml.")] = None,
-    outcome: Annotated[
-        Literal["success", "failed", "auto"] | None,
-        typer.Option(help="Outcome of the runs; auto (default with --course): by the course."),
-    ] = None,
-    group: Annotated[str | None, typer.Option(help="Day or place of runs that share their weather.")] = None,
-    column: Annotated[
-        list[str] | None, typer.Option(metavar="OUR=THEIRS", help="Column name in the source.")
-    ] = None,
-    degrees: Annotated[
-        list[str] | None, typer.Option(metavar="OUR", help="A column that is in degrees in the source.")
-    ] = None,
-    unit: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="OUR=UNIT",
-            help="Unit of a column in the source: deg, deg/s, kn, km/h, km, cm, ms, rpm, percent …",
-        ),
-    ] = None,
-    drop: Annotated[list[str] | None, typer.Option(metavar="THEIRS", help="A column to leave out.")] = None,
+    sources: Sources,
+    from_: From = None,
+    out: Out = None,
+    boat: BoatOfRuns = None,
+    source: Source = None,
+    course: Course = None,
+    notes: Notes = None,
+    outcome: Outcome = None,
+    group: Group = None,
+    column: Column = None,
+    degrees: Degrees = None,
+    unit: UnitOf = None,
+    drop: Drop = None,
     rate: Rate = None,
     resample: Resample = None,
-    origin: Annotated[
-        str | None,
-        typer.Option(
-            metavar="LATITUDE,LONGITUDE", help="Origin of north and east; by default the first position."
-        ),
-    ] = None,
-    topic: Annotated[str | None, typer.Option(help="Topic of an MCAP file with several.")] = None,
-    sender: Annotated[int | None, typer.Option(help="Sender, in telemetry of several hulls.")] = None,
-    repair: Annotated[
-        bool, typer.Option("--repair", help="Truncate a free-running test at its first gap.")
-    ] = False,
-    map_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--map",
-            metavar="OUR=EXPRESSION",
-            help="A column as an expression of source columns, or a .yaml file of such.",
-        ),
-    ] = None,
-    frame: Annotated[
-        Literal["ned", "enu"] | None,
-        typer.Option(help="Frame of x, y, yaw, vx, vy, u, v, r; by default ned, of ROS enu."),
-    ] = None,
-    clock: Annotated[
-        list[str] | None,
-        typer.Option(metavar="A~B", help="The same quantity in two tables, to align the second's clock."),
-    ] = None,
-    join: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Join the files as tables of one run of this name.")
-    ] = None,
-    bad_rows: Annotated[
-        Literal["refuse", "cut", "split"],
-        typer.Option(
-            help="Invalid rows: refuse the file, keep the longest valid stretch, or keep all valid stretches."
-        ),
-    ] = "refuse",
-    list_: Annotated[bool, typer.Option("--list", help="Only print tables, rates and fields.")] = False,
-    fill: Annotated[
-        float, typer.Option(min=0.0, max=60.0, help="Longest gap (s) that --resample interpolates.")
-    ] = 0.0,
+    origin: Origin = None,
+    topic: Topic = None,
+    sender: Sender = None,
+    repair: Repair = False,
+    map_: Map = None,
+    frame: FrameOf = None,
+    clock: Clock = None,
+    join: Join = None,
+    bad_rows: BadRows = "refuse",
+    list_: List = False,
+    fill: Fill = 0.0,
 ) -> None:
     """Convert logs to a dataset: tables, messages, telemetry, free-running tests."""
     from swamp_rl.logs.import_logs import BINARY, Reading, import_logs
@@ -101,16 +119,8 @@ def import_(
     from swamp_rl.runs.import_dataset import About, Kind, import_runs, kind_of
     from swamp_rl.runs.import_foreign import Wishes
 
-    wishes = Wishes(
-        _pairs("--column", column),
-        _units(degrees, unit),
-        tuple(drop or ()),
-        rate,
-        resample,
-        place_of(origin),
-        bad_rows,
-        fill,
-    )
+    renamed, units, dropped = _pairs("--column", column), _units(degrees, unit), tuple(drop or ())
+    wishes = Wishes(renamed, units, dropped, rate, resample, place_of(origin), bad_rows, fill)
     about = About(boat, source, course, notes, outcome, group, topic, sender, repair)
     kind = from_ or kind_of(sources)
     if list_:
@@ -119,7 +129,7 @@ def import_(
     if out is None:
         raise UserError("--out: the new dataset has no name; give one, or --list")
     if kind in BINARY or map_ or frame or clock or join:
-        if wishes.renamed or wishes.dropped or wishes.rate:
+        if renamed or dropped or rate:
             raise UserError(
                 "--column, --drop, --rate: a mapping replaces these options; give --map OUR=THEIRS"
             )
@@ -127,10 +137,7 @@ def import_(
         made = import_logs(sources, kind, out, about, wishes, reading)
     else:
         made = import_runs(sources, cast(Kind, kind), out, about, wishes)
-    for run in made.runs:
-        _tell(run)
-    rows = sum(run.rows or 0 for run in made.runs)
-    typer.echo(f"{out}: {len(made.runs)} runs, {rows} rows at {made.sample_rate:g} Hz, {made.source}")
+    _tell(out, made)
 
 
 def _list(sources: list[Path], kind: str) -> None:
@@ -145,14 +152,17 @@ def _list(sources: list[Path], kind: str) -> None:
             typer.echo(line)
 
 
-def _tell(run: "RunMeta") -> None:
-    """Print how the rows of an imported run were changed."""
-    told = run.model_extra or {}
-    for key in ("times", "joined", "clocks", "resampled", "commands", "not_imported"):
-        if key in told:
-            typer.echo(f"{run.file}: {key.replace('_', ' ')}: {told[key]}")
-    for line in told.get("rows_left_out", ()):
-        typer.echo(f"{run.file}: {line}")
+def _tell(out: Path, made: "DatasetMeta") -> None:
+    """Print how the rows of imported runs were changed, and how many there are."""
+    for run in made.runs:
+        told = run.model_extra or {}
+        for key in ("times", "joined", "clocks", "resampled", "commands", "not_imported"):
+            if key in told:
+                typer.echo(f"{run.file}: {key.replace('_', ' ')}: {told[key]}")
+        for line in told.get("rows_left_out", ()):
+            typer.echo(f"{run.file}: {line}")
+    rows = sum(run.rows or 0 for run in made.runs)
+    typer.echo(f"{out}: {len(made.runs)} runs, {rows} rows at {made.sample_rate:g} Hz, {made.source}")
 
 
 @runs_app.command()

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.experiments.fleet.result import Change, Drift, Finding, Member, SharedCause
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, HeldOut
 
 RATE = 0.05
@@ -143,6 +144,6 @@ def heterogeneity(values: Sequence[float], errors: Sequence[float], angle: bool 
     weight = (error.min() / error) ** 2
     away = np.asarray(values, dtype=float) - values[0]
     if angle:
-        away = away - 2.0 * np.pi * np.round(away / (2.0 * np.pi))
+        away = within_half_turn(away)
     mean = float(weight @ away) / float(weight.sum())
     return float((((away - mean) / error) ** 2).sum())

@@ -8,8 +8,14 @@ import numpy as np
 from swamp_rl.experiments.reports.trial_figures import colours
 
 from swamp_rl.constants import KNOT
-from swamp_rl.design.matching import BestRange, Match, MatchDesign, drag_of, energy_per_metre
-from swamp_rl.design.propellers import linear_thrust_coefficient
+from swamp_rl.design.matching import (
+    BestRange,
+    Match,
+    MatchDesign,
+    drag_of,
+    energy_per_metre,
+    thrust_coefficient,
+)
 from swamp_rl.figure_style import sheet
 
 
@@ -33,7 +39,7 @@ def coefficients(axes: Any, design: MatchDesign, found: Sequence[Match]) -> None
     for i, one in enumerate(found):
         pitch = one.pitch
         at = np.linspace(0.0, of.null_factor * pitch.pitch_ratio, 50)
-        values = linear_thrust_coefficient(at, pitch.bollard_coefficient, pitch.pitch_ratio, of.null_factor)
+        values = thrust_coefficient(at, of, pitch)
         label = f"p/d {pitch.pitch_ratio:g}: J* = {one.advance:.2f}"
         axes.plot(at, values, color=shades[float(i)], label=label)
         axes.plot(one.advance, one.thrust_coefficient, "o", color=shades[float(i)], ms=6)

@@ -5,15 +5,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from swamp_rl.experiments.training.curves import Curve
-
 from swamp_rl.course import Course
 from swamp_rl.demo.colours import driver_colours, fractions
-from swamp_rl.errors import UserError
-from swamp_rl.evaluation import common_steps, curve_band
 from swamp_rl.figure_style import sheet
-from swamp_rl.files import write_beside
 from swamp_rl.runs import Run
 
 GATE_COLOURS = {"green": "#2ca02c", "red": "#d62728"}
@@ -128,30 +122,6 @@ def success_rates(
         axes.set_xticklabels(levels)
         axes.grid(axis="x", visible=False)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-        figure.suptitle(title, fontsize=11, fontweight="bold")
-
-
-def learning_curves(path: Path, curves: Mapping[str, Sequence[Curve]], title: str) -> None:
-    """PNG of success against steps: for each name the interquartile mean over its seeds, and its 95 % band.
-
-    Each seed's own curve is drawn thinly behind. UserError where the curves of a name have no range of steps
-    in common.
-    """
-    rng = np.random.default_rng(0)
-    with write_beside(path) as part, sheet(part, 6.4, 3.6) as figure:
-        axes = figure.subplots()
-        for name, logged in curves.items():
-            try:
-                steps, values = common_steps(logged)
-            except ValueError as error:
-                raise UserError(f"{name}: {error}; log every seed over the same steps") from error
-            centre, low, high = curve_band(100.0 * values, rng)
-            label = f"{name}, {len(values)} seed{'s' * (len(values) > 1)}"
-            (line,) = axes.plot(steps, centre, lw=1.8, label=label, zorder=3)
-            axes.fill_between(steps, low, high, color=line.get_color(), alpha=0.22, lw=0, zorder=2)
-            axes.plot(steps, 100.0 * values.T, color=line.get_color(), lw=0.5, alpha=0.35, zorder=1)
-        axes.set(xlabel="decisions", ylabel="success [%]", ylim=(-2, 102))
-        axes.legend(loc="lower right")
         figure.suptitle(title, fontsize=11, fontweight="bold")
 
 

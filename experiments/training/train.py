@@ -1,5 +1,6 @@
 """From logged runs and from trying: the dataset of an experiment, and its pilots trained and saved."""
 
+import json
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -11,12 +12,12 @@ from swamp_rl.experiments.config.learners import Training, check_logged, in_orde
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.training.coverage import calm_warning, warning
-from swamp_rl.experiments.training.curves import CURVE, write_curve
 from swamp_rl.experiments.training.tracking import tracked
 
 from swamp_rl import __version__
 from swamp_rl.boat.digest import boat_digest
 from swamp_rl.errors import UserError
+from swamp_rl.files import write_text
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import choose_runs
 from swamp_rl.pilots.description import FittedOn, Made
@@ -114,7 +115,7 @@ def _train_into(
     with folder_beside(folder / name) as part:
         save_pilot(with_takeover(scene, plan, pilot), part, _fitted_on(training), _made(training))
         if curve:
-            write_curve(part / CURVE, curve)
+            write_text(part / "curve.jsonl", "".join(f"{json.dumps(point)}\n" for point in curve))
 
 
 def _checkpoint(folder: Path, name: str) -> Path:

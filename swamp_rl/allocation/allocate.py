@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.allocation.jets import Jets
 from swamp_rl.allocation.problem import Solution, Wish, solve_in
-from swamp_rl.allocation.sectors import TURN, Sector, sectors_of
+from swamp_rl.allocation.sectors import Sector, sectors_of
 from swamp_rl.angles import wrapped_below
 from swamp_rl.errors import UserError
 
@@ -132,7 +132,7 @@ def _within(jets: Jets, k: int, azimuth: float, now: float, past_the_end: float)
     clipped = min(max(nearest, low), high)
     if abs(clipped - nearest) <= past_the_end:
         return clipped
-    turns = [nearest + turn * TURN for turn in (-2, -1, 1, 2) if low <= nearest + turn * TURN <= high]
+    turns = [nearest + turn * math.tau for turn in (-2, -1, 1, 2) if low <= nearest + turn * math.tau <= high]
     return min(turns, key=lambda way: abs(way - now)) if turns else clipped
 
 

@@ -23,11 +23,12 @@ from swamp_rl.criticism.inference.force_regression import (
     without_process_noise,
 )
 from swamp_rl.criticism.inference.identifiability import contrast, hidden_effects, separating_manoeuvre
-from swamp_rl.criticism.inference.next_trial import design_trial, question_of, write_trial
+from swamp_rl.criticism.inference.next_trial import Designed, design_trial, question_of, write_trial
 from swamp_rl.criticism.inference.residual_force import residual_forces
 from swamp_rl.criticism.inference.self_trial import TWINS, Each, Method, self_trial, serially
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import gains, trivial_predictors
 from swamp_rl.criticism.model.candidates import Hypothesis
@@ -139,9 +140,7 @@ def examine(
     leftover = list[ResidualForce]()
     if not found.adequate:
         rest = replace(run_set, gauss_markov=with_noise.gauss_markov)
-        models = [(Hypothesis(), NONE), (found.winner.hypothesis, found.winner.x)]
-        several = bool(found.winner.hypothesis.instances)
-        leftover = residual_force_functions(rest, weight, models[: 1 + several])
+        leftover = residual_force_functions(rest, weight, _models(found.winner))
         extension = extend_by_force(without_process_noise(rest), weight, written, leftover, on, rng)
     predicting = continuation.problem(found.stage, written.hypothesis), written
     if extension and extension.told.written:
@@ -182,16 +181,32 @@ def examine(
         adequacy={"worst_excess": measure.worst, "channel": measure.channel, "adequate": found.adequate},
         elapsed_s=time.perf_counter() - began,
     )
-    trial = None
-    if limits:
-        LOG.info("designing the next trial")
-        try:
-            asked = question_of(with_noise, sigmas, judged, found.winner, found.rivals)
-            trial = design_trial(*asked, limits, rng)
-            diagnosis.next_trial = trial.told
-        except UserError as error:  # the diagnosis took minutes and stands without the trial
-            LOG.info("%s", error)
+    trial = _next_trial(with_noise, sigmas, judged, found, limits, rng) if limits else None
+    diagnosis.next_trial = trial.told if trial else None
     return Finding(diagnosis, run_set, weight, continuation, found, forces, written, extension, trial)
+
+
+def _models(winner: Fit) -> list[tuple[Hypothesis, Array]]:
+    """The boat file, and the winner where it adds an effect."""
+    own = [(winner.hypothesis, winner.x)] if winner.hypothesis.instances else []
+    return [(Hypothesis(), NONE), *own]
+
+
+def _next_trial(
+    run_set: RunSet,
+    sigmas: Array,
+    judged: Shooting,
+    found: Selection,
+    limits: TrialLimits,
+    rng: np.random.Generator,
+) -> Designed | None:
+    """The trial that separates or narrows most; None, with a log of the reason, where there is none."""
+    LOG.info("designing the next trial")
+    try:
+        return design_trial(*question_of(run_set, sigmas, judged, found.winner, found.rivals), limits, rng)
+    except UserError as error:  # the diagnosis took minutes and stands without the trial
+        LOG.info("%s", error)
+        return None
 
 
 def verdict_of(found: Selection, listed: CauseList) -> Verdict:

@@ -11,9 +11,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 from scipy.optimize import minimize_scalar
 
@@ -21,11 +22,11 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, POSITIVE, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.boat.resistance import TankResistance
-from swamp_rl.design.propellers import linear_thrust_coefficient
 from swamp_rl.design.read import computable, read_design
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.captive import resistance_at
 
+Advance = TypeVar("Advance", float, NDArray[np.float64])
 SHARE = Field(gt=0, le=1)
 MOST = 20
 GRID = 200  # speeds that the best range is looked for at first
@@ -193,6 +194,11 @@ def matched_advance(factor: float, density: float, of: Propellers, pitch: Pitch)
     return 2.0 * thrust / (slope + math.sqrt(slope**2 + 4.0 * factor * thrust))
 
 
+def thrust_coefficient(advance: Advance, of: Propellers, pitch: Pitch) -> Advance:
+    """K_t [1] of (14) at J [1]."""
+    return pitch.bollard_coefficient * (1.0 - advance / (of.null_factor * pitch.pitch_ratio))
+
+
 def matches(design: MatchDesign) -> list[Match]:
     """Every propeller of the series at the design speed; UserError where the drag there is not known."""
     drag, speed, of = drag_of(design), design.design_speed, design.propellers
@@ -206,11 +212,7 @@ def matches(design: MatchDesign) -> list[Match]:
         for pitch in of.series:
             advance = matched_advance(drag.factor(speed), drag.water_density, of, pitch)
             revolutions = speed / (advance * of.diameter)
-            coefficient = float(
-                linear_thrust_coefficient(
-                    advance, pitch.bollard_coefficient, pitch.pitch_ratio, of.null_factor
-                )
-            )
+            coefficient = thrust_coefficient(advance, of, pitch)
             thrust = coefficient * drag.water_density * revolutions**2 * of.diameter**4
             found.append(Match(pitch, advance, coefficient, revolutions, thrust))
     return found

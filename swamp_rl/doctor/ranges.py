@@ -10,7 +10,6 @@ from swamp_rl.runs import Run
 
 ANGLES = ("heading", "wind_from", "azimuth_", "rudder_", "applied_azimuth_", "applied_rudder_")
 LEVELS = ("throttle_", "applied_throttle_", "joy_")
-FULL_TURN = 2.0 * math.pi
 LARGEST_RUDDER = 0.5 * math.pi
 """rad: no rudder turns further."""
 SCALES = ((1.5, 105.0, 0.01, "percent"), (105.0, 2500.0, 1.0 / 400.0, "pulse widths in microseconds"))
@@ -32,7 +31,7 @@ def range_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
             told = f"reaches {largest:.4g}, beyond what an angle in radians can be there"
             found.append(_fault(name, told, f"give it in radians (--degrees {name})", largest))
             factors[name] = math.pi / 180.0
-        elif name == "yaw_rate" and float(np.quantile(np.abs(values), 0.99)) > FULL_TURN:
+        elif name == "yaw_rate" and float(np.quantile(np.abs(values), 0.99)) > math.tau:
             told = f"reaches {largest:.4g} rad/s, more than a turn a second"
             found.append(_fault(name, told, "give it in rad/s (--unit yaw_rate=deg/s)", largest))
             factors[name] = math.pi / 180.0
@@ -54,12 +53,12 @@ def _fault(name: str, told: str, advice: str, largest: float) -> Finding:
 def _in_degrees(name: str, parts: Sequence[np.ndarray], largest: float) -> bool:
     if "rudder_" in name:
         return largest > LARGEST_RUDDER + 1e-6
-    if largest <= FULL_TURN + 1e-6:
+    if largest <= math.tau + 1e-6:
         return False
     # An angle that counts its turns passes a full turn in steps that are small.
     jumps = np.concatenate([np.abs(np.diff(values[np.isfinite(values)])) for values in parts])
     starts = max(abs(float(values[0])) for values in parts)
-    return bool(starts > FULL_TURN or (len(jumps) and jumps.max() > FULL_TURN + 1e-6) or largest > 90.0)
+    return bool(starts > math.tau or (len(jumps) and jumps.max() > math.tau + 1e-6) or largest > 90.0)
 
 
 def _scaled(run: Run, factors: dict[str, float]) -> Run:

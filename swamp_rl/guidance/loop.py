@@ -89,23 +89,20 @@ def drive(
     pose: tuple[float, float, float],
     seconds: float,
     dt: float = 0.1,
-    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0),
     failed: Collection[str] = (),
-    look: Callable[[Array], Seen] = truth,
-    seed: int = 0,
 ) -> Array:
-    """(T + 1, S) states of the boat, its own effects on, from a pose [m, m, rad] and velocity over ground.
+    """(T + 1, S) states of the boat, its own effects on, from rest at a pose [m, m, rad].
 
-    failed: thrusters that are dead from the start. look: from the state (S,) to what the controller sees.
+    failed: thrusters that are dead from the start. The controller sees the true state.
     """
     params = parameters(boat)
     params["failure_time"][:, np.isin(boat.thruster_names, list(failed))] = 0.0
-    state = initial_state(params, np.array([pose]), np.array([velocity]))
+    state = initial_state(params, np.array([pose]))
     steps = round(seconds / dt)
 
     def decide(states: list[Array]) -> tuple[Array, bool]:
         if len(states) > steps:
             return np.zeros((1, 2 * len(boat.thrusters))), True
-        return controller.act(look(states[-1][0]), dt)[None], False
+        return controller.act(truth(states[-1][0]), dt)[None], False
 
-    return closed_loop(boat, params, state, decide, np.array([seed], np.uint64), dt)[0][0]
+    return closed_loop(boat, params, state, decide, np.zeros(1, np.uint64), dt)[0][0]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet
@@ -150,7 +151,7 @@ class Tracker:
 def differences(values: Array) -> Array:
     """Differences (..., 6) of motion with the heading's wrapped to [-pi, pi]."""
     values = values.copy()
-    values[..., HEADING] = np.mod(values[..., HEADING] + np.pi, 2 * np.pi) - np.pi
+    values[..., HEADING] = within_half_turn(values[..., HEADING])
     return values
 
 

@@ -1,7 +1,7 @@
 """Thrust over revolutions and speed of advance: propellers of three models, and measured tables.
 
-Propellers as Allotta et al. 2018 have them (equations are theirs, corrected as `swamp_rl.design.propellers`
-says); here without a division by the revolutions, for single numbers.
+Propellers as Allotta et al. 2018 have them (equations are theirs, corrected as docs/propellers.md says),
+without a division by the revolutions.
 """
 
 import math

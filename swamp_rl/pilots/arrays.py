@@ -1,5 +1,6 @@
 """Arithmetic common to the pilots: array type, range of the levers, matrix product, wrapped angles."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,12 @@ def times(rows: Array, matrix: Array) -> Array:
     if matrix.dtype == np.float32:
         return (whole.reshape(-1, ROWS, d) @ matrix).reshape(len(whole), m)[:n]
     return (whole @ matrix)[:n]
+
+
+def owned(owner: str, arrays: Mapping[str, Array]) -> dict[str, Array]:
+    """Return the arrays whose names begin with `owner` and a dot, by the rest of their names."""
+    start = f"{owner}."
+    return {name.removeprefix(start): value for name, value in arrays.items() if name.startswith(start)}
 
 
 def levers_of(actions: Array) -> Array:

@@ -1,10 +1,9 @@
-"""Reinforcement learning in legs, with a checkpoint after each: a safetensors file with JSON in its header.
+"""Reinforcement learning in legs, with a checkpoint after each.
 
 A leg resets all boats and seeds its random numbers from the training's seed and the leg's number alone. A
 resumed training therefore needs no state of the boats and ends with the same bits as an uninterrupted one.
 """
 
-import json
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -15,17 +14,13 @@ import numpy as np
 from pydantic import Field
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import write_beside
-from swamp_rl.json_text import parsed_json
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.callbacks import Log, Tick
+from swamp_rl.pilots.checkpoint import load_checkpoint, readable, save_checkpoint
 from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
 from swamp_rl.pilots.settings import Count, Layers, Many, Seed, Settings, Share
 from swamp_rl.pilots.tally import Tally
-from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
-from swamp_rl.tensors_file import tensors_in
 
-FORMAT = "1"
 FIRST_EPISODE = 2**31
 "Seeds of training episodes start here; those of evaluation are smaller."
 
@@ -94,7 +89,7 @@ def train_in_legs(
             values["seconds"] = round(progress.seconds, 2)
             progress.curve.append({"step": progress.decisions, **values})
         if checkpoint is not None:
-            _save(checkpoint, progress, legs.tensors())
+            save_checkpoint(checkpoint, vars(progress), legs.tensors())
         if values:
             log(progress.decisions, values)
 
@@ -139,41 +134,6 @@ def scaling_of(scaled: Any) -> dict[str, Array]:
     return {"mean": scaled.obs_rms.mean, "scale": np.sqrt(scaled.obs_rms.var + scaled.epsilon)}
 
 
-def optimiser_state(owner: str, optimiser: Any) -> dict[str, Array]:
-    """Return the state of a torch optimiser, by names that begin with `owner`."""
-    return {
-        f"{owner}.{i}.{name}": value.numpy()
-        for i, known in optimiser.state_dict()["state"].items()
-        for name, value in known.items()
-    }
-
-
-def load_optimiser_state(owner: str, optimiser: Any, tensors: Mapping[str, Array]) -> None:
-    """Load the state that `optimiser_state` returned into a torch optimiser."""
-    import torch
-
-    state: dict[int, dict[str, Any]] = {}
-    for name, value in tensors.items():
-        if name.startswith(f"{owner}."):
-            i, moment = name.removeprefix(f"{owner}.").split(".")
-            state.setdefault(int(i), {})[moment] = torch.from_numpy(value)
-    optimiser.load_state_dict({**optimiser.state_dict(), "state": state})
-
-
-def policy_state(policy: Any) -> dict[str, Array]:
-    """Return the weights of a policy of stable-baselines3, by names that begin with `policy`."""
-    return {f"policy.{name}": value.numpy() for name, value in policy.state_dict().items()}
-
-
-def load_policy_state(policy: Any, tensors: Mapping[str, Array]) -> None:
-    """Load the weights that `policy_state` returned into a policy."""
-    import torch
-
-    policy.load_state_dict(
-        {name: torch.from_numpy(tensors[f"policy.{name}"]) for name in policy.state_dict()}
-    )
-
-
 def running_statistics(owner: str, statistics: Any) -> dict[str, Array]:
     """Return a RunningMeanStd, by names that begin with `owner`."""
     arrays = {f"{owner}.mean": np.asarray(statistics.mean), f"{owner}.var": np.asarray(statistics.var)}
@@ -186,51 +146,21 @@ def load_running_statistics(owner: str, statistics: Any, tensors: Mapping[str, A
     statistics.count = float(tensors[f"{owner}.count"])
 
 
-def _save(path: Path, progress: Progress, tensors: Mapping[str, Array]) -> None:
-    """Replace the checkpoint `path` atomically; UserError where it cannot be written."""
-    from safetensors.numpy import save
-
-    header = {
-        "format": FORMAT,
-        "settings": json.dumps(progress.settings),
-        "legs": str(progress.legs),
-        "seconds": repr(progress.seconds),
-        "curve": json.dumps(progress.curve),
-        "decisions": str(progress.decisions),
-        KEY: BLANK,
-    }
-    with write_beside(path) as part:
-        whole = {name: np.array(value, order="C") for name, value in tensors.items()}
-        part.write_bytes(sealed(save(whole, metadata=header)))
-
-
 def _load(path: Path, progress: Progress, legs: Legs) -> None:
     """Load the checkpoint `path`, if there is one, into `progress` and the learner."""
-    if not path.exists():
+    kept = load_checkpoint(path)
+    if kept is None:
         return
-    header, tensors = _read(path)
-    try:
-        made_with = parsed_json(header["settings"])
-        if header["format"] == FORMAT and made_with == progress.settings:
+    said, tensors = kept
+    with readable(path):
+        made_with = said["settings"]
+        if made_with == progress.settings:
             legs.restore(tensors)
-            progress.decisions = legs.learner.num_timesteps = int(header["decisions"])
-            progress.legs, progress.seconds = int(header["legs"]), float(header["seconds"])
-            progress.curve = parsed_json(header["curve"])
+            progress.legs, progress.seconds, progress.curve = said["legs"], said["seconds"], said["curve"]
+            progress.decisions = legs.learner.num_timesteps = said["decisions"]
             return
-    except (KeyError, ValueError, RuntimeError) as error:
-        raise UserError(f"{path}: is no complete checkpoint ({error}); remove it to train again") from error
-    other = [key for key in progress.settings if made_with.get(key) != progress.settings[key]]
+        other = [key for key in progress.settings if made_with.get(key) != progress.settings[key]]
     raise UserError(
         f"{path}: was made with other settings ({', '.join(other) or 'of another version'}); "
         "train with those, or remove it to train again"
     )
-
-
-def _read(path: Path) -> tuple[dict[str, str], dict[str, Array]]:
-    from safetensors.numpy import load
-
-    data = sealed_file(path, "remove it to train again")
-    try:
-        return tensors_in(data, load)
-    except ValueError as error:
-        raise UserError(f"{path}: is damaged ({error}); remove it to train again") from error

@@ -9,15 +9,17 @@ from pydantic import Field
 from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.callbacks import Log, Tick
+from swamp_rl.pilots.checkpoint import (
+    load_module_state,
+    load_optimiser_state,
+    module_state,
+    optimiser_state,
+)
 from swamp_rl.pilots.legs import (
     Legs,
     ReinforcementSettings,
     drive_leg,
-    load_optimiser_state,
-    load_policy_state,
     load_running_statistics,
-    optimiser_state,
-    policy_state,
     running_statistics,
     scaling_of,
     train_in_legs,
@@ -116,7 +118,7 @@ def _legs(learner: Any, scaled: Any, settings: PPOSettings, tick: Tick, warm: bo
         return drive_leg(learner, settings, leg, min(settings.leg, left) * update, tick)
 
     def tensors() -> dict[str, Array]:
-        kept = policy_state(learner.policy) | optimiser_state("optimiser", learner.policy.optimizer)
+        kept = module_state("policy", learner.policy) | optimiser_state("optimiser", learner.policy.optimizer)
         return (
             kept
             | running_statistics("observation", scaled.obs_rms)
@@ -124,7 +126,7 @@ def _legs(learner: Any, scaled: Any, settings: PPOSettings, tick: Tick, warm: bo
         )
 
     def restore(kept: dict[str, Array]) -> None:
-        load_policy_state(learner.policy, kept)
+        load_module_state("policy", learner.policy, kept)
         load_optimiser_state("optimiser", learner.policy.optimizer, kept)
         load_running_statistics("observation", scaled.obs_rms, kept)
         load_running_statistics("return", scaled.ret_rms, kept)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -108,7 +108,6 @@ def record_scripted(
     step: float = 0.1,
     habits: Habits | None = None,
     skills: Sequence[Skill] = ("usual",),
-    format: Literal["parquet", "csv"] = "parquet",
     tick: Callable[[int], None] = lambda good: None,
 ) -> None:
     """Write `count` successful runs and at least `failed` failed ones into the dataset `out`.
@@ -128,7 +127,7 @@ def record_scripted(
                 pilot = ScriptedPilot(seed, habits or habits_of(skill, vehicle.length), step)
                 stored, prefix = ({"skill": skill}, f"{skill}-") if len(skills) > 1 else ({}, "")
                 report = partial(_after, tick, number * count)
-                _fill(part, boats, pilot, vehicle, (count, failed), seed, format, report, (stored, prefix))
+                _fill(part, boats, pilot, vehicle, (count, failed), seed, report, (stored, prefix))
     finally:
         boats.close()
 
@@ -144,7 +143,6 @@ def _fill(
     vehicle: Boat,
     wanted: tuple[int, int],
     seed: int,
-    format: Literal["parquet", "csv"],
     tick: Callable[[int], None],
     named: tuple[Mapping[str, str], str],
 ) -> None:
@@ -162,7 +160,7 @@ def _fill(
                 continue
             number, good, bad = good + bad + 1, good + succeeded, bad + (not succeeded)
             meta = run.meta.model_copy(update=named[0])
-            append_run(folder, Run(f"{named[1]}run-{number:03d}", run.columns, meta), format)
+            append_run(folder, Run(f"{named[1]}run-{number:03d}", run.columns, meta))
             tick(good)
             if good == wanted[0] and bad >= wanted[1]:
                 return

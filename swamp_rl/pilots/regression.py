@@ -1,7 +1,6 @@
 """Training of networks by regression in epochs, resumable from a checkpoint with the same bits."""
 
 import hashlib
-import json
 import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -10,14 +9,18 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from swamp_rl.errors import UserError
-from swamp_rl.files import write_beside
-from swamp_rl.json_text import parsed_json
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.callbacks import Log, Tick
+from swamp_rl.pilots.checkpoint import (
+    load_checkpoint,
+    load_module_state,
+    load_optimiser_state,
+    module_state,
+    optimiser_state,
+    readable,
+    save_checkpoint,
+)
 from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seconds, Seed, Settings
-from swamp_rl.seal import BLANK, KEY, sealed, sealed_file
-from swamp_rl.tensors_file import tensors_in
 
 Losses = Callable[[Any], Iterable[Any]]
 """The losses of an epoch's batches, one at a time, from the torch Generator of the epoch."""
@@ -72,7 +75,8 @@ def train_by_epochs(
             batch_losses.append(float(loss.detach()))
         means.append(float(np.mean(batch_losses)))
         if checkpoint is not None:
-            _keep(network, optimiser, checkpoint, task, means)
+            arrays = module_state("network", network) | optimiser_state("optimiser", optimiser)
+            save_checkpoint(checkpoint, {"task": task, "losses": means}, arrays)
         log(epoch + 1, {"loss": means[-1]})
         tick((epoch + 1) / settings.epochs)
 
@@ -93,43 +97,15 @@ def task_of(settings: Settings, arrays: Iterable[Array]) -> str:
     return hashed.hexdigest()
 
 
-def _keep(network: Any, optimiser: Any, path: Path, task: str, means: list[float]) -> None:
-    from safetensors.torch import save
-
-    arrays = {f"network.{name}": value for name, value in network.state_dict().items()}
-    for i, kept in optimiser.state_dict()["state"].items():
-        arrays |= {f"optimiser.{i}.{name}": value for name, value in kept.items()}
-    header = {"training": json.dumps({"task": task, "losses": means}), KEY: BLANK}
-    with write_beside(path) as part:
-        part.write_bytes(sealed(save({name: value.contiguous() for name, value in arrays.items()}, header)))
-
-
 def _resume(network: Any, optimiser: Any, path: Path, task: str) -> list[float]:
     """Load a checkpoint into network and optimiser; return the mean losses of the epochs done."""
-    from safetensors.torch import load
-
-    if not path.exists():
+    kept = load_checkpoint(path)
+    if kept is None:
         return []
-    data = sealed_file(path, "remove it")
-    try:
-        told, arrays = tensors_in(data, load)
-        said = parsed_json(told.get("training", "{}"))
-    except ValueError as error:
-        raise UserError(f"{path}: is no checkpoint of a training ({error}); remove it") from error
-    if said.get("task") != task or "losses" not in said:
-        return []
-    network.load_state_dict(_of("network", arrays))
-    state: dict[int, dict[str, Any]] = {}
-    for name, value in _of("optimiser", arrays).items():
-        number, _, kind = name.partition(".")
-        state.setdefault(int(number), {})[kind] = value
-    optimiser.load_state_dict({**optimiser.state_dict(), "state": state})
-    return [float(mean) for mean in said["losses"]]
-
-
-def _of(owner: str, arrays: dict[str, Any]) -> dict[str, Any]:
-    return {
-        name.removeprefix(f"{owner}."): value
-        for name, value in arrays.items()
-        if name.startswith(f"{owner}.")
-    }
+    said, arrays = kept
+    with readable(path):
+        if said["task"] != task:
+            return []
+        load_module_state("network", network, arrays)
+        load_optimiser_state("optimiser", optimiser, arrays)
+        return [float(mean) for mean in said["losses"]]

@@ -5,6 +5,8 @@ matrices. Both use NumPy and SciPy.
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -204,27 +206,38 @@ def untrained_reservoir(
 
 def reservoir_node(settings: ReservoirSettings, rng: np.random.Generator) -> Any:
     """Draw a reservoirpy Reservoir: every unit receives all inputs; leak rates are log-uniform."""
-    from reservoirpy import mat_gen
-    from reservoirpy.nodes import Reservoir
+    import reservoirpy
 
+    _remove_cache(reservoirpy)
     low, high = np.log(np.maximum(settings.leak, 1e-6))
     gains = [
         settings.position_scaling if name in POSITION else settings.input_scaling for name in settings.senses
     ]
-    reservoir = Reservoir(
+    reservoir = reservoirpy.nodes.Reservoir(
         units=settings.units,
         lr=np.exp(rng.uniform(low, high, settings.units)),
         sr=settings.spectral_radius,
         input_scaling=np.array(gains),
         input_connectivity=1.0,
         rc_connectivity=settings.connectivity,
-        Win=mat_gen.uniform,
-        bias=mat_gen.uniform,
+        Win=reservoirpy.mat_gen.uniform,
+        bias=reservoirpy.mat_gen.uniform,
         input_dim=len(settings.senses),
         seed=rng,
     )
     reservoir.initialize(np.zeros((1, len(settings.senses))))
     return reservoir
+
+
+def _remove_cache(reservoirpy: Any) -> None:
+    """Remove the empty folder that reservoirpy leaves in the temporary directory when it is imported.
+
+    It is the cache of its data sets, and made again where one is read.
+    """
+    folder = Path(getattr(reservoirpy, "_TEMPDIR", ""))
+    if folder.name.startswith("reservoirpy-temp-"):
+        with suppress(OSError):  # gone already, or in use
+            folder.rmdir()
 
 
 def _matrices(reservoir: Any) -> dict[str, Array]:

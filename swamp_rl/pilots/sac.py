@@ -8,15 +8,17 @@ import numpy as np
 from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
 from swamp_rl.pilots.callbacks import Log, Tick
+from swamp_rl.pilots.checkpoint import (
+    load_module_state,
+    load_optimiser_state,
+    module_state,
+    optimiser_state,
+)
 from swamp_rl.pilots.legs import (
     Legs,
     ReinforcementSettings,
     drive_leg,
-    load_optimiser_state,
-    load_policy_state,
     load_running_statistics,
-    optimiser_state,
-    policy_state,
     running_statistics,
     scaling_of,
     train_in_legs,
@@ -76,14 +78,14 @@ def _legs(learner: Any, scaled: Any, settings: SACSettings, tick: Tick) -> Legs:
     }
 
     def tensors() -> dict[str, Array]:
-        kept = policy_state(policy) | running_statistics("observation", scaled.obs_rms)
+        kept = module_state("policy", policy) | running_statistics("observation", scaled.obs_rms)
         kept["log_entropy"] = learner.log_ent_coef.detach().numpy()
         for name, optimiser in optimisers.items():
             kept |= optimiser_state(name, optimiser)
         return kept | {f"buffer.{name}": getattr(buffer, name)[: buffer.pos] for name in BUFFER}
 
     def restore(kept: dict[str, Array]) -> None:
-        load_policy_state(policy, kept)
+        load_module_state("policy", policy, kept)
         load_running_statistics("observation", scaled.obs_rms, kept)
         learner.log_ent_coef.data[:] = float(kept["log_entropy"][0])
         for name, optimiser in optimisers.items():

@@ -13,7 +13,7 @@ import numpy as np
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.own_code import is_code, refuse_unnamed
-from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.arrays import Array, owned
 from swamp_rl.pilots.description import Description, FittedOn, Made, described_arrays, sealed, unsealed
 from swamp_rl.pilots.gru import GRUPilot
 from swamp_rl.pilots.line_of_sight import LineOfSightPilot
@@ -110,7 +110,7 @@ def _read_weights(path: Path, description: Description) -> dict[str, Array]:
 def _build(kind: str, settings: dict[str, Any], weights: dict[str, Array]) -> Pilot:
     if kind == TakeoverPilot.kind:
         first, then = (
-            _build(settings[name]["kind"], settings[name]["settings"], _of(name, weights))
+            _build(settings[name]["kind"], settings[name]["settings"], owned(name, weights))
             for name in ("first", "then")
         )
         return TakeoverPilot(first, then, settings["seconds"], settings["step"])
@@ -132,10 +132,3 @@ def _check_kind(pilot: Any) -> None:
             f"a pilot of the class {type(pilot).__name__} and kind {pilot.kind!r} could not be loaded again; "
             "wrap your own in swamp_rl.pilots.own.OwnPilot"
         )
-
-
-def _of(name: str, weights: dict[str, Array]) -> dict[str, Array]:
-    """The weights of one of the pilots of a takeover."""
-    return {
-        key.removeprefix(f"{name}."): value for key, value in weights.items() if key.startswith(f"{name}.")
-    }

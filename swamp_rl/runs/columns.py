@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from swamp_rl.boat import Boat, PropellerRudder
 
 REQUIRED = ("time", "north", "east", "heading")
-_TURN = 2.0 * math.pi
 _COMMAND = re.compile(r"(?P<applied>applied_)?(?P<kind>azimuth|throttle|rudder|propeller)_(?P<name>\w+)")
 
 
@@ -31,17 +30,17 @@ FIXED = {
     "heading": Span("rad", -math.pi, math.pi, above=True),
     "surge": Span("m/s"),
     "sway": Span("m/s"),
-    "yaw_rate": Span("rad/s", -_TURN, _TURN),
+    "yaw_rate": Span("rad/s", -math.tau, math.tau),
     "joy_thrust": Span("1", 0.0, 1.0),
     "joy_angle": Span("1", -1.0, 1.0),
     "wind_speed": Span("m/s", 0.0),
-    "wind_from": Span("rad", -_TURN, _TURN),
+    "wind_from": Span("rad", -math.tau, math.tau),
     "depth": Span("m", 0.0, above=True),
 }
 
 
 ENDLESS = Span("rad")  # of an azimuth that counts its turns
-ONE_TURN = Span("rad", -_TURN, _TURN)
+ONE_TURN = Span("rad", -math.tau, math.tau)
 WIDEST = {  # of any boat's command
     "azimuth": ENDLESS,
     "throttle": Span("1", -1.0, 1.0),

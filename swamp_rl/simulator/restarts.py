@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
@@ -144,5 +145,5 @@ def _steps(run: Run, seconds: float, dt: float) -> int:
 
 def _miss(measured: Array, ends: Array) -> Array:
     apart = ends - measured
-    apart[:, 2] -= 2.0 * np.pi * np.round(apart[:, 2] / (2.0 * np.pi))
+    apart[:, 2] = within_half_turn(apart[:, 2])
     return np.stack([np.hypot(apart[:, 0], apart[:, 1]), np.abs(apart[:, 2])], axis=1)

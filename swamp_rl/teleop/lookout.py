@@ -90,7 +90,9 @@ class Lookout:
                     watched = monitor.watching
                     self._lines.extend(notice.text for notice in notices)
                 else:
-                    monitor = self._monitors.setdefault(order.name, Monitor(order, OPTIONS))
+                    if order.name not in self._monitors:
+                        self._monitors[order.name] = Monitor(order, OPTIONS)
+                    monitor = self._monitors[order.name]
                     monitor.begin_again()
                     watched = False
                     self._lines.append(LEARNS)

@@ -7,7 +7,6 @@ import pytest
 from swamp_rl.envs.aboard import Aboard
 
 from swamp_rl.boat import load_boat
-from swamp_rl.course import load_course
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.errors import UserError
 from swamp_rl.link.helm import Voyage, helm
@@ -17,11 +16,10 @@ from swamp_rl.link.vehicle import Conduct
 from swamp_rl.link.voyage_log import lateness_figures, write_voyage
 from swamp_rl.navigation.sensors import Sensors
 from swamp_rl.pilots.line_of_sight import LineOfSightPilot
-from swamp_rl.runs import Run, read_dataset
+from swamp_rl.runs import read_dataset
 from swamp_rl.runs.import_dataset import About, import_runs
 from swamp_rl.runs.import_foreign import Wishes
-from swamp_rl.simulator.replay import replay
-from tests.support.link import vehicle_of
+from tests.support.link import at_the_start, how_far_off
 from tests.support.simulated_link import SimulatedLink
 
 WIFI = Faults(loss=0.02, delay=(0.001, 0.004))
@@ -32,9 +30,8 @@ def sailed(
     seed: int = 0, faults: Faults = WIFI, noise: Sensors | None = None
 ) -> tuple[SimulatedLink, Voyage]:
     """The line-of-sight pilot on the Camogli course, from a start of its own."""
-    vehicle, pose = vehicle_of(Conduct(seed=seed, noise=noise)), load_course("camogli").start.pose
-    moved = np.random.default_rng(seed).uniform(-1.0, 1.0, 3) * (0.5, 0.5, 0.4)
-    vehicle.state[0, :3] = np.array([pose.north, pose.east, pose.heading]) + moved
+    vehicle = at_the_start(Conduct(seed=seed, noise=noise))
+    vehicle.state[0, :3] += np.random.default_rng(seed).uniform(-1.0, 1.0, 3) * (0.5, 0.5, 0.4)
     link = SimulatedLink(vehicle, faults, seed)
     bridge = Aboard(LineOfSightPilot(), boat=vehicle.boat, course="camogli")
     return link, helm(link, bridge, 4, link.clock)
@@ -46,12 +43,6 @@ def logged(folder: Path, name: str, link: SimulatedLink) -> Path:
     path = folder / f"{name}.log"
     path.write_bytes(b"".join(link.log))
     return path
-
-
-def how_far_off(run: Run) -> float:
-    """Greatest distance [m] of the run from its own commands replayed."""
-    simulated = replay(load_boat("swamp"), run)
-    return float(np.hypot(*(run.pose[:, :2] - simulated.pose[:, :2]).T).max())
 
 
 def test_the_vehicles_log_is_imported_with_its_commands(tmp_path: Path) -> None:

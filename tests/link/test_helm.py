@@ -8,25 +8,17 @@ import numpy as np
 import pytest
 from swamp_rl.envs.aboard import Aboard
 
-from swamp_rl.course import load_course
 from swamp_rl.link.helm import HOLD, PATIENCE, Voyage, helm
 from swamp_rl.link.module import TIMEOUT
 from swamp_rl.link.network import Faults
 from swamp_rl.link.vehicle import Vehicle
 from swamp_rl.pilots.line_of_sight import LineOfSightPilot
 from swamp_rl.simulator.state import ACTUATORS
-from tests.support.link import swamp, vehicle_of
+from tests.support.link import at_the_start, swamp, vehicle_of
 from tests.support.simulated_link import SimulatedLink
 
 POOR = Faults(loss=0.2, doubled=0.1, delay=(0.0, 0.15))
 """A fifth of the datagrams lost, a tenth doubled, and many overtaken by the next."""
-
-
-def at_the_start() -> Vehicle:
-    """SWAMP at the start of the Camogli course."""
-    vehicle, pose = vehicle_of(), load_course("camogli").start.pose
-    vehicle.state[0, :3] = pose.north, pose.east, pose.heading
-    return vehicle
 
 
 def sailed(faults: Faults, seconds: float = math.inf, seed: int = 0) -> tuple[SimulatedLink, Voyage]:

@@ -12,13 +12,13 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import RegularGridInterpolator
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.design import propellers as papers
 from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.propulsion import actuator_output, propulsion_forces
 from swamp_rl.physics.screw import race_of, thrust_at
 from swamp_rl.physics.thrusters import effective_thrust
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, SURGE, SWAY, YAW_RATE
+from tests.support import propellers as papers
 from tests.support.boats import Array, track
 
 D, MOST, WAKE, LOSS = 0.08, 25.0, 0.1, 0.5
@@ -86,6 +86,18 @@ def of_the_paper(model: str, throttle: float, speed: float, density: float) -> f
     j = min(max(speed / (n * D), 0.0), 1.0)
     k_t = float(papers.disc_thrust_coefficient(j, 1.0))
     return math.copysign(k_t * density * n**2 * D**4, n)
+
+
+@given(ratio=st.floats(0.3, 3.0), share=st.floats(0.0, 1.0))
+def test_the_bladed_disc_of_the_paper_conserves_rothalpy(ratio: float, share: float) -> None:
+    j, tangent = share * ratio, ratio / math.pi
+    increase = float(papers.disc_speed_increase(j, ratio))
+    # (14) with similar triangles at unit n d: w_1² = J² + π², w_2 axial speed J + Δ/2 along the blade
+    leaving = (j + 0.5 * increase) ** 2 * (1.0 + 1.0 / tangent**2)
+    entering = j**2 + math.pi**2
+    assert entering - leaving == pytest.approx(
+        2.0 * j * increase + increase**2 - (j + 0.5 * increase) ** 2 + j**2, abs=1e-6
+    )
 
 
 @pytest.mark.parametrize("model", list(MODELS))

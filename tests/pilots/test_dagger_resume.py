@@ -1,18 +1,14 @@
 """A DAgger that was broken off goes on from its last round and ends as an unbroken one does, bit for bit."""
 
-import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from swamp_rl.errors import UserError
-from swamp_rl.pilots import Pilot
 from swamp_rl.pilots.dagger import DaggerSettings
 from swamp_rl.pilots.dagger_checkpoint import load_rounds
-from swamp_rl.pilots.store import load_pilot
+from tests.support.killed import KilledError, assert_same_weights, killed_training
 from tests.support.killed_dagger import trained
 
 pytestmark = pytest.mark.slow
@@ -21,10 +17,6 @@ LEARNERS = {
     "reservoir": {"kind": "reservoir", "units": 40},
     "gru": {"kind": "gru", "epochs": 2, "units": 6},
 }
-
-
-class KilledError(Exception):
-    """Stands for the end of the process."""
 
 
 def settings_of(kind: str) -> DaggerSettings:
@@ -45,12 +37,6 @@ def broken_off(checkpoint: Path, settings: DaggerSettings, after: int) -> None:
         trained(checkpoint, settings, hear)
 
 
-def same(one: Pilot, other: Pilot) -> None:
-    """The same weights, bit for bit."""
-    for name, value in one.weights().items():
-        np.testing.assert_array_equal(other.weights()[name], value, strict=True)
-
-
 @pytest.mark.parametrize("kind", LEARNERS)
 def test_broken_off_after_any_round_it_ends_with_the_same_bits_and_tells_every_round(
     kind: str, tmp_path: Path
@@ -61,17 +47,16 @@ def test_broken_off_after_any_round_it_ends_with_the_same_bits_and_tells_every_r
         broken_off(checkpoint, settings, after)
     resumed = trained(checkpoint, settings, lambda *point: told[0].append((point[0], dict(point[1]))))
     unbroken = trained(None, settings, lambda *point: told[1].append((point[0], dict(point[1]))))
-    same(unbroken, resumed)
+    assert_same_weights(unbroken, resumed)
     assert told[0] == told[1]
     assert [path.name for path in tmp_path.iterdir()] == ["checkpoint"]
 
 
 @pytest.mark.timed
 def test_killed_at_random_instants_it_ends_with_the_same_bits(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.support.killed_dagger", str(tmp_path), "1"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert int(done.stdout) >= 3
-    same(trained(None), load_pilot(tmp_path / "pilot"))
+    kills, resumed = killed_training("dagger", tmp_path)
+    assert kills >= 3
+    assert_same_weights(trained(None), resumed)
 
 
 def test_a_checkpoint_of_other_settings_is_not_gone_on_from(tmp_path: Path) -> None:
@@ -80,7 +65,7 @@ def test_a_checkpoint_of_other_settings_is_not_gone_on_from(tmp_path: Path) -> N
     broken_off(checkpoint, settings, 1)
     other = settings.model_copy(update={"seed": 5})
     anew = trained(None, other)
-    same(anew, trained(checkpoint, other))
+    assert_same_weights(anew, trained(checkpoint, other))
     assert (anew.weights()["W"] != trained(None, settings).weights()["W"]).any()
 
 

@@ -4,19 +4,12 @@ import numpy as np
 import pytest
 import torch
 
-from swamp_rl.pilots.demonstrations import observed
 from swamp_rl.pilots.gru import GRUPilot, GRUSettings, fit_gru
 from swamp_rl.runs import Run
-from tests.support.steering_runs import RUNS, wandering
+from tests.support.steering_runs import RUNS, steered, wandering
 
 POSE = ("north", "east", "cos_heading", "sin_heading")
 QUICK = GRUSettings(senses=POSE, reaction=0.0, epochs=3, units=8)
-
-
-def steered(pilot: GRUPilot, run: Run) -> np.ndarray:
-    """(T, 2) levers along a run that the pilot does not steer."""
-    pilot.reset(1)
-    return np.array([pilot.act(row[None])[0] for row in observed(run, pilot.senses)])
 
 
 def test_it_steps_as_torch_runs_a_whole_sequence() -> None:

@@ -1,7 +1,5 @@
 """PPO as it is trained here: broken off and resumed, begun as a clone, with a memory, telling its curve."""
 
-import subprocess
-import sys
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -16,7 +14,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.pilots.network import NetworkPilot, layers_of
 from swamp_rl.pilots.ppo import PPOSettings, train_ppo
 from swamp_rl.pilots.scripted import ScriptedPilot
-from swamp_rl.pilots.store import load_pilot
+from tests.support.killed import assert_same_weights, killed_training
 from tests.support.killed_ppo import trained
 
 pytestmark = pytest.mark.slow
@@ -41,13 +39,11 @@ def clone(senses: tuple[str, ...] = CLONED, hidden: int = 64) -> NetworkPilot:
 
 @pytest.mark.timed
 def test_a_training_killed_at_random_instants_ends_with_the_same_bits(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.support.killed_ppo", str(tmp_path), "1"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert int(done.stdout) >= 2
-    resumed, unbroken = load_pilot(tmp_path / "pilot"), trained(None)
+    kills, resumed = killed_training("ppo", tmp_path)
+    assert kills >= 2
+    unbroken = trained(None)
     assert resumed.settings() == unbroken.settings()
-    for name, value in unbroken.weights().items():
-        np.testing.assert_array_equal(resumed.weights()[name], value, strict=True)
+    assert_same_weights(unbroken, resumed)
 
 
 def test_a_checkpoint_tells_the_curve_again_and_is_refused_with_other_settings(tmp_path: Path) -> None:

@@ -1,18 +1,15 @@
 """A training of a clone that was broken off goes on from its checkpoint and ends as an unbroken one does."""
 
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.gru import GRUSettings, fit_gru
-from swamp_rl.pilots.store import load_pilot
+from tests.support.killed import KilledError, assert_same_weights, killed_training
 from tests.support.killed_clones import trained
 from tests.support.steering_runs import RUNS
 
@@ -23,10 +20,6 @@ KINDS: dict[str, tuple[Callable[..., Any], Any]] = {
     "cloning": (fit_cloning, CloningSettings(senses=POSE, epochs=6, noise=0.05, seed=3)),
     "gru": (fit_gru, GRUSettings(senses=POSE, epochs=6, noise=0.05, units=6, seed=3)),
 }
-
-
-class KilledError(Exception):
-    """Stands for the end of the process."""
 
 
 def broken_off(kind: str, after: int, checkpoint: Path) -> list[float]:
@@ -50,9 +43,7 @@ def test_broken_off_twice_it_ends_with_the_same_weights_bit_for_bit(kind: str, t
     checkpoint = tmp_path / "training.safetensors"
     assert broken_off(kind, 2, checkpoint) == pytest.approx([1 / 6, 2 / 6])
     assert broken_off(kind, 3, checkpoint) == pytest.approx([3 / 6, 4 / 6, 5 / 6])
-    resumed, unbroken = fit(RUNS, settings, checkpoint=checkpoint), fit(RUNS, settings)
-    for name, value in unbroken.weights().items():
-        np.testing.assert_array_equal(resumed.weights()[name], value)
+    assert_same_weights(fit(RUNS, settings), fit(RUNS, settings, checkpoint=checkpoint))
     assert [path.name for path in tmp_path.iterdir()] == [checkpoint.name]
 
 
@@ -83,9 +74,8 @@ def test_a_checkpoint_of_another_training_is_not_gone_on_from(change: str, tmp_p
     runs = RUNS[:-1] if change == "runs" else RUNS
     if change == "settings":
         settings = settings.model_copy(update={"learning_rate": 1e-3})
-    found = fit(runs, settings, checkpoint=tmp_path / "training.safetensors").weights()
-    for name, value in fit(runs, settings).weights().items():
-        np.testing.assert_array_equal(found[name], value)
+    found = fit(runs, settings, checkpoint=tmp_path / "training.safetensors")
+    assert_same_weights(fit(runs, settings), found)
 
 
 def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path) -> None:
@@ -99,9 +89,6 @@ def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path) -> None:
 
 @pytest.mark.timed
 def test_killed_at_random_instants_it_ends_with_the_same_bits(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.support.killed_clones", str(tmp_path), "1"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert int(done.stdout) >= 3
-    resumed, unbroken = load_pilot(tmp_path / "pilot"), trained(None)
-    for name, value in unbroken.weights().items():
-        np.testing.assert_array_equal(resumed.weights()[name], value, strict=True)
+    kills, resumed = killed_training("clones", tmp_path)
+    assert kills >= 3
+    assert_same_weights(trained(None), resumed)

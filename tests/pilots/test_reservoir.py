@@ -1,28 +1,27 @@
 """The reservoir pilot computes what reservoirpy does, and learns from runs."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.demonstrations import choose_runs, observed
 from swamp_rl.pilots.reservoir import (
-    ReservoirPilot,
     ReservoirSettings,
     fit_reservoir,
     states_along,
     untrained_reservoir,
 )
 from swamp_rl.runs import Run, RunMeta
+from tests.support.patience import PATIENCE
 from tests.support.runs import circling
-from tests.support.steering_runs import RUNS, SMALL, wandering
+from tests.support.steering_runs import RUNS, SMALL, steered, wandering
 
 pytestmark = pytest.mark.numerical
-
-
-def steered(pilot: ReservoirPilot, run: Run) -> np.ndarray:
-    """(T, 2) levers of the pilot along a run that it does not steer."""
-    pilot.reset(1)
-    return np.array([pilot.act(row[None])[0] for row in observed(run, pilot.senses)])
 
 
 def test_decisions_are_those_of_reservoirpy_to_1e_9() -> None:
@@ -37,6 +36,13 @@ def test_decisions_are_those_of_reservoirpy_to_1e_9() -> None:
         expected = model.run((observed(run, pilot.senses) - w["centre"]) / w["scale"])
         expected = np.clip(expected, [0.0, -1.0], [1.0, 1.0])
         np.testing.assert_allclose(steered(pilot, run), expected, rtol=0.0, atol=1e-9)
+
+
+def test_no_folder_is_left_in_the_temporary_directory(tmp_path: Path) -> None:
+    draw = "from swamp_rl.pilots.reservoir import np, untrained_reservoir as u; u(np.random.default_rng(0))"
+    environment = os.environ | {"TMPDIR": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", draw], env=environment, check=True, timeout=PATIENCE)
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_readout_is_the_ridge_solution_over_states_that_start_at_zero_in_each_run() -> None:

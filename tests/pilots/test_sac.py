@@ -1,7 +1,5 @@
 """SAC, the check of PPO: what it leaves behind drives as its policy does."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +10,7 @@ from swamp_rl.envs.sb3 import GatesVecEnv
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.sac import SACSettings, learner_of, pilot_of, train_sac
-from swamp_rl.pilots.store import load_pilot
+from tests.support.killed import assert_same_weights, killed_training
 from tests.support.killed_sac import SETTINGS, trained
 
 pytestmark = pytest.mark.slow
@@ -44,8 +42,7 @@ def test_it_learns_the_same_from_the_same_seed_and_tells_its_curve() -> None:
 
     (first, steps), (second, _), (other, _) = learned(0), learned(0), learned(1)
     assert steps == sorted(set(steps)) and 0 < steps[0] <= steps[-1] <= 1600
-    for name, value in first.weights().items():
-        np.testing.assert_array_equal(value, second.weights()[name])
+    assert_same_weights(first, second)
     assert (first.weights()["weight_0"] != other.weights()["weight_0"]).any()
 
 
@@ -57,12 +54,9 @@ def test_a_training_without_a_checkpoint_writes_nothing(temporary: Path) -> None
 
 @pytest.mark.timed
 def test_a_training_killed_at_random_instants_ends_with_the_same_bits(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.support.killed_sac", str(tmp_path), "1"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert int(done.stdout) >= 2
-    resumed, unbroken = load_pilot(tmp_path / "pilot"), trained(None)
-    for name, value in unbroken.weights().items():
-        np.testing.assert_array_equal(resumed.weights()[name], value, strict=True)
+    kills, resumed = killed_training("sac", tmp_path)
+    assert kills >= 2
+    assert_same_weights(trained(None), resumed)
 
 
 def test_a_checkpoint_holds_what_was_seen_and_is_refused_with_other_settings(tmp_path: Path) -> None:

@@ -3,13 +3,20 @@
 import os
 import random
 import signal
+import subprocess
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from swamp_rl.pilots.pilot import Pilot
-from swamp_rl.pilots.store import save_pilot
+from swamp_rl.pilots.store import load_pilot, save_pilot
+
+
+class KilledError(Exception):
+    """Stands for the end of the process."""
 
 
 def killed_until_done(job: Callable[[], None], checkpoint: Path, chance: random.Random) -> tuple[int, bool]:
@@ -46,6 +53,19 @@ def lead_lives(trained: Callable[[Path], Pilot]) -> None:
     )
     print(kills)
     sys.exit(not done)
+
+
+def killed_training(kind: str, folder: Path) -> tuple[int, Pilot]:
+    """How often the lives of `tests.support.killed_KIND` were killed in a folder, and the pilot at last."""
+    command = [sys.executable, "-m", f"tests.support.killed_{kind}", str(folder), "1"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return int(done.stdout), load_pilot(folder / "pilot")
+
+
+def assert_same_weights(one: Pilot, other: Pilot) -> None:
+    """The same, bit for bit."""
+    for name, value in one.weights().items():
+        np.testing.assert_array_equal(other.weights()[name], value, strict=True)
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:

@@ -6,10 +6,15 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import numpy as np
+
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.course import load_course
 from swamp_rl.link.addresses import Addresses, addresses
 from swamp_rl.link.serve import endpoints, serve
 from swamp_rl.link.vehicle import Conduct, Vehicle
+from swamp_rl.runs import Run
+from swamp_rl.simulator.replay import replay
 
 START = ("1002 0 1", "1002 1 1", "1003 0 1", "1003 1 1")
 """Power and enable both motors, as the thesis's example begins."""
@@ -23,6 +28,19 @@ def vehicle_of(conduct: Conduct | None = None, network: str = "127.0.0.0/24", co
     """SWAMP at rest at the origin, its motors off."""
     boat = swamp()
     return Vehicle(boat, addresses(network, len(boat.thrusters), computers), conduct=conduct)
+
+
+def at_the_start(conduct: Conduct | None = None) -> Vehicle:
+    """SWAMP at the start of the Camogli course."""
+    vehicle, pose = vehicle_of(conduct), load_course("camogli").start.pose
+    vehicle.state[0, :3] = pose.north, pose.east, pose.heading
+    return vehicle
+
+
+def how_far_off(run: Run) -> float:
+    """Greatest distance [m] of the run from its own commands replayed."""
+    simulated = replay(swamp(), run)
+    return float(np.hypot(*(run.pose[:, :2] - simulated.pose[:, :2]).T).max())
 
 
 def tell(vehicle: Vehicle, k: int, *texts: str) -> None:

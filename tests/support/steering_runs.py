@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from swamp_rl.pilots import Pilot
+from swamp_rl.pilots.demonstrations import observed
 from swamp_rl.pilots.reservoir import ReservoirSettings
 from swamp_rl.runs import Run, RunMeta
 
@@ -23,6 +25,12 @@ def wandering(seed: int, rows: int = 200, lag: int = 3) -> Run:
         "joy_angle": 0.5 * np.sin(late),
     }
     return Run(f"run-{seed}", columns, RunMeta(outcome="success"))
+
+
+def steered(pilot: Pilot, run: Run) -> np.ndarray:
+    """(T, 2) levers of the pilot along a run that it does not steer."""
+    pilot.reset(1)
+    return np.array([pilot.act(row[None])[0] for row in observed(run, pilot.senses)])
 
 
 RUNS = [wandering(seed) for seed in range(8)]

@@ -8,12 +8,9 @@ import numpy as np
 import pytest
 from swamp_rl.envs.aboard import Measured
 
-from swamp_rl.boat import load_boat
-from swamp_rl.course import load_course
 from swamp_rl.link.helm import HOLD, PATIENCE, PERIOD, SETTLE
 from swamp_rl.link.network import PERFECT, Faults
-from swamp_rl.runs import Run, check_dataset
-from swamp_rl.simulator.replay import replay
+from swamp_rl.runs import check_dataset
 from swamp_rl.simulator.state import ACTUATORS
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.linked import LINK_LOST, Linked
@@ -21,7 +18,7 @@ from swamp_rl.teleop.messages import Command
 from swamp_rl.teleop.session import DEAD_MAN, ENDED, READY, RUN, Session
 from swamp_rl.teleop.view import replayed
 from tests.support.driving import accept, command, recordings
-from tests.support.link import vehicle_of
+from tests.support.link import at_the_start, how_far_off
 from tests.support.simulated_link import SimulatedLink
 
 TICK = 0.02
@@ -66,8 +63,7 @@ class Recorder:
 
 def recorder(folder: Path, telemetry: Faults = PERFECT) -> Recorder:
     """SWAMP at the start of the Camogli course; telemetry: the faults of its network."""
-    vehicle, pose = vehicle_of(), load_course("camogli").start.pose
-    vehicle.state[0, :3] = pose.north, pose.east, pose.heading
+    vehicle = at_the_start()
     link = SimulatedLink(vehicle, telemetry=telemetry)
     craft = Linked(link, Measured(boat="swamp", course="camogli"), "127.0.0.0/24")
     berth = Berth(lambda level, senses: craft, ("unknown",), lambda: recordings(folder))
@@ -78,12 +74,6 @@ def assert_obeys_once_released(at: Recorder) -> None:
     at.pass_time(2 * TICK, lambda: RELEASED)
     at.pass_time(1.0, lambda: AHEAD)
     assert at.game.phase == RUN and at.pumps.max() > 0.1
-
-
-def how_far_off(run: Run) -> float:
-    """Greatest distance [m] of the run from its own commands replayed."""
-    simulated = replay(load_boat("swamp"), run)
-    return float(np.hypot(*(run.pose[:, :2] - simulated.pose[:, :2]).T).max())
 
 
 @pytest.mark.parametrize("telemetry", [PERFECT, Faults(loss=0.1, delay=(0.001, 0.01))])

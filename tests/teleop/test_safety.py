@@ -3,7 +3,6 @@
 import json
 import logging
 import socket as sockets
-import time
 import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator
@@ -26,6 +25,7 @@ from swamp_rl.teleop.messages import LARGEST, clean_nickname, parse
 from swamp_rl.teleop.server import bound
 from tests.support.patience import PATIENCE
 from tests.support.recorder import serving
+from tests.support.web import hear
 
 pytestmark = pytest.mark.timed
 
@@ -51,16 +51,6 @@ def page(address: str, **headers: str) -> AbstractContextManager[ClientConnectio
         open_timeout=PATIENCE,
         max_size=None,
     )  # type: ignore[arg-type]
-
-
-def hear(socket: ClientConnection, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    """The next message that is wanted; what comes before it is skipped."""
-    until = time.monotonic() + PATIENCE
-    while time.monotonic() < until:
-        message = json.loads(socket.recv(timeout=PATIENCE))
-        if wanted(message):
-            return message
-    raise AssertionError("it was never said")
 
 
 def said(part: str) -> Callable[[dict[str, Any]], bool]:

@@ -1,5 +1,7 @@
 """Excitation that the runs lack: motions without which some effects are not identifiable."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,8 +11,6 @@ from swamp_rl.criticism.options import options
 from swamp_rl.simulator.reference import reference_of
 
 Array = NDArray[np.float64]
-
-FULL_TURN = 2.0 * np.pi  # rad
 
 
 def missing_motion(run_set: RunSet, held_out: bool = False) -> list[str]:
@@ -82,7 +82,7 @@ def _full_circle(run_set: RunSet) -> bool:
     """Whether the heading of one run covers a full turn under way."""
     least = options().least_way * reference_of(run_set.boat).speed
     return any(
-        bool(np.ptp(heading[speed > least]) >= FULL_TURN)
+        bool(np.ptp(heading[speed > least]) >= math.tau)
         for speed, _, heading in _read(run_set)
         if (speed > least).any()
     )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.model.candidates import EffectInstance, Spec
@@ -131,7 +132,7 @@ def variable_values(run_set: RunSet, variable: str) -> Array:
         names = run_set.boat.thruster_names
         column = names.index(second) + (len(names) if first == "throttle" else 0)
         values = run_set.commands[..., column][kept]
-        return _half_turns(values) if first == "azimuth" else values
+        return within_half_turn(values) if first == "azimuth" else values
     if variable == "time":
         return np.array([0.0, float(run_set.lengths.max() * run_set.dt)])
     channels = {"speed": ("surge", "sway"), "yaw rate": ("yaw_rate",)}
@@ -141,11 +142,7 @@ def variable_values(run_set: RunSet, variable: str) -> Array:
     columns = [run_set.measured[..., CHANNELS.index(name)][kept] for name in names]
     values = columns[0] if len(columns) == 1 else np.hypot(*columns)
     values = values[np.isfinite(values)]
-    return _half_turns(values) if variable == "heading" else values
-
-
-def _half_turns(angles: Array) -> Array:
-    return np.asarray(angles - 2.0 * np.pi * np.round(angles / (2.0 * np.pi)))
+    return within_half_turn(values) if variable == "heading" else values
 
 
 def _instance(boat: Boat, curve: Curve, thruster: str | None) -> EffectInstance:

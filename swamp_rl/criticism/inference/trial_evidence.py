@@ -7,9 +7,10 @@ from itertools import permutations
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.data.windows import Windows
-from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, wrap
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse, normal_equations
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.trial_limits import TrialLimits, rows_within
@@ -162,7 +163,7 @@ def _response(problem: Shooting, one: Explanation, states: Array, seen: NDArray[
 def _apart(problem: Shooting, true: _Response, fitted: _Response) -> Array:
     """(V, M) what one explanation predicts less what another does, in standard deviations of the noise."""
     apart = true.base - fitted.base
-    apart[..., 2] = wrap(apart[..., 2])
+    apart[..., 2] = within_half_turn(apart[..., 2])
     return problem.standardised(apart)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.likelihood.gauss_markov import kalman_filter
@@ -74,11 +75,6 @@ def window_data(
         measured[w, pad : count + 1] = run_set.measured[its_run, part]
         weights[w, pad : count + 1] = weight[its_run, part]
     return np.nan_to_num(measured), weights
-
-
-def wrap(angle: Array) -> Array:
-    """Angles [rad] in [-pi, pi]."""
-    return angle - 2 * np.pi * np.round(angle / (2 * np.pi))
 
 
 def moved_together(hypothesis: Hypothesis) -> list[tuple[NDArray[np.int64], EffectInstance]]:
@@ -235,7 +231,7 @@ class Shooting:
     def difference(self, prediction: Array) -> Array:
         """(..., W, T, 6) measured less predicted, headings in [-pi, pi]."""
         difference = self.windows.measured - prediction
-        difference[..., 2] = wrap(difference[..., 2])
+        difference[..., 2] = within_half_turn(difference[..., 2])
         return difference
 
     def standardised(self, difference: Array) -> Array:

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
-from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, Windows, wrap
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, Windows
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Gain, Paired, Predictors
@@ -83,7 +84,7 @@ def errors_of(
         last = start.first + start.steps
         measured = np.where(weight[run, last] > 0, run_set.measured[run, last], np.nan)
         apart = measured - ends(run, start)
-        apart[:, 2] = wrap(apart[:, 2])
+        apart[:, 2] = within_half_turn(apart[:, 2])
         error.append(apart)
         run_of.append(np.full(len(last), run))
         end.append(np.asarray(last * run_set.dt, dtype=float))

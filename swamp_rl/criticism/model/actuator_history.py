@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.model.rollout import roll_actuators
 from swamp_rl.criticism.options import options
@@ -48,7 +49,7 @@ def first_compared(boat: Boat, commands: Array, lengths: NDArray[np.int64], dt: 
     """
     apart = actuator_history(boat, commands, dt) - actuator_history(boat, commands, dt, False)
     azimuths = apart[..., : apart.shape[2] // 2]
-    azimuths -= 2.0 * np.pi * np.rint(azimuths / (2.0 * np.pi))  # whole turns are one direction
+    azimuths[:] = within_half_turn(azimuths)
     differ = (np.abs(apart) > options().actuators_converged).any(axis=2) & (
         np.arange(commands.shape[1]) < lengths[:, None]
     )

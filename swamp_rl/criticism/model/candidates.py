@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.boat import Boat
 from swamp_rl.boat.applicable import able
 from swamp_rl.criticism.options import options
@@ -107,7 +108,7 @@ class EffectInstance:
         if self.effect.half_turn:
             direction, phase = self.effect.half_turn
             turned = values[direction] + np.pi * (np.cos(values[phase]) < 0.0)
-            values[direction] = np.arctan2(np.sin(turned), np.cos(turned))
+            values[direction] = within_half_turn(turned)
             values[phase] = np.arctan(np.tan(values[phase]))
         return values
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, normal_equations
@@ -34,7 +35,7 @@ def command_changes(run_set: RunSet) -> Array:
     """(R, T, 2K) change of every command until the next row; of azimuths the shorter way round."""
     change = np.diff(run_set.commands, axis=1, append=run_set.commands[:, -1:])
     angles = change[..., : change.shape[2] // 2]
-    angles -= 2.0 * np.pi * np.round(angles / (2.0 * np.pi))
+    angles[:] = within_half_turn(angles)
     return change
 
 

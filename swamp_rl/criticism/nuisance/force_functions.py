@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.force_fit import fit_forces
 from swamp_rl.criticism.likelihood.force_sensitivity import (
@@ -17,7 +18,7 @@ from swamp_rl.criticism.likelihood.force_sensitivity import (
     force_grid,
     force_normal_equations,
 )
-from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, wrap
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.model.actuator_history import actuator_history
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import force_scale
@@ -142,7 +143,7 @@ def _variables_and_directions(
     }
     for k, thruster in enumerate(boat.thrusters):
         angle, level = reached[..., k], reached[..., len(boat.thrusters) + k]
-        rows[f"azimuth {thruster.name}"] = wrap(angle)
+        rows[f"azimuth {thruster.name}"] = within_half_turn(angle)
         rows[f"throttle {thruster.name}"] = level
         turned = np.zeros_like(angle) if thruster.kind == "propeller_rudder" else angle
         ahead, aside = np.cos(turned), np.sin(turned)
@@ -159,7 +160,7 @@ def is_angle(name: str, values: Array) -> bool:
 def knots_of(name: str, values: Array) -> Array:
     """(K,) knots of a function of a variable: at quantiles, or evenly round an angle."""
     if is_angle(name, values):
-        return wrap(
+        return within_half_turn(
             2.0 * np.pi / options().knots_of_angle * np.arange(options().knots_of_angle, dtype=np.float64)
         )
     tail = options().knot_tail
@@ -213,7 +214,7 @@ def motion_variables(time: Array, at: Array) -> dict[str, Array]:
         "time": time,
         "position north": north,
         "position east": east,
-        "heading": wrap(heading),
+        "heading": within_half_turn(heading),
         "speed": np.hypot(surge, sway),
         "surge": surge,
         "sway": sway,

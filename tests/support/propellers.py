@@ -1,4 +1,5 @@
-"""Propeller models of Allotta et al. 2018 (003, Typhoon AUV), section III; corrections as each function says.
+"""Propeller models of Allotta et al. 2018 (003, Typhoon AUV), section III, for arrays; corrections as each
+function says. The simulator is held against them.
 
 J = V_a/(n d) is the advance coefficient, K_t = T/(ρ n² d⁴) the thrust coefficient, p/d the pitch ratio.
 """
@@ -33,46 +34,10 @@ def disc_thrust_coefficient(advance: ArrayLike, pitch_ratio: float) -> Array:
     return math.pi / 16.0 * (2.0 * j * increase + increase**2)
 
 
-def disc_thrust(density: float, diameter: float, inflow: ArrayLike, increase: ArrayLike) -> Array:
-    """T = ρ π d²/8 (2 V_a Δ_v + Δ_v²) [N] of a uniform disc (8), (9) with d² for the printed d⁴."""
-    v, dv = np.asarray(inflow, float), np.asarray(increase, float)
-    return density * math.pi * diameter**2 / 8.0 * (2.0 * v * dv + dv**2)
-
-
-def linear_thrust_coefficient(
-    advance: ArrayLike, bollard: float, pitch_ratio: float, null_factor: float = 1.0
-) -> Array:
-    """K_t* = K_t(0) (1 − J/(k_null p/d)) (18)."""
-    return bollard * (1.0 - np.asarray(advance, float) / (null_factor * pitch_ratio))
-
-
-def linear_thrust(
-    density: float,
-    diameter: float,
-    revolutions: ArrayLike,
-    inflow: ArrayLike,
-    bollard: float,
-    null_advance: float,
-) -> Array:
-    """T = k_nn n² − k_nva n V_a [N] (19), n in 1/s, V_a in m/s; null_advance: k_null p/d.
-
-    k_nn = ρ d⁴ K_t(0) and k_nva = ρ d³ K_t(0)/(k_null p/d), which (18) gives; (19) prints ρ d⁴ K_t(0) p/d.
-    """
-    n, v = np.asarray(revolutions, float), np.asarray(inflow, float)
-    square = density * diameter**4 * bollard
-    return square * n**2 - square / (diameter * null_advance) * n * v
-
-
 def advance_angle(revolutions: ArrayLike, inflow: ArrayLike, diameter: float) -> Array:
     """β = atan2(V_a, 0.7 π n d) [rad], −π to π: all four quadrants (20)."""
     n, v = np.asarray(revolutions, float), np.asarray(inflow, float)
     return np.arctan2(v, 0.7 * math.pi * n * diameter)
-
-
-def modified_coefficient(coefficient: ArrayLike, advance: ArrayLike) -> Array:
-    """C* = K / (π/8 (J² + 0.49 π²)) of thrust (21) or torque (22); the print lacks the bracket."""
-    j = np.asarray(advance, float)
-    return np.asarray(coefficient, float) / (math.pi / 8.0 * (j**2 + (0.7 * math.pi) ** 2))
 
 
 def four_quadrant_thrust(
@@ -102,13 +67,15 @@ def linear_four_quadrant(
     bollard: float,
     null_advance: float,
 ) -> Array:
-    """T = ρ d⁴ K_t(0) |n| (n − V_a/(d k_null p/d)) [N]: (19) for a propeller alike both ways.
+    """T = ρ d⁴ K_t(0) |n| (n − V_a/(d k_null p/d)) [N]: (19), which prints ρ d⁴ K_t(0) p/d for k_nva, for a
+    propeller alike both ways, as figure 14 shows of Typhoon's tunnel thrusters.
 
-    Odd under the change of both signs, as figure 14 shows of Typhoon's tunnel thrusters.
+    Ahead k_nn n² − k_nva n V_a, with k_nn = ρ d⁴ K_t(0) and k_nva = ρ d³ K_t(0)/(k_null p/d) by (18).
     """
     n, v = np.asarray(revolutions, float), np.asarray(inflow, float)
     magnitude, along = np.abs(n), np.where(n < 0.0, -v, v)
-    return np.sign(n) * linear_thrust(density, diameter, magnitude, along, bollard, null_advance)
+    square = density * diameter**4 * bollard
+    return np.sign(n) * (square * magnitude**2 - square / (diameter * null_advance) * magnitude * along)
 
 
 def crossflow_factor(across: ArrayLike, jet_speed: ArrayLike, loss: float) -> Array:

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.link.computer import PORT, STARBOARD, Computer, Heartbeat
 from swamp_rl.allocation import Jets, jets_of
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.link.addresses import FIRST_COMPUTER, LOOPBACK, addresses
-from swamp_rl.link.computer import PORT, STARBOARD, Computer, Heartbeat
 from swamp_rl.link.helm import PERIOD
 from swamp_rl.link.module_line import read_module_line
 from swamp_rl.link.network import PERFECT, Faults, Network

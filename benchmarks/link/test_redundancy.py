@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
+from benchmarks.link.computer import LOST, PORT, STARBOARD, WISH_LASTS
+from benchmarks.link.faults import FAULTS, NONE, WISH, Fault, meets, outcome_of
+from benchmarks.link.pair import Pair
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
-from swamp_rl.link.computer import LOST, PORT, STARBOARD, WISH_LASTS
 from swamp_rl.link.network import Faults
-from swamp_rl.link.pair import Pair
-from swamp_rl.link.redundancy import FAULTS, NONE, WISH, Fault, meets, outcome_of
-from tests.support.link import swamp
 
 BAR = 1.0
 """Seconds in which the commands and the jets must give the wished force again."""
@@ -25,7 +24,7 @@ def after(fault: Fault) -> Pair:
 
 def under_way() -> Pair:
     """A pair whose jets give what the console wishes."""
-    pair = Pair(swamp())
+    pair = Pair(load_boat("swamp"))
     pair.wish = WISH
     return sailed(pair, 2.0)
 
@@ -44,7 +43,7 @@ def fault(name: str) -> Fault:
 @pytest.mark.parametrize("network", [Faults(), LOSSY], ids=["good network", "lossy network"])
 @pytest.mark.parametrize("struck", FAULTS, ids=lambda one: one.name)
 def test_the_wish_is_met_again_within_a_second(struck: Fault, network: Faults) -> None:
-    found = outcome_of(struck, swamp(), network, seed=1)
+    found = outcome_of(struck, load_boat("swamp"), network, seed=1)
     assert found.commanded <= BAR and found.reached <= BAR
     assert (found.commanded == found.reached == 0.0) == (struck.consequence in (NONE, None))
     assert found.gps is not None and np.all(found.most > 0.0)
@@ -106,8 +105,8 @@ def test_a_computer_that_comes_back_commands_its_own_jets_again() -> None:
 
 
 def test_one_hull_alone_gives_a_third_of_the_surge_force() -> None:
-    two = outcome_of(fault("two thrusters on one hull"), swamp()).most
-    four = outcome_of(fault("GPS of the port hull"), swamp()).most
+    two = outcome_of(fault("two thrusters on one hull"), load_boat("swamp")).most
+    four = outcome_of(fault("GPS of the port hull"), load_boat("swamp")).most
     # Each jet gives X/2 ahead and ±(y/2x) X abeam, which takes the moment away: T² = X²/4 (1 + (y/x)²).
     assert two[0] == pytest.approx(2.0 / np.hypot(1.0, 0.4 / 0.35) * four[0] / 4.0, rel=1e-3)
 

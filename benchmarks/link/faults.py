@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.link.computer import PORT, STARBOARD
+from benchmarks.link.pair import HULLS, Pair
 from swamp_rl.allocation import Jets, largest_multiple
 from swamp_rl.boat import Boat
-from swamp_rl.link.computer import PORT, STARBOARD
 from swamp_rl.link.network import PERFECT, Faults
-from swamp_rl.link.pair import HULLS, Pair
 
 Array = NDArray[np.float64]
 
