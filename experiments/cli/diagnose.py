@@ -284,6 +284,4 @@ def echo_unused(boat: "Boat", run: "Run") -> None:
 
     columns = unused_columns(boat, run)
     if columns:
-        typer.echo(
-            f"{run.name}: {', '.join(columns)}: ignored, fixed thrusters of boat {boat.name}", err=True
-        )
+        typer.echo(f"{run.name}: {', '.join(columns)}: ignored, fixed thrusters of boat {boat.name}")
