@@ -50,7 +50,7 @@ def world_of(task: Task) -> NDArray[np.void]:
         world[f"reward_{name}"] = weight
     world["costs_further"] = any(task.weights[name] for name in FURTHER)
     world["looks_further"] = task.observed.further
-    world["jet_flow"] = boat.water_density * jet_areas(boat.thrusters)
+    world["jet_flow"] = boat.water_density * jet_areas(boat)
     world["reach"] = reach
     for edge in ("south", "north", "west", "east"):
         world[f"{edge}_edge"] = getattr(course.bounds, edge)

@@ -1,9 +1,27 @@
 """A printed number against a computed one, with its tolerance and, where it is missed, the reason."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from swamp_rl.experiments.reports.experiment import table
+
+
+class Judged(Protocol):
+    """A printed number with ours beside it; the fields are those of `Check`."""
+
+    @property
+    def what(self) -> str: ...
+    @property
+    def source(self) -> str: ...
+    @property
+    def met(self) -> bool: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def reading_of(self) -> str: ...
+    @property
+    def contradicted(self) -> bool: ...
 
 
 @dataclass(frozen=True)
@@ -71,25 +89,29 @@ def check_table(checks: Sequence[Check]) -> str:
     )
 
 
-def reasons(checks: Sequence[Check]) -> str:
-    """A sentence for each that is missed."""
-    return "\n".join(f"* {one.what}, {one.source}: {one.reason}" for one in checks if not one.met)
+def number_of(one: Judged) -> str:
+    """The printed number that this is a reading of."""
+    return f"{one.reading_of or one.what}, {one.source}"
 
 
-def count(checks: Sequence[Check]) -> tuple[int, int, int]:
+def reasons(checks: Sequence[Judged]) -> str:
+    """A sentence for each printed number that no reading meets."""
+    met = {number_of(one) for one in checks if one.met}
+    missed = {number_of(one): one.reason for one in checks if number_of(one) not in met}
+    return "\n".join(f"* {number}: {reason}" for number, reason in missed.items())
+
+
+def count(checks: Sequence[Judged]) -> tuple[int, int, int]:
     """How many printed numbers there are, how many of them some reading meets, and how many their own source
     contradicts of those that none meets.
     """
-    met: dict[str, bool] = {}
-    contradicted: dict[str, bool] = {}
-    for one in checks:
-        key = one.reading_of or f"{one.what}, {one.source}"
-        met[key] = met.get(key, False) or one.met
-        contradicted[key] = contradicted.get(key, False) or one.contradicted
-    return len(met), sum(met.values()), sum(contradicted[key] and not met[key] for key in met)
+    numbers = {number_of(one) for one in checks}
+    met = {number_of(one) for one in checks if one.met}
+    contradicted = {number_of(one) for one in checks if one.contradicted}
+    return len(numbers), len(met), len(contradicted - met)
 
 
-def count_table(groups: dict[str, list[Check]]) -> str:
+def count_table(groups: Mapping[str, Sequence[Judged]], head: str = "design") -> str:
     """Numbers, how many are met, and how many of the others their source contradicts, by group and in all."""
     counts = {name: count(checks) for name, checks in groups.items()}
     counts["all"] = tuple(map(sum, zip(*counts.values(), strict=True)))  # type: ignore[assignment]
@@ -97,8 +119,8 @@ def count_table(groups: dict[str, list[Check]]) -> str:
         [name, str(n), str(met), share(met, n), str(against), share(met, n - against)]
         for name, (n, met, against) in counts.items()
     ]
-    head = ["design", "printed numbers", "within the tolerance", "share", "missed, their source contradicts"]
-    return table([*head, "share of the others"], rows)
+    columns = [head, "printed numbers", "within the tolerance", "share", "missed, their source contradicts"]
+    return table([*columns, "share of the others"], rows)
 
 
 def share(part: int, whole: int) -> str:

@@ -1,11 +1,12 @@
 """The hull of the thesis's formulas against its particulars, hydrostatics and stability."""
 
 import math
+from collections.abc import Callable
 
 from benchmarks.validation.check import Check, check
 from swamp_rl.design.hull_lines import HullDesign, load_hull
 from swamp_rl.design.hydrostatics import draught_of, hydrostatics
-from swamp_rl.design.stability import ANGLES, Stability, stability
+from swamp_rl.design.stability import Stability, stability
 
 SHARE = 0.03
 HALF_UNIT = 0.005  # m or m rad, of the two decimals of table 4.10
@@ -13,11 +14,36 @@ HALF_STEP = 2.5  # deg, of the 5 degrees that its angles of greatest GZ are mult
 FULL_MASS, LIGHT_MASS, PAYLOAD = 58.0, 38.0, 60.0  # kg: tables 4.5 and 4.8; 4.2.1
 
 
+def greatest(one: Stability) -> float:
+    """Greatest GZ [m]."""
+    return one.greatest_lever
+
+
+def heel(one: Stability) -> float:
+    """Heel [deg] of the greatest GZ."""
+    return math.degrees(one.angle_of_greatest)
+
+
+def area(low: int, high: int) -> Callable[[Stability], float]:
+    """Area [m rad] under GZ between two heels [deg]."""
+    return lambda one: one.area(math.radians(low), math.radians(high))
+
+
+FIGURES = (
+    ("greatest GZ, m", HALF_UNIT, greatest),
+    ("heel of the greatest GZ, deg", HALF_STEP, heel),
+    ("area 0 to 30°, m rad", HALF_UNIT, area(0, 30)),
+    ("area 30 to 40°, m rad", HALF_UNIT, area(30, 40)),
+    ("area 0 to 40°, m rad", HALF_UNIT, area(0, 40)),
+)
+LEVERS = ((0.34, 15, 0.13, 0.05, 0.18), (0.35, 10, 0.14, 0.04, 0.19))  # table 4.10: full payload, lightweight
+
+
 def hull_checks() -> list[Check]:
     """Everything that is printed of it."""
     hull = load_hull("swamp_hull")
     full, light = (stability(hull, condition) for condition in hull.conditions)
-    return particulars(hull, full) + loads(hull) + metacentres(hull, full, light) + levers(full, light)
+    return particulars(hull, full) + loads(hull) + metacentres(hull, full, light) + levers(hull)
 
 
 def particulars(hull: HullDesign, full: Stability) -> list[Check]:
@@ -27,6 +53,8 @@ def particulars(hull: HullDesign, full: Stability) -> list[Check]:
     found = [
         check("mass at 140 mm, kg", "tables 4.5, 4.7", FULL_MASS, up.mass, SHARE),
         check("mass of a demihull, kg", "table 4.8", 28.5, 0.5 * up.mass, SHARE),
+        check("length 2 (a + l), m", "4.3.4", 1.24, hull.length, SHARE),
+        check("greatest draught T_prog − Cut_prog, m", "4.3.4", 0.15, hull.wigley_draught - hull.cut, SHARE),
         check("block coefficient C_B", "4.3.4", 0.67, up.block_coefficient, SHARE),
         check("slenderness L/∇^⅓", "tables 4.6, 4.8", 4.06, up.slenderness, SHARE),
         check("L/B", "tables 4.6, 4.8", 5.167, hull.length / hull.breadth, SHARE),
@@ -42,11 +70,10 @@ def particulars(hull: HullDesign, full: Stability) -> list[Check]:
 
 
 def loads(hull: HullDesign) -> list[Check]:
-    """Draughts of loads, and the reserve of buoyancy."""
-    at_115, at_140 = hydrostatics(hull, 0.115).mass, hydrostatics(hull, 0.14)
-    reserve = hydrostatics(hull, hull.depth).mass - FULL_MASS
+    """Draughts and volumes of loads."""
+    volumes = {draught: hydrostatics(hull, draught).volume for draught in (0.14, 0.115)}
+    at_115 = hull.water_density * volumes[0.115]
     floats = f"48 kg float at {1e3 * draught_of(hull, 48.0):.0f} mm."
-    up_to = f"70 kg more than 58 kg float at {1e3 * draught_of(hull, FULL_MASS + 70.0):.0f} mm"
     return [
         check("draught at 38 kg, m", "4.2.1", 0.10, draught_of(hull, LIGHT_MASS), SHARE),
         check(
@@ -59,33 +86,33 @@ def loads(hull: HullDesign) -> list[Check]:
             48,
             at_115,
             SHARE,
-            reason=f"the printed lines displace {at_115:.1f} kg at 115 mm; {floats}",
+            reason=f"the lines that 4.3.4 prints displace {at_115:.1f} kg at 115 mm; {floats}",
             contradicted=True,
         ),
-        check(
-            "displaced volume at 140 mm, m³",
-            "table 4.5",
-            0.58,
-            at_140.volume,
-            SHARE,
-            reason="the table's volumes are ten times too large: 58 kg of water are 0.058 m³.",
-            contradicted=True,
-        ),
-        check(
-            "reserve of buoyancy, kg",
-            "table 4.1",
-            70,
-            reserve,
-            SHARE,
-            reason=f"ours is up to the hull's height of {1e3 * hull.depth:.0f} mm; {up_to}, and the "
-            "thesis does not say what it counts up to.",
+        *(
+            check(
+                f"displaced volume at {1e3 * draught:.0f} mm, m³",
+                "table 4.5",
+                printed,
+                volumes[draught],
+                SHARE,
+                reason=f"{mass} kg, printed for this draught, are {mass / 1e3:g} m³ of water; the table's "
+                "volumes are ten times too large.",
+                contradicted=True,
+            )
+            for draught, printed, mass in ((0.14, 0.58, 58), (0.115, 0.48, 48))
         ),
     ]
 
 
+def widened(hull: HullDesign) -> HullDesign:
+    """The hull at the breadth of table 4.10's caption."""
+    return hull.model_copy(update={"spacing": 1.10 - hull.breadth})
+
+
 def metacentres(hull: HullDesign, full: Stability, light: Stability) -> list[Check]:
     """Table 4.10's upper half: KM_T at the spacing of table 4.1, and at that of the table's own caption."""
-    wide = hull.model_copy(update={"spacing": 1.10 - hull.breadth})
+    wide = widened(hull)
     where, found = "table 4.10", []
     for name, one, draught, height, gm_l, km_t, gm_t in (
         ("full payload", full, 0.14, 0.08, 0.58, 1.66, 1.40),
@@ -108,23 +135,23 @@ def metacentres(hull: HullDesign, full: Stability, light: Stability) -> list[Che
     return found
 
 
-def levers(full: Stability, light: Stability) -> list[Check]:
-    """Table 4.10's lower half, at S = 0.80 m."""
+def levers(hull: HullDesign) -> list[Check]:
+    """Table 4.10's lower half, at both spacings."""
     where, found = "table 4.10", []
-    for name, one, most, angle, low, high, both in (
-        ("full payload", full, 0.34, 15, 0.13, 0.05, 0.18),
-        ("lightweight", light, 0.35, 10, 0.14, 0.04, 0.19),
-    ):
-        figures, degrees = one.figures, math.degrees(one.angle_of_greatest)
-        lever = float(one.lever[abs(ANGLES - math.radians(angle)).argmin()])
-        early = f"GZ is {lever:.2f} m at {angle}°; the printed greatest one, {most:g} m, is reached later."
-        areas = [figures[key] for key in ("area_0_30", "area_30_40", "area_0_40")]
-        summed = "ours is the sum of the two areas above, both met; the print's sum carries their rounding."
-        found += [
-            check(f"{name}: greatest GZ, m", where, most, one.greatest_lever, SHARE, HALF_UNIT),
-            check(f"{name}: at a heel of, deg", where, angle, degrees, SHARE, HALF_STEP, early),
-            check(f"{name}: area 0 to 30°, m rad", where, low, areas[0], SHARE, HALF_UNIT),
-            check(f"{name}: area 30 to 40°, m rad", where, high, areas[1], SHARE, HALF_UNIT),
-            check(f"{name}: area 0 to 40°, m rad", where, both, areas[2], SHARE, HALF_UNIT, summed),
-        ]
+    both = [hull, widened(hull)]
+    for condition, printed in zip(hull.conditions, LEVERS, strict=True):
+        name = condition.name.replace("_", " ")
+        levered = [stability(one, condition) for one in both]
+        for (what, width, of), value in zip(FIGURES, printed, strict=True):
+            ours = [of(one) for one in levered]
+            reason = (
+                f"S = {both[0].spacing:.2f} m, printed in table 4.1, gives {ours[0]:.3g}; the caption's "
+                f"breadth of 1.10 m, S = {both[1].spacing:.2f} m, gives {ours[1]:.3g}."
+            )
+            number = f"{name}: {what}"
+            for one, figure in zip(both, ours, strict=True):
+                told = f"{number}, S = {one.spacing:.2f} m"
+                found.append(
+                    check(told, where, value, figure, SHARE, width, reason, number, contradicted=True)
+                )
     return found

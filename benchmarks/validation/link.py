@@ -15,7 +15,12 @@ from swamp_rl.runs.thruster_telemetry import STEPS_PER_TURN
 from swamp_rl.simulator.state import ACTUATORS
 
 TABLE_5_5 = ((45.0, 61926), (-135.0, -185779), (720.0, 990822))  # deg, steps: three of its rows
-TURN_RATE = 490.0  # deg/s, 5.7.1
+TURN_RATES = {"5.7.1": ("about 490", 490.0), "5.3.2": ("492", 492.0)}  # deg/s
+MOTOR_RPM, GEARBOX = 4840.0, 59.0  # of the azimuth's motor, table 5.2; a gear of 2:1 follows, 5.3.2
+EXAMPLE = (
+    "table 5.5 prints 61,926 steps for 45° and 495,411 for a turn, 6.1 prints 483,328 for a turn; this needs "
+    "330,272."
+)
 
 
 def angle_reached(steps: int) -> float:
@@ -59,8 +64,18 @@ def link_rows() -> list[Row]:
     for name, steps in list(READINGS.items())[:2]:
         ours = example_angle(steps)
         rows.append((f"{number}, by {name}", "6.2, example", "45", EXAMPLE_ANGLE, ours, number))
-    rows.append(("rate of an azimuth, deg/s", "5.7.1", "about 490", TURN_RATE, turn_rate(), ""))
+    number, simulated = "rate of an azimuth, deg/s", turn_rate()
+    behind = f"{number}, {MOTOR_RPM:.0f} rpm behind the gearbox of {GEARBOX:.0f}:1 alone"
+    rate = MOTOR_RPM / GEARBOX * 360.0 / 60.0
+    for source, (printed, value) in TURN_RATES.items():
+        rows.append((f"{number}, simulated", source, printed, value, simulated, number))
+        rows.append((behind, source, printed, value, rate, number))
     return [
-        Row(what, source, printed, value, ours, math.nan, FULL, reading_of=reading)
+        Row(
+            *(what, source, printed, value, ours, math.nan, FULL),
+            reading_of=reading,
+            reason=EXAMPLE if source == "6.2, example" else "",
+            contradicted=source == "6.2, example",
+        )
         for what, source, printed, value, ours, reading in rows
     ]

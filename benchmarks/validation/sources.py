@@ -7,7 +7,7 @@ The measured data are not part of the project; where the folder is absent their 
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +16,13 @@ from swamp_rl.experiments.reports.experiment import table
 from benchmarks.esso_osaka.pond import DATA
 from benchmarks.esso_osaka.wind import INDEPENDENT
 from benchmarks.markers import DOCS, write_parts
-from benchmarks.validation.design import design_parts
+from benchmarks.validation.check import Judged, count_table, reasons
+from benchmarks.validation.coefficients import coefficient_rows
+from benchmarks.validation.design import design_groups, design_parts
 from benchmarks.validation.energy import energy_rows
 from benchmarks.validation.esso_osaka import FIGURES, Circle, circles, windows
 from benchmarks.validation.link import link_rows
+from benchmarks.validation.not_computable import not_computable_table
 from benchmarks.validation.squat import squat_table
 from benchmarks.validation.swamp import (
     FULL,
@@ -34,8 +37,6 @@ from benchmarks.validation.swamp import (
 )
 from swamp_rl.boat import load_boat
 from swamp_rl.runs.free_running import import_free_running
-
-LARGE = 0.10  # mismatch from which a number is listed among the worst
 
 
 def number(value: float, digits: int = 2) -> str:
@@ -62,48 +63,44 @@ def row_table(rows: Sequence[Row]) -> str:
 
 
 def worst_table(rows: Sequence[Row]) -> str:
-    """The mismatches above `LARGE`, the largest first."""
-    worst = sorted(rows, key=lambda row: -abs(row.mismatch))
-    cells = [
-        [row.what, row.source, row.printed, f"{100 * row.mismatch:+.0f} %"]
-        for row in worst
-        if abs(row.mismatch) > LARGE
-    ]
+    """The readings that are not within the tolerance, the largest mismatch first."""
+    worst = sorted((row for row in rows if not row.met), key=lambda row: -abs(row.mismatch))
+    cells = [[row.what, row.source, row.printed, f"{100 * row.mismatch:+.0f} %"] for row in worst]
     return table(["number", "source", "printed", "mismatch"], cells)
 
 
-def count_table(rows: Sequence[Row]) -> str:
-    """How many printed numbers there are, and how many of them some reading meets within `LARGE`."""
-    best: dict[str, float] = {}
-    for row in rows:
-        number_of = row.reading_of or f"{row.what}, {row.source}"
-        best[number_of] = min(best.get(number_of, math.inf), abs(row.mismatch))
-    met = sum(mismatch <= LARGE for mismatch in best.values())
-    return table(
-        ["printed numbers", "within 10 %", "readings", "within 10 %"],
-        [[str(len(best)), str(met), str(len(rows)), str(sum(abs(row.mismatch) <= LARGE for row in rows))]],
-    )
+def swamp_groups() -> dict[str, list[Row]]:
+    """The counted rows about SWAMP by the names of their tables."""
+    return {
+        "speeds": speed_rows(),
+        "turning": turning_rows(),
+        "resistance and thrust": force_rows(),
+        "coefficients": coefficient_rows(),
+        "energy": energy_rows(),
+        "azimuth": link_rows(),
+    }
 
 
-def swamp_parts() -> dict[str, str]:
+def swamp_parts(groups: Mapping[str, list[Row]]) -> dict[str, str]:
     """The tables about SWAMP by their marks."""
-    speeds, turns, forces, energy = speed_rows(), turning_rows(), force_rows(), energy_rows()
-    link = link_rows()
+    rows = [row for group in groups.values() for row in group]
     tank = ["depth", "points", "largest error", "depth left out: largest", "root mean square"]
     yaw = ["yaw model", "k_r", "c_ru", "c_rv", "b_r", "damping at 1 m/s, N m s", "time constant at 1 m/s, s"]
     bollard = [[number(error) for error in thrust_errors()]]
     deduction = [[str(percent), number(speed), number(factor)] for percent, speed, factor in deduction_rows()]
     return {
-        "count": count_table([*speeds, *turns, *forces, *energy, *link]),
-        "largest mismatches": worst_table([*speeds, *turns, *forces, *energy, *link]),
-        "speeds": row_table(speeds),
-        "turns": row_table(turns),
+        "count": count_table(groups, "SWAMP"),
+        "missed": reasons(rows),
+        "largest mismatches": worst_table(rows),
+        "speeds": row_table(groups["speeds"]),
+        "turns": row_table(groups["turning"]),
         "tank": table(tank, [[r.depth, str(r.points), *map(share, r.errors)] for r in tank_rows()]),
         "bollard thrust": table(["largest difference, N", "root mean square, N"], bollard),
-        "forces": row_table(forces),
+        "forces": row_table(groups["resistance and thrust"]),
+        "coefficients": row_table(groups["coefficients"]),
         "squat": squat_table(),
-        "energy": row_table(energy),
-        "link": row_table(link),
+        "energy": row_table(groups["energy"]),
+        "link": row_table(groups["azimuth"]),
         "thrust deduction": table(["RPM %", "speed, m/s", "1 − t by eq. 7.3"], deduction),
         "yaw models": table([*yaw, "rate at 30°, deg/s"], [row.cells for row in yaw_rows()]),
     }
@@ -161,7 +158,14 @@ def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) == 2 else DATA
     if len(sys.argv) == 2 and not (folder / "turning").is_dir():
         raise SystemExit(f"{folder}: no turning/ here; name the folder of the measured pond tests, or none")
-    write_parts(DOCS / "validation.md", swamp_parts() | design_parts() | esso_parts(folder))
+    swamp, designs = swamp_groups(), design_groups()
+    parts = swamp_parts(swamp) | design_parts(designs) | {"not computable": not_computable_table()}
+    parts["count of all"] = count_table({"SWAMP": _all(swamp), "designs": _all(designs)}, "source")
+    write_parts(DOCS / "validation.md", parts | esso_parts(folder))
+
+
+def _all(groups: Mapping[str, Sequence[Judged]]) -> list[Judged]:
+    return [one for group in groups.values() for one in group]
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Checks of printed numbers: tolerances, readings, reasons; the designs' bars."""
 
 from benchmarks.validation.check import Check, check, check_table, count, count_table, reasons
-from benchmarks.validation.design import design_parts
+from benchmarks.validation.design import design_groups, design_parts
 from benchmarks.validation.hull import hull_checks
 from benchmarks.validation.matching import independent_checks, matching_checks
 from benchmarks.validation.pump_jet import pump_jet_checks
@@ -50,5 +50,5 @@ def test_the_parts_are_those_that_the_document_has_marks_for() -> None:
     from benchmarks.markers import DOCS
 
     page = (DOCS / "validation.md").read_text(encoding="utf-8")
-    for name in design_parts():
+    for name in design_parts(design_groups()):
         assert f"<!-- {name} -->" in page and f"<!-- end {name} -->" in page

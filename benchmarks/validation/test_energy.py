@@ -5,11 +5,13 @@ import pytest
 
 from benchmarks.validation.energy import (
     DESIGN,
+    LEGS,
     MISSIONS,
     PRINTED_POWER,
     SPEEDS,
     USERS,
     charge_by_the_tables_rule,
+    charges_by_the_tables_rule,
     fitted_power,
     flown,
     propulsion_power,
@@ -61,6 +63,9 @@ def test_the_final_charge_of_table_6_3_is_met_where_the_table_agrees_with_itself
     assert charge_by_the_tables_rule(second) == pytest.approx(0.08, abs=0.02)
     assert charge_by_the_tables_rule(third) == pytest.approx(0.0, abs=0.02)
     assert first.packs.charge[-1] == pytest.approx(0.08, abs=0.01)
+    # with the table's own powers its rule is met leg by leg
+    printed = [charge for _, charge in LEGS["table_6_3_2"]]
+    assert charges_by_the_tables_rule(second, printed=True) == pytest.approx(printed, abs=0.005)
     # less energy at no higher power cannot leave the same charge
     assert second.packs.charge[-1].min() > first.packs.charge[-1].max() + 0.05
     assert third.packs.charge[-1].max() < first.packs.charge[-1].min()

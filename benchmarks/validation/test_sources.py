@@ -1,11 +1,14 @@
 """The validation judges by the printed numbers."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from benchmarks.validation.sources import count_table, esso_parts, row_table, worst_table
+from benchmarks.validation.check import count, reasons
+from benchmarks.validation.coefficients import coefficient_rows
+from benchmarks.validation.sources import esso_parts, row_table, worst_table
 from benchmarks.validation.swamp import (
     FULL,
     LIGHT,
@@ -41,7 +44,14 @@ def test_a_number_with_two_readings_counts_once_by_the_nearer_one() -> None:
         Row(w, "s", "9", 9.0, v, v, FULL, reading_of="D") for w, v in (("a", 9.1), ("b", 12.0))
     )
     other = Row("c", "s", "1", 1.0, 2.0, 2.0, FULL)
-    assert count_table([steady, tactical, other]).splitlines()[-1] == "| 2 | 1 | 3 | 1 |"
+    assert count([steady, tactical, other]) == (2, 1, 0)
+
+
+def test_half_a_unit_of_the_last_digit_is_tolerated_where_it_is_more() -> None:
+    charge = Row("a", "s", "0.02", 0.02, 0.024, math.nan, FULL, width=0.005, reason="because.")
+    assert charge.mismatch == pytest.approx(0.2) and charge.met
+    assert not replace(charge, full=0.026).met
+    assert reasons([charge, replace(charge, what="b", full=0.026)]) == "* b, s: because."
 
 
 def test_the_thrust_deduction_comes_back_from_the_speeds() -> None:
@@ -64,6 +74,11 @@ def test_the_thrust_table_is_met_to_its_last_digit() -> None:
     assert len(THRUST_TABLE) == 19
     assert mean < largest <= 0.05 + 1e-9
     assert force_rows()[3].full == pytest.approx(12.2)
+
+
+def test_every_missed_number_of_the_tank_has_its_sentence() -> None:
+    for row in (*force_rows(), *coefficient_rows()):
+        assert row.met or row.reason.endswith("."), row.what
 
 
 def test_without_the_measured_runs_their_tables_are_left_as_they_are(tmp_path: Path) -> None:

@@ -110,17 +110,19 @@ def simulate(
     ignore: IgnoreOption = None,
 ) -> None:
     """Replay a run's commands from its first state through the simulator."""
+    from swamp_rl.experiments.cli.diagnose import echo_unused, simulate_windows
+
     from swamp_rl.boat import load_boat
     from swamp_rl.runs import read_run, write_run
     from swamp_rl.simulator.replay import replay
 
     if window is not None:
-        from swamp_rl.experiments.cli.diagnose import simulate_windows
-
         simulate_windows(commands, out, boat, window, ignore or [])
         return
-    simulated = replay(load_boat(boat), read_run(commands), ignore or [])
+    loaded, run = load_boat(boat), read_run(commands)
+    simulated = replay(loaded, run, ignore or [])
     write_run(out, simulated)
+    echo_unused(loaded, run)
     typer.echo(f"{out}: {simulated.duration:.1f} s, {simulated.path_length:.1f} m")
 
 

@@ -11,8 +11,10 @@ from swamp_rl.experiments.cli.options import BoatOption, IgnoreOption
 from swamp_rl.errors import UserError
 
 if TYPE_CHECKING:
+    from swamp_rl.boat import Boat
     from swamp_rl.criticism.model.trial_limits import TrialLimits
     from swamp_rl.criticism.result import Diagnosis, Estimate
+    from swamp_rl.runs import Run
 
 
 Datasets = Annotated[
@@ -275,11 +277,22 @@ def simulate_windows(
     from swamp_rl.runs import read_run, write_run
     from swamp_rl.simulator.restarts import replay_restarted
 
-    found = replay_restarted(load_boat(boat), read_run(commands, lost_rows=True), seconds, ignore)
+    loaded, run = load_boat(boat), read_run(commands, lost_rows=True)
+    found = replay_restarted(loaded, run, seconds, ignore)
     write_run(out, found.run)
+    echo_unused(loaded, run)
     position, heading = np.sqrt(np.mean(found.miss**2, axis=0))
     typer.echo(
         f"{out}: {found.run.duration:.1f} s, restarted every {seconds:g} s; error at the end of "
         f"{len(found.miss)} window{'s' * (len(found.miss) > 1)} (root mean square): {position:.3g} m, "
         f"{np.degrees(heading):.3g} degrees"
     )
+
+
+def echo_unused(boat: "Boat", run: "Run") -> None:
+    """Name the columns of a run that its replay ignores, if it has any."""
+    from swamp_rl.simulator.replay import unused_columns
+
+    columns = unused_columns(boat, run)
+    if columns:
+        typer.echo(f"{run.name}: {', '.join(columns)}: ignored, fixed thrusters of boat {boat.name}")

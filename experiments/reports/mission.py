@@ -32,6 +32,7 @@ UNITS = {
     "squat": "m",
     "speed": "m/s",
     "power": "W",
+    "thruster_power": "W",
     "duration": "s",
 }
 WATT_HOUR = 3600.0  # J
@@ -57,6 +58,7 @@ def as_json(flight: Flight) -> str:
             "duration": leg.duration,
             "distance": leg.distance,
             "power": leg.power.tolist(),
+            "thruster_power": dict(zip(flight.boat.thruster_names, leg.thrusters.tolist(), strict=True)),
             "energy": leg.energy.tolist(),
             "charge": leg.charge.tolist(),
         }
@@ -75,7 +77,8 @@ def as_json(flight: Flight) -> str:
 
 
 def write_track(path: Path, flight: Flight) -> None:
-    """A row every `EVERY` s: time, leg, pose, speed; power, current, voltage and charge of each pack.
+    """A row every `EVERY` s: time, leg, pose, speed; power, current, voltage and charge of each pack; power
+    of each thruster.
 
     Power and current are those of the step that ends at the row.
     """
@@ -85,10 +88,12 @@ def write_track(path: Path, flight: Flight) -> None:
     at = np.arange(0, len(flight.states), round(EVERY / STEP))
     before = np.maximum(at - 1, 0)
     columns = [flight.time[at], flight.leg[before], *flight.states[at][:, [NORTH, EAST, HEADING]].T]
+    head += [f"thruster_power_{name}" for name in flight.boat.thruster_names]
     columns.append(flight.speed[at])
     for k in range(len(names)):
         columns += [packs.power[before, k], packs.current[before, k]]
         columns += [packs.voltage[at, k], packs.charge[at, k]]
+    columns += list(flight.thrusters[before].T)
     write_rows(path, head, zip(*columns, strict=True))
 
 

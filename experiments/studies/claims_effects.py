@@ -209,7 +209,7 @@ def lever_power(run: Run, boat: Boat) -> float:
     throttle = shares * np.array([item.throttle_max for item in driven])
     linear, quadratic = np.array([item.thrust_curve(boat.water_density) for item in driven]).T
     thrust = bollard_thrust(throttle, linear, quadratic)
-    return float(jet_power(thrust, boat.water_density, jet_areas(driven)).sum(axis=1).mean())
+    return float(jet_power(thrust, boat.water_density, jet_areas(boat, driven)).sum(axis=1).mean())
 
 
 def _middle(values: Array) -> float:

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LegFigures:
-    """One leg. power [W] mean, energy [J] and charge [1] at the end: (packs,)."""
+    """One leg. power [W] mean, energy [J] and charge [1] at the end: (packs,); thrusters [W] mean, (K,)."""
 
     number: int
     asked: float
@@ -24,6 +24,7 @@ class LegFigures:
     power: Array
     energy: Array
     charge: Array
+    thrusters: Array
 
     @property
     def speed(self) -> float:
@@ -48,6 +49,7 @@ def leg_figures(flight: Flight) -> list[LegFigures]:
                 energy / duration,
                 energy,
                 flight.packs.charge[end],
+                flight.thrusters[first:end].mean(axis=0),
             )
         )
     return found

@@ -13,7 +13,7 @@ from swamp_rl.energy.charge import Discharge, charge_at, discharge, stored_energ
 from swamp_rl.energy.depth import Aground, depths, refuse_depths, touched
 from swamp_rl.energy.mission import Mission
 from swamp_rl.energy.pilot import MissionPilot
-from swamp_rl.energy.power import pack_power, thrust_left
+from swamp_rl.energy.power import supplied, thrust_left, thruster_power
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.loop import closed_loop, truth
 from swamp_rl.simulator import initial_state, parameters
@@ -37,8 +37,9 @@ class Flight:
     """A mission as it went, T steps of `STEP`.
 
     states: (T + 1, S), see `swamp_rl.simulator.state`; leg: (T,) number of the leg of each step; packs:
-    power, energy, charge, voltage and current of each pack; emptied: time [s] at which a pack was empty, None
-    where the mission was flown to its end; aground: where it touched ground, None where it did not.
+    power, energy, charge, voltage and current of each pack; thrusters: (T, K) power [W] of each; emptied:
+    time [s] at which a pack was empty, None where the mission was flown to its end; aground: where it touched
+    ground, None where it did not.
     """
 
     boat: Boat
@@ -46,6 +47,7 @@ class Flight:
     states: Array
     leg: NDArray[np.int64]
     packs: Discharge
+    thrusters: Array
     emptied: float | None
     aground: Aground | None = None
 
@@ -92,8 +94,8 @@ def fly(boat: Boat, mission: Mission, where: object, even_if_empty: bool = False
     refuse_depths(boat, mission, where)
     least = 0.0 if even_if_empty else reserve
     states, leg, power, short, aground = _flown(boat, mission, boat.battery, least, where)
-    packs = discharge(boat.battery, power, STEP, mission.charge)
-    flight = Flight(boat, mission, states, leg, packs, len(leg) * STEP if short else None, aground)
+    packs = discharge(boat.battery, supplied(boat, power), STEP, mission.charge)
+    flight = Flight(boat, mission, states, leg, packs, power, len(leg) * STEP if short else None, aground)
     if short and not even_if_empty:
         raise UserError(f"{where}: {too_much(flight, reserve)}; shorten it or use --even-if-empty")
     refuse_slow_legs(flight, where)
@@ -122,7 +124,7 @@ def too_much(flight: Flight, reserve: float) -> str:
 
 
 class Load:
-    """The packs under way: the power of each step so far, and what the voltage leaves of the thrust.
+    """The packs under way: the thrusters' power in each step, and what the voltage leaves of the thrust.
 
     The voltage is that of the last look, `CHECKED` steps ago at most.
     """
@@ -138,8 +140,8 @@ class Load:
     def take(self, states: list[Array]) -> bool:
         """Account for the steps to these states (1, S) each; whether a pack has given all that it may."""
         throttle = np.concatenate(states)[:, ACTUATORS + len(self.boat.thrusters) :]
-        self.power.append(pack_power(self.boat, throttle, self.left))
-        self.drawn = self.drawn + self.power[-1].sum(axis=0) * STEP
+        self.power.append(thruster_power(self.boat, throttle, self.left))
+        self.drawn = self.drawn + supplied(self.boat, self.power[-1]).sum(axis=0) * STEP
         self.left = thrust_left(self.boat, charge_at(self.battery, self.first - self.drawn))
         return bool(self.drawn.max() >= self.usable)
 
@@ -147,8 +149,8 @@ class Load:
 def _flown(
     boat: Boat, mission: Mission, battery: Battery, least: float, where: object
 ) -> tuple[Array, NDArray[np.int64], Array, bool, Aground | None]:
-    """States, leg and power of each step, whether a pack came to the charge `least` before the end, and where
-    the boat touched ground.
+    """States, leg and the thrusters' power of each step, whether a pack came to the charge `least` before the
+    end, and where the boat touched ground.
     """
     pilot, load = MissionPilot(boat, mission), Load(boat, battery, mission.charge, least)
     params = parameters(boat)

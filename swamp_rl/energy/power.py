@@ -59,7 +59,12 @@ def pack_power(boat: Boat, throttle: Array, left: Array | float = 1.0) -> Array:
 
     left: as in `thruster_power`. UserError where the boat file lacks a key.
     """
-    of_thrusters = _sum(thruster_power(boat, throttle, left), shares(boat))
+    return supplied(boat, thruster_power(boat, throttle, left))
+
+
+def supplied(boat: Boat, power: Array) -> Array:
+    """Power [W] (..., packs) that each pack gives for the thrusters (..., K) [W] and its hotel load."""
+    of_thrusters = _sum(power, shares(boat))
     return np.asarray(of_thrusters + (boat.battery.hotel_power if boat.battery else 0.0))
 
 

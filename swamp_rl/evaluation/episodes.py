@@ -39,7 +39,7 @@ def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
     """
     linear, quadratic = np.array([item.thrust_curve(boat.water_density) for item in boat.thrusters]).T
     thrust = bollard_thrust(rollout.throttle, linear, quadratic)
-    power = jet_power(thrust, boat.water_density, jet_areas(boat.thrusters)).sum(axis=-1)
+    power = jet_power(thrust, boat.water_density, jet_areas(boat)).sum(axis=-1)
     episodes = range(len(rollout.seeds))
     table = {
         "seed": rollout.seeds,

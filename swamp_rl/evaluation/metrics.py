@@ -6,12 +6,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.boat import PropellerRudder, Thruster
+from swamp_rl.boat import Boat, PropellerRudder, Thruster
+from swamp_rl.boat.estimate_drive import WIDEST_SCREW
 
 Array = NDArray[np.float64]
-
-NOZZLE_AREA = 900e-6
-"""Outlet area of one pump-jet [m²], 900 mm²: Odetti et al., the pump-jet article, section 5 (measured)."""
 
 
 def path_length(pose: Array) -> Array:
@@ -31,22 +29,25 @@ def command_change(commands: Array) -> Array:
     return np.abs(np.diff(commands, axis=-2)).sum(axis=-1).mean(axis=-1)
 
 
-def jet_areas(thrusters: Sequence[Thruster | PropellerRudder]) -> Array:
-    """(K,) cross-section [m²] of each thruster's jet.
+def jet_areas(boat: Boat, thrusters: Sequence[Thruster | PropellerRudder] | None = None) -> Array:
+    """(K,) cross-section [m²] of each thruster's jet; thrusters: some of the boat's, all by default.
 
     Of a jet the nozzle's; of a propeller half its disc, to which the wake of a disc at rest contracts
-    (momentum theory); `NOZZLE_AREA` where the boat file has neither.
+    (momentum theory). Where the boat file has neither, that of a propeller of `WIDEST_SCREW` times the
+    draught is assumed.
     """
     areas = []
-    for thruster in thrusters:
-        if thruster.propeller is not None:
-            areas.append(0.125 * math.pi * thruster.propeller.diameter**2)
-        elif isinstance(thruster, Thruster):
-            areas.append(thruster.nozzle_area or NOZZLE_AREA)
+    for thruster in boat.thrusters if thrusters is None else thrusters:
+        if isinstance(thruster, Thruster) and thruster.nozzle_area > 0.0 and thruster.propeller is None:
+            areas.append(thruster.nozzle_area)
+            continue
+        screw = thruster.propeller
+        diameter = WIDEST_SCREW * boat.draught if screw is None else screw.diameter
+        areas.append(0.125 * math.pi * diameter**2)
     return np.array(areas)
 
 
-def jet_power(thrust: Array, water_density: float, area: Array | float = NOZZLE_AREA) -> Array:
+def jet_power(thrust: Array, water_density: float, area: Array | float) -> Array:
     """Kinetic power [W] that jets of the given bollard thrust [N] leave in the water; any shape.
 
     area [m²]: of their cross-sections, see `jet_areas`.

@@ -35,6 +35,11 @@ def fixed_thrusters(boat: Boat) -> list[str]:
     return [thruster.name for thruster in boat.thrusters if thruster.kind == "fixed"]
 
 
+def unused_columns(boat: Boat, run: Run) -> list[str]:
+    """Columns of the run that command the azimuth of a thruster that does not turn; a replay ignores them."""
+    return [name for name in (f"azimuth_{fixed}" for fixed in fixed_thrusters(boat)) if name in run.columns]
+
+
 def velocities_at(run: Run, rows: Sequence[int] | NDArray[np.int64]) -> Array:
     """(n, 3) surge, sway [m/s over ground], yaw rate [rad/s] at those rows (n,).
 

@@ -36,22 +36,30 @@ def test_constant_commands_change_nothing() -> None:
 def test_jet_power_is_half_the_mass_flow_times_the_jet_speed_squared(thrust: float, density: float) -> None:
     area = 900e-6
     speed = np.sqrt(thrust / (density * area))
-    assert jet_power(np.array(thrust), density) == pytest.approx(0.5 * density * area * speed**3)
+    assert jet_power(np.array(thrust), density, area) == pytest.approx(0.5 * density * area * speed**3)
 
 
 def test_a_jet_is_as_wide_as_its_nozzle_and_a_propellers_wake_as_half_its_disc() -> None:
     ship = load_boat("esso_osaka")
-    assert jet_areas(load_boat("swamp").thrusters).tolist() == [900e-6] * 4
+    assert jet_areas(load_boat("swamp")).tolist() == [900e-6] * 4
     # A disc at rest takes in the water at half the speed at which it leaves it.
     diameter, thrust = ship.thrusters[0].propeller.diameter, 10.0
     through = math.sqrt(thrust / (2.0 * 1000.0 * 0.25 * math.pi * diameter**2))
-    power = jet_power(np.array(thrust), 1000.0, jet_areas(ship.thrusters)[0])
+    power = jet_power(np.array(thrust), 1000.0, jet_areas(ship)[0])
     assert power == pytest.approx(thrust * through)
+
+
+def test_a_thruster_without_a_jet_in_the_file_is_taken_as_a_propeller_of_the_boats_own_size() -> None:
+    model = {"nozzle_area": None, "advance_loss": None}
+    small, large = (load_boat("swamp", {"thruster_model": model, "draught": d}) for d in (0.14, 0.28))
+    disc = 0.25 * math.pi * (0.7 * 0.14) ** 2
+    assert jet_areas(small) == pytest.approx([0.5 * disc] * 4)
+    assert jet_areas(large) == pytest.approx([2.0 * disc] * 4)
 
 
 def test_jet_power_is_a_plausible_part_of_the_measured_motor_power() -> None:
     # 96.7 W at 12.3 N were measured; motor 0.85, bearings 0.95, then a pump and nozzle of 20 to 60 %
-    assert 0.2 * 0.85 * 0.95 * 96.7 < jet_power(np.array(12.3), 1000.0) < 0.6 * 0.85 * 0.95 * 96.7
+    assert 0.2 * 0.85 * 0.95 * 96.7 < jet_power(np.array(12.3), 1000.0, 900e-6) < 0.6 * 0.85 * 0.95 * 96.7
 
 
 def test_bollard_thrust_agrees_with_table_5_5() -> None:

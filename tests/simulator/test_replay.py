@@ -9,7 +9,7 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
-from swamp_rl.simulator.replay import replay, run_of, substeps_of, velocities_at
+from swamp_rl.simulator.replay import replay, run_of, substeps_of, unused_columns, velocities_at
 from swamp_rl.simulator.state import HEADING
 from tests.support.boats import Array, commands, track
 
@@ -85,3 +85,10 @@ def test_a_replay_with_sensor_effects_starts_where_the_measurements_do(tmp_path:
     for name in ("north", "east", "heading", "surge"):
         assert again.columns[name][0] == pytest.approx(run.columns[name][0], abs=1e-9), name
     assert abs(again.columns["north"][50] - run.columns["north"][50]) > 0.05
+
+
+def test_the_azimuths_of_a_thruster_that_does_not_turn_are_named_as_unused() -> None:
+    fixed = {"kind": "fixed", "azimuth_min": 0.0, "azimuth_max": 0.0, "azimuth_rate": None}
+    boat = load_boat("swamp", {"thruster_model": {**fixed, "azimuth_time_constant": None}})
+    assert unused_columns(boat, recorded()) == [f"azimuth_{name}" for name in BOAT.thruster_names]
+    assert unused_columns(BOAT, recorded()) == []

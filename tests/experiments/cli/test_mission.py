@@ -35,6 +35,8 @@ def test_a_mission_writes_report_figure_rows_and_figures(call: Call, tmp_path: P
     assert len(rows) == 41
     assert float(rows[-1]["charge_port"]) == pytest.approx(told["charge"][1], abs=1e-8)
     assert told["legs"][0]["distance"] == pytest.approx(told["distance"])
+    of_jets = [float(rows[-1][f"thruster_power_{name}"]) for name in ("bs", "ss")]
+    assert float(rows[-1]["power_starboard"]) == pytest.approx(sum(of_jets) + 88.0)  # the hotel load
     assert call("mission", "mine.yaml", "--out", "out folder")[0] == 0  # its own result may be replaced
 
 
