@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic import ValidationError
 
 from swamp_rl.boat import Boat
@@ -14,7 +13,7 @@ from swamp_rl.course.outcome import outcome_of
 from swamp_rl.errors import UserError
 from swamp_rl.files import explanations, read_yaml
 from swamp_rl.names import YAML, file_in
-from swamp_rl.runs.check import STEP_TOLERANCE
+from swamp_rl.runs.check import STEP_TOLERANCE, typical_step
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import META, DatasetMeta, meta_told
@@ -107,9 +106,9 @@ def common_rate(runs: Sequence[Run]) -> tuple[float, list[Fault]]:
 
 
 def rate_of(runs: Sequence[Run]) -> float:
-    """The median rate [Hz] of the rows, with as many digits as times in float64 may be trusted for."""
-    steps = np.concatenate([np.diff(run.time) for run in runs])
-    return float(f"{1.0 / float(np.median(steps)):.9g}")  # 10 Hz is 10, not 9.99999999
+    """The rate [Hz] of the rows by their `typical_step`, with as many digits as times in float64 may be
+    trusted for."""
+    return float(f"{1.0 / typical_step([run.time for run in runs]):.9g}")  # 10 Hz is 10, not 9.99999999
 
 
 def with_outcomes(runs: Sequence[Run], course: Course | None, boat: Boat) -> list[Run]:
