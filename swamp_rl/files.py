@@ -128,9 +128,10 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
     given = Path(name_or_path)
     if _is_path(given):
         if not is_file(given):
-            raise UserError(
-                f"{clipped(given, 200)}: no such file; give a path to a YAML file or one of {_known(kind)}"
-            )
+            other = given.with_suffix(".yml" if given.suffix == ".yaml" else ".yaml")
+            hint = f"did you mean {clipped(other.name)!r}? " if given.name and is_file(other) else ""
+            known = f"give a path to a YAML file or one of {_known(kind)}"
+            raise UserError(f"{clipped(given, 200)}: no such file; {hint}{known}")
         return given
     found = _configs() / kind / f"{given}.yaml"
     if not is_file(found):

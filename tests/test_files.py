@@ -204,6 +204,15 @@ def test_an_unknown_config_lists_those_there_are() -> None:
         find_config("boats", "nowhere/file.yaml")
 
 
+@pytest.mark.parametrize(("there", "asked"), [("mine.yaml", "mine.yml"), ("mine.yml", "mine.yaml")])
+def test_a_file_that_ends_in_the_other_way_of_yaml_is_suggested(
+    tmp_path: Path, there: str, asked: str
+) -> None:
+    (tmp_path / there).write_text("name: mine\n")
+    with pytest.raises(UserError, match=rf"{asked}: no such file; did you mean '{there}'\?"):
+        find_config("boats", tmp_path / asked)
+
+
 def test_a_file_that_is_no_yaml_is_not_called_missing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from swamp_rl.boat import Boat
+from swamp_rl.clipped import clipped
 from swamp_rl.course import Course
 from swamp_rl.course.outcome import outcome_of
 from swamp_rl.errors import UserError
@@ -52,7 +53,7 @@ def parse(
         return None, [Fault(META, None, None, str(error).removeprefix(f"{folder / META}: "))]
     tables = sorted(found.name for found in folder.iterdir() if is_table(found))
     if not path.exists() and (boat is None or not tables):
-        return None, [Fault(META, None, None, _missing(bool(tables)))]
+        return None, [Fault(META, None, None, _missing(folder, bool(tables)))]
     whole = UNKNOWN | {"source": "measured", "runs": [{"file": name} for name in tables]} | told
     named_boat = boat if "vehicle" not in told else None
     named_course = course if not path.exists() else None
@@ -78,7 +79,12 @@ def is_table(path: Path) -> bool:
     return path.suffix.lower().lstrip(".") in FORMATS and not path.name.startswith(".")
 
 
-def _missing(tables: bool) -> str:
+def _missing(folder: Path, tables: bool) -> str:
+    within = sorted(found.name for found in folder.iterdir() if (found / META).is_file())
+    if within and not tables:
+        return (
+            f"is missing, this folder holds datasets; name these, such as {clipped(str(folder / within[0]))}"
+        )
     if not tables:
         return "is missing; every folder of runs needs one"
     return "is missing, and with it the boat of these runs; name it: --boat NAME, or vehicle: NAME in it"
