@@ -119,7 +119,7 @@ def weights_of(given: Mapping[str, Any] | None) -> dict[str, float]:
     for name, weight in given.items():
         if name not in DEFAULTS and not is_code(name):
             known = [f"{term.name} [{term.unit}]" for term in REWARD]
-            hint = nearest(str(name), DEFAULTS).partition("known here")[0]
+            hint = nearest(str(name), DEFAULTS).partition(" known here")[0]
             raise UserError(f"reward: no term {name!r}{hint} known here: {', '.join(known)}, module:function")
         number = isinstance(weight, int | float) and not isinstance(weight, bool)
         if not number or not math.isfinite(weight):

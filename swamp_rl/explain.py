@@ -1,6 +1,7 @@
 """What pydantic refuses, a line for each fault: the file, the key and what is allowed there."""
 
 import difflib
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar, get_args
@@ -19,6 +20,11 @@ MOST = 20
 
 TELLING = {"literal_error": 0, "extra_forbidden": 1}
 """Types of faults that bring others with them, by what is told first."""
+
+KEY_ITSELF = "[key]"
+"""What pydantic puts behind the place of a key that is wrong itself."""
+
+QUOTED = "; leave the quotation marks out"
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -54,7 +60,7 @@ def explanations(error: ValidationError, model: type[BaseModel] | None) -> list[
 
 
 def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[str, str]:
-    key = clipped(".".join(clipped(part) for part in fault["loc"]), 200)
+    key = clipped(".".join(clipped(part) for part in fault["loc"] if part != KEY_ITSELF), 200)
     if fault["type"] == "extra_forbidden":
         return key, f"unknown key{_suggestion(fault['loc'], model)}"
     if fault["type"] == "missing":
@@ -62,8 +68,24 @@ def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[st
     message = clipped(fault["msg"].removeprefix("Value error, ").replace("\n", " "), 500)
     if fault["type"] == "value_error":
         return key, message
-    value = repr(fault["input"])
-    return key, message[:1].lower() + message[1:] + (f", not {value}" if len(value) <= 60 else "")
+    message, value = in_yaml_words(message), repr(fault["input"])
+    told = message[:1].lower() + message[1:] + (f", not {value}" if len(value) <= 60 else "")
+    return key, told + (QUOTED if _is_quoted_number(fault) else "")
+
+
+def in_yaml_words(message: str) -> str:
+    """A message of pydantic with YAML's words for its types in place of Python's."""
+    message = re.sub("a valid dictionary( or instance of [A-Za-z]+)?", "a mapping of keys to values", message)
+    message = message.replace("a valid tuple", "a list").replace("Tuple", "The list")
+    return message.replace("a valid boolean", "true or false").replace("a valid integer", "a whole number")
+
+
+def _is_quoted_number(fault: ErrorDetails) -> bool:
+    """Whether text stands where a number must, and is one."""
+    text = fault["input"]
+    if fault["type"] not in ("int_type", "float_type") or not isinstance(text, str):
+        return False
+    return re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", text) is not None
 
 
 def _suggestion(loc: tuple[int | str, ...], model: type[BaseModel] | None) -> str:

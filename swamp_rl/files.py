@@ -18,7 +18,7 @@ from swamp_rl.explain import explain as explain
 from swamp_rl.explain import explanations as explanations
 from swamp_rl.explain import validated as validated
 from swamp_rl.ordinary import ordinary
-from swamp_rl.yaml_text import MOST_BYTES, dumped, parsed
+from swamp_rl.yaml_text import MOST_BYTES, dumped, parsed, remedy
 
 CONFIG_KINDS = (
     "boats",
@@ -128,9 +128,10 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
     given = Path(name_or_path)
     if _is_path(given):
         if not is_file(given):
-            raise UserError(
-                f"{clipped(given, 200)}: no such file; give a path to a YAML file or one of {_known(kind)}"
-            )
+            other = given.with_suffix(".yml" if given.suffix == ".yaml" else ".yaml")
+            hint = f"did you mean {clipped(other.name)!r}? " if given.name and is_file(other) else ""
+            known = f"give a path to a YAML file or one of {_known(kind)}"
+            raise UserError(f"{clipped(given, 200)}: no such file; {hint}{known}")
         return given
     found = _configs() / kind / f"{given}.yaml"
     if not is_file(found):
@@ -213,8 +214,8 @@ def read_yaml(path: Path | str) -> dict[str, Any]:
     except (yaml.YAMLError, ValueError) as error:
         mark = getattr(error, "problem_mark", None)
         line = f" line {mark.line + 1}, column {mark.column + 1}:" if mark else ""
-        problem = " ".join(str(getattr(error, "problem", None) or error).split())
-        raise UserError(f"{path}:{line} malformed YAML: {clipped(problem, 200)}") from error
+        problem = clipped(" ".join(str(getattr(error, "problem", None) or error).split()), 200)
+        raise UserError(f"{path}:{line} malformed YAML: {problem}{remedy(problem)}") from error
     if not isinstance(data, dict):
         raise UserError(f"{path}: holds {_kind_of(data)}; it must be a mapping of keys to values")
     odd = [key for key in data if not isinstance(key, str)]

@@ -24,6 +24,16 @@ _DIRECTIVE = re.compile("^%", re.MULTILINE)
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _TIMESTAMP = "tag:yaml.org,2002:timestamp"
 
+_REMEDIES = {
+    "cannot start any token": "indent with spaces, not tabs; put text that begins with @, % or ` in quotes",
+    "mapping values are not allowed": "indent keys alike; a space follows a colon, also on the line before",
+    "could not find expected ':'": "a colon and a space follow a key, also on the line before",
+    "did not find expected key": "indent the keys of one block alike",
+    "did not find expected ',' or": "close the bracket that was opened before",
+    "unexpected end of stream": "close the quotation mark that was opened before",
+}
+"""What to do, by words of the parser's problem."""
+
 
 class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
     """The safe loader, refusing duplicate keys, reading 1e-3 as the number it is (YAML 1.2) and dates as
@@ -68,6 +78,11 @@ def parsed(text: str) -> Any:
         raise ValueError("a line begins with %; directives are not used here")
     _refuse_beyond_limits(text)
     return yaml.load(text, Loader=_Loader)
+
+
+def remedy(problem: str) -> str:
+    """The end of a line that tells a problem of the parser: what is usually wrong there, or nothing."""
+    return next((f"; {told}" for words, told in _REMEDIES.items() if words in problem), "")
 
 
 def dumped(data: Mapping[str, Any]) -> str:

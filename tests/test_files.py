@@ -169,6 +169,28 @@ def test_any_bytes_are_either_a_mapping_or_one_line_of_complaint(
         assert len(str(error).splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    ("text", "line", "told"),
+    [
+        ("pilots:\n\tmine: 1\n", 2, "indent with spaces, not tabs"),
+        ("name:mine\nboat: swamp\n", 2, "a space follows a colon, also on the line before"),
+        ("boat: swamp\nseed:1\nname: mine\n", 3, "a colon and a space follow a key, also on the line before"),
+        ("levels: [calm, severe\nseed: 1\n", 2, "close the bracket"),
+        ("name: 'mine\nseed: 1\n", 3, "close the quotation mark"),
+        ("data:\n  good: 1\n failed: 2\n", 3, "indent the keys of one block alike"),
+    ],
+)
+def test_a_usual_slip_in_yaml_is_told_with_its_remedy(
+    tmp_path: Path, text: str, line: int, told: str
+) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(text)
+    with pytest.raises(UserError) as caught:
+        read_yaml(path)
+    assert str(caught.value).startswith(f"{path}: line {line}, column ")
+    assert told in str(caught.value)
+
+
 def test_a_config_is_found_by_bare_name_or_by_path(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text("name: mine\n")
     assert find_config("boats", "swamp").name == "swamp.yaml"
@@ -180,6 +202,15 @@ def test_an_unknown_config_lists_those_there_are() -> None:
         find_config("boats", "swmp")
     with pytest.raises(UserError, match=r"nowhere/file\.yaml: no such file"):
         find_config("boats", "nowhere/file.yaml")
+
+
+@pytest.mark.parametrize(("there", "asked"), [("mine.yaml", "mine.yml"), ("mine.yml", "mine.yaml")])
+def test_a_file_that_ends_in_the_other_way_of_yaml_is_suggested(
+    tmp_path: Path, there: str, asked: str
+) -> None:
+    (tmp_path / there).write_text("name: mine\n")
+    with pytest.raises(UserError, match=rf"{asked}: no such file; did you mean '{there}'\?"):
+        find_config("boats", tmp_path / asked)
 
 
 def test_a_file_that_is_no_yaml_is_not_called_missing(

@@ -35,6 +35,7 @@ def new(
 ) -> None:
     """Write an annotated boat file whose other numbers are estimated by published formulas."""
     import re
+    import shlex
 
     from swamp_rl.boat import load_boat
     from swamp_rl.boat.estimate import annotated, boat_file
@@ -58,8 +59,8 @@ def new(
             raise UserError(
                 f"{first}; check --length, --breadth, --mass, --thrust and --top-speed"
             ) from error
-    draught = content["draught"]["value"]
-    typer.echo(f"{path}: {kind}, draught {draught:.3g} m; check it with: swamp-rl boat check {path}")
+    draught, quoted = content["draught"]["value"], shlex.quote(str(path))
+    typer.echo(f"{path}: {kind}, draught {draught:.3g} m; check it with: swamp-rl boat check {quoted}")
 
 
 @boat_app.command()

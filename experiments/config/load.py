@@ -127,13 +127,18 @@ def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> d
         return data
     if not isinstance(base, str):
         raise UserError(f"{path}: extends must name another experiment, not {base!r}")
+    return merged(_extended(_base_of(path, base), (*seen, path.resolve()), allowed), data)
+
+
+def _base_of(path: Path, base: str) -> Path:
+    """The experiment that the one at `path` extends: a file beside it, or as `find_config` finds it."""
     beside = path.parent / base
-    found = (
-        beside
-        if beside.suffix in (".yaml", ".yml") and beside.is_file()
-        else find_config("experiments", base)
-    )
-    return merged(_extended(found, (*seen, path.resolve()), allowed), data)
+    if beside.suffix in (".yaml", ".yml") and beside.is_file():
+        return beside
+    try:
+        return find_config("experiments", base)
+    except UserError as error:
+        raise UserError(f"{path}: extends: {error}") from error
 
 
 def _find_beside(path: Path, data: dict[str, Any]) -> None:

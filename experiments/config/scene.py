@@ -63,6 +63,7 @@ class Scene:
 
 def read_scene(experiment: Experiment) -> Scene:
     """The files that an experiment names; UserError for the first that is wrong."""
+    _refuse_missing(experiment)
     boat = load_boat(experiment.boat)
     course = fitted(load_course(experiment.course), boat.length, reference_of(boat).speed)
     course = limited(
@@ -72,7 +73,7 @@ def read_scene(experiment: Experiment) -> Scene:
         experiment.depth.model_dump() if experiment.depth else None,
     )
     scene = Scene(experiment, boat, course)
-    for level in (None, *_levels(scene)):
+    for level in (None, *_levels(experiment)):
         scene.boats_at(level)(1, ("north",)).close()
     for name, plan in experiment.pilots.items():
         for senses in senses_in(plan.options):
@@ -90,7 +91,7 @@ def config_files(scene: Scene) -> dict[str, Path]:
     """
     named = [("boats", file) for file in _boat_files(scene.experiment.boat)]
     named += [("courses", file) for file in course_files(scene.experiment.course)]
-    named += [("disturbances", find_config("disturbances", level)) for level in _levels(scene)]
+    named += [("disturbances", find_config("disturbances", level)) for level in _levels(scene.experiment)]
     files: dict[str, Path] = {}
     for kind, file in named:
         if not files.setdefault(f"{kind}/{file.name}", file).samefile(file):
@@ -98,13 +99,29 @@ def config_files(scene: Scene) -> dict[str, Path]:
     return files
 
 
-def _levels(scene: Scene) -> list[str]:
-    """Every level that an experiment names, each once."""
-    experiment = scene.experiment
-    asked = [*scene.levels.values(), experiment.data.record.disturbances]
-    asked += [plan.disturbances for plan in experiment.pilots.values()]
-    asked += [experiment.hidden.logs.disturbances] if experiment.hidden else []
-    return list(dict.fromkeys(level for level in asked if level is not None))
+def _refuse_missing(experiment: Experiment) -> None:
+    """UserError with the key that names a boat, course or level that is not there."""
+    named = [("boat", "boats", experiment.boat), ("course", "courses", experiment.course)]
+    named += [(key, "disturbances", level) for level, key in _levels(experiment).items()]
+    for key, kind, name in named:
+        try:
+            find_config(kind, name)
+        except UserError as error:
+            raise UserError(f"{key}: {error}") from error
+
+
+def _levels(experiment: Experiment) -> dict[str, str]:
+    """Every level that an experiment names, each once, with the first key that names it."""
+    named: list[tuple[str, str | None]]
+    named = [("evaluation.levels", level) for level in experiment.evaluation.levels]
+    named += [("data.record.disturbances", experiment.data.record.disturbances)]
+    named += [(f"pilots.{name}.disturbances", plan.disturbances) for name, plan in experiment.pilots.items()]
+    named += [("hidden.logs.disturbances", experiment.hidden.logs.disturbances)] if experiment.hidden else []
+    levels: dict[str, str] = {}
+    for key, level in named:
+        if level is not None:
+            levels.setdefault(level, key)
+    return levels
 
 
 def _boat_files(name: str) -> Iterator[Path]:

@@ -1,5 +1,6 @@
 """What an experiment file holds: its keys, their kinds and bounds."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -12,7 +13,16 @@ from swamp_rl.explain import nearest
 from swamp_rl.pilots.scripted import Skill
 
 MOST_PILOTS = 100
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
+
+
+def _plain(name: str) -> str:
+    if not re.match(NAME, name) or name.endswith("\n"):
+        raise ValueError(f"{name!r} may have letters, digits, _, . and - only, a letter or a digit first")
+    return name
+
+
+Name = Annotated[str, AfterValidator(_plain), Field(max_length=100, json_schema_extra={"pattern": NAME})]
 Seed = Annotated[int, Field(ge=0, lt=2**31)]
 Count = Annotated[int, Field(ge=1, le=100_000)]
 "Of runs or episodes, which are held in memory at once."

@@ -12,6 +12,8 @@ from swamp_rl.runs import Run
 
 GATE_COLOURS = {"green": "#2ca02c", "red": "#d62728"}
 OTHER_GATE = "#ff7f0e"
+SEEN, ARROW = 0.0875, 0.275
+"""Smallest radius of a drawn buoy and half the length of a gate's arrow, in widths of the gate."""
 DRIVEN, FAILED = "#1f77b4", "#b0413e"
 
 Panel = tuple[str, Sequence[Run]]
@@ -19,7 +21,7 @@ Panel = tuple[str, Sequence[Run]]
 
 
 def draw_course(axes: Any, course: Course) -> None:
-    """Gates, buoys to scale and the start; axes of metres to the course's bounds."""
+    """Gates, buoys to scale but never too small to see, and the start; axes [m] to the course's bounds."""
     from matplotlib.patches import Circle
 
     for gate in course.gates:
@@ -29,9 +31,10 @@ def draw_course(axes: Any, course: Course) -> None:
             [port.east, starboard.east], [port.north, starboard.north], ":", color=colour, lw=1.2, zorder=3
         )
         for buoy in gate.buoys:
-            circle = Circle((buoy.east, buoy.north), max(course.buoy_radius, 0.35), color=colour, zorder=4)
-            axes.add_patch(circle)
-        ahead = (1.1 * math.sin(gate.heading), 1.1 * math.cos(gate.heading))
+            radius = max(course.buoy_radius, SEEN * gate.width)
+            axes.add_patch(Circle((buoy.east, buoy.north), radius, color=colour, zorder=4))
+        arrow = ARROW * gate.width
+        ahead = (arrow * math.sin(gate.heading), arrow * math.cos(gate.heading))
         axes.annotate(
             "",
             xy=(gate.centre.east + ahead[0], gate.centre.north + ahead[1]),

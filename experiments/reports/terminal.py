@@ -36,13 +36,13 @@ def print_results(results: Mapping[str, Any], folder: Path) -> None:
     levels = results["evaluation"]["levels"]
     episodes = results["evaluation"]["episodes"]
     table = Table(title=f"{results['name']}: success in {episodes} episodes, percent", box=SIMPLE_HEAD)
-    table.add_column("pilot")
+    table.add_column("pilot", overflow="fold")
     for level in levels:
         table.add_column(level, justify="right", no_wrap=True)
     for name, pilot in results["pilots"].items():
         table.add_row(name, *(rate(pilot["levels"][level]) for level in levels))
-    console = Console(markup=False)
-    console.print(table)
+    console = Console(markup=False, soft_wrap=True)  # a path stays on its line
+    console.print(table, soft_wrap=False)
     console.print(targets_reached(results["targets"]))
     for target in (one for one in results["targets"] if not one["reached"]):
         console.print(f"  not: {target['what']} of {target['pilot']}, {target['level']}")

@@ -1,6 +1,5 @@
 """Boat files: found, chained by `extends`, merged and validated, with every fault named by file and key."""
 
-import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from swamp_rl.boat.schema import JET, PROPELLER, Boat
 from swamp_rl.boat.screw import OPEN_WATER
 from swamp_rl.effects import parse_effects
 from swamp_rl.errors import UserError
-from swamp_rl.explain import explanations
+from swamp_rl.explain import explanations, in_yaml_words
 from swamp_rl.files import extended_config, find_config, read_yaml
 
 TAGS = (JET, PROPELLER, TABLE, DRIFT, *OPEN_WATER, CURVE, MEASURED, SHAFT)
@@ -124,9 +123,9 @@ def _readable(error: ValidationError, raw: Mapping[str, Any]) -> ValidationError
             thruster = raw["thrusters"][loc[1]]
             name = thruster.get("name") if isinstance(thruster, Mapping) else None
             loc = ("thrusters", name if isinstance(name, str) else loc[1], *loc[2:])
-        message = re.sub("a valid dictionary or instance of [A-Za-z]+", "a mapping of keys", fault["msg"])
-        message = message.replace("a valid tuple", "a list").replace("Tuple", "The list")
-        message = message.replace("'azimuth' or 'fixed'", "'azimuth', 'fixed' or 'propeller_rudder'")
+        message = in_yaml_words(fault["msg"]).replace(
+            "'azimuth' or 'fixed'", "'azimuth', 'fixed' or 'propeller_rudder'"
+        )
         kind = PydanticCustomError(fault["type"], "{message}", {"message": message})
         details.append(InitErrorDetails(type=kind, loc=loc, input=fault["input"]))
     return ValidationError.from_exception_data(error.title, details)

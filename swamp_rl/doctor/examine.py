@@ -8,6 +8,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.doctor.commands import command_findings
 from swamp_rl.doctor.filtered import filter_findings
 from swamp_rl.doctor.finding import Finding
+from swamp_rl.doctor.jumps import jump_findings
 from swamp_rl.doctor.kinematics import kinematic_findings
 from swamp_rl.doctor.ranges import range_findings
 from swamp_rl.doctor.response import response_findings
@@ -24,7 +25,7 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     measured: whether channels without noise are odd. A column that another check has shown to be in another
     unit is brought into ours, in memory, before those that rest on it.
     """
-    found = time_findings(runs)
+    found = time_findings(runs) + jump_findings(runs)
     ranges, runs = range_findings(runs)
     found += ranges + stuck_findings(runs, measured) + command_findings(runs)
     even = [run for run in runs if _even(run)]

@@ -186,7 +186,7 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping) -> Stamps:
             cell = clipped(next(iter(cells.to_pylist()), ""), 40)
             raise UserError(
                 f"{log.file}: --map time: {cell!r} is no time; give seconds, ticks since 1970 or "
-                "ISO 8601 (2026-05-01T12:00:00.100Z)"
+                "ISO 8601 (2026-05-01T12:00:00.100Z), in a spreadsheet the format yyyy-mm-dd hh:mm:ss.000"
             )
         return told
     values = evaluated(node, {word: table.table.columns[column] for word, column in there.items()})

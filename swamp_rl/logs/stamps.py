@@ -1,7 +1,8 @@
 """Times as logs write them: seconds, ticks since 1970, ISO 8601."""
 
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
+from datetime import time as time_of_day
 from typing import Any
 
 import numpy as np
@@ -37,13 +38,37 @@ def from_numbers(stamps: Array) -> Stamps:
 
 
 def from_words(cells: pa.ChunkedArray) -> Stamps | None:
-    """Stamps in ISO 8601, or typed as times; None where no cell is one. Without a zone they are UTC."""
+    """Stamps in ISO 8601, or typed as times; None where no cell is one. Without a zone they are UTC.
+
+    Times of a day without the day begin at no known one.
+    """
+    if (clock := _times_of_day(cells.to_pylist())) is not None:
+        return clock
     stamps = [_stamp(cell) for cell in cells.to_pylist()]
     first = next((stamp for stamp in stamps if stamp is not None), None)
     if first is None:
         return None
     time = np.array([np.nan if stamp is None else (stamp - first).total_seconds() for stamp in stamps])
     return Stamps(time, first.timestamp(), f"ISO 8601, from {_iso(first.timestamp())}")
+
+
+def _times_of_day(cells: list[Any]) -> Stamps | None:
+    """Stamps of cells such as 14:05:00.1; None where the first is none of these."""
+    if not cells or _time_of_day(cells[0]) is None:
+        return None
+    time = np.array([np.nan if (found := _time_of_day(cell)) is None else found for cell in cells])
+    return Stamps(time - time[0], 0.0, f"of a day, from {str(cells[0]).strip()}")
+
+
+def _time_of_day(cell: Any) -> float | None:
+    """Seconds since midnight."""
+    if not isinstance(cell, str):
+        return None
+    try:
+        found = datetime.combine(date.min, time_of_day.fromisoformat(cell.strip()))
+    except ValueError:
+        return None
+    return (found.replace(tzinfo=None) - datetime.min).total_seconds()
 
 
 def _iso(seconds: float) -> str:

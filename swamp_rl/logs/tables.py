@@ -5,12 +5,13 @@ from pathlib import Path
 
 from swamp_rl.errors import UserError
 from swamp_rl.logs.log import Log, LogTable
+from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.table import read_table
 
 
 def read_table_log(path: Path) -> Log:
     """The table of a file, named after the file; UserError where it cannot be read as a table at all."""
-    table = read_table(path)
+    table = without_marks(path.name, read_table(path))
     if not table.columns:
         raise UserError(f"{path.parent / str(table.faults[0])}; nothing was imported")
     name = table_name(path.stem)

@@ -1,6 +1,7 @@
 """Whether the numbers of one run make sense: finite, in range, in radians, at the dataset's fixed rate."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,6 +133,8 @@ def _unit_mistake(values: NDArray[np.float64], span: Span) -> str:
         return WRAP
     if span.unit == "1" and 1.0 < largest <= 100.0 and largest > 2.0:
         return "it looks like percent, divide by 100"
+    if span.unit == "1" and np.quantile(np.abs(values), 0.5) >= 800.0 and largest <= 2500.0:
+        return "it looks like a pulse width in us, map it to the range, as in (pwm - 1500) / 400"
     return "correct it, or the limits of the boat file"
 
 
@@ -148,7 +151,7 @@ def _check_time(
     )
     if back:
         return back
-    period = 1.0 / sample_rate if sample_rate else float(np.median(steps))
+    period = 1.0 / sample_rate if sample_rate else typical_step([time])
     named = f"{1.0 / period:.6g} Hz" + (" of dataset.yaml" if sample_rate else "")
     uneven = np.abs(steps - period) > STEP_TOLERANCE * period
     typical = float(np.median(steps))
@@ -167,6 +170,17 @@ def _check_time(
             f"{steps[i]:.6g} s after the row before, not the {period:.6g} s of {named}; resample the run"
         ),
     )
+
+
+def typical_step(times: Sequence[NDArray[np.float64]]) -> float:
+    """The step between rows [s], of the times of one or more runs: the median, or the mean where a run at the
+    median would end half a step away and all steps are like the mean, as of 30 Hz in whole milliseconds.
+    """
+    steps = np.concatenate([np.diff(time) for time in times])
+    median, mean = float(np.median(steps)), float(np.mean(steps))
+    drift = max(abs(time[-1] - time[0] - median * (len(time) - 1)) for time in times)
+    alike = bool(np.all(np.abs(steps - mean) <= STEP_TOLERANCE * mean))
+    return mean if alike and drift > DRIFT_TOLERANCE * median else median
 
 
 def _check_degrees_against_yaw_rate(file: str, columns: dict[str, NDArray[np.float64]]) -> list[Fault]:

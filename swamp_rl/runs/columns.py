@@ -20,7 +20,8 @@ class Span:
     above: bool = False
 
     def __str__(self) -> str:
-        return f"{'(' if self.above else '['}{self.low:.6g}, {self.high:.6g}] {self.unit}"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{'(' if self.above else '['}{self.low:.6g}, {self.high:.6g}]{unit}"
 
 
 FIXED = {

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic import ValidationError
 
 from swamp_rl.boat import Boat
+from swamp_rl.clipped import clipped
 from swamp_rl.course import Course
 from swamp_rl.course.outcome import outcome_of
 from swamp_rl.errors import UserError
 from swamp_rl.files import explanations, read_yaml
 from swamp_rl.names import YAML, file_in
-from swamp_rl.runs.check import STEP_TOLERANCE
+from swamp_rl.runs.check import STEP_TOLERANCE, typical_step
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import META, DatasetMeta, meta_told
@@ -53,7 +53,7 @@ def parse(
         return None, [Fault(META, None, None, str(error).removeprefix(f"{folder / META}: "))]
     tables = sorted(found.name for found in folder.iterdir() if is_table(found))
     if not path.exists() and (boat is None or not tables):
-        return None, [Fault(META, None, None, _missing(bool(tables)))]
+        return None, [Fault(META, None, None, _missing(folder, bool(tables)))]
     whole = UNKNOWN | {"source": "measured", "runs": [{"file": name} for name in tables]} | told
     named_boat = boat if "vehicle" not in told else None
     named_course = course if not path.exists() else None
@@ -79,7 +79,12 @@ def is_table(path: Path) -> bool:
     return path.suffix.lower().lstrip(".") in FORMATS and not path.name.startswith(".")
 
 
-def _missing(tables: bool) -> str:
+def _missing(folder: Path, tables: bool) -> str:
+    within = sorted(found.name for found in folder.iterdir() if (found / META).is_file())
+    if within and not tables:
+        return (
+            f"is missing, this folder holds datasets; name these, such as {clipped(str(folder / within[0]))}"
+        )
     if not tables:
         return "is missing; every folder of runs needs one"
     return "is missing, and with it the boat of these runs; name it: --boat NAME, or vehicle: NAME in it"
@@ -107,9 +112,9 @@ def common_rate(runs: Sequence[Run]) -> tuple[float, list[Fault]]:
 
 
 def rate_of(runs: Sequence[Run]) -> float:
-    """The median rate [Hz] of the rows, with as many digits as times in float64 may be trusted for."""
-    steps = np.concatenate([np.diff(run.time) for run in runs])
-    return float(f"{1.0 / float(np.median(steps)):.9g}")  # 10 Hz is 10, not 9.99999999
+    """The rate [Hz] of the rows by their `typical_step`, with as many digits as times in float64 may be
+    trusted for."""
+    return float(f"{1.0 / typical_step([run.time for run in runs]):.9g}")  # 10 Hz is 10, not 9.99999999
 
 
 def with_outcomes(runs: Sequence[Run], course: Course | None, boat: Boat) -> list[Run]:

@@ -19,6 +19,7 @@ from swamp_rl.runs.free_running import import_free_running, is_free_running
 from swamp_rl.runs.import_foreign import Foreign, Wishes, runs_from
 from swamp_rl.runs.import_telemetry import read_telemetry
 from swamp_rl.runs.mcap_files import read_mcap
+from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import META, DatasetMeta, RunMeta, Source
 from swamp_rl.runs.table import read_table
@@ -242,7 +243,7 @@ def _read_table(path: Path, kind: Kind, dataset: DatasetMeta | None) -> Foreign:
         raise UserError(f"{path}: is no {SUFFIXES[kind][0]} file; check --from {kind}")
     table = read_table(path)
     if dataset is None:
-        return Foreign(str(path), path.stem, table)
+        return Foreign(str(path), path.stem, without_marks(path.name, table))
     meta = next((run for run in dataset.runs if run.file == path.name), RunMeta())
     return Foreign(str(path), path.stem, table, meta, dataset, home=path.parent)
 

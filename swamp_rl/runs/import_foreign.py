@@ -1,6 +1,7 @@
 """Tables of others as runs: columns renamed, in SI units, at a fixed rate, and checked as ours are."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -39,9 +40,18 @@ UNITS = {
     "ms": 1e-3,
     "us": 1e-6,
     "ns": 1e-9,
+    "min": 60.0,
+    "h": 3600.0,
+    "d": 86_400.0,
 }
 """What one of each is in the unit of the run format."""
 NO_FIX = "is 0 with longitude 0, as receivers give it without a fix; cut these rows (--bad-rows cut or split)"
+
+TIME_OF_DAY = re.compile(r"\d\d:\d\d")
+FASTEST = 20_000.0
+"""Hz that the rows of a log do not come at; at 0.3 Hz, times in days seem to."""
+ROW_ALONE = "is missing", "is not a number", "no finite number", "cut short", "does not come after"
+"""Words of faults that leaving out their rows can mend."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +94,8 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
     """
     columns, faults, unread = _renamed(found, wishes)
     rows, told = found.table.rows, found.meta.model_dump(exclude={"file", "rows"})
+    if not found.table.columns:
+        refuse(wishes, faults)
     for name, unit in wishes.units.items():
         if name not in columns:
             raise UserError(f"{found.file}: has no column {name} to be given in {unit}; check the name")
@@ -91,6 +103,8 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
     if wishes.rate is not None:
         columns["time"] = np.arange(len(rows)) / wishes.rate
         told["times"] = f"counted, {wishes.rate:g} rows a second"
+    else:
+        refuse(wishes, _times_in_days(found.file, columns.get("time", np.zeros(0))))
     more, place = _place(found, columns, unread, wishes.origin)
     faults, told = faults + more, told | place
     for name in ANGLES:
@@ -120,6 +134,16 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
         runs.append(_run(name, taken, told, wishes.resample))
         told.pop("rows_left_out", None)
     return runs
+
+
+def _times_in_days(file: str, time: Array) -> list[Fault]:
+    """The fault of times that cannot be seconds, as a spreadsheet's, which counts days."""
+    steps = np.diff(time[np.isfinite(time)])
+    step = float(np.median(steps)) if len(steps) else 0.0
+    if not 0.0 < step < 1.0 / FASTEST:
+        return []
+    told = f"the rows are {step:.3g} s apart, as of times in days; give them in s (--unit time=d)"
+    return [Fault(file, None, "time", told)]
 
 
 def _of_steps(fault: Fault) -> bool:
@@ -181,9 +205,11 @@ def _with_hint(wishes: Wishes, fault: Fault) -> str:
         hint += f" (--degrees {fault.column})"
     elif "percent" in fault.message:
         hint += f" (--unit {fault.column}=percent)"
-    elif "is not a number" in fault.message:
+    elif "is not a number" in fault.message and TIME_OF_DAY.search(fault.message):
+        hint += f", or read it as times: --map time={theirs or fault.column}"
+    elif "is not a number" in fault.message and fault.column not in REQUIRED:
         hint += f", or leave the column out: --drop {theirs or fault.column}"
-    elif fault.row is not None and "is missing" in fault.message:
+    elif fault.row is not None and any(words in fault.message for words in ROW_ALONE):
         hint += " (--bad-rows cut or split)"
     return f"{fault}{hint}"
 
@@ -202,8 +228,10 @@ def _place(
         values = columns[name]
         wrong = ~(np.abs(values) <= most) & known
 
-        def said(i: int, values: Array = values, name: str = name) -> str:
-            return f"{values[i]:.9g} is no {name} in degrees; correct it"
+        def said(i: int, values: Array = values, name: str = name, most: float = most) -> str:
+            nmea = abs(values[i]) <= 100.0 * most + 60.0
+            hint = "; of NMEA's ddmm.mmmm, the two digits before the point and those behind it are minutes"
+            return f"{values[i]:.9g} is no {name} in degrees; correct it{hint if nmea else ''}"
 
         faults += faults_at(found.file, name, rows, wrong, said)
         known &= ~wrong
@@ -212,6 +240,8 @@ def _place(
         faults += faults_at(found.file, "latitude", rows, none, lambda i: NO_FIX)
         known &= ~none
     if not known.any():
+        columns |= {name: np.full(len(rows), np.nan) for name in ("north", "east")}
+        unread |= dict.fromkeys(("north", "east"), ~known)
         return faults or [Fault(found.file, None, "latitude", NO_NUMBER)], {}
     first = int(np.argmax(known))
     origin = origin or (float(columns["latitude"][first]), float(columns["longitude"][first]))

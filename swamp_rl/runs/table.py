@@ -57,7 +57,11 @@ def read_table(path: Path) -> Table:
         # Arrow, where it opens the file itself, tells the operating system's refusals on lines of its own.
         held = contents(path, LARGEST)
         return _read_csv(path, held) if path.suffix.lower() == ".csv" else _read_parquet(path, held)
-    except (pa.ArrowException, OSError, UnicodeDecodeError, IndexError) as error:
+    except UnicodeDecodeError as error:
+        return _unreadable(path, f"byte {error.start} is not UTF-8 text; save the file as UTF-8")
+    except (pa.ArrowException, OSError, IndexError) as error:
+        if "UTF8" in str(error):
+            return _unreadable(path, "holds text that is not UTF-8; save the file as UTF-8")
         reason = clipped(" ".join(str(getattr(error, "strerror", None) or error).split()), 300)
         return _unreadable(path, f"cannot be read and may be cut short ({reason}); copy it again")
 
@@ -116,12 +120,19 @@ def _read_csv(path: Path, held: bytes) -> Table:
         odd_rows.append(row)
         return "skip" if len(odd_rows) < MOST_ODD_ROWS else "error"
 
-    data = pa.csv.read_csv(
-        pa.BufferReader(held),
-        pa.csv.ReadOptions(use_threads=False),
-        pa.csv.ParseOptions(delimiter=separator, ignore_empty_lines=False, invalid_row_handler=keep_note),
-        pa.csv.ConvertOptions(column_types=dict.fromkeys(names, pa.string()), strings_can_be_null=False),
-    )
+    try:
+        data = pa.csv.read_csv(
+            pa.BufferReader(held),
+            pa.csv.ReadOptions(use_threads=False),
+            pa.csv.ParseOptions(delimiter=separator, ignore_empty_lines=False, invalid_row_handler=keep_note),
+            pa.csv.ConvertOptions(column_types=dict.fromkeys(names, pa.string()), strings_can_be_null=False),
+        )
+    except pa.ArrowInvalid:
+        if len(odd_rows) < MOST_ODD_ROWS:
+            raise
+        return _unreadable(path, _odd_header(odd_rows[0]))
+    if len(odd_rows) > data.num_rows:
+        return _unreadable(path, _odd_header(odd_rows[0]))
     if separator != ",":
         data = _with_points(data)
     # Arrow counts lines from 1 with the header as the first.
@@ -139,6 +150,13 @@ def _with_points(data: pa.Table) -> pa.Table:
     """The table with a decimal point where numbers have a decimal comma."""
     points = [pc.replace_substring_regex(cells, DECIMAL_COMMA, r"\1.\2") for cells in data.columns]
     return pa.Table.from_arrays(points, names=data.column_names)
+
+
+def _odd_header(row: pa.csv.InvalidRow) -> str:
+    return (
+        f"its first line names {row.expected_columns} columns, line {row.number} has {row.actual_columns} "
+        "values; the first line must name the columns, remove what stands before it"
+    )
 
 
 def _odd_row(row: pa.csv.InvalidRow) -> str:
@@ -168,6 +186,8 @@ def _no_number(cells: pa.ChunkedArray, index: int) -> str:
     if cell is None or cell == "":
         return "is missing; fill it in or remove the row and those after it"
     hint = " (use a point, not a comma)" if isinstance(cell, str) and "," in cell else ""
+    if hint and "." in cell:
+        hint = " (leave out what separates thousands)"
     return f"{str(cell)[:40]!r} is not a number; correct it{hint}"
 
 

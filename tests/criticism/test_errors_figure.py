@@ -3,8 +3,12 @@
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+import pytest
 from matplotlib.figure import Figure
 
+from swamp_rl.criticism.data.run_set import CHANNELS
+from swamp_rl.criticism.report import figures
 from swamp_rl.criticism.report.figures import draw_errors
 from swamp_rl.criticism.result import Gain
 
@@ -15,3 +19,23 @@ def test_runs_too_short_for_a_prediction_are_told_instead_of_drawn() -> None:
     figure = Figure()
     draw_errors(figure, misfit)
     assert figure.axes == [] and "too short" in figure.texts[0].get_text()
+
+
+def test_a_horizon_longer_than_the_runs_has_no_error_of_a_perfect_model(
+    monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder
+) -> None:
+    def errors(run_set: Any, weight: Any, horizon: float, *_: Any) -> Any:
+        return SimpleNamespace(error=np.full((3, len(CHANNELS)), 0.1 if horizon < 10.0 else np.nan))
+
+    monkeypatch.setattr(figures, "perfect_run_set", lambda finding, rng: None)
+    monkeypatch.setattr(figures, "errors_at", errors)
+    finding: Any = SimpleNamespace(
+        winner=SimpleNamespace(x=np.zeros(1), hypothesis=None),
+        run_set=SimpleNamespace(lengths=np.array([100]), measured=np.zeros((1, 100, len(CHANNELS)))),
+        diagnosis=SimpleNamespace(gain=[SimpleNamespace(horizon_s=h) for h in (1.0, 30.0)]),
+        weight=None,
+    )
+    perfect = figures.perfect_errors(finding, np.random.default_rng(0))
+    assert {tuple(known) for known in perfect.values()} == {(1.0,)}
+    assert perfect["position_rmse_m"][1.0] == pytest.approx(0.1 * np.sqrt(2.0))
+    assert not recwarn.list

@@ -291,6 +291,12 @@ def test_a_faulty_figure_is_one_line_with_file_and_entry(fault: str, tmp_path: P
     assert not (tmp_path / "out").exists()
 
 
+def test_a_boat_file_in_the_place_of_figures_is_told_apart(tmp_path: Path, call: Call) -> None:
+    write_yaml(tmp_path / "mine.yaml", {"extends": "swamp"})
+    told = call("diagnose", tmp_path / "mine.yaml", "--out", tmp_path / "out")
+    assert_complains(told, "mine.yaml: holds no printed figures; name a folder of runs")
+
+
 def test_every_fault_of_a_file_has_a_line(tmp_path: Path, call: Call) -> None:
     figures = [GOOD, *(figure for figure, _ in FAULTY.values())]
     particular = {"effect": "waves", "parameter": "height", "value": 0.0, "error": 1.0, "source": "x"}

@@ -59,6 +59,15 @@ def test_sound_runs_have_no_fault(sound: list[Run], twin: Boat) -> None:
     assert faults(sound, None) == []
 
 
+def test_a_position_that_jumps_for_a_row_is_named_with_its_time(sound: list[Run], twin: Boat) -> None:
+    run = Run("glitch", dict(sound[1].columns))
+    run.columns["east"] = run.columns["east"].copy()
+    run.columns["east"][300] += 40.0
+    (found,) = [one for one in faults([sound[0], run, sound[2]], twin) if one.code == "position_jump"]
+    assert found.runs == ("glitch",) and "30.0 s of glitch" in found.told
+    assert found.figures["longest_jump_m"] == pytest.approx(40.0, abs=1.0)
+
+
 def scaled(prefix: str, factor: float) -> Callable[[Columns], Columns]:
     return lambda c: {n: v * factor if n.startswith(prefix) else v for n, v in c.items()}
 

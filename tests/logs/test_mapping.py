@@ -74,6 +74,20 @@ def test_iso_times_are_known(tmp_path: Path, boat: str, kind: str) -> None:
     assert "ISO 8601, from 2026-05-01T12:00:00.000+00:00" in str(run.meta.model_extra)
 
 
+PLACES = {"n": "north", "e": "east", "psi": "heading"}
+
+
+def test_times_of_a_day_are_known(tmp_path: Path, boat: str) -> None:
+    was = weaving()
+    stamps = np.datetime64("2026-05-01T14:05:00.000") + (1000 * was["time"]).round().astype("timedelta64[ms]")
+    columns = {"clock": [str(stamp)[11:] for stamp in stamps]}
+    columns |= {ours: [str(value) for value in was[theirs]] for ours, theirs in PLACES.items()}
+    path = csv_of(tmp_path / "log.csv", columns)
+    (run,) = imported(path, boat, ["time=clock", "north=n", "east=e", "heading=psi"])
+    assert run.time == pytest.approx(was["time"] - was["time"][0])
+    assert "of a day, from 14:05:0" in str(run.meta.model_extra)
+
+
 @pytest.mark.parametrize("ticks", [1, 10**3, 10**6, 10**9])
 def test_ticks_since_1970_are_known_by_their_size(tmp_path: Path, boat: str, ticks: int) -> None:
     was = weaving()

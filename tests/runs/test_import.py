@@ -99,12 +99,54 @@ def with_cell(name: str, row: int, value: object) -> dict[str, object]:
         (foreign(), Wishes(WISHES.renamed, WISHES.units, ("zebra",)), ["no column 'zebra'", "--drop"]),
         ({**foreign(), "north": [0.0] * 40}, WISHES, ["its own column north beside 'x'", "--drop north"]),
         ({**foreign(), "note": ["a"] * 40}, WISHES, ["column note", "--drop note"]),
+        (with_cell("t_ms", 6, 500), WISHES, ["row 7", "does not come after", "(--bad-rows cut or split)"]),
+        (
+            foreign() | {"t_ms": (46206.5 + TIME / 86400).tolist()},
+            Wishes(WISHES.renamed, {"heading": "deg", "surge": "kn"}),
+            ["column time", "times in days", "--unit time=d"],
+        ),
+        (
+            {**foreign(), "throttle_bs": [1500.0] * 40},
+            WISHES,
+            ["looks like a pulse width", "(pwm - 1500) / 400"],
+        ),
+        (
+            {**foreign(), "clock": ["14:05:01"] * 40},
+            WISHES,
+            ["'14:05:01' is not a number", "--map time=clock"],
+        ),
     ],
 )
 def test_what_is_wrong_is_named_by_file_row_and_column_and_nothing_is_written(
     tmp_path: Path, columns: dict[str, object], wishes: Wishes, parts: list[str]
 ) -> None:
     refused(tmp_path, write_csv(tmp_path / "log.csv", columns), "csv", "log.csv", *parts, wishes=wishes)
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        ("# logger 3\nt_ms,x,y,psi\n" + "0,1,2,3\n" * 2000, "line 2 has 4 values; the first line must name"),
+        ("sep=;\nt_ms;x;y;psi\n0;1;2;3\n1;1;2;3\n", "line 2 has 4 values; the first line must name"),
+        ("t_ms,x,y,psi °\n0,1,2,3\n".encode("cp1252"), "is not UTF-8 text; save the file as UTF-8"),
+        ("t_ms,x\n0,1\n".encode("utf-16"), "is not UTF-8 text; save the file as UTF-8"),
+        (("t_ms,x\n" + "0,1\n" * 40_000 + "1,°\n").encode("cp1252"), "is not UTF-8; save the file as UTF-8"),
+        ("t_ms,x,y,psi,sog_kn\n0,1,2,3,4\n100,1,2,3,4", "does not end with a line end"),
+    ],
+)
+def test_a_table_that_is_written_otherwise_is_told_how(tmp_path: Path, text: str | bytes, part: str) -> None:
+    path = tmp_path / "log.csv"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    refused(tmp_path, path, "csv", "log.csv", part)
+
+
+def test_rows_at_thirty_hertz_in_whole_milliseconds_are_even(tmp_path: Path) -> None:
+    count = 400
+    columns = {"time": np.round(np.arange(count) / 30.0, 3).tolist(), "north": np.arange(count).tolist()}
+    columns |= {"east": [0.0] * count, "heading": [0.1] * count}
+    made = import_runs([write_csv(tmp_path / "log.csv", columns)], "csv", tmp_path / "out")
+    assert made.sample_rate == pytest.approx(30.0, rel=1e-4)
+    assert len(read_dataset(tmp_path / "out").runs[0].time) == count
 
 
 def test_a_column_of_words_can_be_left_out_and_one_of_numbers_is_kept(tmp_path: Path) -> None:

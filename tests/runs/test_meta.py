@@ -57,6 +57,13 @@ def test_a_folder_without_a_description_or_without_runs_is_a_fault(tmp_path: Pat
     assert "lists no runs" in check_dataset(tmp_path)[0].message
 
 
+def test_a_folder_of_datasets_is_told_from_one(tmp_path: Path) -> None:
+    for name in ("june", "may"):
+        create_dataset(tmp_path / name, described())
+    (fault,) = check_dataset(tmp_path)
+    assert "holds datasets" in fault.message and str(tmp_path / "june") in fault.message
+
+
 def test_a_folder_that_does_not_exist_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="no such folder"):
         check_dataset(tmp_path / "nowhere")

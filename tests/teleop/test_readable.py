@@ -12,6 +12,7 @@ from playwright.sync_api import Browser, Page
 
 from swamp_rl.course import load_course
 from swamp_rl.pilots.scripted import ScriptedPilot
+from swamp_rl.teleop.lookout import Lookout
 from tests.support.patience import patient
 from tests.support.recorder import GREAT_HASTE, serving
 
@@ -31,6 +32,12 @@ COVERED = """(buoys) => {
   const below = document.getElementById("choices").getBoundingClientRect().bottom;
   return [swamp.frame.pose, ...buoys].map((place) => swamp.place(...place)).filter(
     ([x, y]) => y < below + 8 || document.elementFromPoint(x, y)?.id !== "chart");
+}"""
+UNDER_BANNER = """() => {
+  const edges = (id) => document.getElementById(id).getBoundingClientRect();
+  const one = edges("banner");
+  const beside = (box) => one.left >= box.right || box.left >= one.right;
+  return ["chase", "dials", "watch"].filter((id) => !beside(edges(id)) && edges(id).bottom > one.top);
 }"""
 # Text of the page that can be seen: [words, colour, size, left, top, right, bottom].
 WORDS = """() => [...document.querySelectorAll("body *")].flatMap((element) => {
@@ -83,7 +90,8 @@ def test_text_is_large_and_clear_and_nothing_lies_over_the_course_when_a_run_has
 ) -> None:
     width, height = SIZES[device]
     buoys = [[buoy.north, buoy.east] for gate in load_course("camogli").gates for buoy in gate.buoys]
-    with serving(tmp_path, factor=GREAT_HASTE, level="standard", pilots={"ai": ScriptedPilot(0)}) as (
+    pilots, lookout = {"ai": ScriptedPilot(0)}, Lookout()
+    with serving(tmp_path, factor=GREAT_HASTE, level="standard", pilots=pilots, lookout=lookout) as (
         where,
         _,
     ):
@@ -97,7 +105,10 @@ def test_text_is_large_and_clear_and_nothing_lies_over_the_course_when_a_run_has
         page.wait_for_function("swamp.frame.phase === 'ended'")
         settle(page)
         page.screenshot(path=tmp_path / "ended.png")
+        page.wait_for_selector("#watch:not([hidden])")
+        settle(page)
         assert page.evaluate(COVERED, buoys) == []
+        assert page.evaluate(UNDER_BANNER) == []
         seen |= contrasts(page)
         sizes = [size for _, _, size, *_ in page.evaluate(WORDS)] + page.evaluate("sizes")
         page.close()

@@ -125,6 +125,8 @@ def is_figures_file(path: Path) -> bool:
 def read_figures(path: Path, boat: Boat) -> FiguresFile:
     """The figures file at `path`, for a boat; UserError, one for each of its faults."""
     data = read_yaml(path)
+    if not data.keys() & PARTS.keys():
+        raise UserError(f"{path}: holds no printed figures; name a folder of runs, or a file of figures")
     faults: list[str] = []
     parts = {key: _parts(data, key, model, faults) for key, model in PARTS.items()}
     faults += [

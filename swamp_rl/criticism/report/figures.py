@@ -127,8 +127,8 @@ def draw_errors(figure: Any, finding: Finding) -> None:
             axes.loglog(horizons, [factor * one.after for _, one in kept], "s-", color=AFTER)
         noise = factor * finding.diagnosis.noise[channel] * math.sqrt(len(QUANTITIES[name]))
         axes.axhline(noise, color="#555555", ls=":", lw=1.2)
-        if name in perfect:
-            known = [(h, factor * perfect[name][h]) for h in horizons]
+        known = [(h, factor * error) for h, error in perfect.get(name, {}).items() if h in horizons]
+        if known:
             axes.loglog(*zip(*known, strict=True), "--", color="#555555", lw=1.2)
         _plain_ticks(axes, horizons)
         axes.set(title=title, xlabel="seconds ahead")
@@ -151,10 +151,15 @@ def perfect_errors(finding: Finding, rng: np.random.Generator) -> dict[str, dict
             before = squares.get(gain.horizon_s, np.zeros((0, len(CHANNELS))))
             squares[gain.horizon_s] = np.concatenate([before, made.error**2])
     return {
-        name: {h: math.sqrt(np.nanmean(e[:, c]) * len(c)) for h, e in squares.items() if len(e)}
+        name: {h: math.sqrt(np.nanmean(e[:, c]) * len(c)) for h, e in squares.items() if _any(e[:, c])}
         for name, c in QUANTITIES.items()
         if np.isfinite(finding.run_set.measured[..., c]).any()
     }
+
+
+def _any(errors: Array) -> bool:
+    """Whether any error is known: of a horizon longer than the runs, none is."""
+    return bool(np.isfinite(errors).any())
 
 
 def perfect_run_set(finding: Finding, rng: np.random.Generator) -> RunSet:

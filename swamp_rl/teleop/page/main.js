@@ -91,6 +91,7 @@ function stand(message) {
   const lines = message.watch.map((line) => Object.assign(document.createElement("li"), { textContent: line, className: /^\d/.test(line) ? "news" : "" }));
   document.querySelector("#watch ol").replaceChildren(...lines);
   by("watch").hidden = !lines.length;
+  document.body.style.setProperty("--watch", `${by("watch").offsetHeight}px`); // a phone's banner stands below it
   const list = document.querySelector("#board ol");
   list.replaceChildren(...status.board.map(place));
   by("board-empty").hidden = status.board.length > 0;

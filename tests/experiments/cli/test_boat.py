@@ -1,6 +1,7 @@
 """`swamp-rl boat new` and `boat check`, as a newcomer calls them in an empty folder."""
 
 import json
+import shlex
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,12 @@ def test_a_new_boat_is_written_under_its_name_and_checked(call: Call, kind: str)
         "stopping",
     ):
         assert part in said
+
+
+def test_the_command_that_checks_a_new_boat_can_be_pasted(call: Call) -> None:
+    _, said, _ = call("boat", "new", "skiff", "--kind", "outboard", *SIZES, "--out", "my skiff.yaml")
+    words = shlex.split(said.partition("check it with: ")[2])
+    assert words == ["swamp-rl", "boat", "check", "my skiff.yaml"]
 
 
 def test_the_check_writes_a_report_with_its_figures(call: Call) -> None:

@@ -148,12 +148,41 @@ def test_merging_replaces_lists_and_joins_mappings() -> None:
         ("evaluation.levels=[calm, calm]", "same name"),
         ("step=.nan", "step"),
         ("name=../elsewhere", "name"),
+        ("name=my first try", "name: 'my first try' may have letters, digits"),
+        ("evaluation.levels=calm", "evaluation.levels: input should be a list, not 'calm'"),
+        ("evaluation.episodes='5'", "a whole number, not '5'; leave the quotation marks out"),
+        ("evaluation.seed='1, 2'", "evaluation.seed: input should be a whole number, not '1, 2'\n"),
+        ("pilots.net=cloning", "pilots.net: input should be a mapping of keys to values, not 'cloning'"),
+        ("bounds.top=40.0", "bounds.top: input should be 'south', 'north', 'west' or 'east', not 'top'"),
+        ("reward.tim=1.0", "reward: no term 'tim'; did you mean 'time'? known here: progress"),
     ],
 )
 def test_a_wrong_value_or_key_is_named_with_what_is_allowed(tmp_path: Path, override: str, told: str) -> None:
     message = complaint(write(tmp_path, SMALL), override)
     assert "small.yaml" in message
-    assert told in message
+    assert told in f"{message}\n"
+
+
+@pytest.mark.parametrize(
+    ("override", "told"),
+    [
+        ("boat=swmp", "boat: no boats file named 'swmp'; did you mean 'swamp'?"),
+        ("course=mine.yaml", "course: mine.yaml: no such file"),
+        ("evaluation.levels=[calm, standrd]", "evaluation.levels: no disturbances file named 'standrd'"),
+        ("data.record.disturbances=stormy", "data.record.disturbances: no disturbances file named 'stormy'"),
+        ("pilots.net={kind: ppo, disturbances: svere}", "pilots.net.disturbances: no disturbances file"),
+    ],
+)
+def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path: Path, override: str, told: str) -> None:
+    experiment = load_experiment(write(tmp_path, SMALL), [override])
+    with pytest.raises(UserError) as refused:
+        read_scene(experiment)
+    assert str(refused.value).startswith(told)
+
+
+def test_an_experiment_that_extends_one_that_is_not_there_is_named(tmp_path: Path) -> None:
+    message = complaint(write(tmp_path, "extends: camoglii"))
+    assert message.startswith(f"{tmp_path / 'small.yaml'}: extends: no experiments file named 'camoglii'")
 
 
 @pytest.mark.parametrize("override", ["episodes", "=3", "a..b=3", "a=[1"])

@@ -1,0 +1,66 @@
+"""Marks of missing values in logs of others: noticed, never taken for a place."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.errors import UserError
+from swamp_rl.logs.import_logs import Reading, import_logs
+from swamp_rl.logs.mapping import mapping_of
+from swamp_rl.runs import Run, read_dataset
+from swamp_rl.runs.import_dataset import About, import_runs
+from swamp_rl.runs.import_foreign import Wishes
+
+TIME = np.round(np.arange(60) * 0.1, 1)
+BAD = slice(20, 24)
+
+
+def log_of(path: Path, mark: float | None) -> Path:
+    """A straight track whose position is `mark` in four rows."""
+    columns = {"time": TIME, "north": 2.0 * TIME, "east": -3.0 * TIME, "heading": np.full(60, 0.4)}
+    for name in ("north", "east") if mark is not None else ():
+        columns[name] = columns[name].copy()
+        columns[name][BAD] = mark
+    rows = [
+        ",".join(columns),
+        *(",".join(f"{v:.10g}" for v in row) for row in zip(*columns.values(), strict=True)),
+    ]
+    path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+def imported(path: Path, way: str, wishes: Wishes) -> list[Run]:
+    if way == "names":
+        import_runs([path], "csv", path.parent / "out", None, wishes)
+    else:
+        given = [f"{name}={name}" for name in ("time", "north", "east", "heading")]
+        import_logs([path], "csv", path.parent / "out", About(), wishes, Reading(mapping_of(given)))
+    return read_dataset(path.parent / "out").runs
+
+
+@pytest.mark.parametrize("way", ["names", "mapping"])
+@pytest.mark.parametrize("mark", [-999.0, 9999.0])
+def test_a_mark_is_no_place_and_its_rows_can_be_left_out(tmp_path: Path, way: str, mark: float) -> None:
+    path = log_of(tmp_path / "log.csv", mark)
+    with pytest.raises(UserError) as told:
+        imported(path, way, Wishes())
+    for name in ("north", "east"):
+        assert f"row 21 (line 22), column {name}: is missing, marked by {mark:.0f}" in str(told.value)
+    assert "(--bad-rows cut or split)" in str(told.value)
+    first, second = imported(path, way, Wishes(bad_rows="split"))
+    assert np.concatenate([first.time, second.time]) == pytest.approx(np.delete(TIME, BAD))
+
+
+def test_a_track_that_passes_through_such_a_number_is_whole(tmp_path: Path) -> None:
+    path = log_of(tmp_path / "log.csv", None)
+    shifted = path.read_text().splitlines()
+    rows = [line.split(",") for line in shifted[1:]]
+    places = [f"{float(row[1]) - 1003.0:.10g}" for row in rows]
+    assert "-999" in places
+    text = "\n".join(
+        [shifted[0], *(",".join([row[0], place, *row[2:]]) for row, place in zip(rows, places, strict=True))]
+    )
+    path.write_text(text + "\n")
+    (run,) = imported(path, "names", Wishes())
+    assert len(run.time) == 60
