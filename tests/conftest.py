@@ -13,6 +13,7 @@ from playwright.sync_api import Browser, sync_playwright
 
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
 from tests.support.runs import circling, described
+from tests.support.tiny_experiment import empty_figures
 
 # Compiled functions make a first example slow; the number of examples bounds the time instead.
 # The examples are the same in every run, so that a failure comes again; those of `search` are not.
@@ -56,6 +57,21 @@ def logs_of_stable_baselines3(tmp_path_factory: pytest.TempPathFactory) -> Itera
     """A folder for the loggers of models that tests train by stable-baselines3 alone."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SB3_LOGDIR", str(tmp_path_factory.mktemp("sb3")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def unflushed() -> Iterator[None]:
+    """Files are not flushed to the disk, which no test of this process could see, and all would wait for."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", os.fstat)
+        yield
+
+
+@pytest.fixture
+def no_figures() -> Iterator[None]:
+    """The figures of results are empty files."""
+    with empty_figures():
         yield
 
 

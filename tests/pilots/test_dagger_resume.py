@@ -1,7 +1,5 @@
 """A DAgger that was broken off goes on from its last round and ends as an unbroken one does, bit for bit."""
 
-import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,7 +11,9 @@ from swamp_rl.pilots import Pilot
 from swamp_rl.pilots.dagger import DaggerSettings
 from swamp_rl.pilots.dagger_checkpoint import load_rounds
 from swamp_rl.pilots.store import load_pilot
+from tests.support import forks, killed_dagger
 from tests.support.killed_dagger import trained
+from tests.support.pages import environment
 
 pytestmark = pytest.mark.slow
 
@@ -68,8 +68,8 @@ def test_broken_off_after_any_round_it_ends_with_the_same_bits_and_tells_every_r
 
 @pytest.mark.timed
 def test_killed_at_random_instants_it_ends_with_the_same_bits(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.support.killed_dagger", str(tmp_path), "1"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = forks.run(forks.SCRIPT, [killed_dagger.__file__, str(tmp_path), "1"], tmp_path, environment())
+    assert done.returncode == 0, done.stderr
     assert int(done.stdout) >= 3
     same(trained(None), load_pilot(tmp_path / "pilot"))
 

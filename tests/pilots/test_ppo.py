@@ -1,7 +1,5 @@
 """PPO as it is trained here: broken off and resumed, begun as a clone, with a memory, telling its curve."""
 
-import subprocess
-import sys
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -17,7 +15,9 @@ from swamp_rl.pilots.network import NetworkPilot, layers_of
 from swamp_rl.pilots.ppo import PPOSettings, train_ppo
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.store import load_pilot
+from tests.support import forks, killed_ppo
 from tests.support.killed_ppo import trained
+from tests.support.pages import environment
 
 pytestmark = pytest.mark.slow
 
@@ -41,8 +41,8 @@ def clone(senses: tuple[str, ...] = CLONED, hidden: int = 64) -> NetworkPilot:
 
 @pytest.mark.timed
 def test_a_training_killed_at_random_instants_ends_with_the_same_bits(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.support.killed_ppo", str(tmp_path), "1"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = forks.run(forks.SCRIPT, [killed_ppo.__file__, str(tmp_path), "1"], tmp_path, environment())
+    assert done.returncode == 0, done.stderr
     assert int(done.stdout) >= 2
     resumed, unbroken = load_pilot(tmp_path / "pilot"), trained(None)
     assert resumed.settings() == unbroken.settings()

@@ -1,7 +1,5 @@
 """A training of a clone that was broken off goes on from its checkpoint and ends as an unbroken one does."""
 
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,7 +11,9 @@ from swamp_rl.errors import UserError
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.gru import GRUSettings, fit_gru
 from swamp_rl.pilots.store import load_pilot
+from tests.support import forks, killed_clones
 from tests.support.killed_clones import trained
+from tests.support.pages import environment
 from tests.support.steering_runs import RUNS
 
 pytestmark = pytest.mark.slow
@@ -99,8 +99,8 @@ def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path) -> None:
 
 @pytest.mark.timed
 def test_killed_at_random_instants_it_ends_with_the_same_bits(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.support.killed_clones", str(tmp_path), "1"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = forks.run(forks.SCRIPT, [killed_clones.__file__, str(tmp_path), "1"], tmp_path, environment())
+    assert done.returncode == 0, done.stderr
     assert int(done.stdout) >= 3
     resumed, unbroken = load_pilot(tmp_path / "pilot"), trained(None)
     for name, value in unbroken.weights().items():

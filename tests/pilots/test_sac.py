@@ -1,7 +1,5 @@
 """SAC, the check of PPO: what it leaves behind drives as its policy does."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +11,9 @@ from swamp_rl.errors import UserError
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.sac import SACSettings, learner_of, pilot_of, train_sac
 from swamp_rl.pilots.store import load_pilot
+from tests.support import forks, killed_sac
 from tests.support.killed_sac import SETTINGS, trained
+from tests.support.pages import environment
 
 pytestmark = pytest.mark.slow
 
@@ -57,8 +57,8 @@ def test_a_training_without_a_checkpoint_writes_nothing(temporary: Path) -> None
 
 @pytest.mark.timed
 def test_a_training_killed_at_random_instants_ends_with_the_same_bits(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.support.killed_sac", str(tmp_path), "1"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = forks.run(forks.SCRIPT, [killed_sac.__file__, str(tmp_path), "1"], tmp_path, environment())
+    assert done.returncode == 0, done.stderr
     assert int(done.stdout) >= 2
     resumed, unbroken = load_pilot(tmp_path / "pilot"), trained(None)
     for name, value in unbroken.weights().items():
