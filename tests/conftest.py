@@ -3,6 +3,7 @@
 import os
 import shutil
 import tempfile
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from playwright.sync_api import Browser, sync_playwright
 
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
 from tests.support.runs import circling, described
+from tests.support.tiny_experiment import empty_figures
 
 # Compiled functions make a first example slow; the number of examples bounds the time instead.
 # The examples are the same in every run, so that a failure comes again; those of `search` are not.
@@ -32,23 +34,39 @@ FLAGS = [
 ]
 
 
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Tests that share what is made once for their file go to one worker, which makes it once.
+def pytest_configure(config: pytest.Config) -> None:
+    """Have the scheduler keep the order of the tests, and not put large groups before the slow tests."""
+    config.option.loadscopereorder = False
 
-    Those marked slow come first, so that no worker ends with a long one while the other has nothing left.
-    The group ends the test's name, which is where the scheduler reads it: pytest-xdist 3.8 writes it into an
-    attribute that pytest 9.2 no longer has.
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Tests of a file go to one worker, which makes and compiles once what they share; slow ones that share
+    no fixture go to any.
+
+    Those marked slow come first, then the files with the most tests, so that no worker ends with a long one
+    while the other has nothing left. The group ends the test's name, which is where the scheduler reads it:
+    pytest-xdist 3.8 writes it into an attribute that pytest 9.2 no longer has.
     """
     if not config.getoption("loadgroup", False):
         return
-    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
-    for item in items:
-        known = item._fixtureinfo.name2fixturedefs if isinstance(item, pytest.Function) else {}
-        shared = any(made.scope == "module" for every in known.values() for made in every)
-        mark = item.get_closest_marker("xdist_group")
-        group = mark.args[0] if mark else item.location[0] if shared else ""
+    groups = {item: group_of(item) for item in items}
+    sizes = Counter(groups.values())
+    items.sort(key=lambda item: (not is_slow(item), -sizes[groups[item]]))
+    for item, group in groups.items():
         if group and not item.nodeid.endswith(f"@{group}"):
             item._id = coerce_node_id(f"{item.nodeid}@{group}")  # type: ignore[attr-defined]
+
+
+def is_slow(item: pytest.Item) -> bool:
+    return item.get_closest_marker("slow") is not None
+
+
+def group_of(item: pytest.Item) -> str:
+    """What goes to one worker with it; empty for a slow test that goes to any."""
+    known = item._fixtureinfo.name2fixturedefs if isinstance(item, pytest.Function) else {}
+    shared = any(made.scope == "module" for every in known.values() for made in every)
+    mark = item.get_closest_marker("xdist_group")
+    return mark.args[0] if mark else item.location[0] if shared or not is_slow(item) else ""
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -56,6 +74,21 @@ def logs_of_stable_baselines3(tmp_path_factory: pytest.TempPathFactory) -> Itera
     """A folder for the loggers of models that tests train by stable-baselines3 alone."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SB3_LOGDIR", str(tmp_path_factory.mktemp("sb3")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def unflushed() -> Iterator[None]:
+    """Files are not flushed to the disk, which no test of this process could see, and all would wait for."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", os.fstat)
+        yield
+
+
+@pytest.fixture
+def no_figures() -> Iterator[None]:
+    """The figures of results are empty files."""
+    with empty_figures():
         yield
 
 

@@ -39,7 +39,9 @@ pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("threads")]  # longest o
 VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 RUN = """
 from swamp_rl.experiments.studies.run import run_experiment
-run_experiment('threads.yaml', out='results')
+from tests.support.tiny_experiment import empty_figures
+with empty_figures():
+    run_experiment('threads.yaml', out='results')
 """
 
 
@@ -47,7 +49,8 @@ def results_on(count: int, folder: Path) -> dict[str, Any]:
     """All of a result that does not depend on when it came about, made by a process of so many threads."""
     folder.mkdir()
     (folder / "threads.yaml").write_text(EXPERIMENT)
-    environment = os.environ | dict.fromkeys(VARIABLES, str(count)) | {"OMP_WAIT_POLICY": "passive"}
+    more = {"OMP_WAIT_POLICY": "passive", "PYTHONPATH": str(Path(__file__).parents[1])}
+    environment = os.environ | dict.fromkeys(VARIABLES, str(count)) | more
     done = subprocess.run(
         [sys.executable, "-c", RUN], cwd=folder, env=environment, capture_output=True, text=True, check=False
     )

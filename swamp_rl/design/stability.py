@@ -138,9 +138,10 @@ def _means_of_clipped(below: Array, above: Array, low: Array, high: Array) -> tu
 
     def integrals(edge: Array) -> tuple[Array, Array]:
         cut, under, over = np.clip(edge, low, high), np.minimum(edge - low, 0.0), np.maximum(edge - high, 0.0)
+        square = cut * cut  # cut**3 would take ten times as long
         return (
-            cut**2 / 2.0 + low * under + high * over,
-            cut**3 / 3.0 + low**2 * under + high**2 * over,
+            square / 2.0 + low * under + high * over,
+            square * cut / 3.0 + low**2 * under + high**2 * over,
         )
 
     (first, second), (begun, begun_squared) = integrals(above), integrals(below)

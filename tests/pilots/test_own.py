@@ -62,6 +62,7 @@ def rates(folder: Path) -> dict[str, Any]:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 def test_the_documents_example_is_trained_and_evaluated_beside_the_others(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -110,6 +111,7 @@ def test_a_wrong_class_or_option_is_refused_by_key(
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 def test_an_installed_packages_entry_point_is_a_kind_that_is_trained_stored_and_read_again(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -181,6 +183,7 @@ def test_a_pilot_that_could_not_be_loaded_again_is_refused_at_saving(tmp_path: P
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 def test_models_of_sb3_and_onnx_files_are_evaluated_in_the_same_table(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -28,18 +28,20 @@ def meta(**changes: object) -> DatasetMeta:
     )
 
 
-def make_craft(level: str, senses: tuple[str, ...]) -> Afloat:
-    return Afloat(GatesEnv(disturbances=level, observation=senses))
-
-
 def recordings(folder: Path) -> Recordings:
     return Recordings(folder, meta(), lambda line: None)
 
 
-def berth(folder: Path, level: str = "calm") -> Berth:
+def berth(folder: Path, level: str = "calm", course: str = "camogli") -> Berth:
     """The SWAMP's, that level the first of its levels."""
-    levels = dict.fromkeys((level, "calm", "standard", "severe"))
-    return Berth(make_craft, tuple(levels), lambda: recordings(folder))
+
+    def on_course(level: str, senses: tuple[str, ...]) -> Afloat:
+        return Afloat(GatesEnv(course=course, disturbances=level, observation=senses))
+
+    def kept() -> Recordings:
+        return Recordings(folder, meta(course=course), lambda line: None)
+
+    return Berth(on_course, tuple(dict.fromkeys((level, "calm", "standard", "severe"))), kept)
 
 
 def session(

@@ -7,6 +7,7 @@ thread of its own, so that its forks may start theirs.
 """
 
 import atexit
+import gc
 import importlib
 import json
 import os
@@ -16,6 +17,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from functools import cache
+from multiprocessing import get_context
 from pathlib import Path
 from typing import IO
 
@@ -25,9 +27,11 @@ LIBRARIES = (
     "matplotlib.pyplot",
     "scipy.optimize",
     "stable_baselines3",
+    "swamp_rl.criticism.diagnose",
     "swamp_rl.envs.batched",
     "swamp_rl.evaluation",
-    "swamp_rl.experiments.cli",
+    "swamp_rl.experiments.cli.app",
+    "swamp_rl.experiments.studies.run",
     "swamp_rl.simulator",
     "torch",
     "torch._dynamo",  # a second that each training would take
@@ -68,17 +72,19 @@ def run(
 
 
 def _serve(lines: IO[str], answers: IO[str]) -> None:
-    """Answer the lines; a fork returns from its program and ends as any interpreter does."""
+    """Answer the lines.
+
+    A fork of multiprocessing does not take apart at its end all that is imported, nor does it look through
+    what is frozen for garbage: together a second.
+    """
     for name in LIBRARIES:
         importlib.import_module(name)
+    gc.freeze()
     for line in lines:
-        asked = json.loads(line)
-        child = os.fork()
-        if child == 0:
-            _become(asked)
-            return
-        status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-        answers.write(f"{status}\n")
+        fork = get_context("fork").Process(target=_become, args=(json.loads(line),))
+        fork.start()
+        fork.join()
+        answers.write(f"{fork.exitcode}\n")
         answers.flush()
 
 
@@ -91,14 +97,17 @@ def _become(asked: dict[str, str]) -> None:
         os.close(opened)
     os.chdir(asked["folder"])
     sys.argv = list(asked["words"])
-    if asked["kind"] == SCRIPT:
-        sys.path[0] = str(Path(sys.argv[0]).parent)
-        runpy.run_path(sys.argv[0], run_name="__main__")
-    else:
-        from swamp_rl.experiments.cli import main
+    try:
+        if asked["kind"] == SCRIPT:
+            sys.path[0] = str(Path(sys.argv[0]).parent)
+            runpy.run_path(sys.argv[0], run_name="__main__")
+        else:
+            from swamp_rl.experiments.cli import main
 
-        sys.path[0] = str(Path(sys.executable).parent)
-        main()
+            sys.path[0] = str(Path(sys.executable).parent)
+            main()
+    finally:
+        atexit._run_exitfuncs()
 
 
 if __name__ == "__main__":

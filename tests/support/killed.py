@@ -3,7 +3,6 @@
 import os
 import random
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -13,6 +12,8 @@ import numpy as np
 
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.store import load_pilot, save_pilot
+from tests.support import forks
+from tests.support.pages import environment
 
 
 class KilledError(Exception):
@@ -57,8 +58,9 @@ def lead_lives(trained: Callable[[Path], Pilot]) -> None:
 
 def killed_training(kind: str, folder: Path) -> tuple[int, Pilot]:
     """How often the lives of `tests.support.killed_KIND` were killed in a folder, and the pilot at last."""
-    command = [sys.executable, "-m", f"tests.support.killed_{kind}", str(folder), "1"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    script = Path(__file__).with_name(f"killed_{kind}.py")
+    done = forks.run(forks.SCRIPT, [str(script), str(folder), "1"], folder, environment())
+    assert done.returncode == 0, done.stderr
     return int(done.stdout), load_pilot(folder / "pilot")
 
 

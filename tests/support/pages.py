@@ -106,7 +106,8 @@ def commands(text: str) -> Iterator[tuple[str, str]]:
 def environment() -> dict[str, str]:
     """This checkout and its commands first; one thread, since tests run side by side."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    own = {"PATH": path, "PYTHONPATH": str(ROOT), "COLUMNS": "120", "OMP_NUM_THREADS": "1"}
+    own = {"PATH": path, "PYTHONPATH": str(ROOT), "COLUMNS": "120"}
+    own |= {"OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
     return {**os.environ, **own}
 
 

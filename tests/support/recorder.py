@@ -26,6 +26,7 @@ def serving(
     host: str = "127.0.0.1",
     token: str | None = None,
     level: str = "calm",
+    course: str = "camogli",
     pilots: dict[str, Pilot] | None = None,
     boats: dict[str, Berth] | None = None,
     seed: int = 1,
@@ -33,7 +34,7 @@ def serving(
 ) -> Iterator[tuple[str, Hub]]:
     """The address and the hub; factor: how much faster than real time the boat's clock runs; boats: beside
     the SWAMP."""
-    berths = {"swamp": berth(folder, level), **(boats or {})}
+    berths = {"swamp": berth(folder, level, course), **(boats or {})}
     session = Session(
         berths, np.random.default_rng(seed), pilots, dead_man=DEAD_MAN * factor, lookout=lookout
     )

@@ -1,10 +1,14 @@
 """An experiment of a few seconds, and what two results of it must have in common."""
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pytest
 import yaml
+from swamp_rl.experiments.reports import figures
 
 TINY = """
 name: tiny
@@ -30,6 +34,15 @@ def write_tiny(folder: Path, *only: str) -> Path:
     data["pilots"] = {name: plan for name, plan in data["pilots"].items() if not only or name in only}
     (folder / "tiny.yaml").write_text(yaml.safe_dump(data, sort_keys=False))
     return folder / "tiny.yaml"
+
+
+@contextmanager
+def empty_figures() -> Iterator[None]:
+    """The PNGs of a report, half of the time of a small experiment, are empty files meanwhile."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("tracks", "commands", "success_rates"):
+            patch.setattr(figures, name, lambda path, *_: path.write_bytes(b""))
+        yield
 
 
 def content(folder: Path) -> dict[str, Any]:

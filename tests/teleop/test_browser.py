@@ -214,7 +214,10 @@ WAYS = {
 def test_a_run_is_tried_again_discarded_and_accepted_by_button_by_key_and_by_gamepad(
     tmp_path: Path, open_page: Callable[..., Page], way: str
 ) -> None:
-    with serving(tmp_path / "runs", factor=GREAT_HASTE, pilots={"ai": ScriptedPilot(0)}) as (address, _):
+    short = tmp_path / "short.yaml"
+    short.write_text("extends: camogli\ntime_limit: 2.0\n")
+    pilots: dict[str, Pilot] = {"ai": ScriptedPilot(0)}
+    with serving(tmp_path / "runs", factor=GREAT_HASTE, course=str(short), pilots=pilots) as (address, _):
         page = open_page(address, PADS)
         for act, kept in (("retry", 0), ("discard", 0), ("accept", 1)):
             pose = frame(page)["pose"]

@@ -21,6 +21,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, check_dataset, read_dataset
 from tests.support.runs import circling
+from tests.support.tiny_experiment import empty_figures
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("closed_loop")]  # what they share is made once
 
@@ -42,7 +43,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     base = {key: value for key, value in whole.items() if key != "pilots"} | {"pilots": pilots}
     (place / "base.yaml").write_text(yaml.safe_dump(base))
     (place / "small.yaml").write_text(yaml.safe_dump(SMALL | {"extends": "base.yaml"}))
-    return run_experiment(place / "small.yaml", out=place / "results")
+    with empty_figures():
+        return run_experiment(place / "small.yaml", out=place / "results")
 
 
 def test_the_extended_boat_is_flown_beside_the_nominal_one_on_the_same_episodes(folder: Path) -> None:

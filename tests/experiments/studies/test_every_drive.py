@@ -26,6 +26,7 @@ smoke: true
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_experiment_trains_and_evaluates_all_pilots_on_any_boat(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: Kind

@@ -69,6 +69,7 @@ def experiment(folder: Path, pilot: str = "ppo", senses: list[str] = SENSES, **k
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 def test_ppo_learns_from_own_terms_and_its_stored_copy_drives_the_same_episodes(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -110,6 +111,7 @@ def test_ppo_learns_from_own_terms_and_its_stored_copy_drives_the_same_episodes(
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 def test_models_that_stable_baselines3_trains_on_the_environment_are_evaluated_by_their_zips(
     place: Path,
 ) -> None:

@@ -1,9 +1,6 @@
 """`kill -9` at any instant, the same command again: it goes on from what is finished and ends the same."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -21,30 +18,21 @@ from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.scripted import ScriptedPilot
 from swamp_rl.pilots.settings import Settings
 from swamp_rl.unfinished import taken_up
-from tests.support.patience import PATIENCE
+from tests.support import forks, killed_experiment
+from tests.support.pages import environment
 from tests.support.tiny_experiment import content, write_tiny
 
-pytestmark = [pytest.mark.slow, pytest.mark.timed]
+pytestmark = [pytest.mark.slow, pytest.mark.timed, pytest.mark.usefixtures("no_figures")]
 
 
 def stopped(*_: Any) -> None:
     raise KeyboardInterrupt
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_killed_at_any_instant_and_begun_again_it_ends_with_the_same_result(
-    tmp_path: Path, seed: int
-) -> None:
+def test_killed_at_any_instant_and_begun_again_it_ends_with_the_same_result(tmp_path: Path) -> None:
     write_tiny(tmp_path)
-    one_thread = {"OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}  # what is forked may hold no threads
-    done = subprocess.run(
-        [sys.executable, "-m", "tests.support.killed_experiment", str(tmp_path), str(seed)],
-        cwd=Path(__file__).parents[3],
-        env=os.environ | one_thread,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-    )
+    words = [killed_experiment.__file__, str(tmp_path), "1"]
+    done = forks.run(forks.SCRIPT, words, tmp_path, environment())  # one thread: what is forked may hold none
     assert done.returncode == 0, done.stderr
     assert int(done.stdout.splitlines()[-1]) > 2
     assert content(tmp_path / "broken") == content(tmp_path / "unbroken")

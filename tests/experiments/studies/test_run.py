@@ -152,6 +152,7 @@ def test_the_kept_configuration_is_the_experiment_that_was_run(folder: Path) -> 
     assert json.loads((folder / "versions.json").read_text())["torch"]
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_the_same_job_twice_gives_the_same_numbers(
     tmp_path: Path, results: dict[str, Any], episodes: dict[str, np.ndarray]
 ) -> None:

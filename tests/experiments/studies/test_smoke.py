@@ -13,6 +13,7 @@ pytestmark = pytest.mark.slow
 SHIPPED = sorted(path.stem for path in (Path(__file__).parents[3] / "configs" / "experiments").glob("*.yaml"))
 
 
+@pytest.mark.usefixtures("no_figures")  # tests.experiments.studies.test_run looks at them
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_experiment_goes_through_all_its_stages(tmp_path: Path, name: str) -> None:
     asked = load_experiment(name)

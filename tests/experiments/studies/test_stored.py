@@ -3,6 +3,7 @@
 import json
 import shutil
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,16 @@ from swamp_rl.experiments.studies.stored import evaluate_folders
 
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.store import describe_pilot
-from tests.support.tiny_experiment import content, write_tiny
+from tests.support.tiny_experiment import content, empty_figures, write_tiny
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("stored")]  # what they share is made once
+
+
+@pytest.fixture(scope="module", autouse=True)
+def no_figures() -> Iterator[None]:
+    """The figures of all results are empty files."""
+    with empty_figures():
+        yield
 
 
 @pytest.fixture(scope="module")

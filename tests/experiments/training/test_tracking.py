@@ -114,7 +114,10 @@ def test_mlflow_gets_how_often_each_pilot_succeeded_at_each_level(tmp_path: Path
 
 
 @pytest.mark.parametrize("uri", ["http://127.0.0.1:9", "gopher://nowhere"])
-def test_a_store_that_cannot_be_had_is_told_in_one_line_before_the_training(uri: str, tmp_path: Path) -> None:
+def test_a_store_that_cannot_be_had_is_told_in_one_line_before_the_training(
+    uri: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "0")  # MLflow's own, for seconds
     begun = []
     with (
         pytest.raises(UserError, match=f"tracking.mlflow: {uri}") as told,
