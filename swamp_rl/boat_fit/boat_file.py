@@ -8,6 +8,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.boat.mapping import boat_mapping
 from swamp_rl.boat.quantity import SPREAD
 from swamp_rl.boat_fit.numbers import Number
+from swamp_rl.effects import LIBRARY
 from swamp_rl.effects.entries import entry_mapping
 
 DIGITS = 5  # significant, of a number in the file
@@ -62,7 +63,7 @@ def _rounded(value: float) -> float:
 def _add_effect(effects: list[dict[str, Any]], boat: Boat, one: Fitted) -> None:
     """Append the effect of a number that has no key of its own, unless it does nothing."""
     _, effect, parameter, *_ = one.number.name.split(".")
-    if one.value == 0.0:
+    if one.value == LIBRARY[effect].parameter(parameter).neutral:
         return
     thrusters = one.number.thrusters
     selector = {} if thrusters is None else {"thruster": boat.thruster_names[thrusters[0]]}

@@ -69,42 +69,54 @@ def fit_windows(
 
 
 @np.errstate(over="ignore", invalid="ignore")  # where numbers make the boat diverge
-def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> BoatFit:
-    """The numbers fitted to runs, from x (p,).
+def short_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> Fit:
+    """The fit to windows of SHORT with SOFT noise, from x (p,). weight: (R, T, 6) by the noise."""
+    return fit_windows(run_set, soft_weights(weight, run_set.boat), SHORT, hypothesis, x)[1]
 
-    Weights of the last windows: the residual's standard deviation by channel, its integrated autocorrelation
+
+def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> BoatFit:
+    """The numbers fitted to runs, from x (p,): in short windows, then as `long_fit`."""
+    return long_fit(run_set, weight, hypothesis, short_fit(run_set, weight, hypothesis, x).x)
+
+
+@np.errstate(over="ignore", invalid="ignore")  # where numbers make the boat diverge
+def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> BoatFit:
+    """The numbers fitted to runs in windows of `window_length`, from x (p,).
+
+    Weights of the windows: the residual's standard deviation by channel, its integrated autocorrelation
     time, so that the likelihood counts independent samples beside the prior, and Huber's weight of each
-    window. Windows in which the boat of the short windows' fit diverges are left out. weight: (R, T, 6) by
-    the measurement noise.
+    window. Windows in which the boat of x diverges are left out. weight: (R, T, 6) by the measurement noise.
     """
     boat = run_set.boat
     seconds, soft = window_length(boat), soft_weights(weight, boat)
-    _, first = fit_windows(run_set, soft, SHORT, hypothesis, x)
     seen = weight > 0
     sigma = 1.0 / np.maximum(soft.max(axis=(0, 1)), 1e-12)
     problem = Shooting(run_set, seen / sigma, seconds)
-    states, _, residual = fit_states(problem, hypothesis, first.x, problem.initial_states(), STATE_ROUNDS)
+    states, _, residual = fit_states(problem, hypothesis, x, problem.initial_states(), STATE_ROUNDS)
     sound = np.asarray(np.isfinite(residual).all(axis=1), dtype=bool)
     if not sound.any():
         raise UserError(
             f"boat {boat.name} diverges in every window of {seconds:.3g} s; check its masses and damping, "
             "or the units of the runs"
         )
-    trust, made = np.ones(int(sound.sum())), replace(first, states=states[sound])
+    trust, states = np.ones(int(sound.sum())), states[sound]
 
-    def fitted(sigma: Array, steps: int, fresh: bool = False) -> tuple[Shooting, Fit]:
+    def fitted(
+        sigma: Array, x: Array, states: Array, steps: int, fresh: bool = False
+    ) -> tuple[Shooting, Fit]:
         problem = weighted(Shooting(run_set, seen / sigma, seconds).part(sound), trust)
-        return problem, fit(problem, hypothesis, made.x, made.states, steps, fresh)
+        return problem, fit(problem, hypothesis, x, states, steps, fresh)
 
     for _ in range(ROUNDS):
-        problem, made = fitted(sigma, STEPS)
+        problem, made = fitted(sigma, x, states, STEPS)
+        x, states = made.x, made.states
         rms, trust = reweighted(problem, made, trust)
         sigma = sigma * rms
-    problem, made = fitted(sigma, STEPS)
+    problem, made = fitted(sigma, x, states, STEPS)
     samples = correlation_samples(standardised_residual(problem, made))
     sigma = sigma * np.sqrt(lost_freedom(problem, made, samples))
     for steps in (STEPS, LAST_STEPS):
-        problem, made = fitted(sigma * np.sqrt(samples), steps, fresh=True)
+        problem, made = fitted(sigma * np.sqrt(samples), made.x, made.states, steps, fresh=True)
         covariance, excess = jackknife_covariance(made)
         if excess < EXCESS:
             break

@@ -1,6 +1,7 @@
 """A boat whose numbers are free, as a hypothesis of the critic's output-error fit."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ OF_LIKE_THRUSTERS = (  # fields of the record, one number for each thruster
     "astern_linear",
     "astern_quadratic",
     "advance_loss",
+    "efficiency_100",
     "dead_band",
 )
 LIKENESS = 0.9  # prior correlation [1] of such numbers of thrusters that are equal in the start file
@@ -57,7 +59,7 @@ class FreeBoat(Hypothesis):
         sd = np.array([number.sd for number in self.numbers] + [WIND_SD] * winds)
         return mean, sd**-2
 
-    @property
+    @cached_property
     def prior_precision(self) -> Array:
         """(p, p) inverse covariance of the prior; equal thrusters of the start file are correlated."""
         sd = self.prior()[1] ** -0.5

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
-from swamp_rl.boat_fit.fit import BoatFit, fit_boat
-from swamp_rl.boat_fit.hypothesis import free_boat
-from swamp_rl.boat_fit.numbers import free_numbers
+from swamp_rl.boat_fit.fit import BoatFit, long_fit, short_fit, window_length
+from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
+from swamp_rl.boat_fit.numbers import Number, free_numbers
 from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.recent_thrust import recent_errors
 from swamp_rl.boat_fit.report import page_of
@@ -36,6 +36,7 @@ from swamp_rl.one_thread import one_thread
 Array = NDArray[np.float64]
 
 SUFFIX, REPORT = ".yaml", ".html"
+FITS = 2  # at most, each without the runs of another thrust that the one before shows
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ def identify_boat(
     data = split(run_set, other)
     with ExitStack() as files:
         part, page = (files.enter_context(write_beside(path)) for path in (out, out.with_suffix(REPORT)))
-        made, others = _fitted_to_alike(data, partial(_fitted_file, part, dataset, out.stem, positions))
+        made, others = _fitted_to_alike(data, positions, partial(_written, part, dataset, out.stem))
         here = advanced(data.held_out, made.wiring.advance)
         alike = without(here, {one.name for one in others})
         found = Identification(
@@ -99,43 +100,52 @@ def identify_boat(
 
 
 def _fitted_to_alike(
-    data: Split, fit_to: Callable[[RunSet, _FittedFile | None], _FittedFile]
+    data: Split, positions: bool, written: Callable[[Boat, list[Fitted]], Boat]
 ) -> tuple[_FittedFile, list[RunThrust]]:
-    """The fit to the training runs that have the thrust of most runs, and the runs that have another."""
-    made = fit_to(data.training, None)
-    others = with_other_thrust(_thrusts(data, made))
-    left_out = {one.name for one in others} & set(data.training.names)
-    rest = without(data.training, left_out)
-    if not left_out or not len(rest.lengths):
-        return made, others
-    LOG.info("without %s", ", ".join(sorted(left_out)))
-    made = fit_to(rest, made)
-    thrusts = _thrusts(data, made)
-    names = left_out | {one.name for one in with_other_thrust(thrusts)}
-    return made, [one for one in thrusts if one.name in names]
-
-
-def _thrusts(data: Split, made: _FittedFile) -> list[RunThrust]:
-    """The thrust of all runs; nothing where there are too few to compare."""
-    if len(data.training.lengths) + len(data.held_out.lengths) < FEWEST:
-        return []
-    LOG.info("thrust of each run")
-    parts = (advanced(part, made.wiring.advance) for part in (data.training, data.held_out))
-    return [one for part in parts for one in run_thrusts(part, made.boat)]
-
-
-def _fitted_file(
-    part: Path, dataset: Path, name: str, positions: bool, training: RunSet, before: _FittedFile | None
-) -> _FittedFile:
-    """The fit to runs, its file written to `part` and loaded again; before: a fit to more runs, which has
-    their wiring, and numbers to begin with.
+    """The fit to the training runs that have the thrust of most runs, and the runs that have another. These
+    are sought with the fit to short windows of all, and again with the fit without them. written: the boat of
+    the file with these numbers.
     """
-    known = None if before is None else replace(before.wiring, x=before.fit.fit.x[: len(before.numbers)])
-    wiring, made = fitted_boat(training, positions, known)
-    numbers = numbers_of(made)
-    mapping = identified_mapping(wiring.boat, name, numbers, _told(dataset))
+    begun, rest = searched(data.training, positions), data.training
+    wiring, numbers = short_fitted(rest, begun, positions)
+    judged = len(rest.lengths) + len(data.held_out.lengths) >= FEWEST
+    thrusts = _thrusts(data, wiring, written(wiring.boat, numbers)) if judged else []
+    for _ in range(FITS):
+        alike = _without_other_thrust(rest, thrusts)
+        if alike is not rest:
+            rest, (wiring, _) = alike, short_fitted(alike, begun, positions)
+        made = fitted_boat(rest, wiring, positions)
+        numbers = numbers_of(made)
+        boat = written(wiring.boat, numbers)
+        thrusts = _thrusts(data, wiring, boat) if judged else []
+        found = {one.name for one in with_other_thrust(thrusts)}
+        if not found & set(rest.names):
+            break
+    named = (found & set(data.held_out.names)) | (set(data.training.names) - set(rest.names))
+    return _FittedFile(wiring, made, numbers, boat), [one for one in thrusts if one.name in named]
+
+
+def _without_other_thrust(training: RunSet, thrusts: list[RunThrust]) -> RunSet:
+    """The runs that have the thrust of most runs; all of them where none has."""
+    rest = without(training, {one.name for one in with_other_thrust(thrusts)})
+    if rest is training or not len(rest.lengths):
+        return training
+    LOG.info("without %s", ", ".join(sorted(set(training.names) - set(rest.names))))
+    return rest
+
+
+def _thrusts(data: Split, wiring: Wiring, boat: Boat) -> list[RunThrust]:
+    """The thrust of all runs as a share of the boat's."""
+    LOG.info("thrust of each run")
+    parts = (advanced(part, wiring.advance) for part in (data.training, data.held_out))
+    return [one for part in parts for one in run_thrusts(part, boat)]
+
+
+def _written(part: Path, dataset: Path, name: str, boat: Boat, numbers: list[Fitted]) -> Boat:
+    """The boat of the file with these numbers, written to `part`."""
+    mapping = identified_mapping(boat, name, numbers, _told(dataset))
     part.write_text(yaml_text(mapping), encoding="utf-8")
-    return _FittedFile(wiring, made, numbers, _loaded(part, dataset))
+    return _loaded(part, dataset)
 
 
 def refuse_to_overwrite(out: Path) -> None:
@@ -168,35 +178,50 @@ def _told(dataset: Path) -> str:
     return dataset.resolve().name or "runs"
 
 
-def fitted_boat(
-    training: RunSet, positions: bool = False, known: Wiring | None = None
-) -> tuple[Wiring, BoatFit]:
-    """The wiring of the commands, unless known, and the fit of a boat's numbers to runs."""
-    weight = weights(training, noise_levels(training))
-    wiring = known or _searched(training, weight, positions)
+def searched(training: RunSet, positions: bool = False) -> Wiring:
+    """The wiring of the commands."""
+    LOG.info("%.1f min of runs: channels, signs and delays", training.lengths.sum() * training.dt / 60)
+    return search_wiring(training, weights(training, noise_levels(training)), positions)
+
+
+def short_fitted(training: RunSet, wiring: Wiring, positions: bool = False) -> tuple[Wiring, list[Fitted]]:
+    """The wiring with the numbers of the fit to short windows, and these."""
+    run_set, weight, hypothesis, x = _begun(training, wiring, positions)
+    LOG.info("fitting %d numbers", len(hypothesis.numbers))
+    made = short_fit(run_set, weight, hypothesis, x)
+    found = _estimates(hypothesis.numbers, made.x, made.covariance)
+    return replace(wiring, x=made.x[: len(found)]), found
+
+
+def fitted_boat(training: RunSet, wiring: Wiring, positions: bool = False) -> BoatFit:
+    """The fit of a boat's numbers to runs, from those of the wiring."""
+    LOG.info("fitting to windows of %.3g s", window_length(training.boat))
+    return long_fit(*_begun(training, wiring, positions))
+
+
+def _begun(training: RunSet, wiring: Wiring, positions: bool) -> tuple[RunSet, Array, FreeBoat, Array]:
+    """Runs, weights (R, T, 6), hypothesis and numbers x (p,) that a fit begins with."""
     run_set = advanced(replace(training, boat=wiring.boat), wiring.advance)
     windy = "wind_speed" not in run_set.measured_fields
-    numbers = free_numbers(wiring.boat, positions)
-    hypothesis = free_boat(wiring.boat, numbers, len(run_set.lengths) if windy else 0)
+    hypothesis = free_boat(
+        wiring.boat, free_numbers(wiring.boat, positions), len(run_set.lengths) if windy else 0
+    )
     x = hypothesis.start()
-    x[: len(numbers)] = wiring.x
-    LOG.info("fitting %d numbers", len(numbers))
-    return wiring, fit_boat(run_set, weight, hypothesis, x)
-
-
-def _searched(training: RunSet, weight: Array, positions: bool) -> Wiring:
-    LOG.info("%.1f min of runs: channels, signs and delays", training.lengths.sum() * training.dt / 60)
-    return search_wiring(training, weight, positions)
+    x[: len(hypothesis.numbers)] = wiring.x
+    return run_set, weights(training, noise_levels(training)), hypothesis, x
 
 
 def numbers_of(made: BoatFit) -> list[Fitted]:
     """Value, standard error and prior of each number."""
+    return _estimates(made.hypothesis.numbers, made.fit.x, made.covariance)
+
+
+def _estimates(numbers: Sequence[Number], x: Array, covariance: Array) -> list[Fitted]:
     found = []
-    for i, number in enumerate(made.hypothesis.numbers):
-        x, sd = float(made.fit.x[i]), float(np.sqrt(made.covariance[i, i]))
-        found.append(
-            Fitted(number, number.value(x), number.spread(x, min(sd, number.sd)), number.spread(x, number.sd))
-        )
+    for i, number in enumerate(numbers):
+        own, sd = float(x[i]), float(np.sqrt(covariance[i, i]))
+        error = number.spread(own, min(sd, number.sd))
+        found.append(Fitted(number, number.value(own), error, number.spread(own, number.sd)))
     return found
 
 

@@ -28,6 +28,9 @@ DELAY_STEP = 0.1  # the same for delays, which act through interpolated commands
 SHORTEST, LAG_STEP = 0.05, 0.03
 ROOM = 1.25  # factor that is left to the ends of plausible ranges, which depend on the mass as well
 LAG = 0.3  # prior width of a time constant, in lengths over top speed
+# prior width [1] of the factor at full command; it is 0.6 where thrust grows by the square of the command up
+# to 60 % and in proportion to it from there on
+SATURATION = 0.3
 DERIVATIVE = 0.02  # prior width [1] of a hull derivative beside its share, which may be 0 or of either sign
 
 
@@ -204,6 +207,8 @@ def _jet(boat: Boat, k: int) -> Iterable[Number]:
         trial = "full throttle at speed"
         name = f"{key}.advance_loss"
         yield Number(name, "1", "advance_loss", start, 0.3, trial, low=0.0, thrusters=(k,))
+    if screw is None and thruster.thrust_table is None:
+        yield from _saturation(boat, k)
     yield _dead_band(boat, k)
     if thruster.kind == "azimuth":
         start = float(record["azimuth_offset"][k])
@@ -216,6 +221,19 @@ def _open_water(model: OpenWater, key: str, k: int, trial: str) -> Iterable[Numb
     if isinstance(model, Linear):
         start, name = model.bollard_coefficient, f"{key}.propeller.open_water.bollard_coefficient"
         yield Number(name, "1", "screw_bollard", start, 0.3 * start, trial, low=0.0, thrusters=(k,))
+
+
+def _saturation(boat: Boat, k: int) -> Iterable[Number]:
+    """The share of the curve's thrust that is left at full command: T = e(p) (a + b p) p, a, b >= 0, rises
+    faster than the command where e = 1; measured curves of propellers rise slower near full command.
+    """
+    record = parameters(boat)[0]
+    if record["efficiency_30"][k] != 1.0 or record["efficiency_60"][k] != 1.0:
+        return
+    start, name = float(record["efficiency_100"][k]), boat.thrusters[k].name
+    key = f"effects.thruster_efficiency_curve.at_100.{name}"
+    trial = f"several throttles above 60 % of {name}"
+    yield Number(key, "1", "efficiency_100", start, SATURATION, trial, low=0.0, thrusters=(k,))
 
 
 def _dead_band(boat: Boat, k: int) -> Number:

@@ -50,11 +50,9 @@ def run_thrusts(run_set: RunSet, boat: Boat) -> list[RunThrust]:
 
 def _run_thrust(run: RunSet, weight: Array, hypothesis: Hypothesis) -> RunThrust:
     problem = Shooting(run, weight, SHORT)
-    begun = []
+    states, begun = problem.initial_states(), []
     for scale in SCALES:
-        states, _, residual = fit_states(
-            problem, hypothesis, np.array([scale]), problem.initial_states(), STATE_ROUNDS
-        )
+        states, _, residual = fit_states(problem, hypothesis, np.array([scale]), states, STATE_ROUNDS)
         begun.append((float(np.nan_to_num(losses(residual).sum(), nan=np.inf)), scale, states))
     _, scale, states = min(begun, key=lambda one: one[0])
     made = fit(problem, hypothesis, np.array([scale]), states, STEPS)

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,11 +19,16 @@ from swamp_rl.simulator import parameters
 
 SECONDS = 120.0  # s of runs that the search fits to
 STEPS = 4  # Jacobians of each of its fits
+LIKELY, FAR = (
+    2,
+    4.0,
+)  # wirings that are fitted in full: how many, and up to which multiple of the chi2 without
 MOST_TOGETHER = 4  # changes of which every combination is tried; of more, one after the other
 CLEARLY = 0.8  # of the chi2 without it, below which a change is taken
 ADVANCE = 0.6  # s, by which commands that may be stamped late are tried earlier
 DELAYS = (0.0, 0.5, 1.0)  # s, from which the delay of the commands is fitted
 LAGS = 0.3  # s of an offset that the lags of actuators may be
+REACHED = 0.2  # s of delay that a fit from none reaches: the prior width of the delay
 LATE = 0.05  # s that commands must be stamped late to be corrected
 
 
@@ -84,8 +89,9 @@ def search_wiring(run_set: RunSet, weight: Array, positions: bool = False) -> Wi
     changes = possible_changes(run_set.boat)
     best = _best_combination if len(changes) <= MOST_TOGETHER else _one_by_one
     least, taken = best(trial, changes)
-    if _begin(offset) != (0.0, 0.0):
-        late = replace(trial, delay=_begin(offset)[0], advance=_begin(offset)[1])
+    delay, advance = _begin(offset)
+    if delay > REACHED or advance > 0.0:
+        late = replace(trial, delay=delay, advance=advance)
         found, others = best(late, changes)
         if found < CLEARLY * least:  # the motion of a boat under control has a period, and its half is a sign
             trial, taken = late, others
@@ -114,13 +120,15 @@ def _begin(offset: float) -> tuple[float, float]:
 @dataclass
 class _Trial:
     """Quick fits of differently wired boats to the same runs, by default from `delay` [s], the commands taken
-    `advance` [s] earlier."""
+    `advance` [s] earlier; made: those that are done.
+    """
 
     run_set: RunSet
     weight: Array
     positions: bool
     delay: float = 0.0
     advance: float = 0.0
+    made: dict[tuple[bytes, float, float, int], tuple[float, Array]] = field(default_factory=dict)
 
     def hypothesis(self, boat: Boat) -> FreeBoat:
         return free_boat(boat, free_numbers(boat, self.positions), 0)
@@ -130,18 +138,26 @@ class _Trial:
         return names.index("effects.command_delay.delay")
 
     def fitted(
-        self, boat: Boat, delay: float | None = None, advance: float | None = None
+        self, boat: Boat, delay: float | None = None, advance: float | None = None, steps: int = STEPS
     ) -> tuple[float, Array]:
-        """chi2 and numbers of a fit from that delay [s], the commands taken `advance` [s] earlier."""
+        """chi2 and numbers of a fit with so many Jacobians from that delay [s], the commands taken `advance`
+        [s] earlier.
+        """
         delay = self.delay if delay is None else delay
         advance = self.advance if advance is None else advance
+        key = _commands_of(boat), delay, advance, steps
+        if key not in self.made:
+            self.made[key] = self._fitted(boat, delay, advance, steps)
+            LOG.debug("delay %g s, advance %g s, %d steps: chi2 %.0f", *key[1:], self.made[key][0])
+        return self.made[key]
+
+    def _fitted(self, boat: Boat, delay: float, advance: float, steps: int) -> tuple[float, Array]:
         hypothesis = self.hypothesis(boat)
         x = hypothesis.start()
         x[self.delay_column(boat)] += delay
         moved = advanced(replace(self.run_set, boat=boat), advance)
         with np.errstate(over="ignore", invalid="ignore"):
-            _, made = fit_windows(moved, self.weight, SHORT, hypothesis, x, STEPS)
-        LOG.debug("delay %g s, advance %g s: chi2 %.0f", delay, advance, made.chi2)
+            _, made = fit_windows(moved, self.weight, SHORT, hypothesis, x, steps)
         return made.chi2 if np.isfinite(made.chi2) else np.inf, made.x
 
 
@@ -183,10 +199,22 @@ def _best_combination(trial: _Trial, changes: list[Change]) -> tuple[float, list
     for count in range(len(changes) + 1):
         for some in itertools.combinations(changes, count):
             shortest.setdefault(_commands_of(rewired(boat, some)), list(some))
-    every = list(shortest.values())
-    chi2 = [trial.fitted(rewired(boat, some))[0] for some in every]
+    least = trial.fitted(boat)[0]
+    return _best_of(trial, [some for some in shortest.values() if some], least) or (least, [])
+
+
+def _best_of(trial: _Trial, every: list[list[Change]], least: float) -> tuple[float, list[Change]] | None:
+    """chi2 and changes of the best of several wirings where it is clearly better than `least`.
+
+    Only the most likely ones by a shorter fit are fitted in full, and none that are far from `least` there.
+    """
+    glance = [trial.fitted(rewired(trial.run_set.boat, some), steps=1)[0] for some in every]
+    likely = [every[i] for i in np.argsort(glance)[:LIKELY] if glance[i] < FAR * least]
+    if not likely:
+        return None
+    chi2 = [trial.fitted(rewired(trial.run_set.boat, some))[0] for some in likely]
     best = int(np.argmin(chi2))
-    return (chi2[best], every[best]) if chi2[best] < CLEARLY * chi2[0] else (chi2[0], [])
+    return (chi2[best], likely[best]) if chi2[best] < CLEARLY * least else None
 
 
 def _one_by_one(trial: _Trial, changes: list[Change]) -> tuple[float, list[Change]]:
@@ -194,10 +222,9 @@ def _one_by_one(trial: _Trial, changes: list[Change]) -> tuple[float, list[Chang
     taken: list[Change] = []
     least = trial.fitted(trial.run_set.boat)[0]
     while len(taken) < len(trial.run_set.boat.thrusters):
-        rest = [change for change in changes if change not in taken]
-        chi2 = [trial.fitted(rewired(trial.run_set.boat, [*taken, change]))[0] for change in rest]
-        best = int(np.argmin(chi2))
-        if chi2[best] >= CLEARLY * least:
+        every = [[*taken, change] for change in changes if change not in taken]
+        found = _best_of(trial, every, least)
+        if found is None:
             break
-        taken, least = [*taken, rest[best]], chi2[best]
+        least, taken = found
     return least, taken

@@ -39,6 +39,7 @@ WIRED = (
   - {effect: throttle_reversed, thruster: port}
 """
 )
+SATURATED = "  - {effect: thruster_efficiency_curve, thruster: all, at_100: 0.6}\n"
 FIVE = 1  # place of the horizon of 5 s among those of the report
 
 
@@ -60,7 +61,7 @@ def by_name(fitted: list[Fitted]) -> dict[str, Fitted]:
 
 
 def test_a_hidden_boat_is_found_within_its_intervals(tmp_path: Path) -> None:
-    runs = start_runs(tmp_path, HIDDEN.replace("effects", "x_g: 0.02\neffects"))
+    runs = start_runs(tmp_path, HIDDEN.replace("effects", "x_g: 0.02\neffects") + SATURATED)
     hypothesis = free_boat(runs.boat, free_numbers(runs.boat), 0)
     made = fit_boat(runs, weights(runs, noise_levels(runs)), hypothesis, hypothesis.start())
     found = by_name(numbers_of(made))
@@ -72,10 +73,12 @@ def test_a_hidden_boat_is_found_within_its_intervals(tmp_path: Path) -> None:
         "added_mass_sway": -10.0,
         "effects.throttle_dead_band.below.port": 0.1,
         "thrusters.starboard.thrust_quadratic": 7.0,
+        "effects.thruster_efficiency_curve.at_100.starboard": 0.6,
     }
     for name, value in truth.items():
         assert abs(found[name].value - value) < 4.0 * found[name].standard_error, name
     assert found["hull.n_r"].shown and found["x_g"].shown
+    assert found["effects.thruster_efficiency_curve.at_100.starboard"].shown
 
 
 def test_a_thruster_that_was_idle_gets_the_thrust_of_its_equal(tmp_path: Path) -> None:

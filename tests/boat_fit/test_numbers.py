@@ -119,6 +119,17 @@ def test_effects_of_the_start_file_on_fitted_numbers_are_in_these_numbers(tmp_pa
     assert mapping["hull"]["n_r"]["value"] == pytest.approx(2.0 * boat.hull.n_r)
 
 
+def test_saturation_is_free_unless_the_start_file_has_a_curve_below_full_throttle(tmp_path: Path) -> None:
+    def named(text: str) -> list[str]:
+        (tmp_path / "bent.yaml").write_text(f"extends: swamp\neffects: [{text}]\n")
+        boat = load_boat(tmp_path / "bent.yaml")
+        return [number.name for number in free_numbers(boat) if number.field == "efficiency_100"]
+
+    curve = "effect: thruster_efficiency_curve, thruster: all"
+    assert len(named(f"{{{curve}, at_100: 0.8}}")) == len(load_boat("swamp").thrusters)
+    assert named(f"{{{curve}, at_60: 0.9}}") == []
+
+
 def test_a_measured_number_has_a_narrower_prior_than_an_assumed_one(tmp_path: Path) -> None:
     by_name = {number.name: number for number in free_numbers(load_boat("swamp"))}
     assumed = load_boat(written(tmp_path, "twin"))

@@ -1,6 +1,7 @@
 """Output-error fit by damped Gauss-Newton: parameters common to all windows, an initial state for each."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
+Products = tuple[Array, Array, Array]
 
 
 @dataclass(frozen=True)
@@ -34,18 +36,30 @@ class Normal:
         return np.asarray(np.linalg.solve(self.states_information, wanted[..., None])[..., 0], dtype=float)
 
 
-def normal_equations(states: Array, slopes: Array, residual: Array, damping: float | Array = 0.0) -> Normal:
-    """From Jacobians by initial states (W, M, 6) and by parameters (W, M, p), and residuals (W, M)."""
-    transposed = np.swapaxes(states, 1, 2)
-    A = transposed @ states
+def products_of(states: Array, slopes: Array) -> Products:
+    """Of Jacobians by initial states S (W, M, 6) and by parameters P (W, M, p): S'S, S'P and P'P."""
+    transposed, by = np.swapaxes(states, 1, 2), np.swapaxes(slopes, 1, 2)
+    return transposed @ states, transposed @ slopes, by @ slopes
+
+
+def normal_equations(
+    states: Array,
+    slopes: Array,
+    residual: Array,
+    damping: float | Array = 0.0,
+    products: Products | None = None,
+) -> Normal:
+    """From Jacobians by initial states (W, M, 6) and by parameters (W, M, p), and residuals (W, M); products:
+    of the Jacobians, where known.
+    """
+    A, C, square = products or products_of(states, slopes)
     ridge = 1e-11 * np.einsum("wii->wi", A) + 1e-12 + damping**2
     A = A + ridge[..., None] * np.eye(6)
-    C = transposed @ slopes
-    b = (transposed @ residual[..., None])[..., 0]
+    b = (np.swapaxes(states, 1, 2) @ residual[..., None])[..., 0]
     solved = np.linalg.solve(A, np.concatenate([C, b[..., None]], axis=2))
     across = np.swapaxes(C, 1, 2)
     by = np.swapaxes(slopes, 1, 2)
-    information = by @ slopes - across @ solved[..., :-1]
+    information = square - across @ solved[..., :-1]
     gradient = (by @ residual[..., None])[..., 0] - (across @ solved[..., -1:])[..., 0]
     profile_chi2 = (residual**2).sum(axis=1) - (b * solved[..., -1]).sum(axis=1)
     return Normal(A, C, b, information, gradient, profile_chi2)
@@ -238,7 +252,20 @@ class Iterate:
         return float(self.loss.sum()) + self.penalty
 
 
-Jacobians = tuple[Array, Array]
+@dataclass(frozen=True)
+class Jacobians:
+    """Jacobians of the standardised prediction by states (W, M, 6) and by parameters (W, M, p)."""
+
+    by_state: Array
+    by_x: Array
+
+    def normal(self, residual: Array, damping: float | Array = 0.0) -> Normal:
+        """The normal equations with residuals (W, M)."""
+        return normal_equations(self.by_state, self.by_x, residual, damping, self._products)
+
+    @cached_property
+    def _products(self) -> Products:
+        return products_of(self.by_state, self.by_x)
 
 
 def fit(
@@ -259,8 +286,9 @@ def fit(
     base = problem.track(hypothesis, x, states)
     at = Iterate(x, states, base, problem.residuals(base), prior_penalty(hypothesis, x))
     by_state = problem.state_jacobian(hypothesis, x, states, base)
-    at = _with_states_refitted(problem, hypothesis, at, by_state, options().window_increase) or at
-    slopes, start, used = jacobians_at(problem, hypothesis, at), 0, 1
+    refitted = _with_states_refitted(problem, hypothesis, at, by_state, options().window_increase)
+    at = refitted or at
+    slopes, start, used = jacobians_at(problem, hypothesis, at, None if refitted else by_state), 0, 1
     newest, first, refits = True, True, 0
     while True:
         moved, start, gain_ratio = _step(problem, hypothesis, at, slopes, start, first)
@@ -275,23 +303,24 @@ def fit(
             if refits == options().most_refits:
                 break
             least = max(options().state_gain, least)
-            refitted = _with_states_refitted(problem, hypothesis, at, slopes[0], least)
+            refitted = _with_states_refitted(problem, hypothesis, at, slopes.by_state, least)
             if refitted is None:
                 break
             at, refits = refitted, refits + 1
         slopes, used, newest = jacobians_at(problem, hypothesis, at), used + 1, True
     if fresh and not newest:
         slopes = jacobians_at(problem, hypothesis, at)
-    normal = normal_equations(*slopes, at.residual)
-    return Fit(hypothesis, at.x, at.states, at.residual, at.loss, normal, at.penalty, slopes[0], used)
+    normal, by_state = slopes.normal(at.residual), slopes.by_state
+    return Fit(hypothesis, at.x, at.states, at.residual, at.loss, normal, at.penalty, by_state, used)
 
 
-def jacobians_at(problem: Shooting, hypothesis: Hypothesis, at: Iterate) -> Jacobians:
-    """Jacobians by states (W, M, 6) and by parameters (W, M, p)."""
-    return (
-        problem.state_jacobian(hypothesis, at.x, at.states, at.base),
-        problem.parameter_jacobian(hypothesis, at.x, at.states, at.base),
-    )
+def jacobians_at(
+    problem: Shooting, hypothesis: Hypothesis, at: Iterate, by_state: Array | None = None
+) -> Jacobians:
+    """The Jacobians there; by_state: the one by states (W, M, 6), where known."""
+    if by_state is None:
+        by_state = problem.state_jacobian(hypothesis, at.x, at.states, at.base)
+    return Jacobians(by_state, problem.parameter_jacobian(hypothesis, at.x, at.states, at.base))
 
 
 def _step(
@@ -305,7 +334,7 @@ def _step(
     reach = hypothesis.scales
     for number in range(start, len(options().dampings)):
         damping = options().dampings[number]
-        normal = normal_equations(*slopes, at.residual, damping / state_reach(problem))
+        normal = slopes.normal(at.residual, damping / state_reach(problem))
         H = normal.information.sum(axis=0) + precision + np.diag(len(at.states) * (damping / reach) ** 2)
         g = normal.gradient.sum(axis=0) - precision @ (at.x - mean)
         step = bounded_step(H, g, at.x, low, high)

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.simulator.state import HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE
+from swamp_rl.physics.compile import compiled
+from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE
 
 Array = NDArray[np.float64]
 
@@ -31,9 +32,7 @@ def observe(track: Array, params: NDArray[Any], dt: float, began: Array | None =
         )
         of_clock = clock_error(time, params)
         late = (params["position_delay"][:, None] + of_clock) / dt
-        own = np.flatnonzero(late.any(axis=1))
-        measured[own, :, :2] = positions_before(measured[own, :, :2], track[own], late[own], dt)
-        measured[own, :, SURGE : SWAY + 1] = rows_before(track[own, :, SURGE : SWAY + 1], of_clock[own] / dt)
+        report_late(track, measured[:, :, :2].copy(), late, of_clock / dt, late.any(axis=1), dt, measured)
         measured[:, :, HEADING] += params["heading_drift"][:, None] * time
     measured[:, :, HEADING] += params["heading_bias"][:, None]
     measured[:, :, YAW_RATE] += params["gyro_bias"][:, None]
@@ -68,29 +67,43 @@ def antenna_offset(heading: Array, params: NDArray[Any], place: Any = ...) -> Ar
     return np.stack([x * cos - y * sin, x * sin + y * cos], axis=-1)
 
 
-def rows_before(values: Array, rows: Array) -> Array:
-    """Values (n, T, C) as they were `rows` (n, T) before each row, linear between rows, held beyond both
-    ends.
-    """
-    last = values.shape[1] - 1
-    places = np.clip(np.arange(last + 1) - rows, 0.0, last)
-    before = np.minimum(places.astype(np.int64), max(last - 1, 0))
-    share = (places - before)[..., None]
-    boats = np.arange(len(values))[:, None]
-    return (1.0 - share) * values[boats, before] + share * values[boats, np.minimum(before + 1, last)]
+@compiled
+def between(place: float, last: int) -> tuple[int, int, float]:
+    """Rows on both sides of a place, and the share [1] of the second; held beyond both ends."""
+    held = min(max(place, 0.0), float(last))
+    before = min(int(held), max(last - 1, 0))
+    return before, min(before + 1, last), held - before
 
 
-def positions_before(position: Array, track: Array, rows: Array, dt: float) -> Array:
-    """Positions (n, T, 2) as they were `rows` (n, T) before each; before the first of the states (n, T, S),
-    and after the last, the boat goes straight on with their velocity.
+@compiled
+def report_late(track: Any, position: Any, late: Any, of_clock: Any, own: Any, dt: float, seen: Any) -> None:
+    """Fill seen (n, T, 6) of the boats `own` (n,) with what was `late` rows before: position (n, T, 2), which
+    before the first of the states (n, T, S), and after the last, goes straight on with their velocity; and
+    surge and sway, `of_clock` rows before.
     """
-    place = np.arange(position.shape[1]) - rows
-    before, after = np.minimum(place, 0.0) * dt, np.maximum(place - (position.shape[1] - 1), 0.0) * dt
-    return (
-        rows_before(position, rows)
-        + before[..., None] * velocity_over_ground(track[:, 0])[:, None]
-        + after[..., None] * velocity_over_ground(track[:, -1])[:, None]
-    )
+    last = track.shape[1] - 1
+    for i in np.flatnonzero(own):
+        first, final = track[i, 0], track[i, last]
+        from_north, from_east = over_ground(first[HEADING], first[SURGE], first[SWAY])
+        to_north, to_east = over_ground(final[HEADING], final[SURGE], final[SWAY])
+        for t in range(last + 1):
+            place = t - late[i, t]
+            early, on = min(place, 0.0) * dt, max(place - last, 0.0) * dt
+            one, two, share = between(place, last)
+            north = (1.0 - share) * position[i, one, 0] + share * position[i, two, 0]
+            east = (1.0 - share) * position[i, one, 1] + share * position[i, two, 1]
+            seen[i, t, NORTH] = north + early * from_north + on * to_north
+            seen[i, t, EAST] = east + early * from_east + on * to_east
+            one, two, share = between(t - of_clock[i, t], last)
+            for c in (SURGE, SWAY):
+                seen[i, t, c] = (1.0 - share) * track[i, one, c] + share * track[i, two, c]
+
+
+@compiled
+def over_ground(heading: float, surge: float, sway: float) -> tuple[float, float]:
+    """Velocity [m/s] towards north and east."""
+    cos, sin = math.cos(heading), math.sin(heading)
+    return surge * cos - sway * sin, surge * sin + sway * cos
 
 
 def velocity_over_ground(states: Array) -> Array:
