@@ -26,11 +26,16 @@ Array = NDArray[np.float64]
 
 def exchange_search(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[Fit]:
     """Fits to the middle windows, each one exchange or one effect more from the last and of a lower criterion
-    on the shortest, until the residual is noise; at: a fit to the shortest windows.
+    on the shortest, until the residual is noise; at: a fit to the shortest windows. Effects without a number
+    take no part: their score is no guide.
     """
     found: list[Fit] = []
+    numbered = [one for one in instances if one.size]
+    most = continuation.boat_steps + options().exchange_budget
     for _ in range(options().exchange_rounds):
-        best = _better(continuation, at, instances)
+        if continuation.boat_steps > most:
+            break
+        best = _better(continuation, at, numbered)
         if continuation.criterion(best) > continuation.criterion(at) - options().not_converged:
             break
         LOG.debug("exchange: %s for %s", best.hypothesis.label, at.hypothesis.label)
@@ -61,7 +66,8 @@ def _neighbours(continuation: Continuation, at: Fit, instances: Sequence[EffectI
     for instance, own in at.parts():
         base = at_states(problem, *joined(at.parts(but=instance.label)), at.states, options().score_rounds)
         others = [one for one in instances if one.label != instance.label]
-        scores = score_tests(problem, base, [*others, _elsewhere(instance, own)])
+        again = [_elsewhere(instance, own)] if instance.size else []
+        scores = score_tests(problem, base, [*others, *again])
         yield from _promising(continuation, at, scores, instances)
 
 
