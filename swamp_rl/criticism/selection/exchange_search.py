@@ -26,16 +26,15 @@ Array = NDArray[np.float64]
 
 def exchange_search(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[Fit]:
     """Fits to the middle windows, each one exchange or one effect more from the last and of a lower criterion
-    on the shortest, until the residual is noise; at: a fit to the shortest windows. Effects without a number
-    take no part: their score is no guide.
+    on the shortest, until the residual is noise; at: a fit to the shortest windows. Effects without a number,
+    whose score is no guide, and with parameters for each group of runs take no part unless `at` has them.
     """
     found: list[Fit] = []
-    numbered = [one for one in instances if one.size]
     most = continuation.boat_steps + options().exchange_budget
-    for _ in range(options().exchange_rounds):
-        if continuation.boat_steps > most:
-            break
-        best = _better(continuation, at, numbered)
+    while continuation.boat_steps <= most:
+        own = at.hypothesis.instances
+        taking_part = [one for one in instances if one in own or (one.size and not one.groups)]
+        best = _better(continuation, at, taking_part)
         if continuation.criterion(best) > continuation.criterion(at) - options().not_converged:
             break
         LOG.debug("exchange: %s for %s", best.hypothesis.label, at.hypothesis.label)
