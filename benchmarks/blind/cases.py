@@ -25,6 +25,7 @@ from benchmarks.blind.bound import Bound, bound_of
 from benchmarks.blind.classifier import Rates, classifier_rates
 from benchmarks.blind.rough_simulator import rough_voyages
 from benchmarks.blind.score import Judged, judged
+from benchmarks.blind.true_set import criterion_of_truth
 from benchmarks.blind.variants import VARIANT, write_variant
 
 SEEDS = (*LEVELS, POWER, VARIANT, EACH_RUN, ROUGH, TRIPLE)
@@ -116,12 +117,33 @@ def scored(folder: Path, name: str) -> dict[str, Any]:
     )
     bound = kept_bound(folder, name, truth) if result["estimates"] or truth["level"] == POWER else None
     least = dict(zip(map(tuple, bound.names), bound.deviation, strict=True)) if bound else {}
+    result["truth_over_answer"] = kept_criterion(folder, name, truth, found) if is_wrong_set(result) else None
     for number in result["estimates"]:
         number["bound"] = least.get((number["effect"], number["parameter"]))
     if truth["level"] != POWER or bound is None:
         return result | {"evidence": None, "best_rate": None}
     best = kept_rates(folder, name)
     return result | {"evidence": bound.evidence, "best_rate": best.among_three if best else None}
+
+
+def is_wrong_set(result: Judged) -> bool:
+    """Whether effects were to be named and other ones were, none included."""
+    sets = result["kind"] in ("single", "pair", "triple", "clean")
+    return sets and not result["right"] and result["verdict"] != "failed"
+
+
+def kept_criterion(folder: Path, name: str, truth: Judged, found: Judged) -> float | None:
+    """How far the criterion of the truth is above the answer's, from its file if it exists; None without the
+    runs.
+    """
+    path = folder / "criteria" / f"{name}.json"
+    if not path.exists():
+        if not (folder / "data" / name).exists():
+            return None
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(json.dumps(criterion_of_truth(folder / "data" / name, truth, found)))
+    told: float | None = json.loads(path.read_text())
+    return told
 
 
 def kept_rates(folder: Path, name: str) -> Rates | None:

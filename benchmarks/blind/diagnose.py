@@ -28,8 +28,18 @@ from typing import Any, cast
 from swamp_rl.experiments.synthetic.cases import LEVELS, POWER
 
 from benchmarks.blind.arguments import add_evidence, add_numbers
-from benchmarks.blind.cases import SEEDS, every_score, evidence_of, name_of, scored, written
+from benchmarks.blind.cases import (
+    KINDS,
+    SEEDS,
+    every_score,
+    evidence_of,
+    kind_of,
+    name_of,
+    scored,
+    written,
+)
 from benchmarks.blind.tables import parts, pictures
+from benchmarks.blind.variants import VARIANT
 from benchmarks.markers import write_parts
 
 # Reads folders of data and of answers and a boat's name, three a line; sees nothing else, and says done or
@@ -132,6 +142,9 @@ def asked_for() -> argparse.ArgumentParser:
     parser.add_argument(
         "--level", choices=(*SEEDS, "all"), default="all", help="all: A to D, so many of each"
     )
+    parser.add_argument(
+        "--kind", choices=sorted({*KINDS, "triple"}), help="only those of the numbers (not of level X)"
+    )
     add_evidence(parser)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path("blind_causes"))
@@ -147,14 +160,15 @@ def asked_for() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the cases of the chosen levels, and write the results of all that the folder holds."""
-    asked = asked_for().parse_args(arguments)
+    parser = asked_for()
+    asked = parser.parse_args(arguments)
+    if asked.kind and asked.level == VARIANT:
+        parser.error("argument --kind: a case of level X has the kind that it draws; leave --kind out")
     folders = asked.score_only or [asked.out]
     if asked.again is not None:
         time_again(asked.out, asked.again)
     elif not asked.score_only:
-        levels = LEVELS if asked.level == "all" else (asked.level,)
-        numbers = range(asked.first, asked.first + asked.cases)
-        diagnose_all([(number, level) for number in numbers for level in levels], asked)
+        diagnose_all(chosen(asked), asked)
     results = [r for folder in folders for r in every_score(folder)]
     if not results:
         raise SystemExit(f"{', '.join(map(str, folders))}: no judged case; run some without --score-only")
@@ -167,6 +181,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
         write_parts(asked.into, tables)
     print(text)
     print(Counter(result["verdict"] for result in results))
+
+
+def chosen(asked: argparse.Namespace) -> list[tuple[int, str]]:
+    """Number and level of every case that is asked for."""
+    levels = LEVELS if asked.level == "all" else (asked.level,)
+    numbers = range(asked.first, asked.first + asked.cases)
+    every = [(number, level) for number in numbers for level in levels]
+    return [one for one in every if asked.kind in (None, kind_of(*one))]
 
 
 def diagnose_all(work: Sequence[tuple[int, str]], asked: argparse.Namespace) -> None:

@@ -1,6 +1,5 @@
 """The tables of the blind diagnoses in docs/criticism.md."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -103,12 +102,20 @@ def scores_table(scores: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def wrong_answers(results: Sequence[Judged]) -> str:
-    """Every wrong answer, counted."""
-    wrong = Counter(
-        (r["level"], r["kind"], r["truth"], said(r), r["named"]) for r in results if not r["right"]
-    )
-    rows = [[*key, str(times)] for key, times in sorted(wrong.items())]
-    return table(["level", "kind", "true causes", "answer", "named", "cases"], rows)
+    """Every wrong answer, counted, and the information criterion of the truth less the answer's: where it is
+    positive, the data prefer the answer.
+    """
+    wrong: dict[tuple[str, ...], list[float | None]] = {}
+    for r in results:
+        if not r["right"]:
+            key = r["level"], r["kind"], r["truth"], said(r), r["named"]
+            wrong.setdefault(key, []).append(r.get("truth_over_answer"))
+    rows = [
+        [*key, str(len(apart)), ", ".join("-" if one is None else f"{one:.0f}" for one in apart)]
+        for key, apart in sorted(wrong.items())
+    ]
+    heads = ["level", "kind", "true causes", "answer", "named", "cases", "criterion, truth less answer"]
+    return table(heads, rows)
 
 
 def by_effect(results: Sequence[Judged]) -> str:

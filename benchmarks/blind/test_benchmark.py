@@ -6,13 +6,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-from swamp_rl.experiments.synthetic.cases import DT, RTK, Array, Case, draw_case, true_record, voyages
+from swamp_rl.experiments.synthetic.cases import (
+    DT,
+    RTK,
+    Array,
+    Case,
+    draw_case,
+    true_record,
+    voyages,
+    write_case,
+)
 
 from benchmarks.blind.bound import bound_of
 from benchmarks.blind.cases import SEEDS, drawn, every_score, write_numbered
-from benchmarks.blind.diagnose import main
+from benchmarks.blind.diagnose import asked_for, chosen, main
 from benchmarks.blind.score import share, summary
 from benchmarks.blind.tables import judgement, parts
+from benchmarks.blind.true_set import criterion_of_truth
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.simulator import tank
@@ -133,9 +143,41 @@ def test_a_table_is_written_from_the_files_of_however_many_cases_are_done(
     text = note.read_text()
     assert "old" not in text and text.startswith("before") and text.endswith("after\n")
     assert "|  | A |\n| :-- | --: |\n| cases | 1 |" in text
-    assert "| A | single | external_force | unexplained | external_force | 1 |" in text
+    assert "| A | single | external_force | unexplained | external_force | 1 | - |" in text
     assert (tmp_path / "blind_confusion.png").stat().st_size > 1000
     assert (tmp_path / "blind_power.png").stat().st_size > 1000
+
+
+def test_one_kind_of_cases_is_chosen_by_its_numbers(capsys: pytest.CaptureFixture[str]) -> None:
+    asked = asked_for().parse_args(["--kind", "pair", "--level", "C", "--cases", "20"])
+    assert [len(drawn(*one)[0].effects) for one in chosen(asked)] == [2, 2, 2, 2]
+    with pytest.raises(SystemExit, match="2"):
+        main(["--kind", "pair", "--level", "X"])
+    assert "--kind" in capsys.readouterr().err
+
+
+def test_the_truth_has_a_lower_criterion_than_an_effect_that_explains_nothing(tmp_path: Path) -> None:
+    case = Case("A", "single", [{"effect": "thruster_gain", "thruster": "bp", "gain": 0.7}])
+    rng, data, truth = np.random.default_rng(3), tmp_path / "data", tmp_path / "truth.json"
+    write_case(case, rng, data, truth, runs=2, seconds=40.0)
+    told = {"minor": [], "nuisance": []}
+    gain = {
+        "effect": "thruster_gain",
+        "thruster": "bp",
+        "scope": "boat",
+        "parameters": {"gain": {"value": 0.7}},
+    }
+    drag = {
+        "effect": "resistance",
+        "thruster": None,
+        "scope": "boat",
+        "parameters": {"scale": {"value": 1.0}},
+    }
+    hidden = json.loads(truth.read_text())
+    assert criterion_of_truth(data, hidden, told | {"causes": [gain]}) == pytest.approx(0.0, abs=1e-6)
+    apart = criterion_of_truth(data, hidden, told | {"causes": [drag]})
+    assert apart is not None and apart < -100.0
+    assert criterion_of_truth(data, hidden, told | {"causes": [drag | {"scope": "run"}]}) is None
 
 
 def test_a_bar_is_reached_short_or_missed_by_what_chance_allows() -> None:

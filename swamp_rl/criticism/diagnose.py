@@ -149,6 +149,7 @@ def examine(
     hidden = hidden_effects(run_set, weight, judged, found, [*every, *([hull] if hull else [])])
 
     names = [one.hypothesis.cause_label for one in (found.winner, *found.rivals)]
+    seen = {one.label for fit in (found.winner, *found.rivals) for one in fit.hypothesis.instances}
 
     def rival(one: Fit) -> Contrast:
         apart = continuation.criterion(one) - continuation.criterion(found.winner)
@@ -170,7 +171,7 @@ def examine(
         candidates=_candidates(continuation, found, rng),
         hypotheses=len(found.tried),
         discrete=[one.hypothesis.label for one in found.tried if not one.hypothesis.size],
-        unseen=[label for label in found.unidentifiable if label not in hidden],
+        unseen=[label for label in found.unidentifiable if label not in seen.union(hidden)],
         hidden=hidden,
         missing_motion=missing_motion(run_set, other is not None),
         gain=gains(on.run_set, on.weight, *judged_numbers(*predicting, on.runs, on.others), rng),

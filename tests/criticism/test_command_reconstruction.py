@@ -8,7 +8,13 @@ import pytest
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.candidates import candidates
-from swamp_rl.criticism.selection.command_reconstruction import interpolated, least_of_parabola
+from swamp_rl.criticism.selection.beam_search import beam_search
+from swamp_rl.criticism.selection.command_reconstruction import (
+    interpolated,
+    is_refuted,
+    least_of_parabola,
+)
+from swamp_rl.criticism.selection.continuation import LAST, continuation_of
 from swamp_rl.criticism.selection.model_selection import select_model
 from tests.support.criticism import DT, SECONDS, driven
 
@@ -90,3 +96,16 @@ def test_commands_that_switch_between_two_rows_get_their_switching_times() -> No
     assert moved.any()
     error, before = (np.abs(one.commands[:, 8:] - true)[moved].mean() for one in (read, log))
     assert error < 0.4 * before
+
+
+def test_other_commands_are_refuted_by_whole_runs_that_the_logged_ones_explain() -> None:
+    log = logged(held=True)
+    weight = weights(log, noise_levels(log))
+    instances = [instance for instance in candidates(log.boat, SECONDS) if instance.label == "thrust_scale"]
+    right, wrong = (continuation_of(one, weight) for one in (log, interpolated(log, 1.0)))
+    found = beam_search(right, instances, None)
+    whole = replace(found, winner=right.at(LAST, found.winner), stage=LAST)
+    assert found.adequate and is_refuted(right, whole, wrong)
+    assert not is_refuted(right, replace(whole, adequate=False), wrong)
+    worse = replace(whole, winner=wrong.fit(LAST, found.winner.hypothesis, found.winner.x))
+    assert not is_refuted(wrong, worse, right)

@@ -16,10 +16,11 @@ from swamp_rl.criticism.model.candidates import (
     candidates,
     hull_nuisance,
 )
+from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection.backward_elimination import confirmed_on, fit_by_continuation
 from swamp_rl.criticism.selection.continuation import LAST, Continuation, continuation_of
 from swamp_rl.criticism.selection.score_test import at_neutral_values, score_tests
-from swamp_rl.criticism.selection.small_effects import is_small
+from swamp_rl.criticism.selection.small_effects import is_small, with_small_effects
 from swamp_rl.simulator import parameters
 from tests.support.criticism import SECONDS, select_effects, simulated_runs
 
@@ -62,6 +63,18 @@ def test_a_cause_that_windows_of_twenty_seconds_do_not_show_is_found(effect: dic
     found = select_effects(made)
     assert found.adequate
     assert instance.label in [one.hypothesis.cause_label for one in (found.winner, *found.rivals)]
+
+
+def test_an_effect_that_short_windows_cannot_identify_competes_with_those_found_there() -> None:
+    made = simulated_runs([{"effect": "clock_drift", "rate": 0.008}], name="swamp")
+    continuation = continued(made)
+    known = by_label(candidates(made.boat, SECONDS))
+    rivals = [known["clock_offset"], known["clock_drift"]]
+    caught = fit_by_continuation(continuation, Hypothesis((known["clock_offset"],)), np.array([0.1]))
+    with using(most_effects=1):  # in its place, not beside it
+        best, others = with_small_effects(continuation, caught, rivals, ["clock_offset"])
+    every = [continuation.at(LAST, one) for one in (best, *others)]
+    assert min(every, key=continuation.criterion).hypothesis.label == "clock_drift"
 
 
 def test_the_loss_of_a_run_is_that_of_its_stretches_of_twenty_seconds() -> None:

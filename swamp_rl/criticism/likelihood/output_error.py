@@ -181,6 +181,15 @@ def fit_states(
     return states, base, residual
 
 
+def at_states(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, rounds: int) -> Fit:
+    """The hypothesis at x (p,) as a fit of the initial states alone, from states (W, 6)."""
+    states, base, residual = fit_states(problem, hypothesis, x, states, rounds)
+    at = Iterate(x, states, base, residual, prior_penalty(hypothesis, x))
+    slopes = jacobians_at(problem, hypothesis, at)
+    normal = normal_equations(*slopes, residual)
+    return Fit(hypothesis, x, states, residual, at.loss, normal, at.penalty, slopes[0], 1)
+
+
 def first_states(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
     """(W, 6) initial states that a fit of x (p,) begins with, fitted from those smoothed from the data."""
     return fit_states(problem, hypothesis, x, states, options().first_rounds)[0]

@@ -14,8 +14,10 @@ from swamp_rl.criticism.selection.backward_elimination import (
     adequate_stage,
     conclude,
     fit_by_continuation,
+    nested,
 )
 from swamp_rl.criticism.selection.continuation import Continuation
+from swamp_rl.criticism.selection.exchange_search import exchange_search
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
 from swamp_rl.criticism.selection.small_effects import with_small_effects
 
@@ -45,11 +47,11 @@ def beam_search(
     at_start = continuation.boat_file(stage or 0)
     first = score_tests(continuation.problem(stage or 0, Hypothesis()), at_start, every)
     if stage is not None:
-        small, others = with_small_effects(continuation, best, _identifiable(every, first))
+        small, others = with_small_effects(continuation, best, every, _labels(_identifiable(every, first)))
         if not _is_significant(continuation, stage, small, every):
             return conclude(continuation, small, others, first, _unidentifiable(first), every)
         first = score_tests(continuation.problems[0], continuation.boat_file(0), every)
-    unidentifiable = _unidentifiable(first)
+    unidentifiable, whole = _unidentifiable(first), every
     every = _identifiable(every, first)
     tried: dict[str, Fit] = {}
     if best.hypothesis.instances:
@@ -67,15 +69,20 @@ def beam_search(
             break
         tried |= {one.hypothesis.label: one for one in fitted}
         room = options().follow_beam + options().follow_share * (beam[0].chi2 - fitted[0].chi2)
-        beam = [one for one in fitted[: options().beam] if criterion(one) < criterion(fitted[0]) + room]
+        distinct = _distinct(fitted)[: options().beam]
+        beam = [one for one in distinct if criterion(one) < criterion(fitted[0]) + room]
         followed = [one for one in _followed(continuation, fitted) if near(continuation.problems[0], one)]
         for one in followed:
             best = min(best, fit_by_continuation(continuation, one.hypothesis, one.x), key=criterion)
     if tried and adequate_stage(continuation, best) is None:
         closest = min(tried.values(), key=criterion)
         best = min(best, fit_by_continuation(continuation, closest.hypothesis, closest.x), key=criterion)
+    if best.hypothesis.instances and adequate_stage(continuation, best) is None:
+        exchanged = exchange_search(continuation, continuation.at(0, best), every)
+        tried |= {one.hypothesis.label: continuation.at(0, one) for one in exchanged}
+        best = min([best, *exchanged], key=criterion)
     if near(continuation.problems[1], best):
-        best, others = with_small_effects(continuation, best, every)
+        best, others = with_small_effects(continuation, best, whole, _labels(every))
         tried |= {one.hypothesis.label: one for one in others}
     return conclude(continuation, best, list(tried.values()), first, unidentifiable, every)
 
@@ -84,6 +91,20 @@ def _identifiable(instances: Sequence[EffectInstance], scores: Sequence[ScoreTes
     """Those with enough information in the data."""
     unidentifiable = _unidentifiable(scores)
     return [instance for instance in instances if instance.label not in unidentifiable]
+
+
+def _distinct(fits: Sequence[Fit]) -> list[Fit]:
+    """Those that are no special case or generalisation of an earlier one."""
+    kept: list[Fit] = []
+    for one in fits:
+        pairs = [(one.hypothesis, other.hypothesis) for other in kept]
+        if not any(nested(a, b) or nested(b, a) for a, b in pairs):
+            kept.append(one)
+    return kept
+
+
+def _labels(instances: Sequence[EffectInstance]) -> list[str]:
+    return [instance.label for instance in instances]
 
 
 def _refit_previous(continuation: Continuation, previous: Sequence[Fit]) -> Fit:

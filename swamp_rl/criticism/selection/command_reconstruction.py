@@ -12,8 +12,8 @@ from swamp_rl.criticism.likelihood.output_error import Fit, fit, min_decrease
 from swamp_rl.criticism.model.candidates import joined
 from swamp_rl.criticism.nuisance.command_timing import command_changes, fit_shares, interpolated_at
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.selection.backward_elimination import Selection
-from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
+from swamp_rl.criticism.selection.backward_elimination import Selection, fit_by_continuation
+from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation
 
 Array = NDArray[np.float64]
 
@@ -116,6 +116,16 @@ def _refit(problem: Shooting, run_set: RunSet, at: Fit, fresh: bool = False) -> 
 def _problem(problem: Shooting, run_set: RunSet) -> Shooting:
     made = replace(problem.run_set, commands=run_set.commands)
     return Shooting(made, problem.weight, problem.seconds, problem.windows)
+
+
+def is_refuted(before: Continuation, found: Selection, after: Continuation) -> bool:
+    """Whether whole runs, each gap with its own best-fitting commands, fit a selected hypothesis that is
+    adequate there no better with reconstructed commands: the middle windows have the logged ones in gaps.
+    """
+    if not (found.adequate and found.stage >= LAST):
+        return False
+    fit_by_continuation(after, found.winner.hypothesis, found.winner.x)
+    return after.criterion(after.at(LAST, found.winner)) >= before.criterion(found.winner)
 
 
 def is_better(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:

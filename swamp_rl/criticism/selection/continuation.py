@@ -110,6 +110,14 @@ class Continuation:
         if stage >= LAST:
             self.whole[stage, made.hypothesis.label] = problem
 
+    def begin_again(self, made: Fit) -> None:
+        """Keep a fit to the shortest windows; the fits to longer ones that began from another are dropped."""
+        label = made.hypothesis.label
+        for stage in range(len(self.problems)):
+            self.fits.pop((stage, label), None)
+            self.whole.pop((stage, label), None)
+        self.keep(0, self.problems[0], made)
+
     def not_converged(self, made: Fit, before: float, expected_chi2: float) -> bool:
         """Whether a fit far from the data kept little of the expected fall of chi2 from `before`."""
         far = made.chi2 > options().far_from_data * self.problems[0].samples

@@ -27,6 +27,7 @@ from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.command_reconstruction import (
     better_reconstruction,
     is_better,
+    is_refuted,
     is_simpler,
     reconstruction_without_timing,
     sufficient_reconstruction,
@@ -114,6 +115,8 @@ def _with_reconstruction(
         other = replace(other, gaps=run_set.gaps)
         wider = continuation_of(other, weight)
         tried.append(wider)
+        if accepts is is_better and is_refuted(continuation, found, wider):
+            break
         again = beam_search(wider, instances, hull, options().step_budget_again)
         if not accepts(continuation, found, wider, again):
             break

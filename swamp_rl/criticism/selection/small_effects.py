@@ -16,9 +16,13 @@ Array = NDArray[np.float64]
 
 
 def with_small_effects(
-    continuation: Continuation, best: Fit, instances: Sequence[EffectInstance]
+    continuation: Continuation, best: Fit, instances: Sequence[EffectInstance], judged: Sequence[str]
 ) -> tuple[Fit, list[Fit]]:
-    """The best fit with effects that only whole runs show, and alternatives to those hardly shown before."""
+    """The best fit with effects that only whole runs show, and alternatives to those hardly shown before.
+
+    instances: all candidates; judged: labels of those identifiable on the shortest windows. The others are
+    alternatives to every effect: no fit has compared them before.
+    """
     at = continuation.at(LAST, best)
     problem = continuation.problem(LAST, at.hypothesis)
     several = len(np.unique(problem.windows.run)) > 1
@@ -31,7 +35,7 @@ def with_small_effects(
         added = fit_by_continuation(continuation, more.hypothesis, more.x)
         if continuation.is_adequate(LAST, more):
             best, at = added, more
-    every = [at, *_alternatives(continuation, at, instances)]
+    every = [at, *_alternatives(continuation, at, instances, judged)]
     return best, [continuation.at(0, one) for one in every if one.hypothesis.instances]
 
 
@@ -54,16 +58,21 @@ def _forward_selection(continuation: Continuation, at: Fit, instances: Sequence[
     return at
 
 
-def _alternatives(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[Fit]:
-    """Whole runs with another effect for one that short windows hardly show, of a close criterion."""
+def _alternatives(
+    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance], judged: Sequence[str]
+) -> list[Fit]:
+    """Whole runs with another effect for one, of a close criterion, if short windows did not compare them."""
     criterion = continuation.criterion
     found: list[Fit] = []
     short = continuation.at(0, at)
     for instance in at.hypothesis.instances:
-        if criterion(without(continuation, short, instance.label, 0)) > criterion(short) + options().compared:
+        shorter = without(continuation, short, instance.label, 0)
+        shown = criterion(shorter) > criterion(short) + options().compared
+        known = {instance.label, *(judged if shown else ())}
+        others = [one for one in instances if one.label not in known]
+        if not others:
             continue
         less = without(continuation, at, instance.label, LAST)
-        others = [one for one in instances if one.label != instance.label]
         fitted = _fitted(continuation, less, others, _ranked(continuation, less, others))
         found += [one for one in fitted if criterion(one) < criterion(at) + options().compared]
     return found
@@ -86,7 +95,8 @@ def _ranked(continuation: Continuation, at: Fit, instances: Sequence[EffectInsta
     scores = [
         one
         for one in score_tests(problem, at, begun)
-        if at.chi2 - one.expected_chi2 > criterion.required_gain(at.hypothesis, one.instance)
+        if one.information >= options().least_information
+        and at.chi2 - one.expected_chi2 > criterion.required_gain(at.hypothesis, one.instance)
     ]
     return sorted(scores, key=criterion.expected)[: options().small_shortlist]
 
