@@ -8,7 +8,7 @@ import pytest
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_jacobian, force_normal_equations
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import normal_equations
+from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import using
 from tests.support.criticism import simulated_runs

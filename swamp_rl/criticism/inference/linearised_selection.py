@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.likelihood.cross_validation import folds_of
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, window_data
+from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import (
     Fit,
     bounded_step,
     fit,
     inverse,
     noise_free,
-    normal_equations,
     prior_penalty,
 )
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined

@@ -11,7 +11,8 @@ from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, inverse, normal_equations
+from swamp_rl.criticism.likelihood.normal_equations import normal_equations
+from swamp_rl.criticism.likelihood.output_error import Fit, inverse
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.trial_limits import TrialLimits, rows_within
 from swamp_rl.criticism.options import options

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Normal, normal_equations, state_reach
+from swamp_rl.criticism.likelihood.normal_equations import Normal, normal_equations
+from swamp_rl.criticism.likelihood.output_error import state_reach
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import acceleration_scale
 from swamp_rl.criticism.options import options

@@ -1,68 +1,16 @@
 """Output-error fit by damped Gauss-Newton: parameters common to all windows, an initial state for each."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.normal_equations import Jacobians, Normal, normal_equations
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-Products = tuple[Array, Array, Array]
-
-
-@dataclass(frozen=True)
-class Normal:
-    """Normal equations of every window, its six initial states eliminated (Schur complement).
-
-    information: (W, p, p); gradient: (W, p); profile_chi2: (W,) chi2 minimised over the initial states, -2
-    log of the profile likelihood but for a constant.
-    """
-
-    states_information: Array
-    cross: Array
-    states_gradient: Array
-    information: Array
-    gradient: Array
-    profile_chi2: Array
-
-    def shift(self, step: Array) -> Array:
-        """(W, 6) change of the initial states that goes with a step of the parameters, (p,) or (W, p)."""
-        by = self.cross @ step if step.ndim == 1 else (self.cross @ step[..., None])[..., 0]
-        wanted = self.states_gradient - by
-        return np.asarray(np.linalg.solve(self.states_information, wanted[..., None])[..., 0], dtype=float)
-
-
-def products_of(states: Array, slopes: Array) -> Products:
-    """Of Jacobians by initial states S (W, M, 6) and by parameters P (W, M, p): S'S, S'P and P'P."""
-    transposed, by = np.swapaxes(states, 1, 2), np.swapaxes(slopes, 1, 2)
-    return transposed @ states, transposed @ slopes, by @ slopes
-
-
-def normal_equations(
-    states: Array,
-    slopes: Array,
-    residual: Array,
-    damping: float | Array = 0.0,
-    products: Products | None = None,
-) -> Normal:
-    """From Jacobians by initial states (W, M, 6) and by parameters (W, M, p), and residuals (W, M); products:
-    of the Jacobians, where known.
-    """
-    A, C, square = products or products_of(states, slopes)
-    ridge = 1e-11 * np.einsum("wii->wi", A) + 1e-12 + damping**2
-    A = A + ridge[..., None] * np.eye(6)
-    b = (np.swapaxes(states, 1, 2) @ residual[..., None])[..., 0]
-    solved = np.linalg.solve(A, np.concatenate([C, b[..., None]], axis=2))
-    across = np.swapaxes(C, 1, 2)
-    by = np.swapaxes(slopes, 1, 2)
-    information = square - across @ solved[..., :-1]
-    gradient = (by @ residual[..., None])[..., 0] - (across @ solved[..., -1:])[..., 0]
-    profile_chi2 = (residual**2).sum(axis=1) - (b * solved[..., -1]).sum(axis=1)
-    return Normal(A, C, b, information, gradient, profile_chi2)
 
 
 @dataclass(frozen=True)
@@ -186,8 +134,8 @@ def at_states(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array
     states, base, residual = fit_states(problem, hypothesis, x, states, rounds)
     at = Iterate(x, states, base, residual, prior_penalty(hypothesis, x))
     slopes = jacobians_at(problem, hypothesis, at)
-    normal = normal_equations(*slopes, residual)
-    return Fit(hypothesis, x, states, residual, at.loss, normal, at.penalty, slopes[0], 1)
+    normal, by_state = slopes.normal(residual), slopes.by_state
+    return Fit(hypothesis, x, states, residual, at.loss, normal, at.penalty, by_state, 1)
 
 
 def first_states(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
@@ -259,22 +207,6 @@ class Iterate:
     def chi2(self) -> float:
         """Prior included."""
         return float(self.loss.sum()) + self.penalty
-
-
-@dataclass(frozen=True)
-class Jacobians:
-    """Jacobians of the standardised prediction by states (W, M, 6) and by parameters (W, M, p)."""
-
-    by_state: Array
-    by_x: Array
-
-    def normal(self, residual: Array, damping: float | Array = 0.0) -> Normal:
-        """The normal equations with residuals (W, M)."""
-        return normal_equations(self.by_state, self.by_x, residual, damping, self._products)
-
-    @cached_property
-    def _products(self) -> Products:
-        return products_of(self.by_state, self.by_x)
 
 
 def fit(

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, normal_equations
+from swamp_rl.criticism.likelihood.normal_equations import normal_equations
+from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]

@@ -10,13 +10,8 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_normal_equations
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import (
-    Fit,
-    bounded_step,
-    fit_states,
-    inverse,
-    normal_equations,
-)
+from swamp_rl.criticism.likelihood.normal_equations import normal_equations
+from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, fit_states, inverse
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, neutral_of
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator.reference import reference_of
