@@ -222,8 +222,8 @@ def simulate_in_weather(
 ) -> Any:
     """As `simulate`, with measured weather (n or 0, T, 3): rows of `take_weather`, each held for dt [s]."""
     # contiguous: numba would compile every other order of the same numbers anew, which takes seconds
-    given = (np.ascontiguousarray(each) for each in (start, commands, weather, seeds))
-    return _simulated(params, tank, *given, dt, substeps)
+    start, commands, weather, seeds = map(np.ascontiguousarray, (start, commands, weather, seeds))
+    return _simulated(params, tank, start, commands, weather, seeds, dt, substeps)
 
 
 @compiled
