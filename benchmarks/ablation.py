@@ -52,7 +52,7 @@ OFF: dict[str, dict[str, Any]] = {  # mechanism: the options without it
     "smoothed channels": {"smoothed_step": 0.0},
     "small effects on whole runs": {"small_shortlist": 0},
     "alternatives to the hull's derivatives": {"nuisance_limit": math.inf},
-    "exchange of effects": {"exchange_rounds": 0},
+    "exchange of effects": {"exchange_budget": -1.0},
     "restart from half windows": {"converged_share": -math.inf},
     "refit of stray windows": {"stray_window": math.inf, "most_refits": 0},
     "jumps on a part of the windows": {"jump_windows": sys.maxsize},

@@ -232,11 +232,10 @@ class Options:
     follow_inadequate: float = 0.5  # of the best criterion, in addition, where it is not
     follow_fit: float = 300.0  # chi2 expected above the best fitted, up to which a set is fitted
     # ---- Exchange search
-    exchange_rounds: int = 3  # exchanges in turn, at most: as many as there are effects
     exchange_fits: int = 2  # sets that are fitted in place of each effect
-    exchange_reach: float = (
-        0.5  # typical sizes to either side of its values, from which an effect begins again
-    )
+    exchange_budget: float = 4e6  # boat steps, about five seconds, after which no further round is begun
+    # typical sizes to either side of its values that an effect begins again from
+    exchange_reach: float = 0.5
     # ---- Reconstruction of commands between samples
     # of a step that are tried: linear interpolation, and the next row's command
     reconstruction_shares: tuple[float, ...] = (0.5, 1.0)

@@ -26,11 +26,15 @@ Array = NDArray[np.float64]
 
 def exchange_search(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[Fit]:
     """Fits to the middle windows, each one exchange or one effect more from the last and of a lower criterion
-    on the shortest, until the residual is noise; at: a fit to the shortest windows.
+    on the shortest, until the residual is noise; at: a fit to the shortest windows. Effects without a number,
+    whose score is no guide, and with parameters for each group of runs take no part unless `at` has them.
     """
     found: list[Fit] = []
-    for _ in range(options().exchange_rounds):
-        best = _better(continuation, at, instances)
+    most = continuation.boat_steps + options().exchange_budget
+    while continuation.boat_steps <= most:
+        own = at.hypothesis.instances
+        taking_part = [one for one in instances if one in own or (one.size and not one.groups)]
+        best = _better(continuation, at, taking_part)
         if continuation.criterion(best) > continuation.criterion(at) - options().not_converged:
             break
         LOG.debug("exchange: %s for %s", best.hypothesis.label, at.hypothesis.label)
@@ -61,7 +65,8 @@ def _neighbours(continuation: Continuation, at: Fit, instances: Sequence[EffectI
     for instance, own in at.parts():
         base = at_states(problem, *joined(at.parts(but=instance.label)), at.states, options().score_rounds)
         others = [one for one in instances if one.label != instance.label]
-        scores = score_tests(problem, base, [*others, _elsewhere(instance, own)])
+        again = [_elsewhere(instance, own)] if instance.size else []
+        scores = score_tests(problem, base, [*others, *again])
         yield from _promising(continuation, at, scores, instances)
 
 
