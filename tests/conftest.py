@@ -43,22 +43,22 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Tests of a file go to one worker, which makes and compiles once what they share; slow ones that share
     no fixture go to any.
 
-    Those marked slow come first, then the files with the most tests, so that no worker ends with a long one
-    while the other has nothing left. The group ends the test's name, which is where the scheduler reads it:
-    pytest-xdist 3.8 writes it into an attribute that pytest 9.2 no longer has.
+    Those marked slow come first, then those marked timed, which wait, then the files with the most tests: no
+    worker ends with a long one while the other has nothing left. The group ends the test's name, which is
+    where the scheduler reads it: pytest-xdist 3.8 writes it into an attribute that pytest 9.2 no longer has.
     """
     if not config.getoption("loadgroup", False):
         return
     groups = {item: group_of(item) for item in items}
     sizes = Counter(groups.values())
-    items.sort(key=lambda item: (not is_slow(item), -sizes[groups[item]]))
+    items.sort(key=lambda item: (not has(item, "slow"), not has(item, "timed"), -sizes[groups[item]]))
     for item, group in groups.items():
         if group and not item.nodeid.endswith(f"@{group}"):
             item._id = coerce_node_id(f"{item.nodeid}@{group}")  # type: ignore[attr-defined]
 
 
-def is_slow(item: pytest.Item) -> bool:
-    return item.get_closest_marker("slow") is not None
+def has(item: pytest.Item, marker: str) -> bool:
+    return item.get_closest_marker(marker) is not None
 
 
 def group_of(item: pytest.Item) -> str:
@@ -66,7 +66,7 @@ def group_of(item: pytest.Item) -> str:
     known = item._fixtureinfo.name2fixturedefs if isinstance(item, pytest.Function) else {}
     shared = any(made.scope == "module" for every in known.values() for made in every)
     mark = item.get_closest_marker("xdist_group")
-    return mark.args[0] if mark else item.location[0] if shared or not is_slow(item) else ""
+    return mark.args[0] if mark else item.location[0] if shared or not has(item, "slow") else ""
 
 
 @pytest.fixture(scope="session", autouse=True)

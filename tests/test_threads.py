@@ -18,6 +18,7 @@ EXPERIMENT = """
 name: threads
 boat: swamp
 course: camogli
+time_limit: 30.0
 data: {record: {good: 4, failed: 0, disturbances: standard}}
 pilots:
   scripted: {kind: scripted}

@@ -14,6 +14,7 @@ TINY = """
 name: tiny
 boat: swamp
 course: camogli
+time_limit: 30.0
 data: {record: {good: 3, failed: 0}}
 pilots:
   scripted: {kind: scripted}

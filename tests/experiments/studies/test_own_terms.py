@@ -115,7 +115,7 @@ def test_ppo_learns_from_own_terms_and_its_stored_copy_drives_the_same_episodes(
 def test_models_that_stable_baselines3_trains_on_the_environment_are_evaluated_by_their_zips(
     place: Path,
 ) -> None:
-    made: dict[str, Any] = {"observation": SENSES, "reward": REWARD, "time_limit": 60.0}
+    made: dict[str, Any] = {"observation": SENSES, "reward": REWARD, "time_limit": 30.0}
     plans, models = {}, {}
     for algorithm in (PPO, A2C, SAC, TD3):
         name = algorithm.__name__
@@ -124,9 +124,8 @@ def test_models_that_stable_baselines3_trains_on_the_environment_are_evaluated_b
         models[name] = algorithm("MlpPolicy", env, seed=0, device="cpu", **few).learn(64)
         models[name].save(place / f"{name}.zip")
         plans[name] = {"kind": "sb3", "options": {"file": str(place / f"{name}.zip"), "senses": SENSES}}
-    out = run_experiment(
-        experiment(place, pilots={"ppo": {"kind": "line-of-sight"}, **plans}), out=place / "o"
-    )
+    asked = experiment(place, pilots={"ppo": {"kind": "line-of-sight"}, **plans}, time_limit=30.0)
+    out = run_experiment(asked, out=place / "o")
     tables = read_episodes(out / "episodes.parquet")
     for name, model in models.items():
         env = gymnasium.make("swamp/Gates-v1", disturbances="standard", **made)
