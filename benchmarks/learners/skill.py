@@ -8,8 +8,7 @@ import json
 import sys
 from pathlib import Path
 
-from swamp_rl.experiments.reports.experiment import rate, table
-
+from benchmarks.documents.readme import results_table
 from benchmarks.markers import DOCS, write_parts
 
 
@@ -18,12 +17,7 @@ def main() -> None:
     if len(sys.argv) != 2:
         raise SystemExit(__doc__)
     results = json.loads((Path(sys.argv[1]) / "results.json").read_text(encoding="utf-8"))
-    levels = results["evaluation"]["levels"]
-    rows = [
-        [name, *(rate(pilot["levels"][level]) for level in levels)]
-        for name, pilot in results["pilots"].items()
-    ]
-    write_parts(DOCS / "learners.md", {"skill": table(["pilot", *levels], rows)})
+    write_parts(DOCS / "learners.md", {"skill": results_table(results)})
 
 
 if __name__ == "__main__":

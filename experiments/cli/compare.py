@@ -62,7 +62,8 @@ def print_comparison(found: dict[str, Any]) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
-    from swamp_rl.experiments.reports.comparison import DIFFERENCE_HEADS, difference, heads, p_value, rows
+    from swamp_rl.experiments.reports.comparison import DIFFERENCE_HEADS, heads, p_value, rows
+    from swamp_rl.experiments.reports.experiment import difference
 
     console = Console(markup=False)
     table = Table(title="success [%], 95 % intervals", box=SIMPLE_HEAD)
@@ -80,7 +81,7 @@ def print_comparison(found: dict[str, Any]) -> None:
     for row in found["differences"]:
         if row["quantity"] == "success":
             pair = f"{row['a']} − {row['b']}"
-            table.add_row(pair, row["level"], difference(row), p_value(row["p_corrected"]))
+            table.add_row(pair, row["level"], difference(row["quantity"], row), p_value(row["p_corrected"]))
     console.print(table)
     for note in found["notes"]:
         console.print(note)

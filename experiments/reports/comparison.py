@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from swamp_rl.experiments.reports.experiment import COST_NAMES, table
+from swamp_rl.experiments.reports.experiment import COST_NAMES, difference, table
 
 Found = Mapping[str, Any]
 
@@ -65,7 +65,7 @@ def differences(found: Found, quantities: Sequence[str], title: str) -> str:
     for row in found["differences"]:
         if row["quantity"] in quantities:
             name = "success [%]" if row["quantity"] == "success" else COST_NAMES[row["quantity"]][0]
-            span, p = difference(row), p_value(row["p_corrected"])
+            span, p = difference(row["quantity"], row), p_value(row["p_corrected"])
             lines.append([f"{row['a']} − {row['b']}, {row['level']}", name, span, str(row["n"]), p])
     if not lines:
         return ""
@@ -102,17 +102,6 @@ def percent(interval: Mapping[str, Any]) -> str:
     if low is None:
         return f"{100 * value:.1f}"
     return f"{100 * value:.1f} ({100 * low:.1f}–{100 * high:.1f})"
-
-
-def difference(row: Mapping[str, Any]) -> str:
-    """A paired difference with its interval, in the unit of its quantity; a dash where there is no pair."""
-    if row["value"] is None:
-        return "–"
-    scale, form = 100.0, "{:+.1f}"
-    if row["quantity"] != "success":
-        scale, form = 1.0, COST_NAMES[row["quantity"]][1].replace(":", ":+")
-    value, low, high = (form.format(scale * row[end]) for end in ("value", "low", "high"))
-    return f"{value} ({low} to {high})"
 
 
 def p_value(p: float | None) -> str:

@@ -203,7 +203,7 @@ def _differences(results: Results) -> str:
     shown = ("time", "command_change")
     rows = []
     for found in results["differences"]:
-        spans = [_span(what, found[what]) for what in ("success", *shown)]
+        spans = [difference(what, found[what]) for what in ("success", *shown)]
         rows.append([f"{found['a']} − {found['b']}, {found['level']}", *spans])
     return (
         "## Paired differences\n\n"
@@ -246,8 +246,9 @@ def _number(cost: str, value: float | None) -> str:
     return "–" if value is None else COST_NAMES[cost][1].format(value)
 
 
-def _span(what: str, interval: Mapping[str, Any]) -> str:
-    if interval["n"] == 0:
+def difference(what: str, interval: Mapping[str, Any]) -> str:
+    """A paired difference with its interval, in the unit of its quantity; a dash where there is no pair."""
+    if interval["value"] is None:
         return "–"
     scale, form = (100.0, "{:+.1f}") if what == "success" else (1.0, COST_NAMES[what][1].replace(":", ":+"))
     value, low, high = (form.format(scale * interval[end]) for end in ("value", "low", "high"))

@@ -40,12 +40,9 @@ def ridge_readouts(moments: Moments, ridges: Iterable[float]) -> list[Array]:
     It minimises the sum of squared errors plus λ times the sum of squared weights without the constant
     (Hoerl and Kennard 1970). One eigendecomposition of the Gram matrix serves all ridges.
     """
-    gram, cross = moments.gram, moments.cross
-    rows = gram[-1, -1]
-    mean_x, mean_y = gram[-1, :-1] / rows, cross[-1] / rows
-    about_means = gram[:-1, :-1] - rows * np.outer(mean_x, mean_x)
-    values, vectors = np.linalg.eigh(about_means)
-    rotated = vectors.T @ (cross[:-1] - rows * np.outer(mean_x, mean_y))
+    mean_x, mean_y, gram, cross = _about_means(moments)
+    values, vectors = np.linalg.eigh(gram)
+    rotated = vectors.T @ cross
     found = []
     for ridge in ridges:
         weights = vectors @ (rotated / (np.maximum(values, 0.0) + ridge)[:, None])
@@ -57,13 +54,18 @@ def ridge_readout(moments: Moments, ridge: float) -> Array:
     """Return the readout (u + 1, 2) of one ridge, by Cholesky: faster than `ridge_readouts` for one ridge."""
     from scipy.linalg import solve
 
-    gram, cross = moments.gram, moments.cross
-    rows = gram[-1, -1]
-    mean_x, mean_y = gram[-1, :-1] / rows, cross[-1] / rows
-    about_means = gram[:-1, :-1] - rows * np.outer(mean_x, mean_x)
-    about_means[np.diag_indices_from(about_means)] += ridge
-    weights = solve(about_means, cross[:-1] - rows * np.outer(mean_x, mean_y), assume_a="pos")
+    mean_x, mean_y, gram, cross = _about_means(moments)
+    gram[np.diag_indices_from(gram)] += ridge
+    weights = solve(gram, cross, assume_a="pos")
     return np.vstack([weights, mean_y - mean_x @ weights])
+
+
+def _about_means(moments: Moments) -> tuple[Array, Array, Array, Array]:
+    """Return the means of states (u,) and levers (2,), then the Gram and cross matrices about them."""
+    rows = moments.gram[-1, -1]
+    mean_x, mean_y = moments.gram[-1, :-1] / rows, moments.cross[-1] / rows
+    gram = moments.gram[:-1, :-1] - rows * np.outer(mean_x, mean_x)
+    return mean_x, mean_y, gram, moments.cross[:-1] - rows * np.outer(mean_x, mean_y)
 
 
 def variance_matched(readout: Array, moments: Moments) -> Array:

@@ -26,7 +26,7 @@ from swamp_rl.criticism.selection.score_test import wave_starts
 from swamp_rl.effects import LIBRARY
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
-from tests.support.criticism import DT, SECONDS, SIGMA, driven, select_effects, simulated_runs
+from tests.support.criticism import DT, SECONDS, SIGMA, driven, joined, select_effects, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
@@ -94,14 +94,7 @@ def test_the_proposed_manoeuvre_separates_drag_and_thrust_which_straight_runs_do
     assert trial.separation > 10.0
     proposed = manoeuvres(steady.boat, DT)[trial.manoeuvre][None, : straight.shape[1]]
     sailed = driven(truth, proposed, 0.0, seed=10)
-    both = replace(
-        steady,
-        names=("a", "b", "c", "trial"),
-        commands=np.concatenate([steady.commands, sailed.commands]),
-        measured=np.concatenate([steady.measured, sailed.measured]),
-        lengths=np.concatenate([steady.lengths, sailed.lengths]),
-    )
-    settled = select_effects(both, *possible)
+    settled = select_effects(joined(steady, sailed), *possible)
     assert settled.winner.hypothesis.label == "linear_drag"
     assert not settled.rivals
 

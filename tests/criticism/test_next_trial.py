@@ -26,7 +26,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.runs import read_run
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.replay import replay
-from tests.support.criticism import DT, SECONDS, SIGMA, driven, select_effects
+from tests.support.criticism import DT, SECONDS, SIGMA, driven, joined, select_effects
 
 BOAT = load_boat("swamp")
 ZIG_ZAG = manoeuvres(BOAT, DT, SECONDS)["zig-zag, 80 %"]
@@ -202,14 +202,7 @@ def test_one_run_of_the_trial_makes_a_confounded_diagnosis_unique() -> None:
     trial = design_trial(*asked, trial_limits("30x30", BOAT, SECONDS), np.random.default_rng(0))
     rows = np.concatenate([trial.commands, np.repeat(trial.commands[-1:], 400, axis=0)])[:400]
     more = driven(truth, rows[None], 0.0, seed=10)
-    both = replace(
-        steady,
-        names=("a", "b", "c", "next"),
-        commands=np.concatenate([steady.commands, more.commands]),
-        measured=np.concatenate([steady.measured, more.measured]),
-        lengths=np.concatenate([steady.lengths, more.lengths]),
-    )
-    settled = select_effects(both, *possible)
+    settled = select_effects(joined(steady, more), *possible)
     assert settled.winner.hypothesis.label == "linear_drag"
     assert not settled.rivals
 

@@ -1,5 +1,6 @@
 """Simulated runs of known causes with noise, and the selection of their causes."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -80,6 +81,17 @@ def driven(
     noise = SIGMA * np.random.default_rng(seed).standard_normal((*commands.shape[:2], 6))
     lengths = np.full(runs, commands.shape[1])
     return RunSet(boat, DT, ("a", "b", "c")[:runs], commands, observe(track, record, DT) + noise, lengths)
+
+
+def joined(first: RunSet, more: RunSet) -> RunSet:
+    """The runs of both, which are of one length."""
+    return replace(
+        first,
+        names=(*first.names, *(f"more {name}" for name in more.names)),
+        commands=np.concatenate([first.commands, more.commands]),
+        measured=np.concatenate([first.measured, more.measured]),
+        lengths=np.concatenate([first.lengths, more.lengths]),
+    )
 
 
 Array = np.ndarray
