@@ -1,8 +1,6 @@
 """The site: built without a warning, without the network, and written from the declarations."""
 
 import re
-import subprocess
-import sys
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
@@ -17,7 +15,8 @@ from docs.generate import PARTS
 from docs.generate.markdown import table
 from swamp_rl.boat import Boat
 from swamp_rl.effects import LIBRARY
-from tests.support.pages import ROOT
+from tests.support import forks
+from tests.support.pages import ROOT, environment
 
 pytestmark = pytest.mark.xdist_group("site")  # what they share is made once
 
@@ -30,14 +29,11 @@ MARK = re.compile(r"^<!-- generated: (.+) -->$", re.MULTILINE)
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The built site; a warning fails it."""
-    out = tmp_path_factory.mktemp("site")
-    done = subprocess.run(
-        [sys.executable, "-m", "sphinx", "-E", "-W", "--keep-going", "-q", "docs", str(out)],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    folder = tmp_path_factory.mktemp("site")
+    build, out = folder / "build.py", folder / "site"
+    build.write_text("import sys\nfrom sphinx.cmd.build import main\nsys.exit(main(sys.argv[1:]))\n")
+    words = ["-E", "-W", "--keep-going", "-q", str(ROOT / "docs"), str(out)]
+    done = forks.run(forks.SCRIPT, [str(build), *words], folder, environment())
     assert done.returncode == 0, done.stderr
     return out
 

@@ -53,11 +53,18 @@ class Page:
 
 
 @contextmanager
-def driving(folder: Path) -> Iterator[Page]:
-    with serving(folder, factor=HASTE) as (address, _):
+def driving(folder: Path, course: str = "camogli") -> Iterator[Page]:
+    with serving(folder, factor=HASTE, course=course) as (address, _):
         host = address.split("/")[2]
         with connect(f"ws://{host}/socket", origin=f"http://{host}", ping_interval=None) as socket:
             yield Page(socket)
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> str:
+    """A course whose runs end after 8 s."""
+    (tmp_path / "short.yaml").write_text("extends: camogli\ntime_limit: 8.0\n")
+    return str(tmp_path / "short.yaml")
 
 
 def said(part: str) -> Callable[[dict[str, Any]], bool]:
@@ -111,9 +118,9 @@ def test_a_disk_that_fills_in_a_run_is_told_the_run_goes_on_and_is_accepted_once
 
 
 def test_a_disk_that_is_full_before_a_run_is_told_and_what_was_accepted_stays(
-    tmp_path: Path, full: threading.Event
+    tmp_path: Path, full: threading.Event, short: str
 ) -> None:
-    with driving(tmp_path / "runs") as page:
+    with driving(tmp_path / "runs", short) as page:
         page.until(phase("ended"))
         page.act("accept")
         page.until(is_accepted)
@@ -132,10 +139,10 @@ def test_a_disk_that_is_full_before_a_run_is_told_and_what_was_accepted_stays(
 
 @pytest.mark.parametrize("under_way", [False, True])
 def test_a_folder_that_vanishes_is_told_and_when_it_is_back_runs_are_kept_again(
-    tmp_path: Path, under_way: bool
+    tmp_path: Path, under_way: bool, short: str
 ) -> None:
     folder, away = tmp_path / "runs", tmp_path / "away"
-    with driving(folder) as page:
+    with driving(folder, short) as page:
         page.until(phase("ended"))
         page.act("accept")
         page.until(is_accepted)

@@ -39,6 +39,13 @@ def recorder(tmp_path: Path) -> Iterator[tuple[str, Hub]]:
         yield served
 
 
+@pytest.fixture(scope="module")
+def refusing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of a recorder for all that is refused before anybody drives."""
+    with serving(tmp_path_factory.mktemp("refusing") / "runs") as (address, _):
+        yield address
+
+
 def page(address: str, **headers: str) -> AbstractContextManager[ClientConnection]:
     """A page's socket."""
     host = address.split("/")[2]
@@ -72,15 +79,15 @@ def get(address: str, path: str = "", **headers: str) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "", "http://127.0.0.1:1"])
-def test_another_pages_origin_is_refused(recorder: tuple[str, Hub], origin: str) -> None:
-    with pytest.raises(InvalidStatus) as refused, page(recorder[0], Origin=origin):
+def test_another_pages_origin_is_refused(refusing: str, origin: str) -> None:
+    with pytest.raises(InvalidStatus) as refused, page(refusing, Origin=origin):
         pass
     assert refused.value.response.status_code == 403
 
 
-def test_a_strange_name_for_this_machine_is_refused(recorder: tuple[str, Hub]) -> None:
-    assert get(recorder[0], Host="evil.example")[0] == 403
-    assert get(recorder[0], Host="localhost:80")[0] == 200
+def test_a_strange_name_for_this_machine_is_refused(refusing: str) -> None:
+    assert get(refusing, Host="evil.example")[0] == 403
+    assert get(refusing, Host="localhost:80")[0] == 200
 
 
 def test_another_address_than_this_machines_needs_a_token() -> None:
@@ -248,8 +255,8 @@ def test_a_driver_whose_connection_breaks_lets_go_of_the_levers(recorder: tuple[
         "%2fetc%2fpasswd",
     ],
 )
-def test_no_path_leads_out_of_the_page_or_the_dataset(recorder: tuple[str, Hub], path: str) -> None:
-    code, text = get(recorder[0], path)
+def test_no_path_leads_out_of_the_page_or_the_dataset(refusing: str, path: str) -> None:
+    code, text = get(refusing, path)
     assert code in (400, 404)
     assert "vehicle" not in text and "import" not in text and "root:" not in text
 
