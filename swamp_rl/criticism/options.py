@@ -234,6 +234,7 @@ class Options:
     # ---- Exchange search
     exchange_fits: int = 2  # sets that are fitted in place of each effect
     exchange_budget: float = 4e6  # boat steps, about five seconds, after which no further round is begun
+    exchange_hopeless: float = 30.0  # chi2 a sample of the middle windows, above which none is tried
     # typical sizes to either side of its values that an effect begins again from
     exchange_reach: float = 0.5
     # ---- Reconstruction of commands between samples

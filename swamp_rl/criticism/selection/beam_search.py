@@ -16,7 +16,7 @@ from swamp_rl.criticism.selection.backward_elimination import (
     fit_by_continuation,
     nested,
 )
-from swamp_rl.criticism.selection.continuation import Continuation
+from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
 from swamp_rl.criticism.selection.exchange_search import exchange_search
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
 from swamp_rl.criticism.selection.small_effects import with_small_effects
@@ -77,7 +77,8 @@ def beam_search(
     if tried and adequate_stage(continuation, best) is None:
         closest = min(tried.values(), key=criterion)
         best = min(best, fit_by_continuation(continuation, closest.hypothesis, closest.x), key=criterion)
-    if best.hypothesis.instances and adequate_stage(continuation, best) is None:
+    hopeless = best.chi2 > options().exchange_hopeless * continuation.problems[MIDDLE].samples
+    if best.hypothesis.instances and not hopeless and adequate_stage(continuation, best) is None:
         exchanged = exchange_search(continuation, continuation.at(0, best), every)
         tried |= {one.hypothesis.label: continuation.at(0, one) for one in exchanged}
         best = min([best, *exchanged], key=criterion)
