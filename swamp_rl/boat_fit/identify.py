@@ -36,6 +36,8 @@ from swamp_rl.one_thread import one_thread
 Array = NDArray[np.float64]
 
 SUFFIX, REPORT = ".yaml", ".html"
+SATURATED = "efficiency_100"  # field of the record
+SEEN = 3.0  # standard errors of the fit to short windows, from which saturation is seen
 FITS = 2  # at most, each without the runs of another thrust that the one before shows
 
 
@@ -107,14 +109,14 @@ def _fitted_to_alike(
     the file with these numbers.
     """
     begun, rest = searched(data.training, positions), data.training
-    wiring, numbers = short_fitted(rest, begun, positions)
+    wiring, short = short_fitted(rest, begun, positions)
     judged = len(rest.lengths) + len(data.held_out.lengths) >= FEWEST
-    thrusts = _thrusts(data, wiring, written(wiring.boat, numbers)) if judged else []
+    thrusts = _thrusts(data, wiring, written(wiring.boat, short)) if judged else []
     for _ in range(FITS):
         alike = _without_other_thrust(rest, thrusts)
         if alike is not rest:
-            rest, (wiring, _) = alike, short_fitted(alike, begun, positions)
-        made = fitted_boat(rest, wiring, positions)
+            rest, (wiring, short) = alike, short_fitted(alike, begun, positions)
+        made = fitted_boat(rest, wiring, short)
         numbers = numbers_of(made)
         boat = written(wiring.boat, numbers)
         thrusts = _thrusts(data, wiring, boat) if judged else []
@@ -186,29 +188,38 @@ def searched(training: RunSet, positions: bool = False) -> Wiring:
 
 def short_fitted(training: RunSet, wiring: Wiring, positions: bool = False) -> tuple[Wiring, list[Fitted]]:
     """The wiring with the numbers of the fit to short windows, and these."""
-    run_set, weight, hypothesis, x = _begun(training, wiring, positions)
-    LOG.info("fitting %d numbers", len(hypothesis.numbers))
+    numbers = free_numbers(wiring.boat, positions)
+    run_set, weight, hypothesis, x = _begun(training, wiring, numbers, wiring.x)
+    LOG.info("fitting %d numbers", len(numbers))
     made = short_fit(run_set, weight, hypothesis, x)
-    found = _estimates(hypothesis.numbers, made.x, made.covariance)
+    found = _estimates(numbers, made.x, made.covariance)
     return replace(wiring, x=made.x[: len(found)]), found
 
 
-def fitted_boat(training: RunSet, wiring: Wiring, positions: bool = False) -> BoatFit:
-    """The fit of a boat's numbers to runs, from those of the wiring."""
+def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted]) -> BoatFit:
+    """The fit of a boat's numbers to runs, from those of the fit to short windows that these support."""
     LOG.info("fitting to windows of %.3g s", window_length(training.boat))
-    return long_fit(*_begun(training, wiring, positions))
+    kept = [i for i, one in enumerate(short) if supported(one)]
+    return long_fit(*_begun(training, wiring, tuple(short[i].number for i in kept), wiring.x[kept]))
 
 
-def _begun(training: RunSet, wiring: Wiring, positions: bool) -> tuple[RunSet, Array, FreeBoat, Array]:
-    """Runs, weights (R, T, 6), hypothesis and numbers x (p,) that a fit begins with."""
+def supported(one: Fitted) -> bool:
+    """Whether the runs support that a number is free: saturation must be seen, since it has much the same
+    effect as the dead band and the coefficients of the curve together.
+    """
+    return one.number.field != SATURATED or abs(one.value - one.number.start) > SEEN * one.standard_error
+
+
+def _begun(
+    training: RunSet, wiring: Wiring, numbers: tuple[Number, ...], x: Array
+) -> tuple[RunSet, Array, FreeBoat, Array]:
+    """Runs, weights (R, T, 6), hypothesis and x (p,) of the numbers x that a fit begins with."""
     run_set = advanced(replace(training, boat=wiring.boat), wiring.advance)
     windy = "wind_speed" not in run_set.measured_fields
-    hypothesis = free_boat(
-        wiring.boat, free_numbers(wiring.boat, positions), len(run_set.lengths) if windy else 0
-    )
-    x = hypothesis.start()
-    x[: len(hypothesis.numbers)] = wiring.x
-    return run_set, weights(training, noise_levels(training)), hypothesis, x
+    hypothesis = free_boat(wiring.boat, numbers, len(run_set.lengths) if windy else 0)
+    start = hypothesis.start()
+    start[: len(numbers)] = x
+    return run_set, weights(training, noise_levels(training)), hypothesis, start
 
 
 def numbers_of(made: BoatFit) -> list[Fitted]:

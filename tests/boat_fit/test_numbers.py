@@ -10,6 +10,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.mapping import boat_mapping
 from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
+from swamp_rl.boat_fit.identify import supported
 from swamp_rl.boat_fit.numbers import Number, free_numbers
 from swamp_rl.files import write_yaml
 from swamp_rl.simulator import parameters
@@ -128,6 +129,15 @@ def test_saturation_is_free_unless_the_start_file_has_a_curve_below_full_throttl
     curve = "effect: thruster_efficiency_curve, thruster: all"
     assert len(named(f"{{{curve}, at_100: 0.8}}")) == len(load_boat("swamp").thrusters)
     assert named(f"{{{curve}, at_60: 0.9}}") == []
+
+
+def test_saturation_stays_free_only_where_it_is_seen(tmp_path: Path) -> None:
+    every = free_numbers(load_boat(written(tmp_path, "twin")))
+    saturation = next(number for number in every if number.field == "efficiency_100")
+    band = next(number for number in every if number.field == "dead_band")
+    assert supported(Fitted(saturation, 0.5, 0.1, 0.3))
+    assert not supported(Fitted(saturation, 0.9, 0.1, 0.3))
+    assert supported(Fitted(band, 0.0, 0.08, 0.08))
 
 
 def test_a_measured_number_has_a_narrower_prior_than_an_assumed_one(tmp_path: Path) -> None:
