@@ -2,6 +2,7 @@
 
 import math
 import re
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,7 +17,7 @@ from swamp_rl.constants import FOOT, KNOT
 from swamp_rl.errors import UserError
 from swamp_rl.runs.bad_rows import BadRows, listed, stretches
 from swamp_rl.runs.check import check_table
-from swamp_rl.runs.columns import REQUIRED
+from swamp_rl.runs.columns import REQUIRED, UnknownThrusterError, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
 from swamp_rl.runs.local_frame import Place, to_local
 from swamp_rl.runs.resample import ANGLES, resampled
@@ -115,6 +116,7 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
             columns[name] = values.copy()
             columns[name][turned] = wrapped(values[turned])
     faults += check_table(found.file, Table(columns, rows, unread), boat, None)
+    faults += _spelled_otherwise(found.file, list(columns), boat)
     if wishes.bad_rows == "refuse":
         # Uneven steps are what resampling is for, steps back are not.
         if wishes.resample is not None and bool(np.all(np.diff(columns.get("time", np.zeros(2))) > 0.0)):
@@ -134,6 +136,25 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
         runs.append(_run(name, taken, told, wishes.resample))
         told.pop("rows_left_out", None)
     return runs
+
+
+def _spelled_otherwise(file: str, names: Sequence[str], boat: Boat) -> list[Fault]:
+    """The faults of columns that the run format has in small letters and without spaces; `check_table` tells
+    of those that a run must have."""
+    faults = []
+    for name in names:
+        ours = name.strip().lower()
+        if ours not in {*names, *REQUIRED} and _is_known(ours, boat) and not _is_known(name, boat):
+            told = f"is {ours} of the run format; name it so: --column {ours}={shlex.quote(name)}"
+            faults.append(Fault(file, None, name, told))
+    return faults
+
+
+def _is_known(name: str, boat: Boat) -> bool:
+    try:
+        return span_of(name, boat) is not None
+    except UnknownThrusterError:
+        return False
 
 
 def _times_in_days(file: str, time: Array) -> list[Fault]:

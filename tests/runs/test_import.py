@@ -110,6 +110,8 @@ def with_cell(name: str, row: int, value: object) -> dict[str, object]:
             WISHES,
             ["looks like a pulse width", "(pwm - 1500) / 400"],
         ),
+        ({**foreign(), " Sway": [0.1] * 40}, WISHES, ["is sway of the run format", "--column sway=' Sway'"]),
+        ({**foreign(), "THROTTLE_BS": [0.1] * 40}, WISHES, ["--column throttle_bs=THROTTLE_BS"]),
         (
             {**foreign(), "clock": ["14:05:01"] * 40},
             WISHES,
