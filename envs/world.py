@@ -11,7 +11,7 @@ from swamp_rl.envs.task import Task
 from swamp_rl.boat import Thruster
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation.metrics import jet_areas
-from swamp_rl.simulator.step import substeps_of
+from swamp_rl.simulator.substeps import substeps_of
 
 LEVER_COLUMNS = ("middle", "swing", "idle", "gain", "turn", "low", "high")
 
@@ -44,7 +44,7 @@ def world_of(task: Task) -> NDArray[np.void]:
                 f"and the buoys need more than {2.0 * reach:g} m; choose a wider gate or a narrower boat"
             )
     world = np.zeros(1, world_record(len(boat.thrusters)))
-    world["step"], world["substeps"] = step, substeps_of(step)
+    world["step"], world["substeps"] = step, substeps_of(step, boat)
     world["last_tick"] = task.last_tick
     for name, weight in task.weights.items():
         world[f"reward_{name}"] = weight

@@ -8,7 +8,8 @@ from swamp_rl.runs import Run
 from swamp_rl.simulator import initial_state, parameters, tank
 from swamp_rl.simulator.replay import VELOCITIES, fixed_thrusters, sample_step
 from swamp_rl.simulator.state import ACTUATORS
-from swamp_rl.simulator.step import simulate_in_weather, substeps_of
+from swamp_rl.simulator.step import simulate_in_weather
+from swamp_rl.simulator.substeps import substeps_of
 from swamp_rl.simulator.weather import MEASURED, NO_WEATHER, measured_weather
 
 Array = NDArray[np.float64]
@@ -27,9 +28,9 @@ def predicted(boat: Boat, run: Run, starts: NDArray[np.int64], steps: int, measu
     state = initial_state(params, run.pose[starts], run.stacked(VELOCITIES)[starts])
     state[:, ACTUATORS:] = commands[:, 0]
     seeds = np.zeros(len(starts), np.uint64)
-    return simulate_in_weather(params, tank(boat), state, commands, weather, seeds, dt, substeps_of(dt))[
-        ..., :3
-    ]
+    return simulate_in_weather(
+        params, tank(boat), state, commands, weather, seeds, dt, substeps_of(dt, boat)
+    )[..., :3]
 
 
 def errors_at_end(

@@ -10,7 +10,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import ACTUATORS, NORTH, TIME, YAW_RATE
-from swamp_rl.simulator.step import substeps_of
+from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 Decide = Callable[[list[Array]], tuple[Array, bool]]
@@ -79,7 +79,7 @@ def closed_loop(
         arrived = commands.copy()
         for i in late:
             delayed_command(past[i], tick, delays[i], arrived[i])
-        step(state, params, tank(boat), arrived, seeds, dt, substeps_of(dt))
+        step(state, params, tank(boat), arrived, seeds, dt, substeps_of(dt, boat))
         states.append(state.copy())
 
 

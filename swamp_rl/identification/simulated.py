@@ -12,7 +12,7 @@ from swamp_rl.runs import Run
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.sensors.observe import CHANNELS, add_noise, observe
 from swamp_rl.simulator.state import ACTUATORS
-from swamp_rl.simulator.step import substeps_of
+from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 
@@ -32,7 +32,7 @@ def record_run(
     start = initial_state(params, np.zeros((1, 3)))
     start[:, ACTUATORS:] = commands[0]
     seeds = rng.integers(2**63, size=1).astype(np.uint64)
-    track = simulate(params, tank(boat), start, commands[None], seeds, dt, substeps_of(dt))[:, :-1]
+    track = simulate(params, tank(boat), start, commands[None], seeds, dt, substeps_of(dt, boat))[:, :-1]
     measured = add_noise(observe(track, params, dt)[0], noise, rng)
     columns = {"time": np.arange(len(commands)) * dt} | dict(zip(CHANNELS, measured.T, strict=True))
     columns["heading"] = wrapped(columns["heading"])

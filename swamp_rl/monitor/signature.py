@@ -16,7 +16,7 @@ from swamp_rl.physics.compile import compiled
 from swamp_rl.simulator import simulate, tank
 from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.state import TIME
-from swamp_rl.simulator.step import substeps_of
+from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ def signatures(boat: Boat, records: NDArray[Any], window: Sequence[Step], dt: fl
     start = np.repeat(window[0].state[None], len(params), axis=0)
     commands = np.repeat(np.array([step.commands for step in window[:-1]])[None], len(params), axis=0)
     seeds = np.zeros(len(params), np.uint64)
-    tracks = simulate(params, tank(boat), start, commands, seeds, dt, substeps_of(dt))
+    tracks = simulate(params, tank(boat), start, commands, seeds, dt, substeps_of(dt, boat))
     seen = observe(tracks, params, dt, start[:, TIME])
     return whitened(differences(seen[1:] - seen[0]), window)
 

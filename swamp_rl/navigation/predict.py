@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.state import ACTUATORS, TIME
-from swamp_rl.simulator.step import substeps_of
+from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ class BoatModel:
     """
 
     def __init__(self, boat: Boat) -> None:
-        self.tank = tank(boat)
+        self.boat, self.tank = boat, tank(boat)
         self.params = parameters(boat, STATES + 1)
         "Records of the state and of its differences; a caller may put others there."
         self.actuators = initial_state(self.params[:1], np.zeros((1, 3)))[0]
@@ -62,7 +62,7 @@ class BoatModel:
         states[:, :6] = tried[:, :6]
         self.params["current_north"], self.params["current_east"] = tried[:, 6], tried[:, 7]
         self._commands[:] = commands
-        step(states, self.params, self.tank, self._commands, self._seeds, dt, substeps_of(dt))
+        step(states, self.params, self.tank, self._commands, self._seeds, dt, substeps_of(dt, self.boat))
         self.actuators[ACTUATORS:] = states[0, ACTUATORS:]
         self.actuators[TIME] = states[0, TIME]
         tried[:, :6] = states[:, :6]

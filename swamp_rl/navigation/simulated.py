@@ -12,7 +12,7 @@ from swamp_rl.navigation.filter import Navigator
 from swamp_rl.navigation.sensors import Sensors, due
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.state import ACTUATORS, SURGE, YAW_RATE
-from swamp_rl.simulator.step import substeps_of
+from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 Commands = Callable[[float, Navigator, Array], Array]
@@ -65,7 +65,7 @@ def navigate(
         time = (number + 1) * dt
         command = commands(time - dt, navigator, state[0, ACTUATORS : ACTUATORS + K])
         gusts = rng.integers(2**63, size=1).astype(np.uint64)
-        step(state, params, tank(boat), command[None], gusts, dt, substeps_of(dt))
+        step(state, params, tank(boat), command[None], gusts, dt, substeps_of(dt, boat))
         if walk is not None:
             _wander(state[0], params, np.sqrt(dt) * walk * rng.standard_normal(8))
         navigator.predict(command, dt)

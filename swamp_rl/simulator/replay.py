@@ -14,7 +14,8 @@ from swamp_rl.runs import Run
 from swamp_rl.simulator.parameters import initial_state, parameters, tank
 from swamp_rl.simulator.sensors import CHANNELS, observe, rows_ahead, true_motion
 from swamp_rl.simulator.state import ACTUATORS
-from swamp_rl.simulator.step import simulate_in_weather, substeps_of
+from swamp_rl.simulator.step import simulate_in_weather
+from swamp_rl.simulator.substeps import substeps_of
 from swamp_rl.simulator.weather import measured_weather
 
 Array = NDArray[np.float64]
@@ -102,7 +103,7 @@ def replay(boat: Boat, run: Run, ignore: Sequence[str] = ()) -> Run:
     held = held_on(commands, ahead)[:-1]
     weather = measured_weather(run, boat, ignore)
     felt = held_on(weather, ahead)[None, :-1] if len(weather) else np.zeros((0, 0, 3))
-    track = simulate_in_weather(params, tank(boat), start, held[None], felt, seeds, dt, substeps_of(dt))
+    track = simulate_in_weather(params, tank(boat), start, held[None], felt, seeds, dt, substeps_of(dt, boat))
     rows = slice(len(run.time))
     return run_of(track[0, rows], observe(track, params, dt)[0, rows], run.time, run, boat)
 

@@ -18,7 +18,8 @@ from swamp_rl.simulator.parameters import parameters, tank
 from swamp_rl.simulator.replay import fixed_thrusters, run_of, sample_step, start_of, velocities_at
 from swamp_rl.simulator.sensors import observe, true_motion
 from swamp_rl.simulator.state import YAW_RATE
-from swamp_rl.simulator.step import step, substeps_of
+from swamp_rl.simulator.step import step
+from swamp_rl.simulator.substeps import substeps_of
 from swamp_rl.simulator.weather import measured_weather, set_weather
 
 Array = NDArray[np.float64]
@@ -121,7 +122,7 @@ def _sailed(
         if len(weather):
             set_weather(params, weather[min(row, len(weather) - 1)])
         delayed_command(commands, row, float(params["command_delay"][0]) / dt, arrived)
-        step(state, params, tank(boat), arrived[None], seeds, dt, substeps_of(dt))
+        step(state, params, tank(boat), arrived[None], seeds, dt, substeps_of(dt, boat))
         track.append(state[0].copy())
     return np.array(track)
 

@@ -34,11 +34,6 @@ CHUNK = (
 SUBSTEP = 0.1  # s, the longest Runge-Kutta step: under a centimetre off after half a minute of hard steering
 
 
-def substeps_of(dt: float) -> int:
-    """Runge-Kutta steps that a control step of dt [s] is divided into."""
-    return max(1, math.ceil(dt / SUBSTEP - 1e-9))
-
-
 @compiled
 def update_gusts(state: Any, seed: Any, dt: float, p: Any) -> None:
     """Ornstein-Uhlenbeck gusts on the wind's speed and direction, exact over a step, stationary at once."""

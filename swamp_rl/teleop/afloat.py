@@ -12,7 +12,8 @@ from swamp_rl.physics.motion import current_at
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE
 from swamp_rl.simulator.step import step as sail
-from swamp_rl.simulator.step import substeps_of, wind_now
+from swamp_rl.simulator.step import wind_now
+from swamp_rl.simulator.substeps import substeps_of
 from swamp_rl.teleop.craft import IDLE, Array, Instant, Levers, Weather
 from swamp_rl.teleop.rows import initial_state
 
@@ -147,7 +148,7 @@ class Afloat:
         self.weather(self.at(0.05))
         state, commands = self.now.state[None].copy(), self.now.commands[None]
         gusts = np.zeros(1, np.uint64)
-        sail(state, parameters(self.boat), tank(self.boat), commands, gusts, 0.1, substeps_of(0.1))
+        sail(state, parameters(self.boat), tank(self.boat), commands, gusts, 0.1, substeps_of(0.1, self.boat))
         self.begin(seed)
 
     def _within(self, share: float) -> Array:

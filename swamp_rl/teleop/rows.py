@@ -15,7 +15,7 @@ from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.replay import fixed_thrusters
 from swamp_rl.simulator.state import ACTUATORS, HEADING, NORTH, TIME, YAW_RATE, state_size
 from swamp_rl.simulator.step import step as sail
-from swamp_rl.simulator.step import substeps_of
+from swamp_rl.simulator.substeps import substeps_of
 from swamp_rl.teleop.craft import Array, Instant, Weather
 
 MOTION = ("north", "east", "heading", "surge", "sway", "yaw_rate")
@@ -77,7 +77,7 @@ def sailed_again(run: Run, boat: Boat) -> Array:
     track = np.empty((len(commands), state_size(len(boat.thrusters))))
     for row, command in enumerate(_arrived(run, boat, commands, float(params["command_delay"][0]) / step)):
         track[row] = state[0]
-        sail(state, params, tank(boat), command[None], seed, step, substeps_of(step))
+        sail(state, params, tank(boat), command[None], seed, step, substeps_of(step, boat))
     return track
 
 

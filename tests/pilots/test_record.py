@@ -16,7 +16,7 @@ from swamp_rl.runs import Dataset, check_dataset, read_dataset
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.replay import replay
 from swamp_rl.simulator.state import ACTUATORS
-from swamp_rl.simulator.step import substeps_of
+from swamp_rl.simulator.substeps import substeps_of
 from swamp_rl.unfinished import folder_beside
 
 BOAT = load_boat("swamp")
@@ -86,7 +86,7 @@ def test_a_recorded_run_replays_exactly_from_its_seed_state_and_disturbances(rec
         commands = run.commands(BOAT.thruster_names)[None, :-1]
         gusts = np.array([run.meta.model_dump()["gust_seed"]], dtype=np.uint64)
         track = simulate(
-            p, tank(BOAT), initial_state(p, start, speed), commands, gusts, 0.1, substeps_of(0.1)
+            p, tank(BOAT), initial_state(p, start, speed), commands, gusts, 0.1, substeps_of(0.1, BOAT)
         )[0]
         np.testing.assert_allclose(track[:, :2], run.pose[:, :2], atol=1e-9)
         np.testing.assert_allclose(track[:, 3:6], run.stacked(("surge", "sway", "yaw_rate")), atol=1e-9)

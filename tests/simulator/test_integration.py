@@ -1,5 +1,7 @@
 """The integration: order of convergence, the same bits in any batch, boats that differ within a batch."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,8 +10,10 @@ from swamp_rl.physics.noise import normal_pair, uniform
 from swamp_rl.physics.thrusters import azimuth_after
 from swamp_rl.simulator import initial_state, parameters, simulate, step, step_parallel, tank
 from swamp_rl.simulator.state import ACTUATORS, GUST_SPEED, HEADING, NORTH, SURGE
-from swamp_rl.simulator.step import _simulated, substeps_of
+from swamp_rl.simulator.step import _simulated
+from swamp_rl.simulator.substeps import substeps_of
 from tests.support.boats import commands, track
+from tests.support.from_scratch import written
 
 BOAT = load_boat("swamp")
 
@@ -32,8 +36,16 @@ def test_the_default_step_is_accurate_to_a_centimetre_over_half_a_minute_of_hard
     for _ in range(5):
         steering = np.repeat(rng.choice([-90.0, 0.0, 90.0], 60), 5)
         command = np.concatenate([commands(angle, 0, (1, 1, 0, 0), 1) for angle in steering])
-        coarse, fine = track(BOAT, command, substeps=substeps_of(0.1)), track(BOAT, command, substeps=40)
+        coarse, fine = (track(BOAT, command, substeps=n) for n in (substeps_of(0.1, BOAT), 40))
         assert np.hypot(*(coarse - fine)[:, :2].T).max() < 1e-2
+
+
+def test_a_toy_of_a_third_of_a_metre_is_computed_to_a_thousandth_of_its_length(tmp_path: Path) -> None:
+    toy = load_boat(written(tmp_path, "toy"))
+    throttles = np.repeat(np.random.default_rng(0).uniform(0.0, 1.0, (20, 2)), 5, axis=0)
+    command = np.concatenate([np.zeros_like(throttles), throttles], axis=1)
+    coarse, fine = (track(toy, command, substeps=n) for n in (substeps_of(0.1, toy), 40))
+    assert np.hypot(*(coarse - fine)[:, :2].T).max() < 1e-3 * toy.length
 
 
 def varied_batch(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

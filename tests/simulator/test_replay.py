@@ -9,8 +9,9 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
-from swamp_rl.simulator.replay import replay, run_of, substeps_of, unused_columns, velocities_at
+from swamp_rl.simulator.replay import replay, run_of, unused_columns, velocities_at
 from swamp_rl.simulator.state import HEADING
+from swamp_rl.simulator.substeps import substeps_of
 from tests.support.boats import Array, commands, track
 
 BOAT = load_boat("swamp")
@@ -23,7 +24,7 @@ def turning_commands() -> Array:
 def recorded() -> Run:
     command = turning_commands()
     start = {"pose": (1.0, 2.0, 3.0), "velocity": (0.5, -0.1, 0.2)}
-    states = track(BOAT, command[:-1], **start, substeps=substeps_of(0.1))
+    states = track(BOAT, command[:-1], **start, substeps=substeps_of(0.1, BOAT))
     names = [f"{kind}_{name}" for kind in ("azimuth", "throttle") for name in BOAT.thruster_names]
     columns = dict(zip(names, command.T, strict=True))
     return run_of(states, states[:, :6], 0.1 * np.arange(len(states)), Run("turn", columns), BOAT)

@@ -18,7 +18,7 @@ from swamp_rl.criticism.model.trial_limits import TrialLimits, rows_within
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator import initial_state, simulate, tank
 from swamp_rl.simulator.state import ACTUATORS
-from swamp_rl.simulator.step import substeps_of
+from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -128,7 +128,9 @@ def _track(run_set: RunSet, one: Explanation, commands: Array) -> Array:
     start[:, ACTUATORS : ACTUATORS + commands.shape[2]] = commands[:, 0]
     seeds = np.zeros(len(commands), np.uint64)
     asked = np.ascontiguousarray(commands[:, :-1])
-    track = simulate(records, tank(run_set.boat), start, asked, seeds, run_set.dt, substeps_of(run_set.dt))
+    track = simulate(
+        records, tank(run_set.boat), start, asked, seeds, run_set.dt, substeps_of(run_set.dt, run_set.boat)
+    )
     return np.asarray(track[..., :6])
 
 
@@ -148,7 +150,7 @@ def _problem(question: Question, commands: Array) -> Shooting:
     first = np.tile(transient + length * np.arange(pieces), trials)
     windows = Windows(run, first, np.full(len(run), length - 1), np.zeros_like(weights), weights, 0, length)
     problem = Shooting(planned, np.broadcast_to(weight, planned.measured.shape), np.inf, windows)
-    problem.substeps = max(1, math.ceil(run_set.dt / options().substep - 1e-9))
+    problem.substeps = substeps_of(run_set.dt, run_set.boat)
     return problem
 
 

@@ -23,6 +23,7 @@ from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.sensors import observe, rows_ahead
 from swamp_rl.simulator.state import TIME
+from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 
@@ -112,8 +113,8 @@ class Shooting:
         self.scale = state_scale(run_set.boat)
         self.dt = run_set.dt
         self.windows = windows or self._with_start_prior(cut(run_set, weight, seconds, before))
-        longest = options().substep if math.isfinite(seconds) else options().substep_of_runs
-        self.substeps = max(1, math.ceil(run_set.dt / longest - 1e-9))
+        finer = 1.0 if math.isfinite(seconds) else options().substep_of_runs
+        self.substeps = substeps_of(run_set.dt / finer, run_set.boat)
         self.samples = self.windows.samples
         process = run_set.gauss_markov
         self.filter = None if process is None else kalman_filter(self.windows, process, run_set.dt)
