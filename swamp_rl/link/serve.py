@@ -62,16 +62,17 @@ def serve(
     sockets: Sockets,
     log: BinaryIO | None = None,
     ended: Callable[[], bool] = lambda: False,
+    clock: Callable[[], float] = time.monotonic,
 ) -> None:
-    """Let the vehicle sail and answer until it has `ended`."""
+    """Let the vehicle sail and answer until it has `ended`, in the time of a clock [s]."""
     with selectors.DefaultSelector() as selector:
         for end, own in sockets.items():
             selector.register(own, selectors.EVENT_READ, end)
-        start = time.monotonic() - vehicle.time
+        start = clock() - vehicle.time
         while not ended():
             due = start + vehicle.time + TICK
-            ready = selector.select(max(due - time.monotonic(), 0.0))
-            now = time.monotonic()
+            ready = selector.select(max(due - clock(), 0.0))
+            now = clock()
             start = max(start, now - vehicle.time - BEHIND)
             send(vehicle.advance(now - start), sockets, log)
             for key, _ in ready:
