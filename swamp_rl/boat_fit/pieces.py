@@ -55,9 +55,12 @@ def pieces(run_set: RunSet) -> tuple[RunSet, NDArray[np.int64]]:
     longest = max(b - a for _, a, b in rows)
     commands = np.stack([_rows(run_set.commands[run], a, b, longest, held=True) for run, a, b in rows])
     measured = np.stack([_rows(run_set.measured[run], a, b, longest) for run, a, b in rows])
-    weather = run_set.weather
-    if len(weather):
-        weather = np.stack([_rows(weather[run], a, b, longest, held=True) for run, a, b in rows])
+    weather, ignored = (
+        np.stack([_rows(of_runs[run], a, b, longest, held=True) for run, a, b in rows])
+        if len(of_runs)
+        else of_runs
+        for of_runs in (run_set.weather, run_set.ignored)
+    )
     gaps = [
         Gap(number, max(gap.row - a, 0), min(gap.row + gap.rows, b) - max(gap.row, a))
         for number, (run, a, b) in enumerate(rows)
@@ -76,6 +79,7 @@ def pieces(run_set: RunSet) -> tuple[RunSet, NDArray[np.int64]]:
         lengths=lengths,
         gaps=tuple(gaps),
         weather=weather,
+        ignored=ignored,
         origin=(),
         days=(),
     )

@@ -151,6 +151,16 @@ def test_runs_are_held_out_whole_and_a_single_one_by_pieces(tmp_path: Path) -> N
     assert np.isfinite(by_runs.training.commands).all()
 
 
+def test_a_wind_that_is_left_out_is_cut_with_its_run(tmp_path: Path) -> None:
+    runs = start_runs(tmp_path, HIDDEN, count=1)
+    wind = np.random.default_rng(0).uniform(0.0, 5.0, (*runs.commands.shape[:2], 3))
+    data = split(replace(runs, ignored=wind))
+    first, held, last = data.training.ignored[0], data.held_out.ignored[0], data.training.ignored[1]
+    ends = [first[: data.training.lengths[0]], last[: data.training.lengths[1]]]
+    whole = np.concatenate([ends[0], ends[1], held[: data.held_out.lengths[0]]])
+    np.testing.assert_array_equal(whole, wind[0, : runs.lengths[0]])
+
+
 def test_bad_input_is_refused_with_one_line_and_nothing_written(call: Call, tmp_path: Path) -> None:
     sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", hidden(tmp_path, HIDDEN), count=1, seconds=12.0)
     before = sorted(path.name for path in tmp_path.iterdir())
