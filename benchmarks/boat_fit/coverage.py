@@ -33,6 +33,7 @@ from swamp_rl.one_thread import one_thread
 from swamp_rl.simulator import initial_state, tank
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.sensors import observe
+from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 
@@ -149,7 +150,6 @@ def sailed(hypothesis: FreeBoat, boat: Boat, x: Array, gusty: bool, rng: np.rand
     steps = np.full(RUNS, ROWS + AFTER - 1)
     seeds = rng.integers(1, 1 << 31, RUNS).astype(np.uint64)
     calm = np.zeros((0, 0, 3))
-    substeps = int(np.ceil(dt / 0.1 - 1e-9))
     roll(
         record,
         tank(boat),
@@ -161,7 +161,7 @@ def sailed(hypothesis: FreeBoat, boat: Boat, x: Array, gusty: bool, rng: np.rand
         steps,
         seeds,
         dt,
-        substeps,
+        substeps_of(dt, boat),
         np.zeros((0, 1, 3)),
         1,
         track,
