@@ -19,10 +19,8 @@ from swamp_rl.simulator import parameters
 
 SECONDS = 120.0  # s of runs that the search fits to
 STEPS = 4  # Jacobians of each of its fits
-LIKELY, FAR = (
-    2,
-    4.0,
-)  # wirings that are fitted in full: how many, and up to which multiple of the chi2 without
+LIKELY = 2  # wirings that are fitted in full, at most
+FAR = 4.0  # times the chi2 without a change, up to which a wiring is
 MOST_TOGETHER = 4  # changes of which every combination is tried; of more, one after the other
 CLEARLY = 0.8  # of the chi2 without it, below which a change is taken
 ADVANCE = 0.6  # s, by which commands that may be stamped late are tried earlier

@@ -64,6 +64,7 @@ def closed_loop(
 
     Commands are held for dt [s] and act after each boat's `command_delay`. `state` is changed.
     """
+    curves, substeps = tank(boat), substeps_of(dt, boat)
     delays = params["command_delay"] / dt
     late = np.flatnonzero(delays > 0.0)
     past = np.zeros((len(state), 3 + int(delays.max()), 2 * len(boat.thrusters)))
@@ -79,7 +80,7 @@ def closed_loop(
         arrived = commands.copy()
         for i in late:
             delayed_command(past[i], tick, delays[i], arrived[i])
-        step(state, params, tank(boat), arrived, seeds, dt, substeps_of(dt, boat))
+        step(state, params, curves, arrived, seeds, dt, substeps)
         states.append(state.copy())
 
 

@@ -59,13 +59,13 @@ def navigate(
     params = parameters(boat)
     start = np.zeros(3) if pose is None else pose
     state = initial_state(params, start[None], None if velocity is None else velocity[None])
-    K = len(boat.thrusters)
+    K, curves, substeps = len(boat.thrusters), tank(boat), substeps_of(dt, boat)
     kept: dict[str, list[Any]] = {name: [] for name in ("time", "truth", "estimate", "nees", "gps", "ahrs")}
     for number in range(round(seconds / dt)):
         time = (number + 1) * dt
         command = commands(time - dt, navigator, state[0, ACTUATORS : ACTUATORS + K])
         gusts = rng.integers(2**63, size=1).astype(np.uint64)
-        step(state, params, tank(boat), command[None], gusts, dt, substeps_of(dt, boat))
+        step(state, params, curves, command[None], gusts, dt, substeps)
         if walk is not None:
             _wander(state[0], params, np.sqrt(dt) * walk * rng.standard_normal(8))
         navigator.predict(command, dt)

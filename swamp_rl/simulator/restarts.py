@@ -117,12 +117,12 @@ def _sailed(
     """
     track = [state[0].copy()]
     arrived = np.empty(commands.shape[1])
-    seeds = np.zeros(1, np.uint64)
+    seeds, curves, substeps = np.zeros(1, np.uint64), tank(boat), substeps_of(dt, boat)
     for row in rows:
         if len(weather):
             set_weather(params, weather[min(row, len(weather) - 1)])
         delayed_command(commands, row, float(params["command_delay"][0]) / dt, arrived)
-        step(state, params, tank(boat), arrived[None], seeds, dt, substeps_of(dt, boat))
+        step(state, params, curves, arrived[None], seeds, dt, substeps)
         track.append(state[0].copy())
     return np.array(track)
 

@@ -127,10 +127,8 @@ def _track(run_set: RunSet, one: Explanation, commands: Array) -> Array:
     start = initial_state(records, np.zeros((len(commands), 3)))
     start[:, ACTUATORS : ACTUATORS + commands.shape[2]] = commands[:, 0]
     seeds = np.zeros(len(commands), np.uint64)
-    asked = np.ascontiguousarray(commands[:, :-1])
-    track = simulate(
-        records, tank(run_set.boat), start, asked, seeds, run_set.dt, substeps_of(run_set.dt, run_set.boat)
-    )
+    boat, dt = run_set.boat, run_set.dt
+    track = simulate(records, tank(boat), start, commands[:, :-1], seeds, dt, substeps_of(dt, boat))
     return np.asarray(track[..., :6])
 
 
