@@ -6,6 +6,9 @@ VENV := .venv
 READY := $(VENV)/.ready
 BIN := $(VENV)/bin
 
+# The commands that the tests start read the compiled modules that the first of them leaves.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: run test test-kernels smoke docs setup clean
 .DELETE_ON_ERROR:
 
