@@ -5,6 +5,7 @@ Imports at the top of a module, inside functions and for type checking count ali
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -100,21 +101,32 @@ def package_of(module: str) -> str:
 
 
 MODULES = modules()
-GRAPH = {name: set(imported(file.read_text(), MODULES)) - {name} for name, file in MODULES.items()}
-PACKAGES: dict[str, set[str]] = {}
-for _name, _others in GRAPH.items():
-    PACKAGES.setdefault(package_of(_name), set()).update(package_of(other) for other in _others)
+
+
+@cache
+def graph() -> dict[str, set[str]]:
+    """The modules that each module imports."""
+    return {name: set(imported(file.read_text(), MODULES)) - {name} for name, file in MODULES.items()}
+
+
+@cache
+def packages() -> dict[str, set[str]]:
+    """The packages that each package imports."""
+    found: dict[str, set[str]] = {}
+    for name, others in graph().items():
+        found.setdefault(package_of(name), set()).update(package_of(other) for other in others)
+    return found
 
 
 def test_every_package_has_a_floor() -> None:
-    assert set(PACKAGES) - {"", "experiments"} == set(FLOOR)
+    assert set(packages()) - {"", "experiments"} == set(FLOOR)
 
 
 @pytest.mark.parametrize("of", ["modules", "packages"])
 def test_nothing_is_imported_in_a_circle(of: str) -> None:
-    without_itself = {name: others - {name} for name, others in PACKAGES.items()}
+    without_itself = {name: others - {name} for name, others in packages().items()}
     try:
-        TopologicalSorter(GRAPH if of == "modules" else without_itself).prepare()
+        TopologicalSorter(graph() if of == "modules" else without_itself).prepare()
     except CycleError as error:
         pytest.fail(" imports ".join(reversed(error.args[1])))
 
@@ -122,7 +134,7 @@ def test_nothing_is_imported_in_a_circle(of: str) -> None:
 def test_no_module_imports_from_a_floor_above_its_own() -> None:
     upward = [
         f"{name} imports {other}"
-        for name, others in GRAPH.items()
+        for name, others in graph().items()
         for other in others
         if package_of(name) in FLOOR and FLOOR.get(package_of(other), 0) > FLOOR[package_of(name)]
     ]
@@ -133,7 +145,7 @@ def test_the_parts_of_criticism_import_from_their_own_floor_or_from_below() -> N
     floor = {part: number for number, parts in enumerate(CRITICISM) for part in parts}
     inside = {
         name: {other for other in others if other.startswith("swamp_rl.criticism.")}
-        for name, others in GRAPH.items()
+        for name, others in graph().items()
         if name.startswith("swamp_rl.criticism.")
     }
     assert {name.split(".")[2] for name in inside} == set(floor)
@@ -149,7 +161,7 @@ def test_the_parts_of_criticism_import_from_their_own_floor_or_from_below() -> N
 def test_the_library_imports_neither_environments_nor_experiments() -> None:
     library = {package for package, floor in FLOOR.items() if floor < NOT_OF_THE_LIBRARY}
     above = set(FLOOR) - library
-    assert all(not PACKAGES[package] & above for package in library)
+    assert all(not packages()[package] & above for package in library)
 
 
 def test_a_circle_and_an_import_inside_a_function_are_seen() -> None:
