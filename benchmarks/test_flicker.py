@@ -19,10 +19,10 @@ def test_failures_and_errors_are_counted_by_the_name_of_their_test(tmp_path: Pat
     (tmp_path / "report.xml").write_text(REPORT)
     found = failures(tmp_path / "report.xml")
     assert found == ["tests.a::fails[1 - 2]", "tests.b::breaks"]
-    assert result_line(3, 8, "2 failed", Counter(found * 2)).endswith(
+    assert result_line(3, 8.0, "2 failed", Counter(found * 2)).endswith(
         ": `tests.a::fails[1 - 2]` 2 times, `tests.b::breaks` 2 times."
     )
-    assert result_line(3, 8, "9 passed", Counter()).endswith("(9 passed): none failed.")
+    assert result_line(3, 8.0, "9 passed", Counter()).endswith("(9 passed): none failed.")
 
 
 def test_busy_processes_end_with_the_block() -> None:
