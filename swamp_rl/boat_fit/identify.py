@@ -181,7 +181,7 @@ def _told(dataset: Path) -> str:
 def searched(training: RunSet, positions: bool = False) -> Wiring:
     """The wiring of the commands."""
     LOG.info("%.1f min of runs: channels, signs and delays", training.lengths.sum() * training.dt / 60)
-    return search_wiring(training, weights(training, noise_levels(training)), positions)
+    return search_wiring(training, noise_levels(training), positions)
 
 
 def short_fitted(training: RunSet, wiring: Wiring, positions: bool = False) -> tuple[Wiring, list[Fitted]]:

@@ -16,6 +16,8 @@ from swamp_rl.criticism.report.page import document
 from swamp_rl.criticism.report.tables import table
 from swamp_rl.criticism.result import Predictors
 
+FAR = 3.0  # standard deviations of the prior, beyond which a number contradicts the start file
+
 
 def page_of(found: Identification) -> str:
     """The whole HTML page."""
@@ -60,6 +62,7 @@ def summary(found: Identification) -> list[str]:
             "taken that much earlier; correct the log; a boat file has no parameter for it."
         )
     said += unlike_runs(found)
+    said += far_from_start(found.fitted)
     if worse := not_better(found.after):
         said.append(f"The identified file is not better than {' and '.join(worse)}.")
     said += with_recent_gains(found)
@@ -113,6 +116,18 @@ def _use(one: RunThrust, found: Identification) -> str:
     if one.name in found.data.held_out.names:
         return "held out"
     return "part of the fit" if one.name in found.unlike.fitted else "left out of the fit"
+
+
+def far_from_start(fitted: Sequence[Fitted]) -> list[str]:
+    """Which numbers contradict the start file, in a sentence."""
+    far = [f"{one.number.name} ({one.distance:.1f})" for one in fitted if one.distance > FAR]
+    if not far:
+        return []
+    return [
+        f"More than {FAR:g} standard deviations of the prior from the start file: {', '.join(far)}. There "
+        "the start file is wrong or its `sd` too small, or the motion has a cause without a number in a boat "
+        "file, which `swamp-rl diagnose` seeks."
+    ]
 
 
 def not_better(errors: Sequence[Predictors]) -> list[str]:
