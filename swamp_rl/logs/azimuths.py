@@ -25,7 +25,7 @@ def with_nearest_azimuths(found: Foreign, boat: Boat) -> Foreign:
     columns, told = dict(found.table.columns), []
     for thruster in boat.thrusters:
         name = thruster.command_columns[0]
-        if name not in columns or not isinstance(thruster, Thruster) or thruster.kind != "azimuth":
+        if not isinstance(thruster, Thruster) or name is None or name not in columns:
             continue
         values = columns[name]
         if math.isinf(thruster.azimuth_max):
