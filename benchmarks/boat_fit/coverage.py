@@ -101,12 +101,14 @@ def start_boat(rng: np.random.Generator) -> tuple[str, Boat]:
 
 def drawn(hypothesis: FreeBoat, rng: np.random.Generator) -> Array:
     """(p,) numbers from their priors, within their bounds."""
-    mean, covariance = hypothesis.prior()[0], np.linalg.inv(hypothesis.prior_precision)
+    mean, sd = hypothesis.prior()[0], hypothesis.prior()[1] ** -0.5
+    correlation = np.linalg.inv(hypothesis.prior_precision * np.outer(sd, sd))
+    root = np.linalg.cholesky(correlation)
     low, high = hypothesis.bounds()
     correlated = hypothesis.prior_precision != 0.0
     x = np.full(len(mean), np.nan)
     while (outside := ~((x >= low) & (x <= high))).any():
-        x = np.where(correlated @ outside, rng.multivariate_normal(mean, covariance), x)
+        x = np.where(correlated @ outside, mean + sd * (root @ rng.standard_normal(len(mean))), x)
     return x
 
 

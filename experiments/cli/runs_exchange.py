@@ -156,7 +156,7 @@ def _tell(out: Path, made: "DatasetMeta") -> None:
     """Print how the rows of imported runs were changed, and how many there are."""
     for run in made.runs:
         told = run.model_extra or {}
-        for key in ("times", "joined", "clocks", "resampled", "commands", "not_imported"):
+        for key in ("times", "joined", "clocks", "resampled", "azimuths", "commands", "not_imported"):
             if key in told:
                 typer.echo(f"{run.file}: {key.replace('_', ' ')}: {told[key]}")
         for line in told.get("rows_left_out", ()):

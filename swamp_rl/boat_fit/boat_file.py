@@ -1,5 +1,6 @@
 """The identified boat file: the start boat with the fitted numbers and their standard errors."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -30,6 +31,14 @@ class Fitted:
     def shown(self) -> bool:
         """Whether the data say more of the number than its prior did."""
         return self.standard_error < SHOWN * self.prior_sd
+
+    @property
+    def distance(self) -> float:
+        """Of the number from its prior mean in standard deviations of the prior [1], as the fit moves it."""
+        start, sd = self.number.start, self.prior_sd
+        if not self.number.scaled:
+            return abs(self.value - start) / sd if sd > 0.0 else 0.0
+        return abs(math.log(self.value / start)) * abs(self.value) / sd if sd * self.value != 0.0 else 0.0
 
 
 def identified_mapping(boat: Boat, name: str, fitted: Sequence[Fitted], told_from: str) -> dict[str, Any]:

@@ -62,10 +62,14 @@ def soft_weights(weight: Array, boat: Boat) -> Array:
 def fit_windows(
     run_set: RunSet, weight: Array, seconds: float, hypothesis: FreeBoat, x: Array, steps: int = STEPS
 ) -> tuple[Shooting, Fit]:
-    """The fit to windows of that length, from x (p,)."""
+    """The fit to windows of that length, from x (p,).
+
+    Its last Jacobian is taken at the solution: from a start file that is far off, steps along an earlier one
+    end far from the optimum.
+    """
     problem = Shooting(run_set, weight, seconds)
     states = fit_states(problem, hypothesis, x, problem.initial_states(), STATE_ROUNDS)[0]
-    return problem, fit(problem, hypothesis, x, states, steps)
+    return problem, fit(problem, hypothesis, x, states, steps, fresh=True)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # where numbers make the boat diverge

@@ -20,7 +20,7 @@ from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.recent_thrust import recent_errors
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
-from swamp_rl.boat_fit.run_thrust import FEWEST, RunThrust, run_thrusts, with_other_thrust, without
+from swamp_rl.boat_fit.run_thrust import FEWEST, RunThrust, UnlikeRuns, run_thrusts, unlike, without
 from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
 from swamp_rl.criticism.data.checks import refuse_other_vehicle
 from swamp_rl.criticism.data.consistency import refuse_inconsistent
@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 SUFFIX, REPORT = ".yaml", ".html"
 SATURATED = "efficiency_100"  # field of the record
 SEEN = 3.0  # standard errors of the fit to short windows, from which saturation is seen
-FITS = 2  # at most, each without the runs of another thrust that the one before shows
+FITS = 3  # at most, each without the runs of another thrust that the one before shows
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def identify_boat(
         part, page = (files.enter_context(write_beside(path)) for path in (out, out.with_suffix(REPORT)))
         made, others = _fitted_to_alike(data, positions, partial(_written, part, dataset, out.stem))
         here = advanced(data.held_out, made.wiring.advance)
-        alike = without(here, {one.name for one in others})
+        alike = without(here, others.names)
         found = Identification(
             start,
             made.boat,
@@ -93,7 +93,7 @@ def identify_boat(
             errors_on(here, made.boat),
             noise_levels(run_set),
             time.perf_counter() - began,
-            tuple(others),
+            others,
             errors_on(alike, made.boat) if 0 < len(alike.lengths) < len(here.lengths) else [],
             recent_errors(here, made.boat),
         )
@@ -103,37 +103,35 @@ def identify_boat(
 
 def _fitted_to_alike(
     data: Split, positions: bool, written: Callable[[Boat, list[Fitted]], Boat]
-) -> tuple[_FittedFile, list[RunThrust]]:
-    """The fit to the training runs that have the thrust of most runs, and the runs that have another. These
-    are sought with the fit to short windows of all, and again with the fit without them. written: the boat of
-    the file with these numbers.
+) -> tuple[_FittedFile, UnlikeRuns]:
+    """The fit to the training runs that have the thrust of most runs, and the runs that have another.
+
+    These are sought with the fit to short windows of all, and again with each fit without them, until the
+    runs left out are those found. written: the boat of the file with these numbers.
     """
     begun, rest = searched(data.training, positions), data.training
     wiring, short = short_fitted(rest, begun, positions)
     judged = len(rest.lengths) + len(data.held_out.lengths) >= FEWEST
     thrusts = _thrusts(data, wiring, written(wiring.boat, short)) if judged else []
     for _ in range(FITS):
-        alike = _without_other_thrust(rest, thrusts)
-        if alike is not rest:
+        alike = _without(data.training, unlike(thrusts))
+        if alike.names != rest.names:
+            LOG.info("without %s", ", ".join(sorted(set(data.training.names) - set(alike.names))) or "none")
             rest, (wiring, short) = alike, short_fitted(alike, begun, positions)
         made = fitted_boat(rest, wiring, short)
         numbers = numbers_of(made)
         boat = written(wiring.boat, numbers)
         thrusts = _thrusts(data, wiring, boat) if judged else []
-        found = {one.name for one in with_other_thrust(thrusts)}
-        if not found & set(rest.names):
+        if _without(data.training, unlike(thrusts)).names == rest.names:
             break
-    named = (found & set(data.held_out.names)) | (set(data.training.names) - set(rest.names))
-    return _FittedFile(wiring, made, numbers, boat), [one for one in thrusts if one.name in named]
+    found = replace(unlike(thrusts), fitted=rest.names)
+    return _FittedFile(wiring, made, numbers, boat), found
 
 
-def _without_other_thrust(training: RunSet, thrusts: list[RunThrust]) -> RunSet:
-    """The runs that have the thrust of most runs; all of them where none has."""
-    rest = without(training, {one.name for one in with_other_thrust(thrusts)})
-    if rest is training or not len(rest.lengths):
-        return training
-    LOG.info("without %s", ", ".join(sorted(set(training.names) - set(rest.names))))
-    return rest
+def _without(training: RunSet, found: UnlikeRuns) -> RunSet:
+    """The training runs that are like most; all of them where none is."""
+    rest = without(training, found.names)
+    return rest if len(rest.lengths) else training
 
 
 def _thrusts(data: Split, wiring: Wiring, boat: Boat) -> list[RunThrust]:
@@ -183,7 +181,7 @@ def _told(dataset: Path) -> str:
 def searched(training: RunSet, positions: bool = False) -> Wiring:
     """The wiring of the commands."""
     LOG.info("%.1f min of runs: channels, signs and delays", training.lengths.sum() * training.dt / 60)
-    return search_wiring(training, weights(training, noise_levels(training)), positions)
+    return search_wiring(training, noise_levels(training), positions)
 
 
 def short_fitted(training: RunSet, wiring: Wiring, positions: bool = False) -> tuple[Wiring, list[Fitted]]:

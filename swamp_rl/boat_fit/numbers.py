@@ -157,9 +157,9 @@ def _resistance(boat: Boat, of: Reference) -> Iterable[Number]:
         for name, where in (("x_0_ahead", straight), ("x_0_astern", "straight runs astern")):
             value = getattr(boat.resistance, name)
             yield _share(f"resistance.{name}", "1", name, value, 0.5, where)
-    yield _damping(boat, "linear_drag", 0.05 * of.damping, "N s/m", "coasting to a stop")
+    yield _damping(boat, "linear_drag", 0.2 * of.damping, "N s/m", "coasting to a stop")
     yield _damping(boat, "linear_sway_damping", 0.15 * of.damping, "N s/m", "slow turns")
-    yield _damping(boat, "linear_yaw_damping", 0.03 * of.yaw_damping, "N m s/rad", "slow turns on the spot")
+    yield _damping(boat, "linear_yaw_damping", 0.1 * of.yaw_damping, "N m s/rad", "slow turns on the spot")
 
 
 def _damping(boat: Boat, effect: str, sd: float, unit: str, trial: str) -> Number:

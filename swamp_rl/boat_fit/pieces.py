@@ -41,10 +41,13 @@ def _alone(run_set: RunSet) -> RunSet:
     return replace(run_set, origin=())
 
 
-def pieces(run_set: RunSet) -> tuple[RunSet, NDArray[np.int64]]:
-    """Every run cut in pieces of about equal length, and the run that each is of."""
+def pieces(run_set: RunSet, seconds: float | None = None) -> tuple[RunSet, NDArray[np.int64]]:
+    """Every run cut in pieces of about equal length, and the run that each is of.
+
+    seconds: of a piece, at least; by default PIECE, and more in runs that would be of over MOST_PIECES.
+    """
     total = float(run_set.lengths.sum()) * run_set.dt
-    seconds = max(PIECE, total / MOST_PIECES)
+    seconds = seconds or max(PIECE, total / MOST_PIECES)
     rows: list[tuple[int, int, int]] = []
     for run, length in enumerate(run_set.lengths):
         count = max(1, int(length * run_set.dt / seconds))

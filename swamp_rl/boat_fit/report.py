@@ -8,12 +8,15 @@ import numpy as np
 from swamp_rl.boat_fit.boat_file import Fitted
 from swamp_rl.boat_fit.recent_thrust import past_seconds
 from swamp_rl.boat_fit.result import Identification
+from swamp_rl.boat_fit.run_thrust import RunThrust
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.report.evidence import TRIVIAL
 from swamp_rl.criticism.report.page import document
 from swamp_rl.criticism.report.tables import table
 from swamp_rl.criticism.result import Predictors
+
+FAR = 3.0  # standard deviations of the prior, beyond which a number contradicts the start file
 
 
 def page_of(found: Identification) -> str:
@@ -58,7 +61,8 @@ def summary(found: Identification) -> list[str]:
             f"Commands are stamped {found.wiring.advance:g} s after the motion that they cause. They were "
             "taken that much earlier; correct the log; a boat file has no parameter for it."
         )
-    said += other_thrust(found)
+    said += unlike_runs(found)
+    said += far_from_start(found.fitted)
     if worse := not_better(found.after):
         said.append(f"The identified file is not better than {' and '.join(worse)}.")
     said += with_recent_gains(found)
@@ -89,14 +93,40 @@ def with_recent_gains(found: Identification) -> list[str]:
     ]
 
 
-def other_thrust(found: Identification) -> list[str]:
-    """Runs in which the thrusters did not give the thrust of the other runs, in a sentence each."""
+def unlike_runs(found: Identification) -> list[str]:
+    """Runs that are not like the others, in a sentence each."""
     return [
-        f"In {one.name} the thrust is {one.share:.2f} ± {one.standard_error:.2f} (one standard error) of the "
-        "identified boat's under the same commands, unlike in most runs: weed, a tow, a flat battery, or "
-        "commands that did not arrive. The run is "
-        f"{'held out' if one.name in found.data.held_out.names else 'left out of the fit'}."
-        for one in found.other_thrust
+        *(
+            f"In {one.name} the thrust is {one.share:.2f} ± {one.standard_error:.2f} (one standard error) of "
+            "the identified boat's under the same commands, unlike in most runs: weed, a tow, a flat "
+            f"battery, or commands that did not arrive. The run is {_use(one, found)}."
+            for one in found.unlike.thrust
+        ),
+        *(
+            f"In {one.name} the logged commands explain {max(one.explained, 0.0):.0%} of the motion, at any "
+            f"thrust, unlike in most runs: a remote control, a tow, or commands of another time. The run is "
+            f"{_use(one, found)}."
+            for one in found.unlike.commands
+        ),
+    ]
+
+
+def _use(one: RunThrust, found: Identification) -> str:
+    """What a run is used for."""
+    if one.name in found.data.held_out.names:
+        return "held out"
+    return "part of the fit" if one.name in found.unlike.fitted else "left out of the fit"
+
+
+def far_from_start(fitted: Sequence[Fitted]) -> list[str]:
+    """Which numbers contradict the start file, in a sentence."""
+    far = [f"{one.number.name} ({one.distance:.1f})" for one in fitted if one.distance > FAR]
+    if not far:
+        return []
+    return [
+        f"More than {FAR:g} standard deviations of the prior from the start file: {', '.join(far)}. There "
+        "the start file is wrong or its `sd` too small, or the motion has a cause without a number in a boat "
+        "file, which `swamp-rl diagnose` seeks."
     ]
 
 

@@ -10,7 +10,7 @@ from swamp_rl.boat_fit.boat_file import Fitted
 from swamp_rl.boat_fit.fit import BoatFit
 from swamp_rl.boat_fit.pieces import Split
 from swamp_rl.boat_fit.recent_thrust import RecentErrors
-from swamp_rl.boat_fit.run_thrust import RunThrust
+from swamp_rl.boat_fit.run_thrust import UnlikeRuns
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.criticism.result import Predictors
 
@@ -23,9 +23,9 @@ class Identification:
 
     start, boat: before and after; fitted: its numbers; before, after: position errors on the held-out runs of
     the two files and of the trivial predictors; noise: (6,) of the sensors, NaN where there is none;
-    other_thrust: runs whose thrust was not that of the others, which the fit leaves out; alike: as `after`,
-    on the held-out runs without these, none where all or no held-out runs are such; recent: errors on the
-    held-out runs with gains from each run's own recent past.
+    unlike: runs of another thrust or of other commands, which the fit leaves out; alike: as `after`, on the
+    held-out runs without these, none where all or no held-out runs are such; recent: errors on the held-out
+    runs with gains from each run's own recent past.
     """
 
     start: Boat
@@ -38,6 +38,6 @@ class Identification:
     after: list[Predictors]
     noise: Array
     elapsed: float
-    other_thrust: tuple[RunThrust, ...] = ()
+    unlike: UnlikeRuns = field(default_factory=UnlikeRuns)
     alike: list[Predictors] = field(default_factory=list)
     recent: list[RecentErrors] = field(default_factory=list)

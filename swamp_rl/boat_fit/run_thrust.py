@@ -23,17 +23,48 @@ ORDINARY = 0.1  # standard deviation of log thrust between runs that is ordinary
 LEVEL = 0.01  # chance that any of the runs is taken for another where all are alike
 FEWEST = 6  # runs, of which most can be taken to be alike
 CHI2_MEDIAN = 0.454936  # of one degree of freedom
+EXPLAINED = 0.5  # of chi2 without thrust, that commands explain of the motion that they drive
+UNUSUAL = 3.0  # times the median residual, beyond which a run's is unusual
 DRAWS = 1000
 HALVINGS = 40
 
 
 @dataclass(frozen=True)
 class RunThrust:
-    """A run, or a piece of one, with its thrust as a share of the boat's and the standard error [1]."""
+    """A run, or a piece of one, with its thrust as a share of the boat's and the standard error [1].
+
+    rms: of the standardised residual at this share; explained: 1 − χ²/χ²₀ [1], χ²₀ without thrust.
+    """
 
     name: str
     share: float
     standard_error: float
+    rms: float = 1.0
+    explained: float = 1.0
+
+
+@dataclass(frozen=True)
+class UnlikeRuns:
+    """Runs that are not like most: of another thrust, and driven by other commands than the logged ones.
+
+    fitted: names of the runs that the fit has.
+    """
+
+    thrust: tuple[RunThrust, ...] = ()
+    commands: tuple[RunThrust, ...] = ()
+    fitted: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> set[str]:
+        """Of both."""
+        return {one.name for one in (*self.thrust, *self.commands)}
+
+
+def unlike(every: Sequence[RunThrust]) -> UnlikeRuns:
+    """The runs that are not like most of these."""
+    undriven = with_other_commands(every)
+    driven = [one for one in every if one not in undriven]
+    return UnlikeRuns(tuple(with_other_thrust(driven)), tuple(undriven))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # where the boat diverges at a scale
@@ -50,14 +81,17 @@ def run_thrusts(run_set: RunSet, boat: Boat) -> list[RunThrust]:
 
 def _run_thrust(run: RunSet, weight: Array, hypothesis: Hypothesis) -> RunThrust:
     problem = Shooting(run, weight, SHORT)
-    states, begun = problem.initial_states(), []
+    measured, begun = problem.initial_states(), []
     for scale in SCALES:
-        states, _, residual = fit_states(problem, hypothesis, np.array([scale]), states, STATE_ROUNDS)
+        states, _, residual = fit_states(problem, hypothesis, np.array([scale]), measured, STATE_ROUNDS)
         begun.append((float(np.nan_to_num(losses(residual).sum(), nan=np.inf)), scale, states))
     _, scale, states = min(begun, key=lambda one: one[0])
     made = fit(problem, hypothesis, np.array([scale]), states, STEPS)
     error = float(np.sqrt(made.covariance[0, 0]))
-    return RunThrust(run.names[0], float(made.x[0]), error)
+    none = losses(fit_states(problem, hypothesis, np.zeros(1), measured, STATE_ROUNDS)[2]).sum()
+    left = losses(made.residual).sum()
+    rms = float(np.sqrt(left / problem.samples))
+    return RunThrust(run.names[0], float(made.x[0]), error, rms, float(1.0 - left / none))
 
 
 def with_other_thrust(every: Sequence[RunThrust]) -> list[RunThrust]:
@@ -76,6 +110,18 @@ def with_other_thrust(every: Sequence[RunThrust]) -> list[RunThrust]:
     alike = rng.normal(0.0, np.hypot(errors, between), (DRAWS, len(every)))
     limit = np.quantile(standardised(alike, errors)[0].max(axis=-1), 1.0 - LEVEL)
     return [one for one, far in zip(every, distances > limit, strict=True) if far]
+
+
+def with_other_commands(every: Sequence[RunThrust]) -> list[RunThrust]:
+    """Runs that other commands than the logged ones drove; none where there are fewer than FEWEST.
+
+    At no factor of the thrust do the commands explain half of the motion, as they do in most runs, and the
+    residual is far above theirs: a boat that drifts without commands has neither.
+    """
+    if len(every) < FEWEST or np.median([one.explained for one in every]) < EXPLAINED:
+        return []
+    usual = np.median([one.rms for one in every])
+    return [one for one in every if not (one.explained >= EXPLAINED or one.rms <= UNUSUAL * usual)]
 
 
 def standardised(values: Array, errors: Array) -> tuple[Array, Array]:

@@ -11,6 +11,8 @@ from swamp_rl.boat_fit.command_offset import command_offset
 from swamp_rl.boat_fit.fit import SHORT, fit_windows, soft_weights
 from swamp_rl.boat_fit.hypothesis import Array, FreeBoat, free_boat
 from swamp_rl.boat_fit.numbers import free_numbers
+from swamp_rl.boat_fit.pieces import pieces
+from swamp_rl.criticism.data.measurement_noise import weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.candidates import selectors
 from swamp_rl.criticism.progress import LOG
@@ -18,6 +20,7 @@ from swamp_rl.effects import LIBRARY, Effect, EffectEntry
 from swamp_rl.simulator import parameters
 
 SECONDS = 120.0  # s of runs that the search fits to
+LONG, STRETCH = 2.0, 30.0  # times SECONDS, beyond which runs are cut in stretches, and s of these
 STEPS = 4  # Jacobians of each of its fits
 LIKELY = 2  # wirings that are fitted in full, at most
 FAR = 4.0  # times the chi2 without a change, up to which a wiring is
@@ -72,18 +75,18 @@ def _words(effect: Effect, chosen: Sequence[str], boat: Boat) -> str:
     return f"the {named.get(kind, named[''])} of {chosen[0]} has the other sign"
 
 
-def search_wiring(run_set: RunSet, weight: Array, positions: bool = False) -> Wiring:
+def search_wiring(run_set: RunSet, noise: Array, positions: bool = False) -> Wiring:
     """The wiring that explains the runs best, and the numbers x that it was judged with.
 
     First the offset of the clocks by equation error, which no wiring moves. With none and with that one, of
     up to MOST_TOGETHER possible changes every combination is fitted, of more the best one change after
-    another; then other delays of the commands, and commands taken earlier. weight: (R, T, 6).
+    another; then other delays of the commands, and commands taken earlier. noise: (6,) of the sensors.
     """
-    some = _some_runs(run_set)
-    part, soft = run_set.subset(some), soft_weights(weight, run_set.boat)[some]
+    part = replace(_some_runs(run_set), origin=())
+    soft = soft_weights(weights(part, noise), run_set.boat)
     offset = command_offset(run_set)
     LOG.info("motion %.1f s after the commands by equation error", offset)
-    trial = _Trial(replace(part, origin=()), soft, positions)
+    trial = _Trial(part, soft, positions)
     changes = possible_changes(run_set.boat)
     best = _best_combination if len(changes) <= MOST_TOGETHER else _one_by_one
     least, taken = best(trial, changes)
@@ -175,11 +178,14 @@ def advanced(run_set: RunSet, seconds: float) -> RunSet:
     return replace(run_set, commands=run_set.commands[:, np.minimum(np.arange(last + 1) + rows, last)])
 
 
-def _some_runs(run_set: RunSet) -> list[int]:
-    """Runs of about SECONDS together, spread evenly over all."""
+def _some_runs(run_set: RunSet) -> RunSet:
+    """Runs of about SECONDS together, spread evenly over all; of long runs, stretches."""
     mean = float(run_set.lengths.mean()) * run_set.dt
+    if mean > LONG * SECONDS:
+        run_set = pieces(run_set, STRETCH)[0]
+        mean = float(run_set.lengths.mean()) * run_set.dt
     count = min(len(run_set.lengths), max(1, round(SECONDS / mean)))
-    return sorted({int(i) for i in np.linspace(0, len(run_set.lengths) - 1, count).round()})
+    return run_set.subset(sorted({int(i) for i in np.linspace(0, len(run_set.lengths) - 1, count).round()}))
 
 
 def _commands_of(boat: Boat) -> bytes:

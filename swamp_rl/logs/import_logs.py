@@ -6,6 +6,7 @@ from pathlib import Path
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
+from swamp_rl.logs.azimuths import with_nearest_azimuths
 from swamp_rl.logs.convert import foreign_of
 from swamp_rl.logs.dataflash import read_dataflash
 from swamp_rl.logs.defaults import default_mapping, ros_kinds, wanted_messages
@@ -68,6 +69,7 @@ def _foreign(log: Log, mapping: Mapping, kind: str, boat: Boat, wishes: Wishes) 
     own = {key: value for key, value in log.told.items() if not key.startswith("parameter ")}
     own |= _without_commands(boat, mapping) if kind in BINARY else {}
     found = foreign_of(replace(log, told=own), mapping, wishes.resample, wishes.fill)
+    found = with_nearest_azimuths(found, boat)
     lacking = [] if kind not in BINARY else [n for n in ("north", "heading") if n not in found.table.columns]
     if lacking and not {"latitude", "north"} & set(found.table.columns):
         raise UserError(f"{log.file}: no message gives a valid position; see --list, and give --map")

@@ -5,9 +5,9 @@ from collections.abc import Mapping as Mapped
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
@@ -22,12 +22,17 @@ MOST_COLUMNS = 200
 
 
 class Given(BaseModel):
-    """A column with a unit: `value` an expression or a number, `unit` one of UNITS."""
+    """A column: `value` an expression or a number, given alone or with a `unit`, one of UNITS."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     value: str | float
     unit: str | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _alone(cls, given: Any) -> Any:
+        return {"value": given} if isinstance(given, str | int | float) else given
 
     @field_validator("unit")
     @classmethod
@@ -44,13 +49,13 @@ class MappingFile(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    columns: Annotated[dict[str, str | float | Given], Field(min_length=1, max_length=MOST_COLUMNS)]
+    columns: Annotated[dict[str, Given], Field(min_length=1, max_length=MOST_COLUMNS)]
     frame: Frame | None = None
     clock: Annotated[list[str], Field(max_length=20)] = []
 
     @field_validator("columns")
     @classmethod
-    def _are_columns(cls, columns: dict[str, str | float | Given]) -> dict[str, str | float | Given]:
+    def _are_columns(cls, columns: dict[str, Given]) -> dict[str, Given]:
         for name in columns:
             if not COLUMN.fullmatch(name):
                 raise ValueError(f"{name[:60]!r} is no name of a column: letters, digits and underscores")
@@ -99,10 +104,9 @@ def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequen
             continue
         file = _file(option)
         said, clocks = file.frame or said, [*clocks, *file.clock]
-        for name, value in file.columns.items():
+        for name, whole in file.columns.items():
             if name in given:
                 continue
-            whole = value if isinstance(value, Given) else Given(value=value)
             columns[name] = _told(f"{option}: columns.{name}", str(whole.value))
             units.pop(name, None)
             units |= {name: whole.unit} if whole.unit else {}

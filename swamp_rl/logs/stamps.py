@@ -1,4 +1,4 @@
-"""Times as logs write them: seconds, ticks since 1970, ISO 8601."""
+"""Times as logs write them: seconds, ticks since 1970, ISO 8601, dates and times of spreadsheets."""
 
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
@@ -9,6 +9,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from swamp_rl.logs.dates import from_dates
 from swamp_rl.runs.import_telemetry import EPOCHS
 
 Array = NDArray[np.float64]
@@ -38,18 +39,24 @@ def from_numbers(stamps: Array) -> Stamps:
 
 
 def from_words(cells: pa.ChunkedArray) -> Stamps | None:
-    """Stamps in ISO 8601, or typed as times; None where no cell is one. Without a zone they are UTC.
+    """Stamps in ISO 8601, of spreadsheets, or typed as times; None where no cell is one. Without a zone they
+    are UTC.
 
-    Times of a day without the day begin at no known one.
+    Times of a day without the day, or with one of which day and month may be either, begin at no known one.
     """
-    if (clock := _times_of_day(cells.to_pylist())) is not None:
+    given = cells.to_pylist()
+    if (clock := _times_of_day(given)) is not None:
         return clock
-    stamps = [_stamp(cell) for cell in cells.to_pylist()]
+    stamps, told, known = [_stamp(cell) for cell in given], "ISO 8601", True
+    if all(stamp is None for stamp in stamps) and (dated := from_dates(given)) is not None:
+        stamps, told, known = dated.moments, "dates and times", dated.known
     first = next((stamp for stamp in stamps if stamp is not None), None)
     if first is None:
         return None
     time = np.array([np.nan if stamp is None else (stamp - first).total_seconds() for stamp in stamps])
-    return Stamps(time, first.timestamp(), f"ISO 8601, from {_iso(first.timestamp())}")
+    if not known:
+        return Stamps(time, 0.0, "dates and times, of which the order of day and month is not known")
+    return Stamps(time, first.timestamp(), f"{told}, from {_iso(first.timestamp())}")
 
 
 def _times_of_day(cells: list[Any]) -> Stamps | None:

@@ -59,12 +59,30 @@ def is_bag_folder(path: Path) -> bool:
 
 
 def kind_of(sources: Sequence[Path]) -> str:
-    """The kind of which all sources are, by their suffixes; UserError where these do not tell it."""
-    found = {"rosbag" if is_bag_folder(source) else SURE.get(source.suffix.lower()) for source in sources}
+    """The kind of which all sources are, by their suffixes and those of the files in folders; UserError where
+    these do not tell it.
+    """
+    found = {kind for source in sources for kind in _kinds(source)}
     kind = found.pop() if len(found) == 1 else None
     if kind is None:
         raise UserError(f"--from: {sources[0]} may be of several kinds; give one of {', '.join(SUFFIXES)}")
     return kind
+
+
+def _kinds(source: Path) -> set[str | None]:
+    """The kinds that suffixes tell of a file, or of the files of a folder or of the folders in it."""
+    if not source.exists():
+        raise UserError(f"{source}: no such file or folder; check the name")
+    if is_bag_folder(source):
+        return {"rosbag"}
+    if not source.is_dir():
+        return {SURE.get(source.suffix.lower())}
+    for inside in (source.iterdir(), source.rglob("*")):
+        shown = [path for path in inside if not path.name.startswith(".")]
+        logs = [path for path in shown if path.suffix.lower() in (*SURE, ".mcap") or is_bag_folder(path)]
+        if logs:
+            return {"rosbag" if is_bag_folder(path) else SURE.get(path.suffix.lower()) for path in logs}
+    return {None}
 
 
 @dataclass(frozen=True)

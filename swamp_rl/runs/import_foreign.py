@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 UNITS = {
     "deg": math.pi / 180.0,
     "deg/s": math.pi / 180.0,
+    "deg/min": math.pi / 10800.0,
     "rpm": 1.0 / 60.0,
     "percent": 0.01,
     "mm": 1e-3,

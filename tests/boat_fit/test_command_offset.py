@@ -2,14 +2,16 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
+from swamp_rl.boat_fit import wiring
 from swamp_rl.boat_fit.command_offset import command_offset
 from swamp_rl.boat_fit.wiring import search_wiring
-from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
 from tests.support.from_scratch import written
 from tests.support.sailing import sailed_dataset
@@ -52,9 +54,29 @@ def test_runs_of_one_command_have_no_offset(wired: RunSet) -> None:
 @pytest.mark.parametrize("seconds", [-1.5, 1.5])
 def test_wiring_and_offset_are_found_together(tmp_path: Path, seconds: float) -> None:
     runs = stamped_late(wired_runs(tmp_path, 30.0), seconds)
-    found = search_wiring(runs, weights(runs, noise_levels(runs)))
+    found = search_wiring(runs, noise_levels(runs))
     assert len(found.changes) == 2
     if seconds > 0.0:
         assert found.advance == pytest.approx(seconds, abs=0.2)
     else:
         assert found.advance == 0.0
+
+
+def test_the_search_for_the_wiring_fits_to_two_minutes_of_long_runs(
+    wired: RunSet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fitted = list[float]()
+
+    def quick(run_set: RunSet, *given: object) -> tuple[None, SimpleNamespace]:
+        fitted.append(float(run_set.lengths.sum()) * run_set.dt)
+        return None, SimpleNamespace(chi2=1.0, x=given[3])
+
+    monkeypatch.setattr(wiring, "fit_windows", quick)
+    long = replace(
+        wired.subset([0]),
+        commands=np.tile(wired.commands[:1], (1, 20, 1)),
+        measured=np.tile(wired.measured[:1], (1, 20, 1)),
+        lengths=20 * wired.lengths[:1],
+    )
+    search_wiring(long, noise_levels(wired))
+    assert max(fitted) == pytest.approx(120.0, rel=0.2)

@@ -36,14 +36,14 @@ def test_runs_of_another_thrust_are_left_out_of_the_fit_and_named(
         every = free_numbers(load_boat(start), positions)
         return tuple(one for one in every if "thrust_quadratic" in one.name)
 
-    def as_logged(run_set: RunSet, weight: object, positions: bool) -> Wiring:
+    def as_logged(run_set: RunSet, noise: object, positions: bool) -> Wiring:
         x = free_boat(run_set.boat, identify.free_numbers(run_set.boat, positions), 0).start()
         return Wiring(run_set.boat, (), 0.0, x)
 
     monkeypatch.setattr(identify, "free_numbers", few)  # two numbers, of commands as they are logged: fast
     monkeypatch.setattr(identify, "search_wiring", as_logged)
     found = identify.identify_boat(data, start, tmp_path / "new.yaml")
-    named = {one.name.split(",")[0]: one.share for one in found.other_thrust}
+    named = {one.name.split(",")[0]: one.share for one in found.unlike.thrust}
     assert set(named) == {"weed0", "weed1"}
     assert named == pytest.approx(dict.fromkeys(named, 0.25), abs=0.1)
     assert "new" in page_of(found)

@@ -12,6 +12,7 @@ from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.identify import supported
 from swamp_rl.boat_fit.numbers import Number, free_numbers
+from swamp_rl.boat_fit.report import far_from_start
 from swamp_rl.files import write_yaml
 from swamp_rl.simulator import parameters
 from tests.support.from_scratch import written
@@ -171,3 +172,18 @@ def test_thrust_coefficients_of_equal_thrusters_are_correlated_and_keep_their_wi
     port, starboard = (names.index(f"thrusters.{name}.thrust_quadratic") for name in ("port", "starboard"))
     assert covariance[port, starboard] == pytest.approx(correlation * sd[port] * sd[starboard])
     assert covariance[port, names.index("mass")] == 0.0
+
+
+def test_a_number_far_from_its_prior_is_named_and_one_near_it_is_not() -> None:
+    numbers = {number.name: number for number in free_numbers(load_boat("swamp"))}
+    mass, x_g = numbers["mass"], numbers["x_g"]
+
+    def at(number: Number, widths: float) -> Fitted:
+        x = number.mean + widths * number.sd
+        return Fitted(number, number.value(x), 0.1, number.spread(x, number.sd))
+
+    assert at(mass, -4.0).distance == pytest.approx(4.0)
+    assert at(x_g, 2.0).distance == pytest.approx(2.0)
+    (said,) = far_from_start([at(mass, -4.0), at(x_g, 2.0)])
+    assert "mass (4.0)" in said and "x_g" not in said
+    assert far_from_start([at(mass, 2.0)]) == []

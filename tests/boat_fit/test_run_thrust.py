@@ -1,5 +1,6 @@
 """Runs in which the thrusters gave another thrust than in the others."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from swamp_rl.boat_fit.run_thrust import (
     RunThrust,
     run_thrusts,
     standardised,
+    unlike,
     with_other_thrust,
     without,
 )
@@ -30,6 +32,22 @@ def test_the_thrust_of_a_run_is_found_as_a_share_of_the_boats(tmp_path: Path) ->
         share = 1.0 if name == "clean" else 0.3
         assert found.name == "run0"
         assert abs(found.share - share) < 4.0 * found.standard_error < 0.2
+
+
+def test_a_run_that_other_commands_drove_is_told_from_its_like_and_from_a_boat_at_rest(
+    tmp_path: Path,
+) -> None:
+    written(tmp_path, "twin")
+    boat = load_boat(tmp_path / "twin.yaml")
+    sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", boat, count=8, seconds=15.0)
+    runs = read_run_set(tmp_path / "runs", boat)
+    commands, measured = runs.commands.copy(), runs.measured.copy()
+    commands[2] = runs.commands[5]  # as logged under a remote control, which drove the boat
+    noise = 0.01 * np.random.default_rng(0).standard_normal(measured[7].shape)
+    commands[7], measured[7] = 0.0, measured[7, 0] * [1.0, 1.0, 1.0, 0.0, 0.0, 0.0] + noise
+    found = unlike(run_thrusts(replace(runs, commands=commands, measured=measured), boat))
+    assert [one.name for one in found.commands] == ["run2"]
+    assert found.thrust == ()
 
 
 def shares(*values: float, error: float = 0.05) -> list[RunThrust]:

@@ -335,3 +335,11 @@ def test_a_pipe_is_no_log(tmp_path: Path, boat: str) -> None:
     os.mkfifo(tmp_path / "log.csv")
     with pytest.raises(UserError, match="no such file or folder"):
         imported(tmp_path / "log.csv", boat, MAP)
+
+
+def test_an_unknown_unit_of_a_mapping_file_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "map.yaml").write_text("columns: {time: t, yaw_rate: {value: r, unit: furlong}}\n")
+    with pytest.raises(UserError) as refused:
+        mapping_of([str(tmp_path / "map.yaml")])
+    (line,) = str(refused.value).splitlines()
+    assert "columns.yaw_rate.unit: known units are deg, deg/s, deg/min" in line

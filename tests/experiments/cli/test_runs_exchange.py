@@ -123,6 +123,21 @@ def test_the_kind_of_a_log_is_that_of_its_suffix_where_only_one_has_it(
         code, _, said = call("import", source, "--list")
         assert (code, said.count("\n")) == (2, 1)
         assert "may be of several kinds; give one of csv, parquet, mcap" in said
+    code, _, said = call("import", "none.csv", "--list")
+    assert (code, said) == (2, "swamp-rl: none.csv: no such file or folder; check the name\n")
+
+
+def test_the_kind_of_a_folder_is_that_of_the_logs_in_it_or_in_its_folders(
+    call: Callable[..., Called], tmp_path: Path
+) -> None:
+    day = tmp_path / "sea" / "monday"
+    day.mkdir(parents=True)
+    (day / "log.csv").write_text("t,x\n0,1\n1,2\n")
+    (day / "notes.md").write_text("calm")
+    for source in (day, tmp_path / "sea"):
+        assert call("import", source, "--list") == call("import", source, "--from", "csv", "--list")
+    (day / "log.ulg").write_bytes(b"")
+    assert "may be of several kinds" in call("import", day, "--list")[2]
 
 
 def test_a_column_in_degrees_that_passes_zero_often_is_one_line(

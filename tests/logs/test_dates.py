@@ -1,0 +1,52 @@
+"""Dates and times as spreadsheets write them."""
+
+from datetime import UTC, datetime
+
+import pyarrow as pa
+import pytest
+
+from swamp_rl.logs.stamps import Stamps, from_words
+
+START = datetime(2024, 5, 14, 9, 20, tzinfo=UTC).timestamp()
+
+
+def stamps(*cells: str) -> Stamps:
+    found = from_words(pa.chunked_array([pa.array(cells)]))
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize(
+    "cells",
+    [
+        ("14.05.2024 09:20:00", "14.05.2024 09:20:00,5"),
+        ("14.5.2024, 9:20:00", "14.5.2024, 9:20:00.5"),
+        ("5/14/2024 9:20:00 AM", "5/14/2024 9:20:00.5 AM"),
+        ("14/05/2024 09:20:00", "14/05/2024 09:20:00.5"),
+        ("2024/05/14 9:20", "2024/05/14 9:20:00.500"),
+    ],
+)
+def test_a_date_and_a_time_of_day_is_a_moment(cells: tuple[str, str]) -> None:
+    found = stamps(*cells)
+    assert found.start == START
+    assert found.time == pytest.approx([0.0, 0.5])
+    assert "from 2024-05-14T09:20:00.000+00:00" in str(found.told)
+
+
+def test_of_two_orders_of_day_and_month_the_one_of_the_shorter_log_holds() -> None:
+    over_midnight = stamps("05/06/2024 23:59:59", "06/06/2024 00:00:01")
+    assert over_midnight.time == pytest.approx([0.0, 2.0])
+    assert datetime.fromtimestamp(over_midnight.start, UTC).month == 6
+
+
+def test_a_date_that_may_be_of_either_order_starts_at_no_known_day() -> None:
+    found = stamps("05/06/2024 12:00:00", "05/06/2024 12:00:01")
+    assert found.time == pytest.approx([0.0, 1.0])
+    assert (found.start, "not known" in str(found.told)) == (0.0, True)
+    assert stamps("05/05/2024 12:00:00").start > 0.0  # the same in both
+
+
+def test_a_cell_that_is_no_moment_is_missing_and_words_are_no_times() -> None:
+    found = stamps("14.05.2024 09:20:00", "31.02.2024 09:20:00", "")
+    assert found.time == pytest.approx([0.0, float("nan"), float("nan")], nan_ok=True)
+    assert from_words(pa.chunked_array([pa.array(["AUTO", "MANUAL"])])) is None
