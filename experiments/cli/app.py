@@ -14,6 +14,7 @@ import typer
 from swamp_rl.experiments.cli.boat import boat_app
 from swamp_rl.experiments.cli.catalogue import boats, courses, effects, pilots
 from swamp_rl.experiments.cli.compare import compare
+from swamp_rl.experiments.cli.compiling import show_compiling
 from swamp_rl.experiments.cli.demo import demo
 from swamp_rl.experiments.cli.design import design_app
 from swamp_rl.experiments.cli.diagnose import diagnose, disturbances
@@ -26,6 +27,7 @@ from swamp_rl.experiments.cli.identify import identify_app
 from swamp_rl.experiments.cli.link import helm, vehicle
 from swamp_rl.experiments.cli.mission import mission
 from swamp_rl.experiments.cli.options import BoatOption, CourseOption, IgnoreOption, seed_option
+from swamp_rl.experiments.cli.outputs import guard_inputs
 from swamp_rl.experiments.cli.record import record
 from swamp_rl.experiments.cli.runs import runs_app
 from swamp_rl.experiments.cli.signals import stoppable
@@ -176,10 +178,12 @@ def bench(
 
 
 add_help(app)
+guard_inputs(app)
 
 
 def main() -> None:
     """Run the command line; whatever goes wrong is one line on the error stream and a non-zero exit."""
+    show_compiling()
     with stoppable() as signals:
         code = _carried_out(signals)
     if code and signals:
