@@ -206,6 +206,7 @@ def _verb(words: list[str]) -> list[str]:
 def _carried_out(signals: list[int]) -> int:
     """The exit code of what the command line asks for; signals: those that came meanwhile."""
     try:
+        _refuse_names_that_are_no_text()
         return app(prog_name=NAME, standalone_mode=False) or 0
     except typer.TyperException as error:
         # Without any argument Typer has printed the help and has nothing to add.
@@ -234,6 +235,16 @@ def _carried_out(signals: list[int]) -> int:
             raise
         what = " ".join(f"unexpected {type(error).__name__}: {error}".split())
         return _complain(f"{what}; {DEBUG}=1 shows where, please report it", UNEXPECTED)
+
+
+def _refuse_names_that_are_no_text() -> None:
+    """UserError for an argument with bytes that the locale does not decode: no report could hold it."""
+    for word in sys.argv[1:]:
+        if any("\ud800" <= letter <= "\udfff" for letter in word):
+            coding = sys.getfilesystemencoding()
+            raise UserError(
+                f"{word}: has bytes that are no text in {coding}; set LC_ALL=C.UTF-8, or rename it"
+            )
 
 
 def _complain(line: str, code: int) -> int:
