@@ -24,6 +24,12 @@ TELLING = {"literal_error": 0, "extra_forbidden": 1}
 KEY_ITSELF = "[key]"
 """What pydantic puts behind the place of a key that is wrong itself."""
 
+IDENTIFIER = "^[A-Za-z][A-Za-z0-9_]*$"
+"""Pattern of names in boat files."""
+
+LENGTHS = ("too_short", "too_long")
+"""Types of faults whose message has the number that there is."""
+
 QUOTED = "; leave the quotation marks out"
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -69,7 +75,8 @@ def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[st
     if fault["type"] == "value_error":
         return key, message
     message, value = in_yaml_words(message), repr(fault["input"])
-    told = message[:1].lower() + message[1:] + (f", not {value}" if len(value) <= 60 else "")
+    is_told = len(value) > 60 or fault["type"] in LENGTHS
+    told = message[:1].lower() + message[1:] + ("" if is_told else f", not {value}")
     return key, told + (QUOTED if _is_quoted_number(fault) else "")
 
 
@@ -77,6 +84,9 @@ def in_yaml_words(message: str) -> str:
     """A message of pydantic with YAML's words for its types in place of Python's."""
     message = re.sub("a valid dictionary( or instance of [A-Za-z]+)?", "a mapping of keys to values", message)
     message = message.replace("a valid tuple", "a list").replace("Tuple", "The list")
+    message = message.replace("Dictionary", "The mapping").replace(" after validation", "")
+    message = message.replace("a valid string", "text")
+    message = message.replace(f"match pattern '{IDENTIFIER}'", "have letters, digits and _, a letter first")
     return message.replace("a valid boolean", "true or false").replace("a valid integer", "a whole number")
 
 

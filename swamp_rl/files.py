@@ -127,9 +127,11 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
         return copy
     given = Path(name_or_path)
     if _is_path(given):
+        if not given.name:
+            raise UserError(f"{given}: is a folder; give a path to a YAML file or one of {_known(kind)}")
         if not is_file(given):
             other = given.with_suffix(".yml" if given.suffix == ".yaml" else ".yaml")
-            hint = f"did you mean {clipped(other.name)!r}? " if given.name and is_file(other) else ""
+            hint = f"did you mean {clipped(other.name)!r}? " if is_file(other) else ""
             known = f"give a path to a YAML file or one of {_known(kind)}"
             raise UserError(f"{clipped(given, 200)}: no such file; {hint}{known}")
         return given

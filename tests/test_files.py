@@ -202,6 +202,9 @@ def test_an_unknown_config_lists_those_there_are() -> None:
         find_config("boats", "swmp")
     with pytest.raises(UserError, match=r"nowhere/file\.yaml: no such file"):
         find_config("boats", "nowhere/file.yaml")
+    for folder in (".", "./"):
+        with pytest.raises(UserError, match=r"is a folder; give a path"):
+            find_config("boats", folder)
 
 
 @pytest.mark.parametrize(("there", "asked"), [("mine.yaml", "mine.yml"), ("mine.yml", "mine.yaml")])
@@ -236,7 +239,7 @@ def test_a_file_that_is_no_yaml_is_not_called_missing(
             {"name": "x", "motors": [{"power": 0.0}]},
             "motors.0.power: input should be greater than 0, not 0.0",
         ),
-        ({"name": 1, "motors": 2}, "name: input should be a valid string, not 1"),
+        ({"name": 1, "motors": 2}, "name: input should be text, not 1"),
     ],
 )
 def test_what_does_not_fit_is_named_by_dotted_key(data: dict[str, object], message: str) -> None:

@@ -17,7 +17,7 @@ from swamp_rl.files import shipped_folders
 from swamp_rl.json_text import parsed_json
 from swamp_rl.names import YAML, file_in
 from swamp_rl.ordinary import MOST_JSON, contents
-from swamp_rl.pilots.arguments import BUILT_IN, Asked, asked_pilot, names_pilot
+from swamp_rl.pilots.arguments import BUILT_IN, Asked, asked_pilot, known_names, names_pilot
 from swamp_rl.runs import DatasetMeta, Run, read_dataset, read_run
 from swamp_rl.runs.copies import course_file
 from swamp_rl.runs.dataset import META, boat_of, read_meta
@@ -51,6 +51,7 @@ def read_shown(sources: Sequence[str | Path], patterns: list[str], align: Align 
     package; without any source at all, those that come with the package are. UserError where nothing fits, or
     where the sources are of different courses.
     """
+    refuse_missing([str(source) for source in sources])
     pilots = [asked_pilot(str(source)) for source in sources if names_pilot(str(source))]
     folders = [Path(source) for source in sources if not names_pilot(str(source))]
     if not sources:
@@ -118,16 +119,20 @@ def _wanted(part: Found, group: str, run: Run, patterns: list[str]) -> bool:
     return any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns for name in (label, run.name))
 
 
+def refuse_missing(sources: Sequence[str]) -> None:
+    """UserError for the first source that is neither a file or folder nor names a pilot."""
+    for source in sources:
+        if not (names_pilot(source) or Path(source).exists()):
+            raise UserError(
+                f"{source}: no such file or folder; name a dataset, a results folder, a run's file or a "
+                f"pilot{known_names(source)}"
+            )
+
+
 def _read(source: Path) -> Found:
     if source.is_file():
         return _read_file(source)
-    if (source / RESULTS).is_file():
-        return _read_results(source)
-    if not source.is_dir():
-        raise UserError(
-            f"{source}: no such file or folder; name a dataset, a results folder, a run's file or a pilot"
-        )
-    return _read_dataset(source)
+    return _read_results(source) if (source / RESULTS).is_file() else _read_dataset(source)
 
 
 def _read_dataset(folder: Path, group: str | None = None, kept: Path | None = None) -> Found:

@@ -1,5 +1,6 @@
 """What a folder of results keeps of how it was made, and how an experiment is found again in one."""
 
+import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -13,6 +14,7 @@ from swamp_rl.experiments.config.schema import Experiment
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, yaml_text
+from swamp_rl.pilots.own import SHIPPED, model_file
 
 RESULTS, TRAINED = "results.json", "training.json"
 """Marks of a whole result and of one whose pilots are trained but not evaluated."""
@@ -82,9 +84,15 @@ def with_data_hash(experiment: Experiment, where: str) -> Experiment:
 
 
 def with_pilot_hashes(experiment: Experiment, where: str) -> Experiment:
-    """The experiment with the hash of each pilot given by its folder; UserError where it names another."""
+    """The experiment with the hash of each pilot given by its folder or its model's file.
+
+    UserError where such a file is not there, or is another one than the experiment names.
+    """
     plans = dict(experiment.pilots)
     for name, plan in plans.items():
+        if plan.kind in SHIPPED:
+            model = hashlib.sha256(model_file(plan.options["file"], plan.options.get("sha256"))).hexdigest()
+            plans[name] = plan.model_copy(update={"options": plan.options | {"sha256": model}})
         if plan.kind != "stored":
             continue
         found = pilot_hash(plan.options["folder"])

@@ -14,6 +14,7 @@ import typer
 from swamp_rl.experiments.cli.boat import boat_app
 from swamp_rl.experiments.cli.catalogue import boats, courses, effects, pilots
 from swamp_rl.experiments.cli.compare import compare
+from swamp_rl.experiments.cli.compiling import show_compiling
 from swamp_rl.experiments.cli.demo import demo
 from swamp_rl.experiments.cli.design import design_app
 from swamp_rl.experiments.cli.diagnose import diagnose, disturbances
@@ -26,6 +27,7 @@ from swamp_rl.experiments.cli.identify import identify_app
 from swamp_rl.experiments.cli.link import helm, vehicle
 from swamp_rl.experiments.cli.mission import mission
 from swamp_rl.experiments.cli.options import BoatOption, CourseOption, IgnoreOption, seed_option
+from swamp_rl.experiments.cli.outputs import guard_inputs
 from swamp_rl.experiments.cli.record import record
 from swamp_rl.experiments.cli.runs import runs_app
 from swamp_rl.experiments.cli.signals import stoppable
@@ -176,10 +178,12 @@ def bench(
 
 
 add_help(app)
+guard_inputs(app)
 
 
 def main() -> None:
     """Run the command line; whatever goes wrong is one line on the error stream and a non-zero exit."""
+    show_compiling()
     with stoppable() as signals:
         code = _carried_out(signals)
     if code and signals:
@@ -202,6 +206,7 @@ def _verb(words: list[str]) -> list[str]:
 def _carried_out(signals: list[int]) -> int:
     """The exit code of what the command line asks for; signals: those that came meanwhile."""
     try:
+        _refuse_names_that_are_no_text()
         return app(prog_name=NAME, standalone_mode=False) or 0
     except typer.TyperException as error:
         # Without any argument Typer has printed the help and has nothing to add.
@@ -230,6 +235,16 @@ def _carried_out(signals: list[int]) -> int:
             raise
         what = " ".join(f"unexpected {type(error).__name__}: {error}".split())
         return _complain(f"{what}; {DEBUG}=1 shows where, please report it", UNEXPECTED)
+
+
+def _refuse_names_that_are_no_text() -> None:
+    """UserError for an argument with bytes that the locale does not decode: no report could hold it."""
+    for word in sys.argv[1:]:
+        if any("\ud800" <= letter <= "\udfff" for letter in word):
+            coding = sys.getfilesystemencoding()
+            raise UserError(
+                f"{word}: has bytes that are no text in {coding}; set LC_ALL=C.UTF-8, or rename it"
+            )
 
 
 def _complain(line: str, code: int) -> int:

@@ -54,16 +54,17 @@ def demo(
     html: Annotated[Path | None, typer.Option(help="Write a self-contained page, FILE.html.")] = None,
 ) -> None:
     """Show runs of people, scripts and pilots: in rerun, as a video, or as a page."""
-    from swamp_rl.experiments.artifacts.demo_runs import read_shown
+    from swamp_rl.experiments.artifacts.demo_runs import read_shown, refuse_missing
 
     from swamp_rl.demo.viewer import has_display
 
     window = not (web or save or video or html)
-    if window and not has_display():
-        raise UserError(NOTHING_TO_DO)
     _check_names(
         {"--save": (save, (".rrd",)), "--video": (video, (".mp4", ".gif")), "--html": (html, (".html",))}
     )
+    refuse_missing(sources or [])
+    if window and not has_display():
+        raise UserError(NOTHING_TO_DO)
     scene = read_shown(sources or [], runs or [], align)
     typer.echo(printable(f"{len(scene.shown)} runs: {scene.about}"))
     layout: Layout = "side-by-side" if side_by_side else "overlay"

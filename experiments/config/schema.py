@@ -22,7 +22,7 @@ def _plain(name: str) -> str:
     return name
 
 
-Name = Annotated[str, AfterValidator(_plain), Field(max_length=100, json_schema_extra={"pattern": NAME})]
+Name = Annotated[str, Field(max_length=100, json_schema_extra={"pattern": NAME}), AfterValidator(_plain)]
 Seed = Annotated[int, Field(ge=0, lt=2**31)]
 Count = Annotated[int, Field(ge=1, le=100_000)]
 "Of runs or episodes, which are held in memory at once."

@@ -19,6 +19,7 @@ from swamp_rl.manoeuvres.controller import Trial
 from swamp_rl.manoeuvres.execute import execute
 from swamp_rl.manoeuvres.record import runs_of_trials
 from swamp_rl.manoeuvres.steering import refuse_astern, steering_limit
+from swamp_rl.manoeuvres.straight_line_stability import straight_line_stability
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.unfinished import folder_beside
 
@@ -91,10 +92,26 @@ def _motion_lines(boat: Boat, results: Sequence[Result]) -> list[str]:
         f"thrust at rest: {reference.thrust:.4g} N, {reference.thrust / weight:.3g} of the weight",
         f"top speed: {reference.speed:.3g} m/s, Froude number {froude:.2f}",
     ]
+    lines.append(_stability_line(boat, reference.speed))
     for result in results:
         lines += _result_lines(result, boat.length)
         lines += [f"  note, {result.kind}: {note}" for note in result.notes]
     return lines
+
+
+def _stability_line(boat: Boat, speed: float) -> str:
+    found = straight_line_stability(boat)
+    time = math.log(2.0) / abs(found.growth)
+    told = f"in {time:.3g} s, {time * speed / boat.length:.2g} L"
+    if found.growth <= 0.0:
+        return f"straight-line stability at full ahead: stable, a yaw rate halves {told}"
+    line = f"straight-line stability at full ahead: unstable, a yaw rate doubles {told}; "
+    if found.stable_n_r is None:
+        return line + "no hull.n_r makes it stable; check hull.n_v, hull.y_r and x_g"
+    return line + (
+        f"a skeg, a fin aft or a lower unit adds yaw damping: below hull.n_r {found.stable_n_r:.3g} it is "
+        f"stable, the file has {boat.hull.n_r:.3g}"
+    )
 
 
 def _result_lines(result: Result, length: float) -> list[str]:

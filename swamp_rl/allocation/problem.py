@@ -5,7 +5,7 @@ the sector's edges and, inside it, for its least thrust. All angles have gone in
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
@@ -83,6 +83,19 @@ def solve_in(
     for i, sector in enumerate(chosen):
         forces[sector.k] = x[2 * i : 2 * i + 2]
     return Solution(forces, program.cost_of(x), wanted - jets.geometry @ forces.ravel())
+
+
+def compressed(entries: Mapping[tuple[int, int], float], rows: int, columns: int) -> Any:
+    """The sparse matrix (rows, columns) of `entries` by (column, row), in compressed columns.
+
+    Made as it is stored: by way of coordinates, scipy's checks took as long as the solver.
+    """
+    from scipy.sparse import csc_matrix
+
+    places = np.array(sorted(entries), dtype=np.int32).reshape(-1, 2)  # there may be none
+    values = np.array([entry for _, entry in sorted(entries.items())], dtype=np.float64)
+    ends = np.searchsorted(places[:, 0], np.arange(columns + 1)).astype(np.int32)
+    return csc_matrix((values, places[:, 1], ends), shape=(rows, columns))
 
 
 class Program:
@@ -199,16 +212,16 @@ class Program:
     def solved(self) -> Array | None:
         """The best x, or None where nothing satisfies the limits."""
         import clarabel
-        from scipy.sparse import csc_matrix
 
         n = self.columns
         q = np.zeros(n)
         q[list(self.linear)] = list(self.linear.values())
-        places = list(self.squares)
-        P = csc_matrix((list(self.squares.values()), (places, places)), shape=(n, n))
-        entries = [(r, c, v) for r, (row, _) in enumerate(self.rows) for c, v in row.items()]
-        r, c, v = zip(*entries, strict=True)
-        A = csc_matrix((v, (r, c)), shape=(len(self.rows), n))
+        P = compressed({(place, place): value for place, value in self.squares.items()}, n, n)
+        A = compressed(
+            {(column, r): value for r, (row, _) in enumerate(self.rows) for column, value in row.items()},
+            len(self.rows),
+            n,
+        )
         b = np.array([right for _, right in self.rows])
         good = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
         stuck = (clarabel.SolverStatus.InsufficientProgress, clarabel.SolverStatus.NumericalError)

@@ -5,6 +5,8 @@ from typing import Any
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from swamp_rl.clipped import clipped
+
 
 def _filled(given: tuple[Any, ...]) -> tuple[Any, ...]:
     # A least length declared as such would be missed, too, by a list whose items are at fault.
@@ -19,6 +21,15 @@ FRACTION, BELOW_ONE = Field(ge=0, le=1), Field(lt=1)
 ANGLE = Field(ge=-2 * math.pi, le=2 * math.pi)
 FROM_LIST = Field(strict=False)  # YAML has lists, a frozen model holds tuples
 NAME = Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")
+
+
+def _on_one_line(name: str) -> str:
+    if not name.isprintable():
+        raise ValueError(f"{clipped(name)!r} must print on one line")
+    return name
+
+
+PRINTED = AfterValidator(_on_one_line)
 
 
 class Part(BaseModel):

@@ -7,7 +7,17 @@ from pydantic import Discriminator, Field, InstanceOf, PrivateAttr, Tag, model_v
 
 from swamp_rl.boat.battery import Battery, Power, ShaftPower
 from swamp_rl.boat.loading import Loading
-from swamp_rl.boat.part import ANGLE, FRACTION, FROM_LIST, NAME, NOT_NEGATIVE, NOT_POSITIVE, POSITIVE, Part
+from swamp_rl.boat.part import (
+    ANGLE,
+    FRACTION,
+    FROM_LIST,
+    NAME,
+    NOT_NEGATIVE,
+    NOT_POSITIVE,
+    POSITIVE,
+    PRINTED,
+    Part,
+)
 from swamp_rl.boat.propeller_rudder import PropellerRudder
 from swamp_rl.boat.quantity import Provenance, Unit
 from swamp_rl.boat.resistance import Resistance
@@ -307,7 +317,7 @@ class Boat(Part):
     Added masses are the hydrodynamic derivatives, hence negative or zero.
     """
 
-    name: Annotated[str, Field(min_length=1)]
+    name: Annotated[str, Field(min_length=1, max_length=100), PRINTED]
     "Name in reports."
     length: Annotated[float, POSITIVE, Unit("m")]
     "Length of the hull, L."

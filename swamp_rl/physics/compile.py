@@ -5,6 +5,7 @@ calls would go unnoticed. Here the cache folder's name holds a hash of every com
 """
 
 import hashlib
+import logging
 import os
 import shutil
 from collections.abc import Callable
@@ -16,9 +17,12 @@ import numba
 import numba.extending
 import numpy as np
 from numba import config
-from numba.core import cgutils
+from numba.core import cgutils, event
 
 F = TypeVar("F", bound=Callable[..., object])
+
+LOG = logging.getLogger(__name__)
+"""Is told, once in a process, that machine code is missing in the cache and is being compiled."""
 
 KEPT_CACHES = 4
 
@@ -85,6 +89,27 @@ def compiled(function: F | None = None, *, parallel: bool = False, threaded: boo
         return cast(F, numba.njit(cache=folder is not None, parallel=parallel, **options)(function))
     finally:
         config.CACHE_DIR = before
+
+
+class _FirstCompilation(event.Listener):
+    """Hears of every function that numba compiles; one that it finds in a cache is not compiled."""
+
+    told = False
+
+    def on_start(self, event: Any) -> None:
+        """Tell `LOG` of the first function of this package."""
+        own = event.data["dispatcher"].py_func.__module__.partition(".")[0] == __name__.partition(".")[0]
+        if own and not self.told:
+            self.told = True
+            kept = "once" if cache_folder() else "in every process: name a folder for it in XDG_CACHE_HOME"
+            LOG.info("compiling the simulator for this processor and boat: up to half a minute, %s", kept)
+
+    def on_end(self, event: Any) -> None:
+        """Nothing is told of the end."""
+
+
+_LISTENER = _FirstCompilation()
+event.register("numba:compile", _LISTENER)
 
 
 @numba.extending.intrinsic

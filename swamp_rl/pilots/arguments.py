@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
 from swamp_rl.files import shipped_folders
 from swamp_rl.own_code import own_code
 from swamp_rl.pilots.line_of_sight import LineOfSightPilot
@@ -36,7 +37,7 @@ def asked_pilot(text: str) -> Asked:
     the function of `module:function=FOLDER`, a term that the folder's pilots observe or are rewarded by.
 
     A name is that of a folder, else of a built-in pilot, else of one that comes with the package. UserError
-    where code or a model's file is not there; a folder is not looked for.
+    for another name, and where code or a model's file is not there; a path of a folder is not looked for.
     """
     kind, colon, file = text.partition(":")
     if colon and kind in SHIPPED:
@@ -49,13 +50,22 @@ def asked_pilot(text: str) -> Asked:
     if text in BUILT_IN:
         return Asked(text, kind=text)
     if named is None:
-        return Asked(Path(text).name, shipped_folders("pilots").get(text, Path(text)))
+        shipped = shipped_folders("pilots")
+        if text not in shipped and len(Path(text).parts) == 1:
+            raise UserError(f"{text}: no such folder, and no pilot of that name{known_names(text)}")
+        return Asked(Path(text).name, shipped.get(text, Path(text)))
     if named["folder"] is not None:
         if isinstance(own_code(named["kind"]), type):
             own_class(named["kind"])
         return Asked(Path(named["folder"]).name, Path(named["folder"]))
     own_class(named["kind"])
     return Asked(named["kind"].partition(":")[2], kind=named["kind"])
+
+
+def known_names(text: str) -> str:
+    """The end of a complaint about `text`, which names no pilot: the names, the nearest one, and a folder."""
+    names = nearest(text, [*BUILT_IN, *shipped_folders("pilots")])
+    return f"{names}; a pilot that was trained is named by its folder, as results/camogli/pilots/cloning"
 
 
 def names_pilot(text: str) -> bool:

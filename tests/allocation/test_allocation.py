@@ -9,8 +9,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.optimize import minimize
+from scipy.sparse import csc_matrix
 
 from swamp_rl.allocation import Jets, Wish, allocate, force_region, jets_of, largest_multiple
+from swamp_rl.allocation.problem import compressed
 from swamp_rl.allocation.sectors import sectors_of
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
@@ -304,3 +306,15 @@ def test_two_jets_that_can_hardly_turn_still_have_a_nearest_force() -> None:
     )
     found = allocate(jets, np.array([-5.46405663, 4.77926115, 0.17922798]), turned, 0.2, wish, before)
     assert np.all(np.isfinite(found.achieved))
+
+
+def test_a_matrix_in_compressed_columns_is_the_one_that_scipy_makes_of_coordinates() -> None:
+    rng = np.random.default_rng(0)
+    keys = zip(rng.integers(0, 12, 40).tolist(), rng.integers(0, 30, 40).tolist(), strict=True)
+    entries = {key: float(value) for key, value in zip(keys, rng.normal(size=40), strict=True)}
+    columns, rows = zip(*entries, strict=True)
+    expected = csc_matrix((list(entries.values()), (rows, columns)), shape=(30, 12))
+    made = compressed(entries, 30, 12)
+    for part in ("indptr", "indices", "data"):
+        np.testing.assert_array_equal(getattr(made, part), getattr(expected, part))
+    assert compressed({}, 3, 2).nnz == 0

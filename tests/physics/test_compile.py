@@ -60,3 +60,17 @@ def test_a_user_without_a_home_has_the_cache_that_is_named_or_none_elsewhere(
     assert module.cache_folder.__wrapped__().is_relative_to(tmp_path / "named")
     monkeypatch.setenv("XDG_CACHE_HOME", "")
     assert module.cache_folder.__wrapped__() is None
+
+
+def test_compiling_is_told_once_and_only_of_this_package_s_functions(monkeypatch: pytest.MonkeyPatch) -> None:
+    heard: list[str] = []
+    monkeypatch.setattr(module, "cache_folder", lambda: None)
+    monkeypatch.setattr(module.LOG, "info", lambda line, kept: heard.append(line % kept))
+    others, first, second = (module.compiled(f) for f in (lambda x: x + 1, lambda x: x + 1, lambda x: x + 1))
+    for function in (first, second):
+        function.py_func.__module__ = "swamp_rl.physics.step"
+    monkeypatch.setattr(module._LISTENER, "told", False)
+    others(1)
+    assert heard == []
+    assert first(1) == second(1) == 2
+    assert len(heard) == 1 and "in every process: name a folder for it" in heard[0]

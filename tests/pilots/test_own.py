@@ -14,7 +14,7 @@ import pytest
 import yaml
 from stable_baselines3 import A2C, PPO, SAC, TD3
 from swamp_rl.experiments.config.load import load_experiment
-from swamp_rl.experiments.studies.run import run_experiment
+from swamp_rl.experiments.studies.run import run_experiment, train_experiment
 from swamp_rl.experiments.studies.stored import evaluate_folders
 
 from swamp_rl.errors import UserError
@@ -229,3 +229,14 @@ def test_what_is_no_model_and_a_model_that_was_changed_are_refused(place: Path) 
     other = hashlib.sha256(b"another").hexdigest()
     with pytest.raises(UserError, match="is no longer the model"):
         own.model_file(str(place / "model.zip"), other)
+
+
+def test_a_model_that_is_not_there_is_told_before_anything_is_recorded(place: Path) -> None:
+    (place / "mine.yaml").write_text(
+        "{name: mine, boat: swamp, course: camogli, step: 0.1, data: {record: {good: 1}}, "
+        "pilots: {exported: {kind: onnx, options: {file: nowhere.onnx}}}, "
+        "evaluation: {levels: [calm], episodes: 1, seed: 1}}"
+    )
+    with pytest.raises(UserError, match=r"nowhere\.onnx: No such file"):
+        train_experiment(place / "mine.yaml", out=place / "out")
+    assert not list(place.glob("*out*"))

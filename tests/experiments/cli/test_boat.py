@@ -86,6 +86,15 @@ def test_every_fault_of_a_file_is_told_at_once(call: Call) -> None:
     assert len(error.splitlines()) == 3
 
 
+def test_the_check_of_an_unstable_boat_names_the_yaw_damping_that_makes_it_stable(call: Call) -> None:
+    call("boat", "new", "skiff", "--kind", "outboard", *SIZES)
+    said = call("boat", "check", "skiff.yaml")[1]
+    assert "straight-line stability at full ahead: unstable" in said
+    limit = float(said.partition("below hull.n_r ")[2].split()[0])
+    Path("finned.yaml").write_text(f"extends: ./skiff.yaml\nname: finned\nhull: {{n_r: {1.1 * limit}}}\n")
+    assert "at full ahead: stable" in call("boat", "check", "finned.yaml")[1]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "length", "breadth", "mass", "thrust"),

@@ -367,3 +367,9 @@ def test_output_may_be_cut_short_by_its_reader(folder: Path) -> None:
     os.close(writing)
     assert called.returncode == 1
     assert called.stderr == ""
+
+
+def test_a_name_that_is_no_text_in_the_locale_is_one_line(call: Call) -> None:
+    Path("l\udce4ufe").mkdir()
+    for words in (("demo", "l\udce4ufe", "--html", "a.html"), ("runs", "show", "l\udce4ufe")):
+        assert_complains(call(*words), "has bytes that are no text in utf-8", "LC_ALL=C.UTF-8", "rename")

@@ -96,6 +96,8 @@ def test_what_is_asked_wrongly_is_one_line(
     for display in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(display, raising=False)
     assert_complains(call("demo", results, *words), part)
+    if not words:  # a missing source is told before a missing display
+        assert_complains(call("demo", "nowhere"), "nowhere: no such file or folder")
 
 
 @pytest.mark.parametrize(
@@ -105,6 +107,7 @@ def test_what_is_asked_wrongly_is_one_line(
             ["nowhere"],
             "nowhere: no such file or folder; name a dataset",
         ),
+        (["reservoir-alone"], "did you mean 'reservoir'? known here: line-of-sight"),
         (["sb3:missing.zip"], "missing.zip: No such file"),
         (["onnx:missing.onnx"], "missing.onnx: No such file"),
         (["nothing.like.it:Pilot"], "nothing.like.it:Pilot: cannot be imported"),

@@ -1,0 +1,62 @@
+"""What a verb writes lands neither on a file that it reads nor in a dataset: one check for all verbs."""
+
+import functools
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from swamp_rl.errors import UserError
+
+OUTPUTS = frozenset({"out", "log", "save", "video", "html"})
+"""Parameters of verbs that name what is written."""
+META, ANALYSIS = "dataset.yaml", "analysis"
+"""What shows a dataset, and the folder in it that verbs write to by themselves."""
+
+
+def guard_inputs(app: typer.Typer) -> None:
+    """Have every verb of `app` and of the groups in it refuse such an output before it does anything."""
+    for verb in app.registered_commands:
+        if verb.callback is not None:
+            verb.callback = _guarded(verb.callback)
+    for group in app.registered_groups:
+        if group.typer_instance is not None:
+            guard_inputs(group.typer_instance)
+
+
+def _guarded(verb: Any) -> Any:
+    @functools.wraps(verb)
+    def guarded(**given: Any) -> Any:
+        _refuse_outputs_among_inputs(given)
+        return verb(**given)
+
+    return guarded
+
+
+def _refuse_outputs_among_inputs(given: Mapping[str, Any]) -> None:
+    """given: the parameters of a verb by their names."""
+    read = [Path(text) for name, value in given.items() if name not in OUTPUTS for text in _texts(value)]
+    for name in sorted(OUTPUTS & given.keys()):
+        for text in _texts(given[name]):
+            # A name that no file can have, or links in a circle: whoever opens it says so.
+            with suppress(OSError, RuntimeError, ValueError):
+                _refuse(f"--{name} {text}", Path(text), read)
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """The texts that may be paths."""
+    for one in value if isinstance(value, list | tuple) else [value]:
+        if isinstance(one, str | Path):
+            yield str(one)
+
+
+def _refuse(told: str, path: Path, read: list[Path]) -> None:
+    place = path.resolve()
+    if path.is_file() and any(one.is_file() and one.samefile(path) for one in read):
+        raise UserError(f"{told}: already exists and is read by this command; name another file")
+    for folder in place.parents:
+        inside = place.relative_to(folder)
+        if (folder / META).is_file() and inside.parts[0] != ANALYSIS:
+            raise UserError(f"{told}: lies in the dataset {folder}; name a place outside it")

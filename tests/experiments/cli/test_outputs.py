@@ -1,0 +1,61 @@
+"""No verb writes over a file that it reads, or into a dataset."""
+
+import hashlib
+from pathlib import Path
+
+import pytest
+
+from tests.support.command_line import Call, assert_complains
+from tests.support.command_line import call as call  # the fixture
+
+
+@pytest.fixture
+def dataset(call: Call) -> dict[str, str]:
+    """The files of a dataset `runs` and their SHA-256."""
+    assert call("record-scripted", "--out", "runs", "--count", 1)[0] == 0
+    return sums()
+
+
+def sums() -> dict[str, str]:
+    files = (path for path in Path("runs").rglob("*") if path.is_file())
+    return {str(path): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "diagnose runs --out runs/diagnosis",
+        "fleet runs --out runs/deeper/fleet",
+        "identify boat runs --boat swamp --out runs/swamp.yaml",
+        "runs export runs --to csv --out runs/csv",
+        "runs show runs --out runs/tracks.png",
+        "demo runs --html runs/page.html",
+        "simulate --commands runs/run-001.parquet --out runs/simulated.csv",
+        "boat new skiff --kind azimuth --length 4 --breadth 1 --mass 300 --thrust 400 --out runs/skiff.yaml",
+        "vehicle --seconds 1 --log runs/vehicle.log",
+        "record-scripted --count 1 --out linked/more",
+    ],
+)
+def test_nothing_is_written_into_a_dataset(call: Call, dataset: dict[str, str], words: str) -> None:
+    Path("linked").symlink_to("runs")
+    assert_complains(call(*words.split()), "lies in the dataset", "name a place outside it")
+    assert sums() == dataset
+
+
+def test_a_file_that_is_read_is_not_replaced(call: Call, dataset: dict[str, str]) -> None:
+    Path("apart").mkdir()
+    Path("apart/run.parquet").write_bytes(Path("runs/run-001.parquet").read_bytes())
+    Path("apart/same.parquet").hardlink_to("apart/run.parquet")
+    before = Path("apart/run.parquet").read_bytes()
+    for out in ("apart/run.parquet", "apart/../apart/run.parquet", "apart/same.parquet"):
+        said = call("simulate", "--commands", "apart/run.parquet", "--out", out)
+        assert_complains(said, out, "already exists and is read by this command", "name another file")
+    assert Path("apart/run.parquet").read_bytes() == before
+
+
+def test_beside_a_dataset_and_in_its_folder_of_analyses_is_allowed(
+    call: Call, dataset: dict[str, str]
+) -> None:
+    for out in ("simulated.csv", "runs/analysis/simulated.csv"):
+        assert call("simulate", "--commands", "runs/run-001.parquet", "--out", out)[0] == 0
+    assert call("runs", "check", "runs")[0] == 0
