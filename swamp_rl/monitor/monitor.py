@@ -3,6 +3,7 @@
 import math
 from collections import deque
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,9 @@ from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
 from swamp_rl.link.stream import Sample
 from swamp_rl.monitor.change_test import ChangeTest
 from swamp_rl.monitor.frozen import SENSORS, Repetition
-from swamp_rl.monitor.isolation import Onset, isolate, nested, onset_candidates, simplest
+from swamp_rl.monitor.isolation import Onset, free, isolate, nested, onset_candidates, simplest
 from swamp_rl.monitor.options import DEFAULT, Options
-from swamp_rl.monitor.rougher_sea import rougher_sea
+from swamp_rl.monitor.rougher_sea import lead_over_sea
 from swamp_rl.monitor.tracker import CURRENT, Tracker, tracker_of
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.sensors import CHANNELS
@@ -132,7 +133,7 @@ class Monitor:
         assert self.tracker is not None
         old = self.tracker
         self.record = parameters(self.boat)
-        self.tracker = Tracker(self.boat, self.record, old.sigmas, old.walk, sample, old.dt, self.options)
+        self.tracker = Tracker(self.boat, self.record, old.sigmas, old.noise, sample, old.dt, self.options)
         self.samples.clear()
         self.test.clear()
         self.alarm, self.again = None, False
@@ -174,14 +175,17 @@ class Monitor:
         if waited < of.patience and not (waited > of.soonest and clear and tenable):
             return []
         self.alarm = None
-        if first.instance.effect.name in of.like_gusts and self.peak < of.gust:
-            sea = rougher_sea(self.boat, self.tracker, list(self.samples), self.repetition.channels)
-            if first.criterion - sea < of.sea * usual:
-                self.test.accept()
-                return []
+        record, shift = self._with(first)
+        lead = lead_over_sea(
+            self.boat, self.tracker, list(self.samples), self.repetition.channels, first.place, record, shift
+        )
+        if lead - 2.0 * free(first.instance) < of.sea * usual:
+            self.test.clear()
+            return []
         channels = tuple(CHANNELS[place] for place in np.flatnonzero(changed > 1.0))
-        if not self._adopt(first):
-            return [Notice(now, first.time, "unexplained", {}, channels=channels)]
+        if not self._adopt(first, record, shift):
+            certain = self.peak * of.threshold >= of.unexplained
+            return [Notice(now, first.time, "unexplained", {}, channels=channels)] if certain else []
         label = first.instance.label
         refined = label == self.said[0] and now - self.said[1] < of.refined
         self.said = label, now
@@ -191,17 +195,21 @@ class Monitor:
         values = {name: float(value) for name, value in entries_of(first.instance, first.x)[0].values.items()}
         return [Notice(now, first.time, label, values, rivals, channels)]
 
-    def _adopt(self, onset: Onset) -> bool:
+    def _with(self, onset: Onset) -> tuple[NDArray[Any], Array]:
+        """The record (1,) with a cause, the current as before; and the change of current (2,) [m/s]."""
+        record = Hypothesis((onset.instance,)).records(self.boat, onset.x[None], self.record)
+        shift = np.array([float(record[name][0] - self.record[name][0]) for name in CURRENT])
+        for name in CURRENT:
+            record[name] = self.record[name]
+        return record, shift
+
+    def _adopt(self, onset: Onset, record: NDArray[Any], shift: Array) -> bool:
         """Go on with the cause in the model, from its onset; False, and the model as it was, where the
         innovations are as unusual with it.
         """
         assert self.tracker is not None
         before, history = self.record, list(self.tracker.history)
         samples = list(self.samples)[onset.place :]
-        record = Hypothesis((onset.instance,)).records(self.boat, onset.x[None], self.record)
-        shift = np.array([float(record[name][0] - self.record[name][0]) for name in CURRENT])
-        for name in CURRENT:
-            record[name] = self.record[name]
         self.tracker.restart(history[onset.place], samples[0], record, shift)
         self.test.clear()
         for sample in samples[1:]:
