@@ -22,7 +22,7 @@ class Options:
     # random walk, in `scale_of` per sqrt(L/U)
     walk: tuple[float, ...] = (0.0, 0.0, 0.0, 0.045, 0.045, 0.033, 0.018, 0.018)
     walks: tuple[float, ...] = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # multiples of it that are tried
-    # standard deviation of an unknown acceleration to the north, to the east and in yaw, in `scale_of` per L/U
+    # standard deviation of an unknown acceleration to the north, east and in yaw, in `scale_of` per L/U
     strength: tuple[float, ...] = (0.002, 0.002, 0.002)
     strengths: tuple[float, ...] = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0)  # multiples of it that are tried
     gust_time: float = 5.0  # s, its time constant
