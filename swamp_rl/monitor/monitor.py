@@ -62,8 +62,6 @@ class Monitor:
         self.repetition = Repetition(options)
         self.tracker: Tracker | None = None
         self.alarm: float | None = None
-        self.peak = 0.0
-        "Of the statistic since the alarm, over its threshold."
         self.settled = -np.inf
         "Time [s] before which the filter of a stream that has begun again is not judged."
         self.again = False
@@ -104,7 +102,6 @@ class Monitor:
             return []
         self.test.add(step.white, usual=self.alarm is None)
         changed = self.test.exceeded
-        self.peak = max(self.peak, float(changed.max())) if self.alarm is not None else float(changed.max())
         if self.alarm is None and changed.max() > 1.0:
             self.alarm = sample.time
         if self.alarm is not None and sample.time - self.asked >= self.options.again - 1e-9:
@@ -184,8 +181,7 @@ class Monitor:
             return []
         channels = tuple(CHANNELS[place] for place in np.flatnonzero(changed > 1.0))
         if not self._adopt(first, record, shift):
-            certain = self.peak * of.threshold >= of.unexplained
-            return [Notice(now, first.time, "unexplained", {}, channels=channels)] if certain else []
+            return [Notice(now, first.time, "unexplained", {}, channels=channels)]
         label = first.instance.label
         refined = label == self.said[0] and now - self.said[1] < of.refined
         self.said = label, now

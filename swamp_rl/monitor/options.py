@@ -34,8 +34,7 @@ class Options:
     least_samples: int = 3  # of a window
     clip: float = 5.0  # of a normalised innovation, so that one outlier alone does not alarm
     forget: float = 60.0  # s, of the mean square of a statistic
-    threshold: float = 5.0  # standard deviations from which a change is isolated
-    unexplained: float = 6.0  # and those from which it is told where nothing explains it
+    threshold: float = 6.0  # standard deviations
     # ---- Frozen sensors
     repeats: float = 0.8  # s for which a reading must repeat
     repeats_usual: float = 3.0  # of the longest repetition that is usual, for which it must
@@ -49,7 +48,7 @@ class Options:
     # ---- Naming
     # fall of minus twice the log-likelihood against a rougher sea, from which a cause is named; that of two
     # sizes exceeds it by chance with probability exp(-sea / 2) (Wilks 1938)
-    sea: float = 25.0
+    sea: float = 20.0
     rougher: tuple[float, ...] = (1.0, 1.5, 2.0, 3.0)  # multiples of the process noise that it may have,
     light_wind: tuple[float, float] = (0.1, 2.0)  # of at least so many times `walk` and `strength`
     clear: float = 9.0  # of the criterion, by which a cause leads its rivals when it is named at once
