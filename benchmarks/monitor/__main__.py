@@ -1,6 +1,6 @@
 """False alarms in clean driving, and faults by name and delay, of `swamp-rl watch`.
 
-    python -m benchmarks.monitor --hours 100 --faults 200 --first 400
+    python -m benchmarks.monitor --hours 100 --faults 200 --first 1000
 
 Writes the tables of docs/watch.md; that of which nothing is asked (0) stays as it is. `--minutes` ends each
 part after so long: its table then has fewer cases.

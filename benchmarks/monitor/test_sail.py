@@ -9,7 +9,7 @@ from swamp_rl.monitor.options import DEFAULT, Options
 
 def said(options: Options) -> list[Notice]:
     monitor = Monitor(BOAT, options)
-    return [notice for sample in stream(46, 60.0, rough=True) for notice in monitor.feed(sample)]
+    return [notice for sample in stream(10_515, 36.0, rough=True) for notice in monitor.feed(sample)]
 
 
 def test_a_gust_that_looks_like_a_stronger_thruster_is_not_named() -> None:

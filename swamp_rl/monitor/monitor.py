@@ -3,6 +3,7 @@
 import math
 from collections import deque
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,9 @@ from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
 from swamp_rl.link.stream import Sample
 from swamp_rl.monitor.change_test import ChangeTest
 from swamp_rl.monitor.frozen import SENSORS, Repetition
-from swamp_rl.monitor.isolation import Onset, isolate, nested, onset_candidates, simplest
+from swamp_rl.monitor.isolation import Onset, free, isolate, nested, onset_candidates, simplest
 from swamp_rl.monitor.options import DEFAULT, Options
-from swamp_rl.monitor.rougher_sea import rougher_sea
+from swamp_rl.monitor.rougher_sea import lead_over_sea
 from swamp_rl.monitor.tracker import CURRENT, Tracker, tracker_of
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.sensors import CHANNELS
@@ -61,8 +62,6 @@ class Monitor:
         self.repetition = Repetition(options)
         self.tracker: Tracker | None = None
         self.alarm: float | None = None
-        self.peak = 0.0
-        "Of the statistic since the alarm, over its threshold."
         self.settled = -np.inf
         "Time [s] before which the filter of a stream that has begun again is not judged."
         self.again = False
@@ -103,7 +102,6 @@ class Monitor:
             return []
         self.test.add(step.white, usual=self.alarm is None)
         changed = self.test.exceeded
-        self.peak = max(self.peak, float(changed.max())) if self.alarm is not None else float(changed.max())
         if self.alarm is None and changed.max() > 1.0:
             self.alarm = sample.time
         if self.alarm is not None and sample.time - self.asked >= self.options.again - 1e-9:
@@ -132,7 +130,7 @@ class Monitor:
         assert self.tracker is not None
         old = self.tracker
         self.record = parameters(self.boat)
-        self.tracker = Tracker(self.boat, self.record, old.sigmas, old.walk, sample, old.dt, self.options)
+        self.tracker = Tracker(self.boat, self.record, old.sigmas, old.noise, sample, old.dt, self.options)
         self.samples.clear()
         self.test.clear()
         self.alarm, self.again = None, False
@@ -174,13 +172,15 @@ class Monitor:
         if waited < of.patience and not (waited > of.soonest and clear and tenable):
             return []
         self.alarm = None
-        if first.instance.effect.name in of.like_gusts and self.peak < of.gust:
-            sea = rougher_sea(self.boat, self.tracker, list(self.samples), self.repetition.channels)
-            if first.criterion - sea < of.sea * usual:
-                self.test.accept()
-                return []
+        record, shift = self._with(first)
+        lead = lead_over_sea(
+            self.boat, self.tracker, list(self.samples), self.repetition.channels, first.place, record, shift
+        )
+        if lead - 2.0 * free(first.instance) < of.sea * usual:
+            self.test.clear()
+            return []
         channels = tuple(CHANNELS[place] for place in np.flatnonzero(changed > 1.0))
-        if not self._adopt(first):
+        if not self._adopt(first, record, shift):
             return [Notice(now, first.time, "unexplained", {}, channels=channels)]
         label = first.instance.label
         refined = label == self.said[0] and now - self.said[1] < of.refined
@@ -191,17 +191,21 @@ class Monitor:
         values = {name: float(value) for name, value in entries_of(first.instance, first.x)[0].values.items()}
         return [Notice(now, first.time, label, values, rivals, channels)]
 
-    def _adopt(self, onset: Onset) -> bool:
+    def _with(self, onset: Onset) -> tuple[NDArray[Any], Array]:
+        """The record (1,) with a cause, the current as before; and the change of current (2,) [m/s]."""
+        record = Hypothesis((onset.instance,)).records(self.boat, onset.x[None], self.record)
+        shift = np.array([float(record[name][0] - self.record[name][0]) for name in CURRENT])
+        for name in CURRENT:
+            record[name] = self.record[name]
+        return record, shift
+
+    def _adopt(self, onset: Onset, record: NDArray[Any], shift: Array) -> bool:
         """Go on with the cause in the model, from its onset; False, and the model as it was, where the
         innovations are as unusual with it.
         """
         assert self.tracker is not None
         before, history = self.record, list(self.tracker.history)
         samples = list(self.samples)[onset.place :]
-        record = Hypothesis((onset.instance,)).records(self.boat, onset.x[None], self.record)
-        shift = np.array([float(record[name][0] - self.record[name][0]) for name in CURRENT])
-        for name in CURRENT:
-            record[name] = self.record[name]
         self.tracker.restart(history[onset.place], samples[0], record, shift)
         self.test.clear()
         for sample in samples[1:]:

@@ -22,6 +22,10 @@ class Options:
     # random walk, in `scale_of` per sqrt(L/U)
     walk: tuple[float, ...] = (0.0, 0.0, 0.0, 0.045, 0.045, 0.033, 0.018, 0.018)
     walks: tuple[float, ...] = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # multiples of it that are tried
+    # standard deviation of an unknown acceleration to the north, east and in yaw, in `scale_of` per L/U
+    strength: tuple[float, ...] = (0.002, 0.002, 0.002)
+    strengths: tuple[float, ...] = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0)  # multiples of it that are tried
+    gust_time: float = 5.0  # s, its time constant
     least_walk: float = 0.0  # of them that are tried: more for streams that may grow rougher
     outlier: float = 5.0  # standard deviations of an innovation that is left out,
     outliers: int = 3  # unless it comes that many times in a row
@@ -42,13 +46,11 @@ class Options:
     converged: float = 0.1  # fall of chi2 of all of them, below which there is no further step
     shares: tuple[float, ...] = (1.0, 0.3, 0.1)  # of such a step that are tried; the best is taken
     # ---- Naming
-    # a gust of an unknown wind looks like one of these: they are named only from `gust` times the threshold
-    # on, or where their criterion leads that of a rougher sea by `sea`
-    like_gusts: tuple[str, ...] = ("external_force", "thruster_failure", "thruster_gain")
-    gust: float = 1.7
-    sea: float = 42.0
-    rougher: tuple[float, ...] = (1.5, 2.0, 3.0)  # multiples of the process noise in a rougher sea, or of
-    wind: float = 0.1  # times `walk`, that in a light wind, where this is more
+    # fall of minus twice the log-likelihood against a rougher sea, from which a cause is named; that of two
+    # sizes exceeds it by chance with probability exp(-sea / 2) (Wilks 1938)
+    sea: float = 20.0
+    rougher: tuple[float, ...] = (1.0, 1.5, 2.0, 3.0)  # multiples of the process noise that it may have,
+    light_wind: tuple[float, float] = (0.1, 2.0)  # of at least so many times `walk` and `strength`
     clear: float = 9.0  # of the criterion, by which a cause leads its rivals when it is named at once
     rival: float = 6.0  # of the criterion, within which a rival is named too
     tenable: float = 3.0  # standard deviations by which the chi2 that a cause leaves may exceed its mean

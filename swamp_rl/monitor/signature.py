@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.monitor.tracker import CURRENT, Step, differences
+from swamp_rl.navigation.predict import STATES
 from swamp_rl.physics.compile import compiled
 from swamp_rl.simulator import simulate, tank
 from swamp_rl.simulator.sensors import observe
@@ -26,7 +27,7 @@ def signatures(boat: Boat, records: NDArray[Any], window: Sequence[Step], dt: fl
     first step of a window on. The current is the filter's there, and what a record has more of it.
     """
     params = records.copy()
-    for name, value in zip(CURRENT, window[0].x[6:], strict=True):
+    for name, value in zip(CURRENT, window[0].x[6:STATES], strict=True):
         params[name] += value - records[name][0]
     start = np.repeat(window[0].state[None], len(params), axis=0)
     commands = np.repeat(np.array([step.commands for step in window[:-1]])[None], len(params), axis=0)

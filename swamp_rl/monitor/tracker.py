@@ -14,6 +14,7 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.link.stream import Sample
+from swamp_rl.monitor.disturbance import FORCED, ForcedModel, ProcessNoise
 from swamp_rl.monitor.options import DEFAULT, Options
 from swamp_rl.navigation.filter import Navigator
 from swamp_rl.navigation.predict import STATES, BoatModel
@@ -66,18 +67,19 @@ class Tracker:
         boat: Boat,
         record: NDArray[Any],
         sigmas: Array,
-        walk: Array,
+        noise: ProcessNoise,
         first: Sample,
         dt: float,
         options: Options = DEFAULT,
     ) -> None:
         self.model = BoatModel(boat)
-        self.sigmas, self.walk, self.dt, self.options = sigmas, walk, dt, options
+        self.sigmas, self.noise, self.dt, self.options = sigmas, noise, dt, options
         self.set_record(record)
-        x = np.zeros(STATES)
+        x = np.zeros(FORCED)
         x[:6] = np.nan_to_num(first.senses)
-        start = np.diag((np.array(options.start) * scale_of(boat)) ** 2)
-        self.navigator = Navigator(self.model, x, walk, start)
+        start = np.append(np.array(options.start) * scale_of(boat), noise.strength)
+        forced = ForcedModel(self.model, noise.time_constant)
+        self.navigator = Navigator(forced, x, noise.walks, np.diag(start**2))
         self.model.actuators[ACTUATORS:] = first.commands
         self.history: deque[Step] = deque(maxlen=max(4, round(options.kept / dt)))
         self.last = first
@@ -113,7 +115,7 @@ class Tracker:
         """
         self.set_record(record)
         self.navigator.x, self.navigator.P = step.x.copy(), step.P.copy()
-        self.navigator.x[6:] += current
+        self.navigator.x[6:STATES] += current
         self.navigator.P[[6, 7], [6, 7]] += float(current @ current)
         self.model.actuators = step.state.copy()
         self.last = sample
@@ -123,7 +125,7 @@ class Tracker:
 
     def _update(self, places: list[int], measured: Array, jacobian: Array, sample: Sample) -> Step:
         white, innovation = np.full(6, np.nan), np.zeros(6)
-        gain, whitener = np.zeros((STATES, 6)), np.zeros((6, 6))
+        gain, whitener = np.zeros((FORCED, 6)), np.zeros((6, 6))
         if places:
             taken = self.navigator.update(Fix(tuple(places), measured[places], self.sigmas[places]))
             gain[:, places], innovation[places] = taken.gain, taken.value
@@ -177,12 +179,6 @@ def scale_of(boat: Boat) -> Array:
     return np.append(own, np.full(2, reference_of(boat).speed))
 
 
-def walk_of(boat: Boat, options: Options) -> Array:
-    """(8,) process noise of the options for this boat."""
-    per_second = np.sqrt(reference_of(boat).speed / boat.length)
-    return np.asarray(np.array(options.walk) * scale_of(boat) * per_second)
-
-
 def noise_of(boat: Boat, samples: Sequence[Sample], dt: float) -> Array:
     """(6,) standard deviation of each channel's measurement noise, NaN for one that is not measured."""
     measured = np.array([sample.senses for sample in samples])
@@ -203,19 +199,57 @@ def tracker_of(
     boat: Boat, record: NDArray[Any], samples: Sequence[Sample], dt: float, options: Options = DEFAULT
 ) -> tuple[Tracker, list[Array]]:
     """The filter after the first samples, and their normalised innovations (6,). Its process noise is that
-    multiple of `walk`, `least_walk` or more, under which the innovations are most likely (Mehra 1970).
+    under which the innovations are most likely (Mehra 1970): of the walks and strengths of the options, by
+    steps to the best neighbour.
     """
     sigmas = noise_of(boat, samples, dt)
-    tried: list[tuple[float, int, Tracker, list[Array]]] = []
-    for multiple in (one for one in options.walks if one >= options.least_walk):
-        walk = multiple * walk_of(boat, options)
-        tracker = Tracker(boat, record, sigmas, walk, samples[0], dt, options)
-        loss, white = 0.0, []
-        for sample in samples[1:]:
-            step = tracker.advance(sample)
-            if sample.time - samples[0].time < options.settled:
-                continue
-            loss += loss_of(step)
-            white.append(step.white)
-        tried.append((loss, len(tried), tracker, white))
-    return min(tried, key=lambda one: one[:2])[2:]
+    walks = [one for one in options.walks if one >= options.least_walk]
+    grid = [[noise_level(boat, walk, strength, options) for strength in options.strengths] for walk in walks]
+    tried: dict[tuple[int, int], tuple[float, Tracker, list[Array]]] = {}
+
+    def loss(place: tuple[int, int]) -> float:
+        if place not in tried:
+            noise = grid[place[0]][place[1]]
+            tried[place] = filtered_over(boat, record, samples, sigmas, noise, dt, options)
+        return tried[place][0]
+
+    best, left = (-1, -1), (len(walks) // 2, len(options.strengths) // 2)
+    while left != best:
+        best = left
+        rows = range(max(0, best[0] - 1), min(len(walks), best[0] + 2))
+        columns = range(max(0, best[1] - 1), min(len(options.strengths), best[1] + 2))
+        near = [(row, best[1]) for row in rows] + [(best[0], column) for column in columns]
+        left = min(near, key=lambda place: (loss(place), place))
+    return tried[best][1:]
+
+
+def filtered_over(
+    boat: Boat,
+    record: NDArray[Any],
+    samples: Sequence[Sample],
+    sigmas: Array,
+    noise: ProcessNoise,
+    dt: float,
+    options: Options,
+) -> tuple[float, Tracker, list[Array]]:
+    """Minus two log-likelihood of the innovations after `settled`, the filter at the end, and the normalised
+    innovations (6,).
+    """
+    tracker = Tracker(boat, record, sigmas, noise, samples[0], dt, options)
+    loss, white = 0.0, []
+    for sample in samples[1:]:
+        step = tracker.advance(sample)
+        if sample.time - samples[0].time < options.settled:
+            continue
+        loss += loss_of(step)
+        white.append(step.white)
+    return loss, tracker, white
+
+
+def noise_level(boat: Boat, walk: float, strength: float, options: Options) -> ProcessNoise:
+    """Multiples of the process noise of the options for this boat."""
+    reference, scales = reference_of(boat), scale_of(boat)
+    time = boat.length / reference.speed
+    walks = np.array(options.walk) * scales / np.sqrt(time)
+    accelerations = np.array(options.strength) * scales[3:6] / time
+    return ProcessNoise(walk * walks, strength * accelerations, options.gust_time)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.state import ACTUATORS, TIME
-from swamp_rl.simulator.substeps import substeps_of
+from swamp_rl.simulator.substeps import longest_substep, substeps_in
 
 Array = NDArray[np.float64]
 
@@ -54,6 +54,7 @@ class BoatModel:
         self._states = np.zeros((STATES + 1, len(self.actuators)))
         self._commands = np.zeros((STATES + 1, len(self.actuators) - ACTUATORS))
         self._seeds = np.zeros(STATES + 1, np.uint64)
+        self._longest = longest_substep(boat)
 
     def predict(self, x: Array, commands: Array, dt: float) -> tuple[Array, Array]:
         """Nine boats at once: the state and one for each of its differences."""
@@ -62,7 +63,7 @@ class BoatModel:
         states[:, :6] = tried[:, :6]
         self.params["current_north"], self.params["current_east"] = tried[:, 6], tried[:, 7]
         self._commands[:] = commands
-        step(states, self.params, self.tank, self._commands, self._seeds, dt, substeps_of(dt, self.boat))
+        step(states, self.params, self.tank, self._commands, self._seeds, dt, substeps_in(dt, self._longest))
         self.actuators[ACTUATORS:] = states[0, ACTUATORS:]
         self.actuators[TIME] = states[0, TIME]
         tried[:, :6] = states[:, :6]

@@ -13,5 +13,14 @@ thirty lengths under random throttles."""
 
 def substeps_of(dt: float, boat: Boat) -> int:
     """Runge-Kutta steps that a control step of dt [s] is divided into."""
-    longest = min(SUBSTEP, OF_TIME * reference_of(boat).time)
+    return substeps_in(dt, longest_substep(boat))
+
+
+def longest_substep(boat: Boat) -> float:
+    """The longest Runge-Kutta step [s] of a boat."""
+    return min(SUBSTEP, OF_TIME * reference_of(boat).time)
+
+
+def substeps_in(dt: float, longest: float) -> int:
+    """Equal steps of at most `longest` [s] that a control step of dt [s] is divided into."""
     return max(1, math.ceil(dt / longest - 1e-9))

@@ -43,9 +43,9 @@ def test_what_begins_is_named_within_three_seconds(effect: dict[str, Any], cause
 
 def test_a_force_as_small_as_a_gusts_is_not_told() -> None:
     effect = {"effect": "external_force", "north": 0.0, "east": 1.5}
-    loud = replace(DEFAULT, gust=0.0)
+    credulous = replace(DEFAULT, sea=0.0)
     samples = list(stream(BEGINS + 10.0, BEGINS, [effect]))
-    assert [notice.cause for notice in said(samples, loud)] == ["external_force"]
+    assert [notice.cause for notice in said(samples, credulous)] == ["external_force"]
     assert said(samples) == []
 
 
