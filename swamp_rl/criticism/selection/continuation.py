@@ -186,8 +186,10 @@ def fit_whole_runs(
     made = fit(problem, hypothesis, x, states, steps, fresh=True)
     again = with_commands_refined(problem, made, gaps)
     if not np.array_equal(again.commands, problem.run_set.commands):
-        problem = Shooting(again, problem.weight, problem.seconds)
-        made = fit(problem, hypothesis, made.x, made.states, steps, fresh=True)
+        refined = Shooting(again, problem.weight, problem.seconds)
+        refitted = fit(refined, hypothesis, made.x, made.states, steps, fresh=True)
+        if refitted.chi2 < made.chi2:  # they were chosen by a linearisation
+            problem, made = refined, refitted
     return problem, made
 
 
