@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.discretisation import discretisation_errors
 from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
@@ -276,6 +277,7 @@ def prepared(run_set: RunSet) -> Preparation:
     """Of the runs as measured."""
     smoothed = smoothed_channels(run_set)
     sigmas = raised(noise_levels(run_set), smoothed)
+    sigmas = np.hypot(sigmas, discretisation_errors(run_set, weights(run_set, sigmas)))
     duration = float(run_set.lengths.max() * run_set.dt)
     every = candidates(run_set.boat, duration, run_set.groups)
     return Preparation(
