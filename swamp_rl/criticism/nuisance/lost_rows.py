@@ -83,7 +83,10 @@ def possible_commands(run_set: RunSet, gap: Gap) -> list[tuple[Array, float]]:
 
 
 def with_commands_refined(problem: Shooting, at: Fit, every: Sequence[Gap]) -> RunSet:
-    """The runs of a fit to whole runs, commands in gaps exchanged where others fit better by MIN_GAIN."""
+    """The runs of a fit to whole runs, commands in gaps exchanged where others fit better by
+    `other_command_gain`. One gap after the other, each beside what was exchanged before: apart, two gaps
+    would both make up for the same error.
+    """
     run_set = problem.run_set
     commands = run_set.commands.copy()
     for gap in every:
@@ -96,7 +99,7 @@ def with_commands_refined(problem: Shooting, at: Fit, every: Sequence[Gap]) -> R
         losses = []
         readings = [(commands[gap.run, rows].copy(), 0.0), *possible_commands(run_set, gap)]
         for reading, needed in readings:
-            changed = run_set.commands.copy()
+            changed = commands.copy()
             changed[gap.run, rows] = reading
             one = one.with_commands(replace(run_set, commands=changed))
             track = one.track(at.hypothesis, at.x, at.states[window])

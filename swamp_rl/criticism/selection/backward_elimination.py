@@ -12,11 +12,11 @@ from swamp_rl.criticism.likelihood.cross_validation import (
     confirmed_at,
     stretch_losses,
 )
-from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.likelihood.output_error import Fit, at_states, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.continuation import CORRECTED, LAST, Continuation
-from swamp_rl.criticism.selection.score_test import ScoreTest
+from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
 
 
 @dataclass(frozen=True)
@@ -215,12 +215,21 @@ def with_special_cases(
 def _with_special(
     continuation: Continuation, best: Fit, instance: EffectInstance, special: EffectInstance, stage: int
 ) -> Fit:
-    """The best fit with a special case in place of one effect, started from the best fit."""
+    """The best fit with a special case in place of one effect: begun from the numbers that they share, else
+    by continuation from the score test of the special case beside the other effects.
+    """
     shared = instance.by_group(best.x[best.hypothesis.columns(instance.label)]).mean(axis=0)
     numbers = {p.field: x for p, x in zip(instance.effect.parameters, shared, strict=True)}
-    begin = zip(special.effect.parameters, (special.starts or special.grid)[0], strict=True)
-    own = np.array([numbers.get(p.field, start) for p, start in begin])
-    return continuation.fit(stage, *joined([*best.parts(but=instance.label), (special, own)]), best.states)
+    rest, fields = best.parts(but=instance.label), [p.field for p in special.effect.parameters]
+    if numbers.keys().isdisjoint(fields):
+        base = at_states(
+            continuation.problems[0], *joined(rest), continuation.at(0, best).states, options().score_rounds
+        )
+        (score,) = score_tests(continuation.problems[0], base, [special])
+        return continuation.at(stage, fit_by_continuation(continuation, score.hypothesis, score.x))
+    begin = zip(fields, (special.starts or special.grid)[0], strict=True)
+    own = np.array([numbers.get(field, start) for field, start in begin])
+    return continuation.fit(stage, *joined([*rest, (special, own)]), best.states)
 
 
 def alternatives_to_nuisance(

@@ -34,8 +34,9 @@ def beam_search(
     significant.
 
     step_budget: boat steps after which no further depth is begun; sufficient_reconstruction: whether the best
-    of the first depth needs reconstructed commands and no further effect; previous: the result of a search
-    under other noise, at the shortest windows and the middle ones, which is tried too.
+    of the first depth needs reconstructed commands and no further effect, with which the search ends;
+    previous: the result of a search under other noise, at the shortest windows and the middle ones, which is
+    tried too.
     """
     step_budget = options().step_budget if step_budget is None else step_budget
     criterion = continuation.criterion
@@ -59,9 +60,10 @@ def beam_search(
     beam = [continuation.boat_file(0)]
     for depth in range(options().most_effects):
         LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
-        if continuation.boat_steps > step_budget or (depth > 0 and _is_sufficient(continuation, best, every)):
-            break
         if depth == 1 and sufficient_reconstruction and sufficient_reconstruction(continuation, best):
+            # an effect beside the best would only stand for the commands
+            return conclude(continuation, best, list(tried.values()), first, unidentifiable, every)
+        if continuation.boat_steps > step_budget or (depth > 0 and _is_sufficient(continuation, best, every)):
             break
         budget = step_budget if depth == options().most_effects - 1 else np.inf
         fitted = _expand(continuation, beam, every, first if depth == 0 else None, budget)

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.discretisation import discretisation_errors
 from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
@@ -89,7 +89,7 @@ def _with_reconstruction(
     step_budget: float,
     previous: Sequence[Fit] = (),
 ) -> tuple[RunSet, Continuation, Selection]:
-    """The search, repeated with reconstructed commands if they fit clearly better; adds to `tried`."""
+    """The search, with reconstructed commands if they fit clearly better; adds to `tried`."""
     logged, continuation = run_set, continuation_of(run_set, weight)
     tried.append(continuation)
     other = sufficient_reconstruction(
@@ -101,8 +101,42 @@ def _with_reconstruction(
         tried.append(continuation)
     if run_set.gauss_markov is None and _is_position_noise_suspected(continuation):
         step_budget = min(step_budget, options().step_budget_suspected)
-    sufficient = partial(sufficient_reconstruction, logged=logged)
+    sufficient = Sufficiency(logged)
+    given = logged, instances, hull, tried
     found = beam_search(continuation, instances, hull, step_budget, sufficient, previous)
+    better = _with_better_commands(run_set, continuation, found, *given)
+    if sufficient.found and better[1] is continuation:  # which another search did not bear out
+        found = beam_search(continuation, instances, hull, step_budget, None, previous)
+        better = _with_better_commands(run_set, continuation, found, *given)
+    return better
+
+
+@dataclass
+class Sufficiency:
+    """Whether reconstructed commands alone make a fit adequate; found: whether they did of any.
+
+    logged: the runs with the commands as logged.
+    """
+
+    logged: RunSet
+    found: bool = False
+
+    def __call__(self, continuation: Continuation, at: Fit) -> bool:
+        """Of a fit to the middle windows."""
+        self.found = sufficient_reconstruction(continuation, at, self.logged) is not None
+        return self.found
+
+
+def _with_better_commands(
+    run_set: RunSet,
+    continuation: Continuation,
+    found: Selection,
+    logged: RunSet,
+    instances: Sequence[EffectInstance],
+    hull: EffectInstance | None,
+    tried: list[Continuation],
+) -> tuple[RunSet, Continuation, Selection]:
+    """A search, repeated with reconstructed commands while they fit clearly better; adds to `tried`."""
     for _ in range(options().most_reconstructions):
         if (found.adequate and not found.winner.hypothesis.instances) or is_budget_spent(tried):
             break
@@ -113,7 +147,7 @@ def _with_reconstruction(
         if other is None:
             break
         other = replace(other, gaps=run_set.gaps)
-        wider = continuation_of(other, weight)
+        wider = continuation_of(other, continuation.problems[0].weight)
         tried.append(wider)
         if accepts is is_better and is_refuted(continuation, found, wider):
             break
@@ -243,6 +277,7 @@ def prepared(run_set: RunSet) -> Preparation:
     """Of the runs as measured."""
     smoothed = smoothed_channels(run_set)
     sigmas = raised(noise_levels(run_set), smoothed)
+    sigmas = np.hypot(sigmas, discretisation_errors(run_set, weights(run_set, sigmas)))
     duration = float(run_set.lengths.max() * run_set.dt)
     every = candidates(run_set.boat, duration, run_set.groups)
     return Preparation(
