@@ -248,7 +248,6 @@ class Options:
     instant_gain: float = 1.0  # chi2 that every fitted instant must save in addition
     # ---- Continuation in the window length
     window_lengths: tuple[float, ...] = (5.0, 20.0, math.inf)  # s: nearly convex, discriminating, whole runs
-    window_times: tuple[float, ...] = (5.58, 22.3, math.inf)  # L/U, of a slower boat (5 and 20 s of SWAMP)
     stage_steps: tuple[int, ...] = (8, 10, 10, 10)  # Jacobians of a fit, by stage
     first_rounds: int = 12  # iterations of the first initial states
     steps_when_close: int = 16  # Jacobians of a fit whose shorter windows fit well

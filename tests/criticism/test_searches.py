@@ -13,7 +13,7 @@ from swamp_rl.experiments.synthetic.cases import Case, write_case
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.criticism.model.candidates import by_label, candidates
-from swamp_rl.criticism.model.scales import state_scale, window_lengths
+from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.effects import LIBRARY, Effect, Parameter, Reference, Search, apply_effects, parse_effects
 from swamp_rl.effects.declare import declare
 from swamp_rl.runs.table import write_table
@@ -35,14 +35,6 @@ def test_the_top_speed_is_where_full_thrust_ahead_meets_the_resistance() -> None
     end = simulate(params, tank(SWAMP), start, ahead, np.zeros(1, np.uint64), 0.1, 2)[0, -1]
     assert of.speed == pytest.approx(float(end[3]), rel=1e-4)
     assert of.thrust == pytest.approx(4 * 12.2, rel=1e-9)
-
-
-def test_windows_last_as_many_lengths_of_travel_on_a_slow_ship_and_no_less_on_a_small_boat() -> None:
-    assert window_lengths(SWAMP) == (5.0, 20.0, math.inf)
-    ship = load_boat("esso_osaka")
-    slower = reference_of(ship).time / reference_of(SWAMP).time
-    assert window_lengths(ship)[:2] == pytest.approx((5.0 * slower, 20.0 * slower), rel=0.01)
-    assert window_lengths(replace(SWAMP, length=0.2))[:2] == (5.0, 20.0)
 
 
 @pytest.mark.parametrize("ratio", [0.2, 4.0])

@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.options import options
 from swamp_rl.simulator.reference import reference_of
 
 Array = NDArray[np.float64]
@@ -26,12 +25,3 @@ def force_scale(boat: Boat) -> Array:
     """(3,) T, T [N] and T L [N m], of thrust T."""
     of = reference_of(boat)
     return np.array([of.thrust, of.thrust, of.thrust * of.length])
-
-
-def window_lengths(boat: Boat) -> tuple[float, ...]:
-    """Window lengths [s] of the continuation: `window_times` in the boat's time L/U, so that a slow ship has
-    moved and turned in them as far as a fast boat, and no shorter than `window_lengths`.
-    """
-    unit = reference_of(boat).time
-    both = zip(options().window_lengths, options().window_times, strict=True)
-    return tuple(max(shortest, times * unit) for shortest, times in both)

@@ -11,7 +11,6 @@ from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, first_states, fit
 from swamp_rl.criticism.model.candidates import Hypothesis
-from swamp_rl.criticism.model.scales import window_lengths
 from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
 from swamp_rl.criticism.nuisance.lost_rows import (
     with_best_commands,
@@ -96,7 +95,8 @@ class Continuation:
         else:
             made = fit(problem, hypothesis, x, states, steps, fresh)
         self.keep(stage, problem, made)
-        LOG.debug("segments of %.3g s: %s, chi2 %.0f", problem.seconds, hypothesis.label, made.chi2)
+        seconds = options().window_lengths[stage]
+        LOG.debug("segments of %g s: %s, chi2 %.0f", seconds, hypothesis.label, made.chi2)
         return made
 
     def _corrected(self, below: Fit) -> Fit:
@@ -127,7 +127,8 @@ class Continuation:
         """A fit restarted from windows half as long, in which an unstable boat diverges less."""
         first = self.problems[0]
         if self.half is None:
-            self.half = Shooting(first.run_set, first.weight, options().restart_share * first.seconds)
+            seconds = options().restart_share * options().window_lengths[0]
+            self.half = Shooting(first.run_set, first.weight, seconds)
         x, hypothesis = made.x, made.hypothesis
         for problem in (self.half, first):
             states = first_states(problem, hypothesis, x, problem.initial_states())
@@ -164,7 +165,7 @@ def states_carried(shorter: Shooting, states: Array, longer: Shooting, others: A
 def continuation_of(run_set: RunSet, weight: Array) -> Continuation:
     """The stages for these runs; shorter windows end at gaps in which the unknown command matters."""
     cautious = with_relevant_gaps(run_set, weight)
-    problems = [Shooting(cautious, weight, seconds) for seconds in window_lengths(run_set.boat)]
+    problems = [Shooting(cautious, weight, seconds) for seconds in options().window_lengths]
     problems.append(problems[LAST])
     states = [problem.initial_states() for problem in problems]
     criterion = information_criterion(run_set, problems[LAST].samples)
