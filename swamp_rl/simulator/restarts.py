@@ -4,7 +4,6 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +17,9 @@ from swamp_rl.simulator.parameters import parameters, tank
 from swamp_rl.simulator.replay import fixed_thrusters, run_of, sample_step, start_of, velocities_at
 from swamp_rl.simulator.sensors import observe, true_motion
 from swamp_rl.simulator.state import YAW_RATE
-from swamp_rl.simulator.step import step
+from swamp_rl.simulator.step import simulate_in_weather
 from swamp_rl.simulator.substeps import substeps_of
-from swamp_rl.simulator.weather import measured_weather, set_weather
+from swamp_rl.simulator.weather import measured_weather
 
 Array = NDArray[np.float64]
 
@@ -66,11 +65,18 @@ def replay_restarted(boat: Boat, run: Run, seconds: float, ignore: Sequence[str]
     measured = np.hstack([run.pose[rows], velocities_at(run, rows)])
     motion = true_motion(measured, np.repeat(params, len(rows)), run.time[rows] - run.time[0])
     state = start_of(run, boat, params, commands)
+    arrived = _arrived(commands, float(params["command_delay"][0]) / dt)
+    prompt, curves, seeds = params.copy(), tank(boat), np.zeros(1, np.uint64)
+    prompt["command_delay"] = 0.0
     tracks = []
     limits = [*places[rows].tolist(), int(places[-1])]
     for (first, last), rigid in zip(itertools.pairwise(limits), motion, strict=True):
         state[0, : YAW_RATE + 1] = rigid
-        tracks.append(_sailed(boat, params, state, commands, weather, range(first, last), dt))
+        given = arrived[None, first:last]
+        felt = weather[None, first:last] if len(weather) else np.zeros((0, 0, 3))
+        boats = prompt, curves, state, given, felt, seeds
+        tracks.append(simulate_in_weather(*boats, dt, substeps_of(dt, boat))[0])
+        state = tracks[-1][-1:].copy()
     seen = [observe(track[None], params, dt)[0] for track in tracks]
     simulated = run_of(_joined(tracks), _joined(seen), whole.time, whole, boat)
     windows = np.searchsorted(limits[:-1], np.arange(len(whole.time)), side="right")
@@ -103,28 +109,12 @@ def _held(run: Run, places: NDArray[np.int64], dt: float) -> Run:
     return Run(run.name, columns | {"time": run.time[0] + dt * every}, run.meta)
 
 
-def _sailed(
-    boat: Boat,
-    params: NDArray[Any],
-    state: Array,
-    commands: Array,
-    weather: Array,
-    rows: range,
-    dt: float,
-) -> Array:
-    """(n + 1, S) states over n rows of commands (T, 2K) and weather (T or 0, 3), from `state` (1, S), which
-    ends as the last.
-    """
-    track = [state[0].copy()]
-    arrived = np.empty(commands.shape[1])
-    seeds, curves, substeps = np.zeros(1, np.uint64), tank(boat), substeps_of(dt, boat)
-    for row in rows:
-        if len(weather):
-            set_weather(params, weather[min(row, len(weather) - 1)])
-        delayed_command(commands, row, float(params["command_delay"][0]) / dt, arrived)
-        step(state, params, curves, arrived[None], seeds, dt, substeps)
-        track.append(state[0].copy())
-    return np.array(track)
+def _arrived(commands: Array, late: float) -> Array:
+    """(T, 2K) commands as they act, so many rows late."""
+    arrived = np.empty_like(commands)
+    for row, own in enumerate(arrived):
+        delayed_command(commands, row, late, own)
+    return arrived
 
 
 def _joined(windows: list[Array]) -> Array:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,14 +46,6 @@ def measured_weather(run: Run, boat: Boat, ignore: Sequence[str] = ()) -> Array:
     if "depth" in taken:
         weather[:, DEPTH] = _depth_in_draughts(run, boat)
     return weather
-
-
-def set_weather(params: NDArray[Any], row: Array) -> None:
-    """Put one row (3,) or (n, 3) of weather into the records (n,); what is NaN stays as it is."""
-    for column, fields in enumerate(FIELDS):
-        value = row[..., column]
-        if np.isfinite(value).all():
-            params[fields] = value
 
 
 def _depth_in_draughts(run: Run, boat: Boat) -> Array:
