@@ -1,4 +1,4 @@
-"""Angles brought back into one turn."""
+"""Angles brought back into one turn, and plane vectors turned by an angle."""
 
 import math
 from typing import TypeVar
@@ -7,6 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 Angle = TypeVar("Angle", float, NDArray[np.float64])
+
+
+def turned(x: Angle, y: Angle, angle: Angle) -> tuple[Angle, Angle]:
+    """x cos − y sin and x sin + y cos of an angle [rad].
+
+    By the heading, ahead and starboard become north and east; by minus the heading, the other way round.
+    """
+    cos, sin = np.cos(angle), np.sin(angle)
+    return x * cos - y * sin, x * sin + y * cos
 
 
 def wrapped(angle: Angle) -> Angle:

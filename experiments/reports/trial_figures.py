@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib import colormaps, rc_context
 from matplotlib.figure import Figure as Canvas
 
+from swamp_rl.angles import turned
 from swamp_rl.figure_style import STYLE
 from swamp_rl.files import write_beside
 from swamp_rl.manoeuvres.analysis.figure import Result
@@ -75,8 +76,7 @@ def _legend(canvas: Canvas, axes: Any, columns: int) -> None:
 def _turned_upright(place: Any, heading: float) -> tuple[Any, Any]:
     """Ahead and starboard of a track's start, by the heading it began on."""
     north, east = (place - place[0]).T
-    cos, sin = math.cos(heading), math.sin(heading)
-    return north * cos + east * sin, east * cos - north * sin
+    return turned(north, east, -heading)
 
 
 def circles(canvas: Canvas, results: Sequence[Result], length: float) -> None:

@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from swamp_rl.angles import turned
+
 
 class Waypoint(NamedTuple):
     """A place [m]."""
@@ -26,10 +28,8 @@ def bearing(start: Waypoint, end: Waypoint) -> float:
 
 def offset(place: Waypoint, start: Waypoint, end: Waypoint) -> Offset:
     """A place seen from the line between two others (10.58)."""
-    direction = bearing(start, end)
-    cos, sin = math.cos(direction), math.sin(direction)
     north, east = place.north - start.north, place.east - start.east
-    return Offset(north * cos + east * sin, east * cos - north * sin)
+    return Offset(*turned(north, east, -bearing(start, end)))
 
 
 def line_of_sight(place: Waypoint, start: Waypoint, end: Waypoint, lookahead: float) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.allocation import Jets, Wish, allocate
-from swamp_rl.angles import wrapped
+from swamp_rl.angles import turned, wrapped
 from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.guidance.servo import VelocityServo
@@ -61,13 +61,13 @@ class StationKeeper:
         north = POSITION_GAIN / self.pace * (self.station.north - seen.north)
         east = POSITION_GAIN / self.pace * (self.station.east - seen.east)
         slower = min(1.0, SPEED_LIMIT * self.pace / max(math.hypot(north, east), 1e-9))
-        cos, sin = math.cos(seen.heading), math.sin(seen.heading)
+        ahead, starboard = turned(north, east, -seen.heading)
         turning = HEADING_GAIN / self.pace * wrapped(self.station.heading - seen.heading)
         limit = TURN_LIMIT / self.pace
         return np.array(
             [
-                slower * (north * cos + east * sin),
-                slower * (east * cos - north * sin),
+                slower * ahead,
+                slower * starboard,
                 min(max(turning, -limit), limit),
             ]
         )

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.allocation import Jets, largest_multiple
+from swamp_rl.angles import turned
 from swamp_rl.boat import Boat
 from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.drive import Drive
@@ -74,8 +75,7 @@ def _ahead_roots(boat: Boat) -> list[float]:
 def _balance(boat: Boat, drive: Drive, heading: float) -> Holding:
     record = parameters(boat)[0]
     north, east = float(record["current_north"]), float(record["current_east"])
-    cos, sin = math.cos(heading), math.sin(heading)
-    flow = -np.array([north * cos + east * sin, east * cos - north * sin, 0.0])
+    flow = -np.array([*turned(north, east, -heading), 0.0])
     needed = steady_force(boat, heading)
     margins = [margin_of(drive, steady_force(boat, heading, gust), flow) for gust in (0.0, GUST)]
     return Holding(heading, needed, min(margins))
@@ -100,8 +100,7 @@ class WeathervaneKeeper:
         """(2K,) azimuths or rudder angles [rad], then throttles [1] or revolutions [rps]."""
         scale = self.length / SWAMP_LENGTH
         north, east = self.place[0] - seen.north, self.place[1] - seen.east
-        cos, sin = math.cos(self.heading), math.sin(self.heading)
-        ahead, starboard = north * cos + east * sin, east * cos - north * sin
+        ahead, starboard = turned(north, east, -self.heading)
         limit = SPEED_LIMIT * scale**0.5
         speed = min(max(POSITION_GAIN / scale**0.5 * ahead, -limit), limit)
         aside = starboard / (LOOKAHEAD * scale)

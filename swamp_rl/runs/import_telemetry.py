@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import turned
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.files import os_error
@@ -187,10 +188,5 @@ def _ticks(path: Path, line: int, stamp: int) -> int:
 
 def velocity(values: dict[str, Array]) -> dict[str, Array]:
     """Over ground, in the boat's axes; the sensor's z axis points down, so its gyro counts clockwise."""
-    cos, sin = np.cos(values["yaw"]), np.sin(values["yaw"])
-    north, east = values["velocity_north"], values["velocity_east"]
-    return {
-        "surge": north * cos + east * sin,
-        "sway": east * cos - north * sin,
-        "yaw_rate": values["gyro_z"],
-    }
+    surge, sway = turned(values["velocity_north"], values["velocity_east"], -values["yaw"])
+    return {"surge": surge, "sway": sway, "yaw_rate": values["gyro_z"]}

@@ -1,13 +1,12 @@
 """Replay the commands of a recorded run through the simulator, from the run's first state."""
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.angles import wrapped
+from swamp_rl.angles import turned, wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
@@ -56,8 +55,7 @@ def velocities_at(run: Run, rows: Sequence[int] | NDArray[np.int64]) -> Array:
         time = run.time - run.time[row]
         near = np.abs(time) <= max(SPAN, np.partition(np.abs(time), 1)[1]) + 1e-9
         north, east, turn = np.polyfit(time[near], pose[near], min(2, int(near.sum()) - 1))[-2]
-        cos, sin = math.cos(pose[row, 2]), math.sin(pose[row, 2])
-        found[i] = north * cos + east * sin, east * cos - north * sin, turn
+        found[i] = *turned(north, east, -pose[row, 2]), turn
     return found
 
 

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from swamp_rl.angles import turned
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
 from swamp_rl.physics.motion import current_at
@@ -166,11 +167,8 @@ class Afloat:
 
 def over_ground(state: Array) -> dict[int, float]:
     """Velocity north and east [m/s], by place in the state (S,)."""
-    cos, sin = np.cos(state[HEADING]), np.sin(state[HEADING])
-    return {
-        NORTH: float(state[SURGE] * cos - state[SWAY] * sin),
-        EAST: float(state[SURGE] * sin + state[SWAY] * cos),
-    }
+    north, east = turned(state[SURGE], state[SWAY], state[HEADING])
+    return {NORTH: float(north), EAST: float(east)}
 
 
 def turning(state: Array) -> dict[int, float]:

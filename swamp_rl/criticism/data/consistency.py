@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import turned
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
@@ -89,8 +90,7 @@ def _positions_and_velocities(measured: list[Array], dt: float, length: float, f
     psi, u, v = inner[:, HEADING], inner[:, SURGE], inner[:, SWAY]
 
     def over_ground(angle: Array, ahead: Array, starboard: Array) -> Array:
-        cos, sin = np.cos(angle), np.sin(angle)
-        return np.stack([ahead * cos - starboard * sin, ahead * sin + starboard * cos], axis=1)
+        return np.stack(turned(ahead, starboard, angle), axis=1)
 
     if explained(moved, over_ground(psi, u, v)) > options().reading_poor:
         return

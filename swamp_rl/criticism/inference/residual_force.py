@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import turned
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.force_fit import fit_forces
 from swamp_rl.criticism.likelihood.force_sensitivity import AXES, force_grid
@@ -51,8 +52,7 @@ def residual_forces(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: A
             found.append((w, b, middle))
     w, b, middle = np.array(found, dtype=int).reshape(-1, 3).T
     at, body = track[w, middle], force[w, b]
-    cos, sin = np.cos(at[:, 2]), np.sin(at[:, 2])
-    earth = [body[:, 0] * cos - body[:, 1] * sin, body[:, 0] * sin + body[:, 1] * cos]
+    earth = turned(body[:, 0], body[:, 1], at[:, 2])
     columns = AXES * b[:, None] + np.arange(AXES)
     error = np.sqrt(np.maximum(covariance[w[:, None], columns, columns], 0.0))
     return Forces(

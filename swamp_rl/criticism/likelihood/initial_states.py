@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import turned
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.options import options
@@ -44,8 +45,7 @@ def _smoothed(
     for w, c in zip(*np.nonzero(beside), strict=True):
         level[w, c], slope[w, c] = _across(run_set, weight, (run[w], c), first[w] + span * np.arange(-1, 2))
     rate = slope[:, :3] / (span * run_set.dt)
-    cos, sin = np.cos(level[:, 2]), np.sin(level[:, 2])
-    ahead, aside = rate[:, 0] * cos + rate[:, 1] * sin, rate[:, 1] * cos - rate[:, 0] * sin
+    ahead, aside = turned(rate[:, 0], rate[:, 1], -level[:, 2])
     derived = np.stack([ahead, aside, rate[:, 2]], axis=1)
     known = good[..., 3:].sum(axis=1) >= 3
     return np.concatenate([level[:, :3], np.where(known, level[:, 3:], derived)], axis=1)

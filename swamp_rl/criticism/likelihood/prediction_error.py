@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.angles import within_half_turn
+from swamp_rl.angles import turned, within_half_turn
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, Windows
 from swamp_rl.criticism.model.candidates import Hypothesis
@@ -197,10 +197,10 @@ def _constant_velocity(run: int, start: Restarts) -> Array:
     """(n, 6): straight on at the velocity over ground, turning at the yaw rate."""
     states = start.states.copy()
     seconds = start.steps * start.problem.dt
-    cos, sin = np.cos(states[:, 2]), np.sin(states[:, 2])
     surge, sway, yaw_rate = states[:, 3:].T
-    states[:, 0] += seconds * (surge * cos - sway * sin)
-    states[:, 1] += seconds * (surge * sin + sway * cos)
+    north, east = turned(surge, sway, states[:, 2])
+    states[:, 0] += seconds * north
+    states[:, 1] += seconds * east
     states[:, 2] += seconds * yaw_rate
     return states
 

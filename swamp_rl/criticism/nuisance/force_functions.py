@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.angles import within_half_turn
+from swamp_rl.angles import turned, within_half_turn
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.force_fit import fit_forces
 from swamp_rl.criticism.likelihood.force_sensitivity import (
@@ -133,20 +133,19 @@ def _variables_and_directions(
     reached = actuator_history(run_set.boat, run_set.commands, run_set.dt)[win.run[:, None], sample]
     rows, heading = motion_variables(np.asarray(sample * run_set.dt), at), at[..., 2]
     zero, one = np.zeros_like(heading), np.ones_like(heading)
-    cos, sin = np.cos(heading), np.sin(heading)
     directions = {
         "surge": np.stack([one, zero, zero], axis=-1),
         "sway": np.stack([zero, one, zero], axis=-1),
         "yaw": np.stack([zero, zero, one], axis=-1),
-        "north": np.stack([cos, -sin, zero], axis=-1),
-        "east": np.stack([sin, cos, zero], axis=-1),
+        "north": np.stack([*turned(one, zero, -heading), zero], axis=-1),
+        "east": np.stack([*turned(zero, one, -heading), zero], axis=-1),
     }
     for k, thruster in enumerate(boat.thrusters):
         angle, level = reached[..., k], reached[..., len(boat.thrusters) + k]
         rows[f"azimuth {thruster.name}"] = within_half_turn(angle)
         rows[f"throttle {thruster.name}"] = level
-        turned = np.zeros_like(angle) if thruster.kind == "propeller_rudder" else angle
-        ahead, aside = np.cos(turned), np.sin(turned)
+        pushed = np.zeros_like(angle) if thruster.kind == "propeller_rudder" else angle
+        ahead, aside = np.cos(pushed), np.sin(pushed)
         lever = thruster.x * aside - thruster.y * ahead
         directions[f"{THRUST}{thruster.name}"] = np.stack([ahead, aside, lever], axis=-1)
     return {name: values for name, values in rows.items() if np.ptp(values) > 1e-6}, directions

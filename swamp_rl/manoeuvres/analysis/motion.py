@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import turned
 from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.heading import slowest_speed
@@ -71,15 +72,15 @@ def motion_of(run: Run, boat: Boat) -> Motion:
         raise UserError(f"run {run.name}: has {len(time)} row(s); a manoeuvre has two or more")
     heading = np.unwrap(columns["heading"])
     north_rate, east_rate = np.gradient(columns["north"], time), np.gradient(columns["east"], time)
-    cos, sin = np.cos(heading), np.sin(heading)
+    surge, sway = turned(north_rate, east_rate, -heading)
     angle, throttle = steering_of(run, boat)
     return Motion(
         time,
         columns["north"],
         columns["east"],
         heading,
-        columns.get("surge", north_rate * cos + east_rate * sin),
-        columns.get("sway", east_rate * cos - north_rate * sin),
+        columns.get("surge", surge),
+        columns.get("sway", sway),
         columns.get("yaw_rate", np.gradient(heading, time)),
         angle,
         throttle,
