@@ -331,7 +331,7 @@ class Options:
     force_spans: tuple[float, float] = (5.0, 2.5)  # s of a window and of constant force in it
     force_spans_poses: tuple[float, float] = (10.0, 5.0)  # the same where velocities were not measured
     force_measured: float = 0.25  # of the positions in an interval, below which its force is not estimated
-    force_rounds: int = 6  # iterations
+    force_rounds: int = 30  # iterations, at most
     force_damping: float = 0.1  # the first after a step that fails
     force_reach: float = 3.0  # standard deviation of the forces' prior, in thrusts of the strongest thruster
     # ---- Self-trial

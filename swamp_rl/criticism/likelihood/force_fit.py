@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.likelihood.force_sensitivity import AXES, ForceGrid, force_normal_equations
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import fit_states, next_damping
+from swamp_rl.criticism.likelihood.output_error import fit_states, losses, next_damping
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 
@@ -33,6 +33,11 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
     reach = options().force_reach * float(np.max(problem.boat_thrust))
     prior = np.tile(1.0 / np.array([reach, reach, reach * problem.boat.length]), grid.count) ** 2
     force = np.zeros(shape)
+
+    def chi2(residual: Array, force: Array) -> Array:
+        """(W,) of the residuals and the prior."""
+        return losses(residual) + force.reshape(shape[0], -1) ** 2 @ prior
+
     damping = np.zeros(shape[0])
     covariance = np.zeros((shape[0], AXES * shape[1], AXES * shape[1]))
     for _ in range(options().force_rounds):
@@ -47,12 +52,14 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
         H = H + (damping[:, None] * np.einsum("wii->wi", H))[..., None] * np.eye(H.shape[1])
         g = normal.gradient - prior * force.reshape(shape[0], -1)
         step = np.asarray(np.linalg.solve(H, g[..., None])[..., 0])
+        if (step * g).sum(axis=1).max() < options().window_decrease:
+            break
         shift = normal.shift(step)
         tried: Array = force + step.reshape(shape)
         acceleration = np.asarray(tried / grid.inertia)
         moved = problem.predict(hypothesis, x[None], (states + shift)[None], acceleration, grid.block)[0]
         left = problem.residuals(moved)
-        better = (left**2).sum(axis=1) < (residual**2).sum(axis=1)
+        better = chi2(left, tried) < chi2(residual, force)
         states[better] += shift[better]
         force[better], track[better], residual[better] = tried[better], moved[better], left[better]
         damping = next_damping(damping, better, options().force_damping)
