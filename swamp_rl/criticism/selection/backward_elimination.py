@@ -26,7 +26,8 @@ class Selection:
     winner: the fit at the deepest stage used; adequate: whether its residual is noise; stage: the longest
     windows on which it is adequate, else the middle ones; rivals: fits indistinguishable from the winner;
     tried: every fit, and first: score tests beside no effect, on the shortest windows; unidentifiable: labels
-    of effects with too little information; confirmed: of each cause, by label.
+    of effects with too little information; confirmed: of each cause, by label; shallow: whether the search
+    ended at single effects, since reconstructed commands suffice beside the best.
     """
 
     winner: Fit
@@ -37,6 +38,7 @@ class Selection:
     first: list[ScoreTest]
     unidentifiable: list[str]
     confirmed: dict[str, Confirmation] = field(default_factory=dict)
+    shallow: bool = False
 
 
 def fit_by_continuation(continuation: Continuation, hypothesis: Hypothesis, x: np.ndarray) -> Fit:

@@ -1,6 +1,7 @@
 """Beam search over sets of effects: the least information criterion whose residual is noise."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -62,7 +63,8 @@ def beam_search(
         LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
         if depth == 1 and sufficient_reconstruction and sufficient_reconstruction(continuation, best):
             # an effect beside the best would only stand for the commands
-            return conclude(continuation, best, list(tried.values()), first, unidentifiable, every)
+            found = conclude(continuation, best, list(tried.values()), first, unidentifiable, every)
+            return replace(found, shallow=True)
         if continuation.boat_steps > step_budget or (depth > 0 and _is_sufficient(continuation, best, every)):
             break
         budget = step_budget if depth == options().most_effects - 1 else np.inf

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -101,30 +102,14 @@ def _with_reconstruction(
         tried.append(continuation)
     if run_set.gauss_markov is None and _is_position_noise_suspected(continuation):
         step_budget = min(step_budget, options().step_budget_suspected)
-    sufficient = Sufficiency(logged)
+    sufficient = partial(sufficient_reconstruction, logged=logged)
     given = logged, instances, hull, tried
     found = beam_search(continuation, instances, hull, step_budget, sufficient, previous)
     better = _with_better_commands(run_set, continuation, found, *given)
-    if sufficient.found and better[1] is continuation:  # which another search did not bear out
+    if found.shallow and better[1] is continuation:  # which another search did not bear out
         found = beam_search(continuation, instances, hull, step_budget, None, previous)
         better = _with_better_commands(run_set, continuation, found, *given)
     return better
-
-
-@dataclass
-class Sufficiency:
-    """Whether reconstructed commands alone make a fit adequate; found: whether they did of any.
-
-    logged: the runs with the commands as logged.
-    """
-
-    logged: RunSet
-    found: bool = False
-
-    def __call__(self, continuation: Continuation, at: Fit) -> bool:
-        """Of a fit to the middle windows."""
-        self.found = sufficient_reconstruction(continuation, at, self.logged) is not None
-        return self.found
 
 
 def _with_better_commands(
