@@ -57,7 +57,7 @@ def replay_restarted(boat: Boat, run: Run, seconds: float, ignore: Sequence[str]
     places = grid_rows(run, dt)
     whole = _held(run, places, dt)
     commands = whole.commands(boat.thruster_names, fixed_thrusters(boat))
-    weather = measured_weather(whole, boat, ignore)
+    weather = _last_known(measured_weather(whole, boat, ignore))
     nominal = np.arange(0, places[-1], steps)
     rows = np.unique(np.searchsorted(places, nominal))  # of the measured run, that windows start with
     rows = rows[places[rows] < places[-1]]
@@ -66,16 +66,16 @@ def replay_restarted(boat: Boat, run: Run, seconds: float, ignore: Sequence[str]
     motion = true_motion(measured, np.repeat(params, len(rows)), run.time[rows] - run.time[0])
     state = start_of(run, boat, params, commands)
     arrived = _arrived(commands, float(params["command_delay"][0]) / dt)
-    prompt, curves, seeds = params.copy(), tank(boat), np.zeros(1, np.uint64)
+    prompt, curves, substeps = params.copy(), tank(boat), substeps_of(dt, boat)
     prompt["command_delay"] = 0.0
-    tracks = []
+    seeds, tracks = np.zeros(1, np.uint64), []
     limits = [*places[rows].tolist(), int(places[-1])]
     for (first, last), rigid in zip(itertools.pairwise(limits), motion, strict=True):
         state[0, : YAW_RATE + 1] = rigid
         given = arrived[None, first:last]
         felt = weather[None, first:last] if len(weather) else np.zeros((0, 0, 3))
         boats = prompt, curves, state, given, felt, seeds
-        tracks.append(simulate_in_weather(*boats, dt, substeps_of(dt, boat))[0])
+        tracks.append(simulate_in_weather(*boats, dt, substeps)[0])
         state = tracks[-1][-1:].copy()
     seen = [observe(track[None], params, dt)[0] for track in tracks]
     simulated = run_of(_joined(tracks), _joined(seen), whole.time, whole, boat)
@@ -107,6 +107,13 @@ def _held(run: Run, places: NDArray[np.int64], dt: float) -> Run:
     before = np.searchsorted(places, every, side="right") - 1
     columns = {name: values[before] for name, values in run.columns.items()}
     return Run(run.name, columns | {"time": run.time[0] + dt * every}, run.meta)
+
+
+def _last_known(weather: Array) -> Array:
+    """Weather (T or 0, 3), what is missing in a row as it was last known: a window begins with that."""
+    rows = np.arange(len(weather))[:, None]
+    place = np.maximum.accumulate(np.where(np.isfinite(weather), rows, 0), axis=0)
+    return np.take_along_axis(weather, place, axis=0)
 
 
 def _arrived(commands: Array, late: float) -> Array:

@@ -71,6 +71,13 @@ def test_a_replay_with_restarts_takes_the_measured_wind_too() -> None:
     assert replay_restarted(BOAT, run, 5.0, ["wind"]).miss[:, 0].max() > 0.01
 
 
+def test_a_window_that_starts_where_the_wind_is_missing_starts_with_the_last_one_known() -> None:
+    run = replay(BOAT, sailed(wind_speed=4.0, wind_from=1.0))
+    gap = slice(95, 112)  # a window starts in it
+    run.columns["wind_speed"][gap] = run.columns["wind_from"][gap] = np.nan
+    assert replay_restarted(BOAT, run, 5.0).miss.max() < 1e-9
+
+
 def test_a_depth_below_every_test_is_refused_with_its_row() -> None:
     depth = np.full(ROWS, 1.0)
     depth[7] = 0.1
