@@ -1,6 +1,13 @@
 """Recorded and simulated runs: read, checked, written, and never silently repaired."""
 
-from swamp_rl.runs.dataset import Dataset, check_dataset, inspect_dataset, read_dataset, read_run
+from swamp_rl.runs.dataset import (
+    Dataset,
+    check_dataset,
+    inspect_dataset,
+    read_dataset,
+    read_run,
+    refuse_faults,
+)
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.helm import corrected, persons_part
 from swamp_rl.runs.run import Run
@@ -24,5 +31,6 @@ __all__ = [
     "persons_part",
     "read_dataset",
     "read_run",
+    "refuse_faults",
     "write_run",
 ]

@@ -18,6 +18,7 @@ DRIFT_TOLERANCE = 0.5  # of the period, over the whole run
 DEGREES = 180.0 / math.pi
 FASTEST_TURN = 1.5  # rad/s that a boat keeps up; in degrees a second hardly more than a drift
 WRAP = "wrap it into that range"
+MISSING = "is missing; add it"
 FORMULA = "=+-@"
 "What a spreadsheet takes for the beginning of a formula, in a header too, when it opens a run as CSV."
 ODD_NAME = (
@@ -34,7 +35,7 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
         return faults
     faults += [Fault(file, None, clipped(name), ODD_NAME) for name in table.columns if _is_odd(name)]
     faults += [
-        Fault(file, None, name, f"is missing; add it{_near_miss(name, list(table.columns))}")
+        Fault(file, None, name, f"{MISSING}{_near_miss(name, list(table.columns))}")
         for name in missing_columns(list(table.columns), boat)
     ]
     for name in table.columns:

@@ -1,6 +1,7 @@
 """A dataset: a folder of runs, and the `dataset.yaml` that describes them or what is worked out for it."""
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from swamp_rl.course import Course, fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.files import is_file
 from swamp_rl.names import YAML, file_in
-from swamp_rl.runs.check import check_table, unknown_columns
+from swamp_rl.runs.check import MISSING, check_table, unknown_columns
 from swamp_rl.runs.copies import boat_file, boat_of, course_file
 from swamp_rl.runs.describe import common_rate, described, is_table, noted, parse, with_outcomes
 from swamp_rl.runs.faults import Fault
@@ -85,11 +86,21 @@ def read_dataset(
     """
     folder = Path(folder)
     found = inspect_dataset(folder, boat, course)
-    if found.faults or found.meta is None:
-        more = len(found.faults) - 1
-        others = f" (and {more} more: swamp-rl runs check {folder})" if more else ""
-        raise UserError(f"{folder}{os.sep}{found.faults[0]}{others}")
+    refuse_faults(folder, found.faults)
+    assert found.meta is not None
     return Dataset(folder, found.meta, found.runs, found.named_boat, found.named_course)
+
+
+def refuse_faults(folder: Path, faults: Sequence[Fault]) -> None:
+    """UserError with the first fault of a dataset and what lists the others, if there is one."""
+    if not faults:
+        return
+    lacking = {fault.column for fault in faults if fault.message.startswith(MISSING)}
+    if not (folder / META).exists() and len(lacking) > 1:
+        hint = f" (a log of another program: swamp-rl runs import {folder} --list)"
+    else:
+        hint = f" (and {len(faults) - 1} more: swamp-rl runs check {folder})" if len(faults) > 1 else ""
+    raise UserError(f"{folder}{os.sep}{faults[0]}{hint}")
 
 
 def check_dataset(folder: Path | str) -> list[Fault]:

@@ -16,7 +16,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.constants import FOOT, KNOT
 from swamp_rl.errors import UserError
 from swamp_rl.runs.bad_rows import BadRows, listed, stretches
-from swamp_rl.runs.check import check_table
+from swamp_rl.runs.check import MISSING, check_table
 from swamp_rl.runs.columns import REQUIRED, UnknownThrusterError, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
 from swamp_rl.runs.local_frame import Place, to_local
@@ -219,7 +219,7 @@ def refuse(wishes: Wishes, faults: Sequence[Fault]) -> None:
 def _with_hint(wishes: Wishes, fault: Fault) -> str:
     theirs = wishes.renamed.get(fault.column or "")
     hint = f" (there {theirs!r})" if theirs else ""
-    if fault.column in REQUIRED and "is missing; add it" in fault.message:
+    if fault.column in REQUIRED and MISSING in fault.message:
         hint = f", or name it: --column {fault.column}=THEIRS, or --map (--list shows what is there)"
     elif fault.column == "time" and "resample" in fault.message:
         hint += " (--resample HZ), or divide it (--bad-rows split)"

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
+from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, write_yaml
 from swamp_rl.runs import (
@@ -122,6 +123,15 @@ def test_of_a_plain_folder_what_must_be_known_is_asked_for_by_name(tmp_path: Pat
         "leg 1.parquet: column time: is sampled at 5 Hz, but leg 0.csv at 10 Hz; resample one of them "
         "(swamp-rl runs import --resample HZ), or keep them in folders of their own"
     )
+
+
+def test_of_a_log_of_another_program_the_import_is_named(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("time,x,y,psi,left,right\n0,0,0,0,0,0\n0.1,0,0,0,0,0\n")
+    named = r"log.csv: column north: is missing; add it .*runs import .* --list"
+    with pytest.raises(UserError, match=named):
+        read_dataset(tmp_path, "swamp")
+    with pytest.raises(UserError, match=named):
+        read_run_set(tmp_path, load_boat("swamp"), "swamp")
 
 
 def test_a_description_of_one_line_is_enough(tmp_path: Path) -> None:

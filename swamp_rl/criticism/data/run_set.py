@@ -1,6 +1,5 @@
 """Measured runs as arrays on one uniform time grid, with gaps marked."""
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -22,7 +21,7 @@ from swamp_rl.criticism.data.checks import (
 from swamp_rl.criticism.model.actuator_history import first_compared
 from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
-from swamp_rl.runs import Run, inspect_dataset
+from swamp_rl.runs import Run, inspect_dataset, refuse_faults
 from swamp_rl.simulator.replay import fixed_thrusters, sample_step
 from swamp_rl.simulator.weather import DEPTH, FIELDS, FROM, SPEED, measured_weather
 
@@ -156,9 +155,7 @@ def read_run_set(
 def _sound_runs(folder: Path, named: str | Path | None) -> list[Run]:
     """The runs of a dataset; UserError for its first fault but lost rows."""
     found = inspect_dataset(folder, named)
-    faults = [fault for fault in found.faults if fault.column != "time"]
-    if faults:
-        raise UserError(f"{folder}{os.sep}{faults[0]}")
+    refuse_faults(folder, [fault for fault in found.faults if fault.column != "time"])
     return found.runs
 
 
