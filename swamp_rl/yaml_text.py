@@ -1,7 +1,9 @@
 """YAML as this project reads and writes it, within limits that are checked before anything is made of it."""
 
+import pickle
 import re
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import yaml
@@ -16,6 +18,8 @@ MOST_NODES = 300_000
 MOST_ANCHORS = 1_000
 LONGEST_NUMBER = 100
 """Characters of a number."""
+REMEMBERED, LONGEST_REMEMBERED = 64, 50_000
+"""Texts that are not read a second time, and their characters: shipped files are read again and again."""
 
 _EXPONENT = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$")
 _ACTS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
@@ -73,6 +77,15 @@ def parsed(text: str) -> Any:
     Its parts are counted before any of them is made, since aliases and merge keys stand for more than they
     say (a 'billion laughs'). Tags (`!!bool`) are refused.
     """
+    return _read(text) if len(text) > LONGEST_REMEMBERED else pickle.loads(_remembered(text))
+
+
+@lru_cache(REMEMBERED)
+def _remembered(text: str) -> bytes:
+    return pickle.dumps(_read(text), pickle.HIGHEST_PROTOCOL)
+
+
+def _read(text: str) -> Any:
     if _DIRECTIVE.search(text):
         # The compiled parser compares each with all before it.
         raise ValueError("a line begins with %; directives are not used here")

@@ -1,10 +1,13 @@
 """Fixtures that several test files share: a browser, and a folder of runs."""
 
+import gc
+import importlib
 import os
 import shutil
 import tempfile
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -37,6 +40,29 @@ FLAGS = [
 def pytest_configure(config: pytest.Config) -> None:
     """Have the scheduler keep the order of the tests, and not put large groups before the slow tests."""
     config.option.loadscopereorder = False
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Have the second worker of the whole suite import the test modules from the last one on.
+
+    What pytest compiles anew, with its assertions, it leaves on the disk: so each of two workers compiles
+    half of them. A module that fails is told of when it is collected.
+    """
+    whole = session.config.args_source == pytest.Config.ArgsSource.TESTPATHS
+    if not whole or os.environ.get("PYTEST_XDIST_WORKER") != "gw1":
+        return
+    root = session.config.rootpath
+    files = [file for path in session.config.args for file in (root / path).rglob("test_*.py")]
+    for file in sorted(files, reverse=True):
+        with suppress(Exception, pytest.skip.Exception):
+            importlib.import_module(".".join(file.relative_to(root).with_suffix("").parts))
+
+
+def pytest_collection_finish() -> None:
+    """What is imported by now stays: it is not looked through for garbage again and again."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 10)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

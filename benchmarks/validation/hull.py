@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import cache
 
 from benchmarks.validation.check import Check, check
 from swamp_rl.design.hull_lines import HullDesign, load_hull
@@ -39,6 +40,7 @@ FIGURES = (
 LEVERS = ((0.34, 15, 0.13, 0.05, 0.18), (0.35, 10, 0.14, 0.04, 0.19))  # table 4.10: full payload, lightweight
 
 
+@cache
 def hull_checks() -> list[Check]:
     """Everything that is printed of it."""
     hull = load_hull("swamp_hull")

@@ -1,6 +1,7 @@
 """Propellers matched to the Typhoon against its two papers, 003 and 004, and an independent program."""
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -23,6 +24,7 @@ STEPS = (  # table 5: first and last speed [r/min], sample time, rise [s], mean 
 DIAMETER, DENSITY = 0.33, 1025.0  # m, kg/m3
 
 
+@cache
 def matching_checks() -> list[Check]:
     """What 004 prints: the rule of its powers at best range, its table of drag, its steps, its energy."""
     design = load_match("typhoon_cfd")

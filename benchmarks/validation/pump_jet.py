@@ -1,6 +1,7 @@
 """The designed pump-jet against the thesis and the pump-jet paper."""
 
 import math
+from functools import cache
 
 from benchmarks.validation.check import Check, check
 from benchmarks.validation.swamp import THRUST_TABLE
@@ -11,6 +12,7 @@ ANGLE = 0.6  # deg
 TESTED = 900e-6  # m2: the nozzle's openings as tested, 5.5.2
 
 
+@cache
 def pump_jet_checks() -> list[Check]:
     """Table 5.1, then powers, areas and the thrust map printed beside it."""
     jet = design_pump_jet(load_pump_jet("swamp_pump_jet"))

@@ -5,6 +5,7 @@ import json
 import logging
 import time
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -49,18 +50,18 @@ class Client:
 class Hub:
     """Keeps the clock, hands messages to the session and frames to the pages. All in one event loop."""
 
-    def __init__(self, session: Session, source: str, factor: float = 1.0) -> None:
-        """factor: how fast the clock runs, 1 for real time; tests hurry."""
-        self.session, self.source, self.factor = session, source, factor
+    def __init__(self, session: Session, source: str, clock: Callable[[], float] = time.monotonic) -> None:
+        """clock: of the boat [s], real time unless a test has its own."""
+        self.session, self.source, self._clock = session, source, clock
         self.clients: list[Client] = []
         self.driver: Client | None = None
         self._commanded, self._told_free = -SILENCE, True
         self._numbers = 0
-        self._origin = self.beat = time.monotonic()
+        self._origin, self.beat = clock(), time.monotonic()
 
     def now(self) -> float:
         """The clock [s]."""
-        return self.factor * (time.monotonic() - self._origin)
+        return self._clock() - self._origin
 
     async def watch_the_clock(self) -> None:
         """Keep time until cancelled; whatever stops the clock, it is started again, the boat at a start."""

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,14 +27,18 @@ Array = NDArray[np.float64]
 BOAT = load_boat("swamp-thesis")  # thrust deduction, and jets that turn once either way
 JETS = jets_of(BOAT)
 TURN = {"azimuth_min": -2.0 * math.pi, "azimuth_max": 2.0 * math.pi}
-STOPPED = jets_of(
-    BOAT.model_copy(update={"thrusters": tuple(one.model_copy(update=TURN) for one in BOAT.thrusters)})
-)
 
 SMALL = np.array([4.0, -2.5, 1.2])
 MIRROR = np.array([1, 0, 3, 2])  # bs, bp, ss, sp exchange their sides
 wrenches = st.tuples(st.floats(-45, 45), st.floats(-45, 45), st.floats(-25, 25)).map(np.array)
 azimuths = st.lists(st.floats(-6.0, 6.0), min_size=4, max_size=4).map(np.array)
+
+
+@cache
+def stopped() -> Jets:
+    """Jets that turn once either way and no further."""
+    turned = tuple(one.model_copy(update=TURN) for one in BOAT.thrusters)
+    return jets_of(BOAT.model_copy(update={"thrusters": turned}))
 
 
 def slsqp(jets: Jets, wanted: Array, cost: str, start: Array) -> Array:
@@ -86,7 +91,7 @@ def test_at_the_thrust_limits_it_costs_no_more_than_slsqp_finds(
 def test_every_answer_keeps_every_limit_and_says_truly_what_it_achieves(
     wanted: Array, now: Array, step: float
 ) -> None:
-    found = allocate(STOPPED, wanted, now, step)
+    found = allocate(stopped(), wanted, now, step)
     assert np.all((found.throttle >= 0.0) & (found.throttle <= 1.0))
     assert np.all(np.abs(found.azimuth) <= 2 * math.pi + 1e-9)
     assert np.all(np.abs(found.azimuth - now) <= JETS.azimuth_rate * step + 1e-6)
@@ -197,7 +202,7 @@ def test_a_wound_up_azimuth_turns_back_rather_than_past_its_end() -> None:
     now = np.full(4, 2 * math.pi - 0.1)
     wanted = np.array([0.0, 8.0, 0.0])  # to starboard: a quarter turn beyond the end
     for _ in range(12):
-        now = allocate(STOPPED, wanted, now, 0.1).azimuth
+        now = allocate(stopped(), wanted, now, 0.1).azimuth
     assert now == pytest.approx(np.full(4, math.pi / 2), abs=0.1)
 
 

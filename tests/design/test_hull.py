@@ -1,6 +1,8 @@
 """Lines, hydrostatics and stability: the thesis's numbers, and closed forms of boxes."""
 
 import math
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +13,18 @@ from hypothesis import strategies as st
 
 from swamp_rl.design.hull_lines import Condition, HullDesign, half_breadth, load_hull
 from swamp_rl.design.hydrostatics import draught_of, hydrostatics
-from swamp_rl.design.stability import cross_lever, stability
+from swamp_rl.design.stability import Stability, cross_lever, stability
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml, write_yaml
 
 HULL = load_hull("swamp_hull")
-FULL, LIGHT = (stability(HULL, condition) for condition in HULL.conditions)
+FULL, LIGHT = range(2)  # of its conditions
+
+
+@cache
+def loaded(condition: int) -> Stability:
+    """The stability of the thesis's hull."""
+    return stability(HULL, HULL.conditions[condition])
 
 
 def changed(**keys: Any) -> HullDesign:
@@ -42,27 +50,27 @@ def test_the_lines_are_those_of_the_thesis() -> None:
 @pytest.mark.parametrize(
     ("printed", "ours"),
     [
-        (58.0, FULL.upright.mass),
-        (0.67, FULL.upright.block_coefficient),
-        (4.06, FULL.upright.slenderness),
-        (0.99, FULL.upright.wetted_area),
-        (0.89, hydrostatics(HULL, 0.115).wetted_area),
-        (0.84, FULL.upright.metacentre_longitudinal),
-        (0.58, FULL.longitudinal_metacentric_height),
-        (0.94, LIGHT.longitudinal_metacentric_height),
-        (0.34, FULL.greatest_lever),
-        (0.35, LIGHT.greatest_lever),
-        (0.10, draught_of(HULL, 38.0)),
-        (0.22, draught_of(HULL, 98.0)),
+        (58.0, lambda: loaded(FULL).upright.mass),
+        (0.67, lambda: loaded(FULL).upright.block_coefficient),
+        (4.06, lambda: loaded(FULL).upright.slenderness),
+        (0.99, lambda: loaded(FULL).upright.wetted_area),
+        (0.89, lambda: hydrostatics(HULL, 0.115).wetted_area),
+        (0.84, lambda: loaded(FULL).upright.metacentre_longitudinal),
+        (0.58, lambda: loaded(FULL).longitudinal_metacentric_height),
+        (0.94, lambda: loaded(LIGHT).longitudinal_metacentric_height),
+        (0.34, lambda: loaded(FULL).greatest_lever),
+        (0.35, lambda: loaded(LIGHT).greatest_lever),
+        (0.10, lambda: draught_of(HULL, 38.0)),
+        (0.22, lambda: draught_of(HULL, 98.0)),
     ],
 )
-def test_printed_numbers_are_met_within_3_percent(printed: float, ours: float) -> None:
-    assert ours == pytest.approx(printed, rel=0.03)
+def test_printed_numbers_are_met_within_3_percent(printed: float, ours: Callable[[], float]) -> None:
+    assert ours() == pytest.approx(printed, rel=0.03)
 
 
 def test_the_transverse_metacentre_is_met_at_the_breadth_of_the_tables_caption() -> None:
     wide = changed(spacing=1.10 - 0.24)
-    for printed, one in ((1.66, FULL), (2.47, LIGHT)):
+    for printed, one in ((1.66, loaded(FULL)), (2.47, loaded(LIGHT))):
         assert hydrostatics(wide, one.upright.draught).metacentre_transverse == pytest.approx(
             printed, rel=0.03
         )
@@ -113,7 +121,7 @@ def test_a_box_on_its_side_floats_as_the_turned_box() -> None:
 
 
 def test_the_areas_under_the_levers_add_up() -> None:
-    figures = FULL.figures
+    figures = loaded(FULL).figures
     assert figures["area_0_40"] == pytest.approx(figures["area_0_30"] + figures["area_30_40"])
 
 
@@ -132,7 +140,7 @@ def test_the_load_of_a_metre_is_the_slope_of_the_mass() -> None:
 def test_a_scaled_hull_has_scaled_hydrostatics() -> None:
     lengths = ("middle_half_length", "end_length", "breadth", "wigley_draught", "cut", "depth", "spacing")
     big = changed(**{key: 3.0 * getattr(HULL, key) for key in lengths})
-    one, other = FULL.upright, hydrostatics(big, 3.0 * 0.14)
+    one, other = loaded(FULL).upright, hydrostatics(big, 3.0 * 0.14)
     assert other.mass == pytest.approx(27.0 * one.mass)
     assert other.wetted_area == pytest.approx(9.0 * one.wetted_area)
     assert other.metacentre_transverse == pytest.approx(3.0 * one.metacentre_transverse)

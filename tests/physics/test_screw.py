@@ -1,6 +1,7 @@
 """Thrusters with a propeller or a table: against the papers' formulae, their symmetry, continuity, energy."""
 
 import math
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,12 @@ def screw(model: str, **others: Any) -> dict[str, Any]:
     """The section `propeller` of that model."""
     found = {"diameter": D, "revolutions_max": MOST, "revolutions_max_astern": MOST}
     return found | {"open_water": MODELS[model]} | others
+
+
+@cache
+def record_of(model: str) -> Array:
+    """Parameters of a boat that examples share: `swamp_with` that model, or `mixed` with its table."""
+    return parameters(mixed() if model == "table" else swamp_with(model))[0]
 
 
 def swamp_with(model: str, **others: Any) -> Boat:
@@ -102,7 +109,7 @@ def test_the_bladed_disc_of_the_paper_conserves_rothalpy(ratio: float, share: fl
 
 @pytest.mark.parametrize("model", list(MODELS))
 def test_each_model_gives_the_papers_thrust_in_all_quadrants(model: str) -> None:
-    record = parameters(swamp_with(model))[0]
+    record = record_of(model)
     for throttle in (-1.0, -0.3, 0.0, 0.4, 1.0):
         for speed in (-1.0, 0.0, 0.7, 2.5):
             ours = thrust_at(throttle, speed, 0, record)
@@ -123,7 +130,7 @@ def test_a_boat_file_with_a_disc_pulls_by_the_independent_programs_coefficient(
 @given(st.sampled_from(["disc", "linear"]), throttles, speeds)
 @example("disc", 0.0, 1.0)
 def test_astern_a_propeller_is_its_own_mirror_image(model: str, throttle: float, speed: float) -> None:
-    record = parameters(swamp_with(model))[0]
+    record = record_of(model)
     ahead, astern = thrust_at(throttle, speed, 0, record), thrust_at(-throttle, -speed, 0, record)
     assert astern == pytest.approx(-ahead, rel=1e-12, abs=1e-12)
 
@@ -133,7 +140,7 @@ def test_astern_a_propeller_is_its_own_mirror_image(model: str, throttle: float,
 @example("disc", 0.0, 1.0)
 @example("four_quadrant", 0.0, 0.0)
 def test_thrust_is_continuous_in_throttle_and_speed(model: str, throttle: float, speed: float) -> None:
-    record = parameters(mixed() if model == "table" else swamp_with(model))[0]
+    record = record_of(model)
     here = thrust_at(throttle, speed, 0, record)
     for step in (1e-6, -1e-6):
         assert thrust_at(throttle + step, speed, 0, record) == pytest.approx(here, abs=1e-3)
@@ -145,7 +152,7 @@ def test_thrust_is_continuous_in_throttle_and_speed(model: str, throttle: float,
 def test_water_from_ahead_takes_thrust_and_none_is_left_at_the_null_advance(
     model: str, throttle: float, speed: float
 ) -> None:
-    record = parameters(swamp_with(model))[0]
+    record = record_of(model)
     assert thrust_at(throttle, speed, 0, record) <= thrust_at(throttle, 0.0, 0, record) + 1e-12
     null = {"disc": 1.0, "linear": 1.05}[model] * throttle * MOST * D
     assert thrust_at(throttle, null, 0, record) == pytest.approx(0.0, abs=1e-9)
@@ -153,7 +160,7 @@ def test_water_from_ahead_takes_thrust_and_none_is_left_at_the_null_advance(
 
 @pytest.mark.parametrize("model", ["disc", "linear"])
 def test_the_race_keeps_more_energy_than_the_boat_gets(model: str) -> None:
-    record = parameters(swamp_with(model))[0]
+    record = record_of(model)
     for speed in (0.2, 0.8, 1.4):
         thrust = thrust_at(1.0, speed, 0, record)
         race = race_of(thrust, speed, 0.25 * math.pi * D**2, record)
@@ -162,7 +169,7 @@ def test_the_race_keeps_more_energy_than_the_boat_gets(model: str) -> None:
 
 
 def test_a_table_is_bilinear_between_its_points_and_constant_beyond() -> None:
-    record = parameters(mixed())[0]
+    record = record_of("table")
     rows = [row["thrust"] for row in TABLE["rows"]]  # type: ignore[index]
     grid = RegularGridInterpolator(
         ([-1.0, 0.0, 0.5, 1.0], [0.0, 1.0, 2.0]), np.array([rows[0], [0.0] * 3, *rows[1:]])
@@ -268,7 +275,7 @@ def test_a_dead_band_of_a_ships_file_is_the_effects_dead_band() -> None:
 
 
 def test_at_rest_allocation_sees_what_the_simulator_gives() -> None:
-    record = parameters(mixed())[0]
+    record = record_of("table")
     at_rest = force(mixed(), np.array([0.0, 0.0, 1.0, 0.0]), 0.0, 0.0, 0.0)
     assert at_rest[0] == pytest.approx(effective_thrust(1.0, 0, record), rel=1e-12)
 

@@ -5,8 +5,9 @@ import json
 import os
 import pickle
 import resource
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -26,14 +27,19 @@ from swamp_rl.pilots.takeover import TakeoverPilot
 from tests.support.steering_runs import RUNS, SMALL
 
 SENSES = ("north", "east", "cos_heading", "sin_heading")
-RESERVOIR = fit_reservoir(RUNS, SMALL)
-PILOTS: dict[str, Pilot] = {
-    "scripted": ScriptedPilot(3, Habits(messy=0.5, reaction=(0.1, 0.2))),
-    "reservoir": RESERVOIR,
-    "cloning": fit_cloning(RUNS, CloningSettings(senses=SENSES, epochs=1)),
-    "gru": fit_gru(RUNS, GRUSettings(senses=SENSES, epochs=1)),
-    "takeover": TakeoverPilot(ScriptedPilot(5), RESERVOIR, 1.0),
+PILOTS: dict[str, Callable[[], Pilot]] = {
+    "scripted": lambda: ScriptedPilot(3, Habits(messy=0.5, reaction=(0.1, 0.2))),
+    "reservoir": lambda: fit_reservoir(RUNS, SMALL),
+    "cloning": lambda: fit_cloning(RUNS, CloningSettings(senses=SENSES, epochs=1)),
+    "gru": lambda: fit_gru(RUNS, GRUSettings(senses=SENSES, epochs=1)),
+    "takeover": lambda: TakeoverPilot(ScriptedPilot(5), fitted("reservoir"), 1.0),
 }
+
+
+@cache
+def fitted(name: str) -> Pilot:
+    """One of `PILOTS`, made for the first test that asks."""
+    return PILOTS[name]()
 
 
 def levers(pilot: Pilot) -> np.ndarray:
@@ -45,21 +51,21 @@ def levers(pilot: Pilot) -> np.ndarray:
 
 @pytest.mark.parametrize("kind", PILOTS)
 def test_a_pilot_read_back_drives_bit_for_bit_alike(kind: str, tmp_path: Path) -> None:
-    save_pilot(PILOTS[kind], tmp_path / kind)
+    save_pilot(fitted(kind), tmp_path / kind)
     again = load_pilot(tmp_path / kind)
-    assert (again.kind, again.senses) == (PILOTS[kind].kind, PILOTS[kind].senses)
-    np.testing.assert_array_equal(levers(again), levers(PILOTS[kind]))
+    assert (again.kind, again.senses) == (fitted(kind).kind, fitted(kind).senses)
+    np.testing.assert_array_equal(levers(again), levers(fitted(kind)))
     assert sorted(path.name for path in (tmp_path / kind).iterdir()) == ["pilot.json", "weights.safetensors"]
 
 
 def test_an_earlier_pilot_is_replaced_and_another_folder_is_not(tmp_path: Path) -> None:
-    save_pilot(PILOTS["scripted"], tmp_path / "pilot")
-    save_pilot(PILOTS["reservoir"], tmp_path / "pilot")
+    save_pilot(fitted("scripted"), tmp_path / "pilot")
+    save_pilot(fitted("reservoir"), tmp_path / "pilot")
     assert load_pilot(tmp_path / "pilot").kind == "reservoir"
     (tmp_path / "letters").mkdir()
     (tmp_path / "letters" / "one.txt").write_text("dear", encoding="utf-8")
     with pytest.raises(UserError, match="letters"):
-        save_pilot(PILOTS["reservoir"], tmp_path / "letters")
+        save_pilot(fitted("reservoir"), tmp_path / "letters")
     assert (tmp_path / "letters" / "one.txt").read_text(encoding="utf-8") == "dear"
 
 
@@ -68,7 +74,7 @@ def test_a_pilot_that_the_disk_has_no_room_for_is_one_clear_line_and_not_there(t
     resource.setrlimit(resource.RLIMIT_FSIZE, (2000, before[1]))
     try:
         with pytest.raises(UserError, match="pilot: File too large"):
-            save_pilot(RESERVOIR, tmp_path / "pilot")
+            save_pilot(fitted("reservoir"), tmp_path / "pilot")
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert list(tmp_path.iterdir()) == []
@@ -97,7 +103,7 @@ def test_a_description_that_makes_no_pilot_is_told_in_one_line_that_names_it(tmp
         "string indices": {"kind": "takeover", "settings": {"first": "reservoir", "then": "ppo"}},
     }
     for message, changes in spoilt.items():
-        save_pilot(RESERVOIR, folder)
+        save_pilot(fitted("reservoir"), folder)
         resealed(folder, **changes)
         with pytest.raises(UserError, match=message) as told:
             load_pilot(folder)
@@ -107,7 +113,7 @@ def test_a_description_that_makes_no_pilot_is_told_in_one_line_that_names_it(tmp
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("pilots") / "takeover"
-    save_pilot(PILOTS["takeover"], folder)
+    save_pilot(fitted("takeover"), folder)
     return folder
 
 
@@ -186,11 +192,11 @@ def test_a_pickle_in_the_place_of_either_file_is_refused_and_not_executed(
 
 
 def test_a_pilot_says_what_it_senses_by_what_it_normalises_and_what_it_was_fitted_on(tmp_path: Path) -> None:
-    fitted = FittedOn(dataset="0a" * 32, source="scripted", runs=("one", "two"))
-    save_pilot(RESERVOIR, tmp_path / "pilot", fitted)
+    learned = FittedOn(dataset="0a" * 32, source="scripted", runs=("one", "two"))
+    save_pilot(fitted("reservoir"), tmp_path / "pilot", learned)
     found = describe_pilot(tmp_path / "pilot")
-    assert (found.fitted_on, found.senses) == (fitted, SENSES)
+    assert (found.fitted_on, found.senses) == (learned, SENSES)
     assert found.weights.normalisation == ("centre", "scale")
-    assert found.weights.shapes["Wout"] == ("float64", RESERVOIR.weights()["Wout"].shape)
+    assert found.weights.shapes["Wout"] == ("float64", fitted("reservoir").weights()["Wout"].shape)
     weights = (tmp_path / "pilot" / "weights.safetensors").read_bytes()
     assert found.weights.sha256 == hashlib.sha256(weights).hexdigest()

@@ -20,6 +20,7 @@ from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
 from typing import IO
+from unittest.mock import patch
 
 from tests.support.patience import PATIENCE
 
@@ -89,7 +90,12 @@ def _serve(lines: IO[str], answers: IO[str]) -> None:
 
 
 def _become(asked: dict[str, str]) -> None:
-    """Be the program: its folder, streams and arguments, then its work; one that hangs is ended."""
+    """Be the program: its folder, streams and arguments, then its work; one that hangs is ended.
+
+    The workers that it starts are forks too, with the libraries imported.
+    """
+    from swamp_rl.workers import processes
+
     signal.alarm(round(PATIENCE))
     for number, name in enumerate((os.devnull, *asked["streams"])):
         opened = os.open(name, os.O_RDONLY if number == 0 else os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
@@ -98,14 +104,15 @@ def _become(asked: dict[str, str]) -> None:
     os.chdir(asked["folder"])
     sys.argv = list(asked["words"])
     try:
-        if asked["kind"] == SCRIPT:
-            sys.path[0] = str(Path(sys.argv[0]).parent)
-            runpy.run_path(sys.argv[0], run_name="__main__")
-        else:
-            from swamp_rl.experiments.cli import main
+        with patch.object(processes, "get_context", lambda kind: get_context("fork")):
+            if asked["kind"] == SCRIPT:
+                sys.path[0] = str(Path(sys.argv[0]).parent)
+                runpy.run_path(sys.argv[0], run_name="__main__")
+            else:
+                from swamp_rl.experiments.cli import main
 
-            sys.path[0] = str(Path(sys.executable).parent)
-            main()
+                sys.path[0] = str(Path(sys.executable).parent)
+                main()
     finally:
         atexit._run_exitfuncs()
 

@@ -18,12 +18,14 @@ from tests.support.recorder import serving
 
 pytestmark = pytest.mark.timed
 
-HASTE = 12.0
 RUNS, EPISODES = 10, 200
 # A program at the keyboard: it reads what the page is sent, holds down the arrow keys that the rule of
-# tests.support.driving.aim wants, and accepts each run, failed ones too.
+# tests.support.driving.aim wants, and accepts each run, failed ones too. The page's commands are held back
+# until the keys answer a frame, one command a frame: each moves the boat's clock on. One that the recorder
+# dropped is said again.
 KEYBOARD = """
 const down = new Set();
+let command = null, answered = -1, last = 0;
 function hold(...wanted) {
   for (const [codes, type] of [[[...down].filter((key) => !wanted.includes(key)), "keyup"],
                                [wanted.filter((key) => !down.has(key)), "keydown"]]) {
@@ -33,10 +35,7 @@ function hold(...wanted) {
     }
   }
 }
-setInterval(() => {
-  const f = window.swamp?.frame;
-  if (!f || f.phase === "saving" || window.resting) { hold(); return; }
-  if (f.phase === "ended") { hold("Enter"); hold(); return; }
+function steer(f) {
   const [north, east, heading] = f.pose;
   const gate = [[8, 0], [22, 8]][Math.min(f.passed, 1)];
   const ahead = 0.45 * Math.max(gate[0] - north - 1.5, 0);
@@ -44,7 +43,30 @@ setInterval(() => {
   const off = Math.atan2(gate[1] - east, target - north) - heading;
   const angle = 2 * (Math.atan2(Math.sin(off), Math.cos(off)) - 0.7 * f.velocity[2]);
   hold("ArrowUp", ...(angle > 0.35 ? ["ArrowRight"] : angle < -0.35 ? ["ArrowLeft"] : []));
-}, 10);
+}
+function isDue(f) {
+  const waited = performance.now() - last;
+  return f.type === "frame" && waited > 7 && (f.phase !== "run" || f.time !== answered || waited > 1000);
+}
+window.WebSocket = class extends WebSocket {
+  constructor(...where) {
+    super(...where);
+    const answer = ({ data }) => {
+      const f = JSON.parse(data);
+      if (!isDue(f)) return;
+      [answered, last] = [f.phase === "run" ? f.time : -1, performance.now()];
+      if (window.resting || f.phase === "saving") hold();
+      else if (f.phase === "ended") { hold("Enter"); hold(); }
+      else steer(f);
+      if (command) super.send(command);
+    };
+    this.addEventListener("open", () => this.addEventListener("message", answer)); // the page hears it first
+  }
+  send(text) {
+    if (JSON.parse(text).type === "command") command = text;
+    else super.send(text);
+  }
+};
 """
 
 
@@ -52,7 +74,7 @@ setInterval(() => {
 def recorded(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder of runs, ten of them successful, driven by keys on the page."""
     folder = tmp_path_factory.mktemp("recorded") / "runs"
-    with serving(folder, factor=HASTE) as (address, hub):
+    with serving(folder, factor=None) as (address, hub):
         page = patient(browser.new_page(bypass_csp=True))
         page.add_init_script(KEYBOARD)
         page.goto(address)
@@ -71,8 +93,7 @@ def test_the_runs_are_sound_and_begin_with_the_first_thrust_at_the_start(recorde
     assert check_dataset(recorded) == []
     good = [run for run in read_dataset(recorded).runs if run.meta.outcome == "success"]
     assert len(good) >= RUNS
-    # at twelve times the speed, a page that the machine holds up for a moment lets the dead-man stop it
-    assert np.median([run.columns["joy_thrust"][0] for run in good]) > 0.0
+    assert min(run.columns["joy_thrust"][0] for run in good) > 0.0
     for run in good:
         assert run.time[0] == 0.0
         assert run.meta.gates is not None and len(run.meta.gates) == 2 and run.meta.gates[0] > 0.0

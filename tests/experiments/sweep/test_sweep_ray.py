@@ -30,6 +30,12 @@ pytestmark = [
 MASS = {"effect": "mass", "parameter": "mass", "value": 62.0, "error": 0.2, "gain": 80.0}
 FLEET = {f"boat{number}": {"causes": [MASS] if number % 2 else []} for number in range(6)}
 LOOPBACK_ONLY = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0", "RAY_USAGE_STATS_ENABLED": "0"}
+SOON = {
+    "RAY_worker_niceness": "0",  # 15 of itself, which on a busy machine is never
+    "RAY_health_check_initial_delay_ms": "500",
+    "RAY_health_check_period_ms": "500",
+    "RAY_health_check_timeout_ms": "60000",  # a node that is dead refuses; one that is busy answers late
+}
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +48,7 @@ def on_ray(tmp_path_factory: pytest.TempPathFactory) -> Path:
     datasets(folder / "datasets", FLEET)
     asked = [sys.executable, "-m", "tests.support.sweep_on_ray", str(folder)]
     with subprocess.Popen(
-        asked, env=os.environ | LOOPBACK_ONLY, stderr=subprocess.PIPE, text=True
+        asked, env=os.environ | LOOPBACK_ONLY | SOON, stderr=subprocess.PIPE, text=True
     ) as running:
         try:
             _, error = running.communicate(timeout=3 * PATIENCE)  # three sweeps and a fleet
