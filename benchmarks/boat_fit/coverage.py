@@ -154,6 +154,7 @@ def sailed(hypothesis: FreeBoat, boat: Boat, x: Array, gusty: bool, rng: np.rand
     calm = np.zeros((0, 0, 3))
     roll(
         record,
+        run,
         tank(boat),
         start,
         whole,

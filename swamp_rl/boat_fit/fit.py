@@ -190,4 +190,5 @@ def weighted(problem: Shooting, trust: Array) -> Shooting:
     """The problem with each window's weights times trust (W,)."""
     weight = problem.windows.weight * trust[:, None, None]
     problem.windows = replace(problem.windows, weight=weight)
+    problem.last_slopes.clear()  # which are in standard deviations
     return problem

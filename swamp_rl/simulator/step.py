@@ -159,27 +159,76 @@ def continue_boat(
     h = dt / substeps
     update_gusts(state, seed, dt, p)
     held = wind_now(state, p), constants
-    water_north, water_east = water_velocity(state[TIME], p)
-    cos, sin = math.cos(state[HEADING]), math.sin(state[HEADING])
-    motion = (
-        state[NORTH],
-        state[EAST],
-        state[HEADING],
-        state[SURGE] - (water_north * cos + water_east * sin),
-        state[SWAY] - (water_east * cos - water_north * sin),
-        state[YAW_RATE],
-    )
+    motion = through_water(state, state[TIME], p)
     for _ in range(substeps):
         move_actuators(state, command, h, jets, p)
         motion = runge_kutta_step(motion, state[TIME], h, jets, held, p, tank)
         state[TIME] += h
+    put_over_ground(motion, state[TIME], p, state)
+
+
+@compiled
+def continue_alike(
+    state: Any,
+    rigid: Any,
+    p: Any,
+    tank: Any,
+    command: Any,
+    seed: Any,
+    dt: float,
+    substeps: int,
+    jets: Any,
+    constants: Any,
+) -> None:
+    """As `continue_boat`, for boats that differ in their rigid motion (V, 6) alone, the first six numbers of
+    a state: time, gusts and actuators of all of them stand in `state` (S,), and are computed once.
+    """
+    h = dt / substeps
+    update_gusts(state, seed, dt, p)
+    held = wind_now(state, p), constants
+    for v in range(rigid.shape[0]):
+        put_motion(through_water(rigid[v], state[TIME], p), rigid[v])
+    for _ in range(substeps):
+        move_actuators(state, command, h, jets, p)
+        for v in range(rigid.shape[0]):
+            motion = runge_kutta_step(rigid_motion(rigid[v]), state[TIME], h, jets, held, p, tank)
+            put_motion(motion, rigid[v])
+        state[TIME] += h
+    for v in range(rigid.shape[0]):
+        put_over_ground(rigid_motion(rigid[v]), state[TIME], p, rigid[v])
+
+
+@compiled
+def rigid_motion(state: Any) -> Any:
+    """The first six numbers of a state (S,)."""
+    return state[NORTH], state[EAST], state[HEADING], state[SURGE], state[SWAY], state[YAW_RATE]
+
+
+@compiled
+def put_motion(motion: Any, state: Any) -> None:
+    """Six numbers into a state (S,)."""
     state[NORTH], state[EAST], state[HEADING] = motion[0], motion[1], motion[2]
     state[SURGE], state[SWAY], state[YAW_RATE] = motion[3], motion[4], motion[5]
-    water_north, water_east = water_velocity(state[TIME], p)
-    if water_north != 0.0 or water_east != 0.0:
+
+
+@compiled
+def through_water(state: Any, time: float, p: Any) -> Any:
+    """The rigid motion of a state (S,) at `time` [s], its surge and sway relative to the water."""
+    north, east = water_velocity(time, p)
+    cos, sin = math.cos(state[HEADING]), math.sin(state[HEADING])
+    surge, sway = state[SURGE] - (north * cos + east * sin), state[SWAY] - (east * cos - north * sin)
+    return state[NORTH], state[EAST], state[HEADING], surge, sway, state[YAW_RATE]
+
+
+@compiled
+def put_over_ground(motion: Any, time: float, p: Any, state: Any) -> None:
+    """A motion relative to the water at `time` [s] into a state (S,), relative to the ground."""
+    put_motion(motion, state)
+    north, east = water_velocity(time, p)
+    if north != 0.0 or east != 0.0:
         cos, sin = math.cos(motion[2]), math.sin(motion[2])
-        state[SURGE] = motion[3] + water_north * cos + water_east * sin
-        state[SWAY] = motion[4] + water_east * cos - water_north * sin
+        state[SURGE] = motion[3] + north * cos + east * sin
+        state[SWAY] = motion[4] + east * cos - north * sin
 
 
 @compiled

@@ -21,7 +21,7 @@ from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.reference import reference_of
-from swamp_rl.simulator.sensors import observe, rows_ahead
+from swamp_rl.simulator.sensors import is_altered, observe, rows_ahead
 from swamp_rl.simulator.state import TIME
 from swamp_rl.simulator.substeps import substeps_of
 
@@ -124,6 +124,7 @@ class Shooting:
         self.boat_steps = [0]  # shared by all parts of this problem
         self.histories: dict[tuple[str, bytes], Array] = {}
         self.last_records: list[Any] = []  # hypothesis, numbers and what `_records` made of them
+        self.last_slopes: list[Any] = []  # the same of `state_jacobian`, by window and initial state
 
     def _with_start_prior(self, windows: Windows) -> Windows:
         """The windows with a Gaussian prior about the smoothed initial states as their first row."""
@@ -159,7 +160,7 @@ class Shooting:
     def with_commands(self, run_set: RunSet) -> "Shooting":
         """The same windows with the commands of other runs."""
         made = copy(self)
-        made.run_set, made.histories, made.last_records = run_set, {}, []
+        made.run_set, made.histories, made.last_records, made.last_slopes = run_set, {}, [], []
         made.plain_actuators = made.actuators(Hypothesis(), np.zeros((1, 0)))[0]
         return made
 
@@ -178,17 +179,17 @@ class Shooting:
             self.histories[key] = actuator_states(records, self.run_set.commands, self.last, self.dt)
         return self.histories[key]
 
-    def _records(self, hypothesis: Hypothesis, x: Array) -> NDArray[Any]:
-        """(V W,) parameter records under each row of x (V, p), a copy. Those of the last numbers are kept: a
-        fit of the initial states does not move them, nor does its Jacobian, whose rows are equal.
+    def _records(self, hypothesis: Hypothesis, x: Array) -> tuple[NDArray[Any], bool]:
+        """(V R,) parameter records of every run under each row of x (V, p), and whether their sensors alter
+        the motion. Those of the last numbers are kept: a fit of the initial states does not move them, nor
+        does its Jacobian.
         """
-        own = x[:1] if (x == x[:1]).all() else x
-        key = hypothesis, own.tobytes()
-        if not (self.last_records and self.last_records[0] is hypothesis and self.last_records[1] == key[1]):
-            made = hypothesis.records(self.boat, own, self.record, self.run_set.origins)
-            self.last_records[:] = [*key, made.reshape(len(own), -1)]
-        each = np.broadcast_to(self.last_records[2], (len(x), len(self.run_set.lengths)))
-        return each[:, self.windows.run].reshape(-1)
+        key = x.tobytes()
+        if not (self.last_records and self.last_records[0] is hypothesis and self.last_records[1] == key):
+            made = hypothesis.records(self.boat, x, self.record, self.run_set.origins).reshape(len(x), -1)
+            every = np.broadcast_to(made, (len(x), len(self.run_set.lengths)))
+            self.last_records[:] = [hypothesis, key, every.reshape(-1), is_altered(made)]
+        return self.last_records[2], self.last_records[3]
 
     def predict(
         self,
@@ -201,24 +202,28 @@ class Shooting:
         """(V, W, T + 1, 6) predicted measurements for x (V, p) and rigid states (V, W, 6) at the starts;
         acceleration: (V W or 0, B, 3) and block as in `roll`.
         """
-        win, variants = self.windows, len(x)
-        batch = self._records(hypothesis, x)
-        ahead = rows_ahead(batch, float(self.run_set.lengths.max()) * self.dt, self.dt)
+        win, variants, runs = self.windows, len(x), len(self.run_set.lengths)
+        own = x[:1] if (x == x[:1]).all() else x
+        records, altered = self._records(hypothesis, own)
+        which = (runs * np.arange(len(own))[:, None] + win.run).reshape(-1)
+        ahead = rows_ahead(records, float(self.run_set.lengths.max()) * self.dt, self.dt) if altered else 0
+        start = np.empty((variants, win.count, 6 + self.plain_actuators.shape[1]))
+        start[..., :6] = states
         if hypothesis.moves_actuators:
-            rows, place = np.unique(hypothesis.of_actuators(x), axis=0, return_inverse=True)
-            actuators = self.actuators(hypothesis, rows)[place.reshape(-1)]
+            rows, place = np.unique(hypothesis.of_actuators(own), axis=0, return_inverse=True)
+            start[..., 6:] = self.actuators(hypothesis, rows)[place.reshape(-1)]
         else:
-            actuators = np.broadcast_to(self.plain_actuators, (variants, *self.plain_actuators.shape))
-        start = np.concatenate([states, actuators], axis=2).reshape(variants * win.count, -1)
-        track = np.empty((len(start), win.rows + ahead, 6))
-        run, first, steps = (np.tile(a, variants) for a in (win.run, win.first, win.steps))
-        seeds = np.zeros(len(start), np.uint64)
-        steps += ahead
-        self.boat_steps[0] += int(steps.sum()) * self.substeps
-        boats = batch, self.tank, start, self.run_set.commands, self.run_set.weather, run, first, steps
-        roll(*boats, seeds, self.dt, self.substeps, acceleration, block, track)
-        track = observe(track, batch, self.dt, start[:, TIME])[:, : win.rows]
-        return track.reshape(variants, win.count, *track.shape[1:])
+            start[..., 6:] = self.plain_actuators
+        start = start.reshape(variants * win.count, -1)
+        track, steps = np.empty((len(start), win.rows + ahead, 6)), win.steps + ahead
+        self.boat_steps[0] += int(steps.sum()) * variants * self.substeps
+        inputs = self.run_set.commands, self.run_set.weather, win.run, win.first, steps
+        boats = records, which, self.tank, start, *inputs, np.zeros(len(which), np.uint64)
+        roll(*boats, self.dt, self.substeps, acceleration, block, track)
+        if altered:
+            each = records[np.tile(which, len(start) // len(which))]
+            track = observe(track, each, self.dt, start[:, TIME])
+        return track[:, : win.rows].reshape(variants, win.count, win.rows, 6)
 
     def track(self, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
         """(W, T + 1, 6) predicted measurements for x (p,) and rigid states (W, 6) at the starts."""
@@ -252,8 +257,30 @@ class Shooting:
         block: int = 1,
     ) -> Array:
         """(W, M, 6) derivative of the standardised prediction by the initial states; by positions
-        analytically. acceleration: (W or 0, B, 3).
+        analytically. acceleration: (W or 0, B, 3). Without one, those of the last numbers are kept: a fit
+        asks again for windows whose initial state has not moved.
         """
+        if len(acceleration):
+            return self._state_slopes(hypothesis, x, states, base, acceleration, block)
+        key = x.tobytes()
+        if not (self.last_slopes and self.last_slopes[0] is hypothesis and self.last_slopes[1] == key):
+            self.last_slopes[:] = [hypothesis, key, {}]
+        known: dict[tuple[int, int, bytes], Array] = self.last_slopes[2]
+        win = self.windows
+        starts = [row.tobytes() for row in np.ascontiguousarray(states)]
+        keys = list(zip(win.run.tolist(), win.first.tolist(), starts, strict=True))
+        new = np.array([one not in known for one in keys], dtype=bool)
+        if new.any():
+            part = self if new.all() else self.part(new)
+            made = part._state_slopes(hypothesis, x, states[new], base[new], acceleration, block)
+            known.update(zip((keys[w] for w in np.flatnonzero(new)), made, strict=True))
+            if new.all():
+                return made
+        return np.stack([known[one] for one in keys])
+
+    def _state_slopes(
+        self, hypothesis: Hypothesis, x: Array, states: Array, base: Array, acceleration: Array, block: int
+    ) -> Array:
         moved, step = np.repeat(states[None], 4, axis=0), np.array(options().state_step) * self.scale
         for i, column in enumerate((2, 3, 4, 5)):
             moved[i, :, column] += step[column]

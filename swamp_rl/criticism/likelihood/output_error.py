@@ -92,15 +92,16 @@ def bounded_step(H: Array, g: Array, x: Array, low: Array, high: Array) -> Array
 
 
 def fit_states(
-    problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, rounds: int
+    problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, rounds: int, base: Array | None = None
 ) -> tuple[Array, Array, Array]:
-    """States (W, 6), prediction and residual at least chi2 under x (p,), by Levenberg-Marquardt.
+    """States (W, 6), prediction and residual at least chi2 under x (p,), by Levenberg-Marquardt; base:
+    (W, T + 1, 6) prediction to begin with, where known.
 
     Converged windows are not simulated again; a Jacobian is kept until its window moves.
     """
     count = len(states)
     states = states.copy()
-    base = problem.track(hypothesis, x, states)
+    base = problem.track(hypothesis, x, states) if base is None else base.copy()
     residual = problem.residuals(base)
     damping = np.zeros(count)
     A, b = np.zeros((count, 6, 6)), np.zeros((count, 6))
@@ -302,9 +303,11 @@ def _with_states_refitted(
         return None
     base, states, residual = at.base.copy(), at.states.copy(), at.residual.copy()
     part, held = problem.part(could), problem.windows.measured[could, 0]
-    starts = [states[could]] if problem.windows.pad == 0 else [states[could], held]
-    for start in starts:  # the current states, and the measured ones
-        found = fit_states(part, hypothesis, at.x, start, 2 * options().stray_rounds)
+    starts: list[tuple[Array, Array | None]] = [(states[could], base[could])]
+    if problem.windows.pad > 0:
+        starts.append((held, None))
+    for start, known in starts:  # the current states, and the measured ones
+        found = fit_states(part, hypothesis, at.x, start, 2 * options().stray_rounds, known)
         better = losses(found[2]) < losses(residual[could])
         place = np.flatnonzero(could)[better]
         states[place], base[place], residual[place] = (one[better] for one in found)

@@ -13,11 +13,12 @@ from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.motion import constants_of
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import SURGE, TIME
-from swamp_rl.simulator.step import continue_boat, forget_outputs, move_actuators, take_weather
+from swamp_rl.simulator.step import continue_alike, forget_outputs, move_actuators, take_weather
 
 
 def roll(
     params: Any,
+    which: Any,
     tank: Any,
     start: Any,
     commands: Any,
@@ -32,23 +33,23 @@ def roll(
     block: int,
     track: Any,
 ) -> None:
-    """Fill track (n, T + 1, 6) with the rigid motion of n boats, the start first.
+    """Fill track (V W, T + 1, 6) with the rigid motion of V variants of W windows, the start first.
 
-    params: (n,) records, whose weather is overwritten where it was measured; start: (n, S) states; commands:
-    (R, samples, 2K); weather: (R or 0, samples, 3), rows of `take_weather`; run, first, steps: (n,) run,
-    first sample and number of steps of dt [s]; the last state is repeated beyond. acceleration: (n or 0, B,
-    3) added acceleration [m/s2, m/s2, rad/s2] of surge, sway and yaw, each for `block` steps; half of a
-    step's share before the step and half after (Strang splitting).
+    params: (m,) records; which: (V W,) the record of each boat, or (W,) of each window, whose variants then
+    start with the same actuators and are simulated side by side, the actuators once; start: (V W, S) states;
+    commands: (R, samples, 2K); weather: (R or 0, samples, 3), rows of `take_weather`; run, first, steps: (W,)
+    run, first sample and number of steps of dt [s]; the last state is repeated beyond; seeds: as many as
+    which. acceleration: (V W or 0, B, 3) added acceleration [m/s2, m/s2, rad/s2] of surge, sway and yaw, each
+    for `block` steps; half of a step's share before the step and half after (Strang splitting).
     """
-
     commands, weather = np.ascontiguousarray(commands), np.ascontiguousarray(weather)
+    where = commands, weather, run, first, steps, seeds, dt, substeps, acceleration, block, track
 
     def part(mine: slice) -> None:
-        added = acceleration[mine] if len(acceleration) else acceleration
-        own = params[mine], tank, start[mine], commands, weather, run[mine], first[mine], steps[mine]
-        _roll(*own, seeds[mine], dt, substeps, added, block, track[mine])
+        _roll(params, which, tank, start, *where, mine.start, mine.stop)
 
-    _divided(part, len(start), int(steps.sum()) * substeps)
+    every = int(steps.sum()) * (len(start) // len(run)) * substeps
+    _divided(part, len(which), every)
 
 
 def roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, states: Any) -> None:
@@ -68,7 +69,7 @@ def _divided(part: Callable[[slice], None], boats: int, steps: int) -> None:
     """
     count = min(numba.config.NUMBA_NUM_THREADS, boats, steps // options().thread_steps)
     if count < 2:
-        part(slice(None))
+        part(slice(0, boats))
         return
     edges = np.linspace(0, boats, count + 1).astype(int)
     with ThreadPoolExecutor(count) as pool:
@@ -78,6 +79,7 @@ def _divided(part: Callable[[slice], None], boats: int, steps: int) -> None:
 @compiled(threaded=True)
 def _roll(
     params: Any,
+    which: Any,
     tank: Any,
     start: Any,
     commands: Any,
@@ -91,40 +93,53 @@ def _roll(
     acceleration: Any,
     block: int,
     track: Any,
+    begin: int,
+    end: int,
 ) -> None:
+    groups, windows = which.shape[0], run.shape[0]
+    alike = start.shape[0] // groups
     room = np.empty((3, commands.shape[2] // 2, JET)), np.empty(start.shape[1]), np.empty(commands.shape[2])
     jets, state, arrived = uncounted(room[0]), uncounted(room[1]), uncounted(room[2])
+    moved, own = np.empty((alike, 6)), params[:1].copy()
+    rigid = uncounted(moved)
     given, measured, curves, filled = (
         uncounted(commands),
         uncounted(weather),
         uncounted(tank),
         uncounted(track),
     )
-    for i in range(start.shape[0]):
+    accelerated = acceleration.shape[0] > 0
+    for g in range(begin, end):
+        own[0] = params[which[g]]
+        w = g % windows
         forget_outputs(jets)
         for c in range(start.shape[1]):  # no slice: numba would compile its error's text as well
-            state[c] = start[i, c]
-        for c in range(6):
-            filled[i, 0, c] = state[c]
-        constants = constants_of(params[i], curves)
+            state[c] = start[g, c]
+        for v in range(alike):
+            for c in range(6):
+                rigid[v, c] = start[v * groups + g, c]
+                filled[v * groups + g, 0, c] = rigid[v, c]
+        constants = constants_of(own[0], curves)
         for j in range(track.shape[1] - 1):
-            if j < steps[i]:
-                accelerated = acceleration.shape[0] > 0
+            if j < steps[w]:
                 part = min(j // block, acceleration.shape[1] - 1)
                 if accelerated:
-                    for c in range(3):
-                        state[SURGE + c] += 0.5 * dt * acceleration[i, part, c]
+                    for v in range(alike):
+                        for c in range(3):
+                            rigid[v, SURGE + c] += 0.5 * dt * acceleration[v * groups + g, part, c]
                 if weather.shape[0] > 0:
-                    take_weather(params[i], measured[run[i], min(first[i] + j, weather.shape[1] - 1)])
-                    constants = constants_of(params[i], curves)
-                row = min(first[i] + j, commands.shape[1] - 1)
-                delayed_command(given[run[i]], row, params[i].command_delay / dt, arrived)
-                continue_boat(state, params[i], curves, arrived, seeds[i], dt, substeps, jets, constants)
+                    take_weather(own[0], measured[run[w], min(first[w] + j, weather.shape[1] - 1)])
+                    constants = constants_of(own[0], curves)
+                row = min(first[w] + j, commands.shape[1] - 1)
+                delayed_command(given[run[w]], row, own[0].command_delay / dt, arrived)
+                continue_alike(state, rigid, own[0], curves, arrived, seeds[g], dt, substeps, jets, constants)
                 if accelerated:
-                    for c in range(3):
-                        state[SURGE + c] += 0.5 * dt * acceleration[i, part, c]
-            for c in range(6):
-                filled[i, j + 1, c] = state[c]
+                    for v in range(alike):
+                        for c in range(3):
+                            rigid[v, SURGE + c] += 0.5 * dt * acceleration[v * groups + g, part, c]
+            for v in range(alike):
+                for c in range(6):
+                    filled[v * groups + g, j + 1, c] = rigid[v, c]
 
 
 @compiled(threaded=True)

@@ -39,6 +39,12 @@ def observe(track: Array, params: NDArray[Any], dt: float, began: Array | None =
     return measured
 
 
+def is_altered(params: NDArray[Any]) -> bool:
+    """Whether what is measured of any boat is anything but midship's motion itself."""
+    constant = ("antenna_x", "antenna_y", "heading_bias", "gyro_bias")
+    return any(params[field].any() for field in constant) or bool(ran_off(params).any())
+
+
 def ran_off(params: NDArray[Any]) -> NDArray[np.bool_]:
     """(n,) whether something that is measured depends on the time since the run began, or on another row."""
     fields = ("position_delay", "clock_offset", "clock_drift", "heading_drift")
