@@ -294,6 +294,19 @@ def test_fingers_drive_on_a_phone_and_a_lever_let_go_springs_back(
         page.wait_for_function("swamp.frame.levers[0] === 0 && swamp.frame.levers[1] === 0")
 
 
+def test_in_a_small_window_the_chart_is_drawn_behind_the_panels(
+    tmp_path: Path, open_page: Callable[..., Page]
+) -> None:
+    with serving(tmp_path / "runs") as (address, _):
+        page = open_page(address)
+        page.set_viewport_size({"width": 480, "height": 320})
+        page.wait_for_function(
+            "((x, y) => 0 < x && x < innerWidth && 0 < y && y < innerHeight)"
+            "(...swamp.place(swamp.frame.pose[0], swamp.frame.pose[1]))"
+        )
+        page.screenshot(path=tmp_path / "small.png")
+
+
 def test_the_pilot_takes_the_helm_and_gives_it_back_and_the_stern_is_kicked(
     tmp_path: Path, open_page: Callable[..., Page]
 ) -> None:

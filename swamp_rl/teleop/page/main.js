@@ -8,6 +8,7 @@ import { Replay } from "./replay.js";
 
 const HEARTBEAT = 50; // ms between commands, though nothing moves: the dead-man waits for 250
 const GAP = 14; // px between what is drawn and the panels
+const LEAST = 60; // px of width and height below which the chart lies behind the panels
 const SILENT = 3000; // ms without a frame, of which there are fifty a second
 const CALM = [0, 0]; // m/s, drawn where wind and current are unknown
 const CHOICES = ["boat", "level", "pilot"]; // of names, before a run
@@ -201,8 +202,15 @@ function present() {
   };
 }
 
-// The part of the page that no panel covers; at a run's end and in a replay the middle of the footer is empty.
+// Where the chart is drawn: between the panels, or in the whole window where these leave too little.
 function freeArea(phase) {
+  const area = betweenPanels(phase);
+  const roomy = Math.min(area.right - area.left, area.bottom - area.top) >= LEAST;
+  return roomy ? area : { left: 0, right: innerWidth, top: 0, bottom: innerHeight };
+}
+
+// The part of the page that no panel covers; at a run's end and in a replay the middle of the footer is empty.
+function betweenPanels(phase) {
   const box = (id) => by(id).getBoundingClientRect();
   const narrow = getComputedStyle(document.querySelector("aside")).display === "grid";
   const title = by("banner").firstElementChild.textContent ? box("banner").bottom : 0;
