@@ -22,6 +22,7 @@ NOTED = (
     "azimuths",
     "commands",
     "not_imported",
+    "not_read",
 )
 """Entries of a run's metadata that are printed."""
 

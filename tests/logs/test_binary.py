@@ -12,7 +12,7 @@ from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.runs import Run, read_dataset
 from swamp_rl.runs.import_dataset import About
 from swamp_rl.runs.import_foreign import Wishes
-from tests.support.binary_logs import bag, dataflash, receiver_bag, ulog
+from tests.support.binary_logs import bag, bag_without_definitions, dataflash, receiver_bag, ulog
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
 from tests.support.from_scratch import written
@@ -144,6 +144,15 @@ def test_a_listing_of_a_bag_has_no_constants_of_its_types(tmp_path: Path) -> Non
         "status",
         "service",
     ]
+
+
+def test_messages_that_a_bag_does_not_define_are_named_and_the_others_read(tmp_path: Path) -> None:
+    folder = bag_without_definitions(tmp_path / "log")
+    lines = list(listing(read_log(folder, "rosbag")))
+    assert "  channels[1]: 1900 to 1900, 1 values" in lines
+    assert lines[-1].startswith("not read: /tank (tank_msgs/Level), which the bag does not define")
+    with pytest.raises(UserError, match="/tank is of type tank_msgs/Level, which the bag does not define"):
+        read_log(folder, "rosbag", {"tank"})
 
 
 def cut_short(path: Path, share: float) -> None:

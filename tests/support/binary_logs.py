@@ -271,3 +271,32 @@ def receiver_bag(path: Path, velocity_of: str, delay: float = 0.0) -> Path:
             stamp = round(1e9 * (1_700_000_000.0 + time))
             writer.write(topics[name], stamp, store.serialize_ros1(one, one.__msgtype__))
     return path
+
+
+def bag_without_definitions(folder: Path) -> Path:
+    """A bag as ROS 2 Humble records it: a fix, mavros's RCOut and a message of an own package, undefined."""
+    import sqlite3
+
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store: Any = get_typestore(Stores.ROS2_HUMBLE)
+    store.register(get_types_from_msg("std_msgs/Header header\nuint16[] channels\n", "mavros_msgs/msg/RCOut"))
+    store.register(get_types_from_msg("float64 level\n", "tank_msgs/msg/Level"))
+    kinds = store.types
+    header = kinds["std_msgs/msg/Header"](
+        stamp=kinds["builtin_interfaces/msg/Time"](sec=1_700_000_000, nanosec=0), frame_id=""
+    )
+    pulses = kinds["mavros_msgs/msg/RCOut"](header=header, channels=np.array([1500, 1900], np.uint16))
+    messages = {"/rc": pulses, "/tank": kinds["tank_msgs/msg/Level"](level=1.0)}
+    with Writer(folder, version=8) as writer:
+        for topic, message in messages.items():
+            own = writer.add_connection(topic, message.__msgtype__, typestore=store)
+            writer.write(own, 1_700_000_000 * 10**9, store.serialize_cdr(message, message.__msgtype__))
+    (held,) = folder.glob("*.db3")
+    with sqlite3.connect(held) as file:
+        file.execute("DROP TABLE message_definitions")
+        file.execute("UPDATE schema SET schema_version = 3")
+    metadata = folder / "metadata.yaml"
+    metadata.write_text(metadata.read_text().replace("version: 8", "version: 5"))
+    return folder
