@@ -92,8 +92,8 @@ def _foreign(log: Log, mapping: Mapping, given: Mapping, kind: str, boat: Boat, 
     own = {key: value for key, value in log.told.items() if not key.startswith("parameter ")}
     own |= _without_commands(boat, mapping) if kind in BINARY else {}
     convert = partial(foreign_of, replace(log, told=own), rate=wishes.resample, fill=wishes.fill)
-    known = kind == "rosbag" and {"u", "v"} <= mapping.columns.keys() - given.columns.keys()
-    found = foreign_in_its_axes(mapping, convert) if known else convert(mapping)
+    by_type = kind == "rosbag" and {"u", "v"} <= mapping.columns.keys() - given.columns.keys()
+    found = foreign_in_its_axes(mapping, convert) if by_type else convert(mapping)
     found = with_nearest_azimuths(found, boat)
     lacking = [] if kind not in BINARY else [n for n in ("north", "heading") if n not in found.table.columns]
     if lacking and not {"latitude", "north"} & set(found.table.columns):

@@ -26,7 +26,11 @@ CLEARER = 0.5
 
 def foreign_in_its_axes(mapping: Mapping, convert: Callable[[Mapping], Foreign]) -> Foreign:
     """The run of a mapping with `u` and `v`, these in axes of the earth where the positions say so."""
-    of_body, of_earth = convert(mapping), convert(_of_earth(mapping))
+    of_body = convert(mapping)
+    there = set(of_body.table.columns)
+    if "heading" not in there or not {"north", "latitude"} & there:
+        return of_body
+    of_earth = convert(_of_earth(mapping))
     errors = [displacement_error(one.table) for one in (of_body, of_earth)]
     if not errors[1] < CLEARER * errors[0]:
         return of_body

@@ -105,6 +105,11 @@ def test_a_stamped_twist_is_of_the_axes_that_the_positions_agree_with(tmp_path: 
     assert ("velocity" in (run.meta.model_extra or {})) == (axes == "earth")
 
 
+def test_a_stamped_twist_without_positions_is_one_line(call: Call, tmp_path: Path) -> None:
+    log = receiver_bag(tmp_path / "log.bag", "earth", topics=("/vel",))
+    assert_complains(call("runs", "import", log, "--out", "a"), "no message gives a valid position")
+
+
 def test_rows_are_taken_at_the_stamps_of_the_positions(tmp_path: Path) -> None:
     run = imported(receiver_bag(tmp_path / "log.bag", "boat", delay=0.07), "rosbag", [])
     steps = np.diff(weaving(rate=5.0)["north"])[1:]  # the first stamp lies before the Imu's

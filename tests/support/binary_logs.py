@@ -1,6 +1,7 @@
 """Small logs of the weaving boat in the formats of autopilots and ROS, written for the tests (scripted)."""
 
 import struct
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -203,7 +204,9 @@ def _odometry(store: Any, run: dict[str, Any], i: int, stamp: int, one: bool) ->
     )
 
 
-def receiver_bag(path: Path, velocity_of: str, delay: float = 0.0) -> Path:
+def receiver_bag(
+    path: Path, velocity_of: str, delay: float = 0.0, topics: Sequence[str] = ("/fix", "/vel", "/imu")
+) -> Path:
     """A ROS 1 bag of NavSatFix at 5 Hz, Imu at 20 Hz (ENU) and a TwistStamped in axes of the earth or body.
 
     delay [s]: of the Imu's stamps against the receiver's.
@@ -262,19 +265,20 @@ def receiver_bag(path: Path, velocity_of: str, delay: float = 0.0) -> Path:
             linear_acceleration_covariance=zero,
         )
         made.append((time, "/imu", imu))
+    made = [entry for entry in made if entry[1] in topics]
     with Writer(path) as writer:
-        topics = {
+        opened = {
             name: writer.add_connection(name, one.__msgtype__, typestore=store)
-            for _, name, one in made[:2] + made[-1:]
+            for name, one in {name: one for _, name, one in made}.items()
         }
         for time, name, one in sorted(made, key=lambda entry: entry[0]):
             stamp = round(1e9 * (1_700_000_000.0 + time))
-            writer.write(topics[name], stamp, store.serialize_ros1(one, one.__msgtype__))
+            writer.write(opened[name], stamp, store.serialize_ros1(one, one.__msgtype__))
     return path
 
 
 def bag_without_definitions(folder: Path) -> Path:
-    """A bag as ROS 2 Humble records it: a fix, mavros's RCOut and a message of an own package, undefined."""
+    """A bag as ROS 2 Humble records it: mavros's RCOut and a message of an own package, undefined."""
     import sqlite3
 
     from rosbags.rosbag2 import Writer
