@@ -26,7 +26,14 @@ def identify_boat(
     from swamp_rl.experiments.cli.progress import progress
 
     from swamp_rl.boat_fit.identify import identify_boat as identify
-    from swamp_rl.boat_fit.report import error_rows, held_out_sentence, next_runs, summary
+    from swamp_rl.boat_fit.report import (
+        error_columns,
+        error_rows,
+        gains_sentence,
+        held_out_sentence,
+        next_runs,
+        summary,
+    )
     from swamp_rl.criticism.progress import LOG
 
     with progress(LOG):
@@ -34,12 +41,11 @@ def identify_boat(
     for line in summary(found):
         typer.echo(f"  {line}")
     typer.echo(f"  {held_out_sentence(found)}")
-    typer.echo(
-        "  horizon: start file, identified file, with recent gains; at rest, constant velocity, no thrust"
-    )
-    for horizon, before, after, recent, *trivial in error_rows(found):
-        others = ", ".join(f"{one} m" for one in trivial)
-        typer.echo(f"  {horizon:>7}: {before} m, {after} m, {recent} m; {others}")
+    horizon, *columns = error_columns(found)
+    typer.echo(f"  {horizon}: {', '.join(columns)}, m")
+    for horizon, *errors in error_rows(found):
+        typer.echo(f"  {horizon:>7}: {', '.join(errors)}")
+    typer.echo(f"  {gains_sentence(found)}")
     for line in next_runs(found):
         typer.echo(f"  to record next: {line}")
     typer.echo(f"{out}, {out.with_suffix('.html')} ({found.elapsed:.0f} s)")

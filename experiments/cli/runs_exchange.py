@@ -12,6 +12,20 @@ from swamp_rl.errors import UserError
 if TYPE_CHECKING:
     from swamp_rl.runs.schema import DatasetMeta
 
+NOTED = (
+    "times",
+    "part",
+    "joined",
+    "velocity",
+    "clocks",
+    "resampled",
+    "azimuths",
+    "commands",
+    "not_imported",
+    "not_read",
+)
+"""Entries of a run's metadata that are printed."""
+
 Sources = Annotated[list[Path], typer.Argument(help="Files, or folders of them.")]
 From = Annotated[
     Literal["csv", "parquet", "mcap", "telemetry", "free-running", "dataflash", "ulog", "rosbag"] | None,
@@ -156,7 +170,7 @@ def _tell(out: Path, made: "DatasetMeta") -> None:
     """Print how the rows of imported runs were changed, and how many there are."""
     for run in made.runs:
         told = run.model_extra or {}
-        for key in ("times", "joined", "clocks", "resampled", "azimuths", "commands", "not_imported"):
+        for key in NOTED:
             if key in told:
                 typer.echo(f"{run.file}: {key.replace('_', ' ')}: {told[key]}")
         for line in told.get("rows_left_out", ()):

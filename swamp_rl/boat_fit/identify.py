@@ -17,7 +17,7 @@ from swamp_rl.boat_fit.fit import BoatFit, long_fit, short_fit, window_length
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.numbers import Number, free_numbers
 from swamp_rl.boat_fit.pieces import Split, split
-from swamp_rl.boat_fit.recent_thrust import recent_errors
+from swamp_rl.boat_fit.recent_thrust import chosen_gains, recent_errors
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.run_thrust import FEWEST, RunThrust, UnlikeRuns, run_thrusts, unlike, without
@@ -82,6 +82,8 @@ def identify_boat(
         made, others = _fitted_to_alike(data, positions, partial(_written, part, dataset, out.stem))
         here = advanced(data.held_out, made.wiring.advance)
         alike = without(here, others.names)
+        LOG.info("gains of the thrust from the recent past")
+        gains, tried = chosen_gains(advanced(data.training, made.wiring.advance), made.boat)
         found = Identification(
             start,
             made.boat,
@@ -95,7 +97,9 @@ def identify_boat(
             time.perf_counter() - began,
             others,
             errors_on(alike, made.boat) if 0 < len(alike.lengths) < len(here.lengths) else [],
-            recent_errors(here, made.boat),
+            gains,
+            recent_errors(here, made.boat, gains) if gains != "none" else [],
+            tried,
         )
         page.write_text(page_of(found), encoding="utf-8")
     return found

@@ -12,12 +12,13 @@ PIECE = 120.0  # s of a piece, at least
 MOST_PIECES = 16  # of all runs together
 FEWEST_RUNS = 3  # with fewer, pieces are held out in place of runs
 HELD_OUT_EVERY = 3
+LEAST_HELD, MOST_HELD = 0.2, 0.5  # of the time, else the runs are taken in the order of their lengths
 
 
 @dataclass(frozen=True)
 class Split:
-    """Pieces that are fitted to and pieces that are held out; by: what was split, `runs`, `pieces` of runs or
-    a `folder` of other runs.
+    """Pieces that are fitted to and pieces that are held out; by: what was split, `runs`, runs in the order
+    of their `lengths`, `pieces` of runs or a `folder` of other runs.
     """
 
     training: RunSet
@@ -26,15 +27,29 @@ class Split:
 
 
 def split(run_set: RunSet, other: RunSet | None = None) -> Split:
-    """Every third run held out, or every third piece of fewer runs; `other`: runs held out instead."""
+    """Every third run held out, or every third piece of fewer runs; `other`: runs held out instead.
+
+    Where these are far from a third of the time, as of logs that a gap cuts at like places, it is every third
+    run in the order of their lengths.
+    """
     if other is not None:
         return Split(pieces(run_set)[0], pieces(other)[0], "folder")
     every, of_run = pieces(run_set)
     by_runs = len(run_set.lengths) >= FEWEST_RUNS
     number = of_run if by_runs else np.arange(len(of_run))
     held = number % HELD_OUT_EVERY == HELD_OUT_EVERY - 1
+    by = "runs" if by_runs else "pieces"
+    if by_runs and not LEAST_HELD < float(every.lengths[held].sum() / every.lengths.sum()) < MOST_HELD:
+        held, by = _by_length(run_set)[of_run], "lengths"
     training, held_out = (every.subset(np.flatnonzero(chosen).tolist()) for chosen in (~held, held))
-    return Split(_alone(training), _alone(held_out), "runs" if by_runs else "pieces")
+    return Split(_alone(training), _alone(held_out), by)
+
+
+def _by_length(run_set: RunSet) -> NDArray[np.bool_]:
+    """(R,) every third run from the longest to the shortest."""
+    held = np.zeros(len(run_set.lengths), bool)
+    held[np.argsort(-run_set.lengths, kind="stable")[HELD_OUT_EVERY - 1 :: HELD_OUT_EVERY]] = True
+    return held
 
 
 def _alone(run_set: RunSet) -> RunSet:

@@ -1,7 +1,8 @@
-"""Predictions with each thruster's gain estimated from the same run's recent past."""
+"""Predictions with the gain of the thrust estimated from a run's recent past, and whether it helps."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,10 @@ SPREAD = 0.3  # standard deviation [1] of the gains' prior: that of the thrust c
 STATE_ROUNDS, STEPS = 8, 4
 
 
+Gains = Literal["none", "common", "each"]
+"""No gain, one gain of all thrusters, one gain of each."""
+
+
 @dataclass(frozen=True)
 class RecentErrors:
     """Root mean square position error [m] at a horizon, of a boat file with the recent gains."""
@@ -37,10 +42,29 @@ class RecentErrors:
     position: float
 
 
-def recent_errors(run_set: RunSet, boat: Boat) -> list[RecentErrors]:
+def chosen_gains(training: RunSet, boat: Boat) -> tuple[Gains, dict[Gains, list[RecentErrors]]]:
+    """The gains with the least prediction error on the training runs, and the errors of each choice.
+
+    Compared is the mean of the log errors at the horizons that the runs hold. The file is fitted to these
+    runs and the gains of a prediction are not, so the comparison favours none. A choice that diverges at a
+    horizon is left out.
+    """
+    several = len(thruster_gains(boat, "each").instances) > 1
+    choices: list[Gains] = ["none", "common", "each"] if several else ["none", "common"]
+    errors = {choice: recent_errors(training, boat, choice) for choice in choices}
+    longest = max(len(one) for one in errors.values())
+    logs = {
+        choice: float(np.mean(np.log([max(one.position, 1e-12) for one in own])))
+        for choice, own in errors.items()
+        if own and len(own) == longest
+    }
+    return min(logs, key=lambda choice: logs[choice]) if logs else "none", errors
+
+
+def recent_errors(run_set: RunSet, boat: Boat, gains: Gains) -> list[RecentErrors]:
     """Errors of a boat file with recent gains at every horizon that the runs hold."""
     run_set = replace(run_set, boat=boat)
-    weight, hypothesis = weights(run_set, noise_levels(run_set)), thruster_gains(boat)
+    weight, hypothesis = weights(run_set, noise_levels(run_set)), thruster_gains(boat, gains)
     with np.errstate(over="ignore", invalid="ignore"):
         ends = predictor(run_set, recent_gains(run_set, soft_weights(weight, boat), hypothesis), hypothesis)
         errors = [(horizon, errors_of(run_set, weight, horizon, ends)) for horizon in options().horizons]
@@ -51,11 +75,17 @@ def recent_errors(run_set: RunSet, boat: Boat) -> list[RecentErrors]:
     ]
 
 
-def thruster_gains(boat: Boat, spread: float = SPREAD) -> Hypothesis:
-    """A gain of each thruster [1], with a normal prior about 1 of that standard deviation."""
-    every = instances_of(LIBRARY["thruster_gain"], boat) or instances_of(LIBRARY["thrust_scale"], boat)
-    own = [replace(one, specs=tuple(replace(spec, prior=spread) for spec in one.specs)) for one in every]
-    return Hypothesis(tuple(sorted((one for one in own if one.selectors != ("all",)), key=lambda a: a.label)))
+def thruster_gains(boat: Boat, gains: Gains, spread: float = SPREAD) -> Hypothesis:
+    """The gains [1], each with a normal prior about 1 of that standard deviation."""
+    if gains == "none":
+        return Hypothesis()
+    of_all = instances_of(LIBRARY["thrust_scale"], boat)
+    if gains == "each":
+        own = [one for one in instances_of(LIBRARY["thruster_gain"], boat) if one.selectors != ("all",)]
+        of_all = sorted(own, key=lambda one: one.label) or of_all
+    return Hypothesis(
+        tuple(replace(one, specs=tuple(replace(spec, prior=spread) for spec in one.specs)) for one in of_all)
+    )
 
 
 def past_seconds(boat: Boat) -> float:
@@ -68,6 +98,8 @@ def recent_gains(run_set: RunSet, weight: Array, hypothesis: Hypothesis) -> list
 
     weight: (R, T, 6), of independent samples.
     """
+    if not hypothesis.instances:
+        return [np.ones((1 + int(length * run_set.dt / STRETCH), 0)) for length in run_set.lengths]
     rows, past = (round(one / run_set.dt) for one in (STRETCH, past_seconds(run_set.boat)))
     found = []
     for run, length in enumerate(run_set.lengths):

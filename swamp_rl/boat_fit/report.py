@@ -16,6 +16,7 @@ from swamp_rl.criticism.report.page import document
 from swamp_rl.criticism.report.tables import table
 from swamp_rl.criticism.result import Predictors
 
+GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
 FAR = 3.0  # standard deviations of the prior, beyond which a number contradicts the start file
 
 
@@ -29,10 +30,8 @@ def page_of(found: Identification) -> str:
             *(f"<p>{html.escape(line)}</p>" for line in summary(found)),
             "<h2>Prediction error on held-out runs</h2>",
             f"<p>{html.escape(held_out_sentence(found))}</p>",
-            table(
-                ("horizon", "start file", "identified", "with recent gains", *TRIVIAL.values()),
-                error_rows(found),
-            ),
+            table(error_columns(found), error_rows(found)),
+            f"<p>{html.escape(gains_sentence(found))}</p>",
             "<h2>Numbers</h2>",
             "<p>± is one standard error (sandwich covariance, prior included). Information: share of the "
             "posterior precision that the runs gave; the rest is the prior's.</p>",
@@ -63,9 +62,7 @@ def summary(found: Identification) -> list[str]:
         )
     said += unlike_runs(found)
     said += far_from_start(found.fitted)
-    if worse := not_better(found.after):
-        said.append(f"The identified file is not better than {' and '.join(worse)}.")
-    said += with_recent_gains(found)
+    said.append(prediction_sentence(found))
     if found.alike:
         errors = "; ".join(
             f"{one.horizon_s:g} s ahead {one.boat_file:.3g} m ("
@@ -75,22 +72,43 @@ def summary(found: Identification) -> list[str]:
         )
         worse = not_better(found.alike)
         better = f"not better than {' and '.join(worse)}" if worse else "better than each of these"
-        said.append(f"On the held-out runs without those it is {better}: {errors}.")
+        said.append(f"Without gains, on the held-out runs of usual thrust, it is {better}: {errors}.")
     return said
 
 
-def with_recent_gains(found: Identification) -> list[str]:
-    """How the identified file predicts with gains from the recent past of each run, in a sentence."""
-    recent = {one.horizon_s: one.position for one in found.recent}
-    errors = [one.model_copy(update={"boat_file": recent.get(one.horizon_s, np.nan)}) for one in found.after]
-    if not recent or not not_better(found.after):
-        return []
-    worse = not_better(errors)
-    better = f"not better than {' and '.join(worse)}" if worse else "better than each of these"
-    return [
-        "With a gain of each thruster estimated from the same run, from at most the "
-        f"{past_seconds(found.boat):.3g} s before each prediction, it is {better}."
-    ]
+def prediction_sentence(found: Identification) -> str:
+    """Whether the boat predicts better than the trivial predictors, as it is to be used."""
+    file = "The identified file"
+    if found.gains == "none":
+        return f"{file} is {_than(not_better(found.after))}."
+    past = f"at most {past_seconds(found.boat):.3g} s before each prediction"
+    return (
+        f"{file} with {GAINS[found.gains]} from the past of the same run, {past}, is "
+        f"{_than(not_better(found.predicted))}; without, it is {_than(not_better(found.after))}."
+    )
+
+
+def _than(worse: Sequence[str]) -> str:
+    """That it is better than every trivial predictor, or not than some."""
+    return (
+        f"not better than {' and '.join(worse)}"
+        if worse
+        else "better than every trivial predictor at each horizon"
+    )
+
+
+def gains_sentence(found: Identification) -> str:
+    """Which gains of the thrust predict the training runs best, with their errors."""
+    tried = {
+        name: ", ".join(f"{one.position:.3g} m at {one.horizon_s:g} s" for one in errors) or "none finite"
+        for name, errors in found.recent_training.items()
+    }
+    errors = "; ".join(f"{GAINS[name]}: {told}" for name, told in tried.items())
+    use = "not used" if found.gains == "none" else f"used: {GAINS[found.gains]}"
+    return (
+        f"Gains of the thrust from the past of the same run are {use}. They are chosen by the errors on the "
+        f"training runs ({errors})."
+    )
 
 
 def unlike_runs(found: Identification) -> list[str]:
@@ -144,29 +162,35 @@ def held_out_sentence(found: Identification) -> str:
     """Which data the errors are measured on."""
     data = found.data
     minutes = [float(part.lengths.sum()) * part.dt / 60 for part in (data.training, data.held_out)]
-    by = {"runs": "every third run", "pieces": "every third piece of the runs", "folder": "other runs"}[
-        data.by
-    ]
+    by = {
+        "runs": "every third run",
+        "lengths": "every third run in the order of their lengths",
+        "pieces": "every third piece of the runs",
+        "folder": "other runs",
+    }[data.by]
     return (
         f"Root mean square position error, m. Fitted to {minutes[0]:.1f} min, held out {minutes[1]:.1f} min "
         f"({by}). Predictions start from the smoothed measured state."
     )
 
 
+def error_columns(found: Identification) -> tuple[str, ...]:
+    """Heads of `error_rows`."""
+    identified = ("identified",) if found.gains == "none" else ("identified with gains", "without gains")
+    return ("horizon", "start file", *identified, *TRIVIAL.values())
+
+
 def error_rows(found: Identification) -> list[tuple[str, ...]]:
-    """Errors [m] by horizon: start file, identified without and with recent gains, trivial predictors."""
-    recent = {one.horizon_s: f"{one.position:.3g}" for one in found.recent}
+    """Errors [m] by horizon: start file, identified with the gains where they are used and without, trivial
+    predictors."""
     before = {was.horizon_s: f"{was.boat_file:.3g}" for was in found.before}
-    return [
-        (
-            f"{now.horizon_s:g} s",
-            before.get(now.horizon_s, "diverges"),
-            f"{now.boat_file:.3g}",
-            recent.get(now.horizon_s, "diverges"),
-            *(f"{getattr(now, name):.3g}" for name in TRIVIAL),
-        )
-        for now in found.after
-    ]
+    rows = []
+    for now, alone in zip(found.predicted, found.after, strict=True):
+        own = [one.boat_file for one in ([now] if found.gains == "none" else [now, alone])]
+        told = [f"{error:.3g}" if np.isfinite(error) else "diverges" for error in own]
+        trivial = [f"{getattr(now, name):.3g}" for name in TRIVIAL]
+        rows.append((f"{now.horizon_s:g} s", before.get(now.horizon_s, "diverges"), *told, *trivial))
+    return rows
 
 
 def number_rows(fitted: Sequence[Fitted]) -> list[tuple[str, ...]]:

@@ -78,13 +78,19 @@ def _usual_hold(values: Array) -> float:
     return float(np.median(lengths)) if len(lengths) > 5 else 0.0
 
 
+def _usual_slope(values: Array) -> float:
+    """Median rows of one slope: of a channel that was interpolated between slower samples, their distance."""
+    span = float(np.ptp(values))
+    return _usual_hold(np.round(np.diff(values) / span, 9)) if span > 0.0 else 0.0
+
+
 def _stay(values: Array, others: Sequence[Array]) -> tuple[int, int] | None:
     """First and last row of the longest stay at one value, where it is no ordinary one and others moved."""
     starts, lengths = _holds(values)
     longest = int(np.argmax(lengths))
     rows = int(lengths[longest])
     rest = np.delete(lengths, longest)
-    usual = float(np.quantile(rest, 0.9)) if len(rest) else 0.0
+    usual = max(float(np.quantile(rest, 0.9)) if len(rest) else 0.0, _usual_slope(values))
     whole = rows == len(values)
     if rows < FEWEST_ROWS or (not whole and rows <= LONGEST_HOLD * max(usual, 1.0)):
         return None

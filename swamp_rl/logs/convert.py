@@ -23,6 +23,8 @@ from swamp_rl.runs.table import Table
 
 Array = NDArray[np.float64]
 MOST_NAMED = 12
+NOMINAL = 0.01
+"""Of a rate: an irregular stamp moves the median step by as much, in one log otherwise than in the next."""
 
 
 @dataclass(frozen=True)
@@ -219,13 +221,14 @@ def _yaw(columns: dict[str, Array]) -> Array:
 
 
 def _rate(log: Log, series: Mapped[str, Series]) -> float:
-    """Of the table with the position, rounded to three digits [Hz]."""
+    """Of the table with the position [Hz], rounded to three digits, or to two within NOMINAL."""
     first = next((series[n] for n in ("north", "x", "latitude") if n in series), next(iter(series.values())))
     steps = np.diff(first.time[np.isfinite(first.values)])
     step = float(np.median(steps)) if len(steps) else 0.0
     if not step > 0.0:
         raise UserError(f"{log.file}: {first.table} has no times that increase; give --resample HZ")
-    return float(f"{1.0 / step:.3g}")
+    coarse = float(f"{1.0 / step:.2g}")
+    return coarse if abs(coarse * step - 1.0) <= NOMINAL else float(f"{1.0 / step:.3g}")
 
 
 def _clocks(log: Log, mapping: Mapping, stamps: Mapped[str, Stamps]) -> dict[str, tuple[float, str]]:
@@ -268,14 +271,21 @@ def _record(log: Log, column: Column, stamps: Stamps, begin: float) -> tuple[Arr
     return time[known], values[known]
 
 
+def _is_constant(values: Array) -> bool:
+    """Whether a column has one number in all rows; a column of words has none."""
+    return bool(len(values) and np.isfinite(values[0]) and (values == values[0]).all())
+
+
 def _left_out(log: Log, mapping: Mapping, found: Mapped[str, Column], used: list[str]) -> dict[str, str]:
-    """The columns of the tables in use that no expression reads."""
+    """The columns of the tables in use that no expression reads, but those of one value."""
     time = {word for node in [mapping.columns.get("time")] if node for word in names_in(node)}
     read = {(column.table, theirs) for column in found.values() for theirs in column.names.values()}
     others = [
         column if len(log.tables) == 1 else f"{name}.{column}"
         for name in used
         for column in log.tables[name].table.columns
-        if (name, column) not in read and not time & {column, f"{name}.{column}"}
+        if (name, column) not in read
+        and not time & {column, f"{name}.{column}"}
+        and not _is_constant(log.tables[name].table.columns[column])
     ]
     return {"not_imported": ", ".join(map(clipped, others[:40]))} if others else {}

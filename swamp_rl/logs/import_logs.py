@@ -2,7 +2,10 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
@@ -12,13 +15,17 @@ from swamp_rl.logs.dataflash import read_dataflash
 from swamp_rl.logs.defaults import default_mapping, ros_kinds, wanted_messages
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.mapping import Mapping
+from swamp_rl.logs.restarts import parts_between_restarts
 from swamp_rl.logs.ros import read_bag
 from swamp_rl.logs.tables import read_table_log
 from swamp_rl.logs.ulog import read_ulog
+from swamp_rl.logs.velocity_frame import foreign_in_its_axes
 from swamp_rl.runs.import_dataset import About, files_of_kind, import_tables, is_bag_folder
 from swamp_rl.runs.import_foreign import Foreign, Wishes
 from swamp_rl.runs.schema import DatasetMeta
 
+ABOUT_ONE = 1.2
+"""Greatest ratio of the rates of logs that are joined at one rate."""
 TABLES = ("csv", "parquet")
 BINARY = ("dataflash", "ulog", "rosbag")
 
@@ -45,30 +52,48 @@ def import_logs(
     logs, mappings = [], []
     for path in paths_of(sources, kind):
         log = read_log(path, kind, wanted_messages(kind, mapping) if kind in BINARY else None)
-        logs.append(log)
-        mappings.append(
-            mapping.over(default_mapping(kind, log, mapping, boat)) if kind in BINARY else mapping
-        )
+        parts = parts_between_restarts(log) if kind in BINARY else [log]
+        logs += parts
+        mappings += [
+            mapping.over(default_mapping(kind, part, mapping, boat)) if kind in BINARY else mapping
+            for part in parts
+        ]
     if reading.join is not None:
         logs, mappings = [_as_one(logs, reading.join)], mappings[:1]
     pairs = list(zip(logs, mappings, strict=True))
     unknown = [name for name in wishes.units if name not in pairs[0][1].columns]
     if unknown:
         raise UserError(f"--unit {unknown[0]}: the mapping has no such column; check the name")
-    single = [_foreign(log, own, kind, boat, wishes) for log, own in pairs]
+    single = [_foreign(log, own, mapping, kind, boat, wishes) for log, own in pairs]
+    if wishes.resample is None and (rate := _common_rate(single)) is not None:
+        single = [
+            _foreign(log, own, mapping, kind, boat, replace(wishes, resample=rate)) for log, own in pairs
+        ]
     even = all("joined" in (one.meta.model_extra or {}) for one in single)
     rest = replace(wishes, units={}, resample=None if even else wishes.resample)
     return import_tables(single, out, about, rest)
 
 
-def _foreign(log: Log, mapping: Mapping, kind: str, boat: Boat, wishes: Wishes) -> Foreign:
-    """The run's table; a log without a mapping names what the default one looks for."""
+def _common_rate(single: Sequence[Foreign]) -> float | None:
+    """The median rate [Hz] of joined logs of about one rate; None where they have one, or differ by more."""
+    if not all("joined" in (one.meta.model_extra or {}) for one in single):
+        return None
+    rates = [1.0 / float(np.median(np.diff(one.table.columns["time"]))) for one in single]
+    apart = max(rates) / min(rates)
+    return float(f"{np.median(rates):.3g}") if 1.0 + 1e-6 < apart <= ABOUT_ONE else None
+
+
+def _foreign(log: Log, mapping: Mapping, given: Mapping, kind: str, boat: Boat, wishes: Wishes) -> Foreign:
+    """The run's table; a log without a mapping names what the default one looks for. given: the part of the
+    mapping that the user wrote."""
     if not mapping.columns:
         known = ", ".join(list(log.tables)[:12])
         raise UserError(f"{log.file}: none of the usual messages is there ({known}); see --list, and --map")
     own = {key: value for key, value in log.told.items() if not key.startswith("parameter ")}
     own |= _without_commands(boat, mapping) if kind in BINARY else {}
-    found = foreign_of(replace(log, told=own), mapping, wishes.resample, wishes.fill)
+    convert = partial(foreign_of, replace(log, told=own), rate=wishes.resample, fill=wishes.fill)
+    by_type = kind == "rosbag" and {"u", "v"} <= mapping.columns.keys() - given.columns.keys()
+    found = foreign_in_its_axes(mapping, convert) if by_type else convert(mapping)
     found = with_nearest_azimuths(found, boat)
     lacking = [] if kind not in BINARY else [n for n in ("north", "heading") if n not in found.table.columns]
     if lacking and not {"latitude", "north"} & set(found.table.columns):

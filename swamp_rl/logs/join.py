@@ -13,6 +13,11 @@ from swamp_rl.runs.resample import at_times, is_held, most_rows
 
 Array = NDArray[np.float64]
 
+POSITIONS = "north", "x", "latitude"
+LEAST_REGULAR = 0.1
+"""Length of the stamps' mean direction, below which no phase is theirs."""
+NEAR = 1e-3
+"""Steps that a phase is kept at 0 within."""
 GAP_STEPS = 5.0
 """Median steps of a table: after a longer pause its values are not interpolated."""
 
@@ -49,7 +54,7 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
     ends = [float(one.time[-1]) for name, one in series.items() if not is_held(name)]
     if not ends:
         raise UserError(f"{file}: the mapping has commands alone; map north and east, and heading")
-    end = min(ends)
+    end, start = min(ends), start + _phase(series, start, rate)
     rows = (end - start) * rate + 1.0 + 1e-9
     if rows < 2.0:
         spans = "; ".join(_spans(series))
@@ -72,6 +77,19 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
             unread[name], columns[name] = missing, np.where(missing, np.nan, columns[name])
             faults += found
     return Joined(columns, unread, faults, _told(series, rate))
+
+
+def _phase(series: Mapping[str, Series], start: float, rate: float) -> float:
+    """Seconds [0, 1/rate) from `start` to rows that lie next to the stamps of the positions.
+
+    Linear interpolation halfway between two stamps averages them: the noise would lose what is near the
+    Nyquist frequency. The phase is the mean direction of the stamps on the circle of one step.
+    """
+    place = next((series[name] for name in POSITIONS if name in series), next(iter(series.values())))
+    turns = (place.time - start) * rate
+    mean = np.exp(2j * np.pi * turns).mean()
+    phase = float(np.angle(mean)) / (2.0 * np.pi) if abs(mean) > LEAST_REGULAR else 0.0
+    return 0.0 if abs(phase) < NEAR else (phase % 1.0) / rate
 
 
 def _whole(file: str, name: str, one: Series) -> Series:

@@ -17,11 +17,19 @@ from swamp_rl.runs.import_dataset import BAG_METADATA
 from swamp_rl.runs.table import MOST_COLUMNS
 
 WHAT = "ROS bag"
+UNDEFINED = (
+    "which the bag does not define; convert it to MCAP (ros2 bag convert) where that package is installed"
+)
+MOST_NAMED = 12
 LONGEST_ARRAY = 16
 """Elements that become columns of their own; covariances of 36 and pictures do not."""
 MOST_BYTES = 2**32
 """Of the messages of the topics that are read."""
 LARGEST_METADATA = 2**23
+DEFINED = {
+    f"mavros_msgs/msg/{name}": "std_msgs/Header header\nuint16[] channels\n" for name in ("RCOut", "RCIn")
+}
+"""Message types that bags of ROS 2 before Iron name without their definition, as mavros defines them."""
 LATEST = 10.0
 """Seconds between a header and its recording, by the median: beyond, they are of different clocks."""
 
@@ -40,6 +48,10 @@ def read_bag(path: Path, wanted: Collection[str] | None = None, kinds: Collectio
             for one in reader.connections
             if wanted is None or names[one.topic] in wanted or one.msgtype.replace("/msg/", "/") in kinds
         ]
+        unknown = _undefined(reader)
+        if wanted is not None and (asked := [t for t in unknown if names[t] in wanted]):
+            raise UserError(f"{path}: {asked[0]} is of type {unknown[asked[0]]}, {UNDEFINED}")
+        chosen = [one for one in chosen if one.topic not in unknown]
         tables: dict[str, Gathered] = {}
         headers: dict[str, list[float]] = {}
         size = 0
@@ -61,8 +73,22 @@ def read_bag(path: Path, wanted: Collection[str] | None = None, kinds: Collectio
     start = min(min(table.stamps) for table in tables.values())
     for table in tables.values():
         table.stamps = [stamp - start for stamp in table.stamps]
+    if unknown:
+        some = ", ".join(f"{topic} ({kind})" for topic, kind in list(unknown.items())[:MOST_NAMED])
+        told["not_read"] = f"{some}, {UNDEFINED}"
     told["utc_start"] = f"{start:.6f}"
     return Log(path.name, path.stem, {name: table.table() for name, table in tables.items()}, told)
+
+
+def _undefined(reader: Any) -> dict[str, str]:
+    """Types by topic that neither the bag nor ROS defines; those of DEFINED become known to the reader."""
+    from rosbags.typesys import get_types_from_msg
+
+    kinds = {one.topic: one.msgtype for one in reader.connections}
+    for kind in {kind for kind in kinds.values() if kind in DEFINED} - reader.typestore.fielddefs.keys():
+        reader.typestore.register(get_types_from_msg(DEFINED[kind], kind))
+    known = reader.typestore.fielddefs
+    return {topic: kind.replace("/msg/", "/") for topic, kind in kinds.items() if kind not in known}
 
 
 def _on_one_clock(tables: Mapping[str, Gathered], headers: Mapping[str, list[float]]) -> dict[str, str]:

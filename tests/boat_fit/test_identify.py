@@ -151,6 +151,15 @@ def test_runs_are_held_out_whole_and_a_single_one_by_pieces(tmp_path: Path) -> N
     assert np.isfinite(by_runs.training.commands).all()
 
 
+def test_runs_of_which_every_third_is_short_are_held_out_by_length(tmp_path: Path) -> None:
+    runs = start_runs(tmp_path, HIDDEN, count=6, seconds=20.0)
+    short = runs.lengths // 8
+    data = split(replace(runs, lengths=np.where(np.arange(6) % 3 == 2, short, runs.lengths)))
+    assert data.by == "lengths"
+    held = data.held_out.lengths.sum()
+    assert 0.2 < held / (held + data.training.lengths.sum()) < 0.5
+
+
 def test_a_wind_that_is_left_out_is_cut_with_its_run(tmp_path: Path) -> None:
     runs = start_runs(tmp_path, HIDDEN, count=1)
     wind = np.random.default_rng(0).uniform(0.0, 5.0, (*runs.commands.shape[:2], 3))

@@ -14,7 +14,9 @@ from swamp_rl.boat_fit.identify import supported
 from swamp_rl.boat_fit.numbers import Number, free_numbers
 from swamp_rl.boat_fit.report import far_from_start
 from swamp_rl.files import write_yaml
-from swamp_rl.simulator import parameters
+from swamp_rl.physics.hull import hull_forces
+from swamp_rl.physics.resistance import towing
+from swamp_rl.simulator import parameters, tank
 from tests.support.from_scratch import written
 
 
@@ -187,3 +189,16 @@ def test_a_number_far_from_its_prior_is_named_and_one_near_it_is_not() -> None:
     (said,) = far_from_start([at(mass, -4.0), at(x_g, 2.0)])
     assert "mass (4.0)" in said and "x_g" not in said
     assert far_from_start([at(mass, 2.0)]) == []
+
+
+def test_of_the_two_signs_of_the_cross_flow_factor_that_are_one_motion_one_is_free() -> None:
+    boat = load_boat("swamp")
+    record, of_tank = parameters(boat)[0], tank(boat)
+    forces = []
+    for sign in (1.0, -1.0):
+        turned = record.copy()
+        turned["c_ry"] *= sign
+        forces.append(hull_forces(0.4, 0.1, 0.3, turned, of_tank, towing(turned, of_tank)))
+    assert forces[0] == pytest.approx(forces[1], rel=1e-12)
+    (free,) = [one for one in free_numbers(boat) if one.name == "hull.c_ry"]
+    assert free.bounds[0] == 0.0 < free.start

@@ -8,7 +8,13 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.boat_fit.fit import soft_weights
-from swamp_rl.boat_fit.recent_thrust import STRETCH, recent_errors, recent_gains, thruster_gains
+from swamp_rl.boat_fit.recent_thrust import (
+    STRETCH,
+    chosen_gains,
+    recent_errors,
+    recent_gains,
+    thruster_gains,
+)
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import Gap, RunSet, read_run_set
 from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
@@ -28,7 +34,7 @@ def weedy(folder: Path, seconds: float) -> RunSet:
 
 
 def gains_of(runs: RunSet, weight: np.ndarray) -> np.ndarray:
-    return recent_gains(runs, soft_weights(weight, runs.boat), thruster_gains(runs.boat))[0]
+    return recent_gains(runs, soft_weights(weight, runs.boat), thruster_gains(runs.boat, "each"))[0]
 
 
 def test_a_weak_thruster_is_found_in_the_past_of_a_run_and_predicted_with(tmp_path: Path) -> None:
@@ -37,7 +43,7 @@ def test_a_weak_thruster_is_found_in_the_past_of_a_run_and_predicted_with(tmp_pa
     gains = gains_of(runs, weight)
     assert gains[0].tolist() == [1.0, 1.0]
     np.testing.assert_allclose(gains[3:], np.tile([0.4, 1.0], (len(gains) - 3, 1)), atol=0.15)
-    found = {one.horizon_s: one.position for one in recent_errors(runs, runs.boat)}
+    found = {one.horizon_s: one.position for one in recent_errors(runs, runs.boat, "each")}
     for one in trivial_predictors(runs, weight)[1:3]:
         assert found[one.horizon_s] < 0.6 * min(one.boat_file, one.constant_velocity, one.no_thrust)
 
@@ -67,5 +73,26 @@ def test_gains_come_from_after_the_last_gap(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("kind", "count"), [("twin", 2), ("esso_osaka", 1)])
 def test_each_thruster_has_a_gain(kind: str, count: int, tmp_path: Path) -> None:
     boat = load_boat(written(tmp_path, kind) if kind == "twin" else kind)
-    mean, precision = thruster_gains(boat).prior()
+    mean, precision = thruster_gains(boat, "each").prior()
     assert mean.tolist() == [1.0] * count and (precision > 0.0).all()
+    assert thruster_gains(boat, "common").size == 1
+
+
+def test_gains_are_chosen_that_the_training_runs_need(tmp_path: Path) -> None:
+    runs = weedy(tmp_path, 40.0)
+    chosen, errors = chosen_gains(runs, runs.boat)
+    assert chosen == "each"
+    assert errors["each"][2].position < 0.6 * errors["none"][2].position
+
+
+def test_no_gains_are_chosen_where_the_boat_is_right_and_a_gust_moves_it(tmp_path: Path) -> None:
+    runs = weedy(tmp_path, 40.0)
+    chosen, errors = chosen_gains(runs, load_boat(tmp_path / "weed.yaml"))
+    assert chosen == "none"
+    exact = [
+        one.boat_file
+        for one in trivial_predictors(
+            replace(runs, boat=load_boat(tmp_path / "weed.yaml")), weights(runs, noise_levels(runs))
+        )
+    ]
+    np.testing.assert_allclose([one.position for one in errors["none"]], exact)

@@ -54,6 +54,22 @@ def faults(runs: list[Run], boat: Boat | None) -> list[Finding]:
     return [finding for finding in examine(runs, boat) if finding.level == "fault"]
 
 
+def test_a_slow_wind_sensor_that_repeats_a_value_is_not_stuck(sound: list[Run], twin: Boat) -> None:
+    rng, every = np.random.default_rng(7), 10
+    slow = np.round(rng.uniform(1.0, 6.0, 61), 1)
+    slow[[21, 22]] = slow[20]
+    wind = np.interp(np.arange(601), every * np.arange(61), slow)
+    windy = [
+        Run(run.name, dict(run.columns) | {"wind_speed": wind, "wind_from": 0.01 * wind}) for run in sound
+    ]
+    assert faults(windy, twin) == []
+    frozen = np.where(np.arange(601) > 400, wind[400], wind)
+    windy = [
+        Run(run.name, dict(run.columns) | {"wind_speed": frozen, "wind_from": 0.01 * wind}) for run in sound
+    ]
+    assert [one.code for one in faults(windy, twin)] == ["stuck"]
+
+
 def test_sound_runs_have_no_fault(sound: list[Run], twin: Boat) -> None:
     assert faults(sound, twin) == []
     assert faults(sound, None) == []

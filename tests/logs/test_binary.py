@@ -12,7 +12,7 @@ from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.runs import Run, read_dataset
 from swamp_rl.runs.import_dataset import About
 from swamp_rl.runs.import_foreign import Wishes
-from tests.support.binary_logs import bag, dataflash, ulog
+from tests.support.binary_logs import bag, bag_without_definitions, dataflash, receiver_bag, ulog
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
 from tests.support.from_scratch import written
@@ -96,6 +96,44 @@ def test_the_headers_of_a_simulation_have_a_clock_of_their_own(tmp_path: Path) -
     assert "behind the recorder's clock" in (run.meta.model_extra or {})["times"]
 
 
+@pytest.mark.parametrize("axes", ["earth", "boat"])
+def test_a_stamped_twist_is_of_the_axes_that_the_positions_agree_with(tmp_path: Path, axes: str) -> None:
+    run, was = imported(receiver_bag(tmp_path / "log.bag", axes), "rosbag", []), weaving()
+    for column in ("surge", "sway"):
+        expected = np.interp(run.time, was["time"], was[column])
+        assert run.columns[column] == pytest.approx(expected, abs=0.03), column
+    assert ("velocity" in (run.meta.model_extra or {})) == (axes == "earth")
+
+
+def test_a_stamped_twist_without_positions_is_one_line(call: Call, tmp_path: Path) -> None:
+    log = receiver_bag(tmp_path / "log.bag", "earth", topics=("/vel",))
+    assert_complains(call("runs", "import", log, "--out", "a"), "no message gives a valid position")
+
+
+def test_rows_are_taken_at_the_stamps_of_the_positions(tmp_path: Path) -> None:
+    run = imported(receiver_bag(tmp_path / "log.bag", "boat", delay=0.07), "rosbag", [])
+    steps = np.diff(weaving(rate=5.0)["north"])[1:]  # the first stamp lies before the Imu's
+    assert np.diff(run.columns["north"]) == pytest.approx(steps, abs=1e-6)
+
+
+def test_logs_whose_rates_differ_a_little_become_one_dataset(tmp_path: Path) -> None:
+    logs = [dataflash(tmp_path / f"{rate:g}.bin", rate=rate) for rate in (5.0, 5.2, 4.9)]
+    boat = str(written(tmp_path, "twin"))
+    made = import_logs(
+        logs, "dataflash", tmp_path / "out", About(boat=boat), Wishes(), Reading(mapping_of([]))
+    )
+    assert made.sample_rate == 5.0 and len(made.runs) == 3
+
+
+def test_a_log_of_two_boots_becomes_two_runs(tmp_path: Path) -> None:
+    log, boat = dataflash(tmp_path / "log.bin", boots=2), str(written(tmp_path, "twin"))
+    import_logs([log], "dataflash", tmp_path / "out", About(boat=boat), Wishes(), Reading(mapping_of([])))
+    one, other = read_dataset(tmp_path / "out").runs
+    assert [one.name, other.name] == ["log-1", "log-2"]
+    np.testing.assert_array_equal(one.columns["north"], other.columns["north"])
+    assert one.duration == pytest.approx(30.0, abs=0.3)
+
+
 def test_a_listing_of_a_bag_has_no_constants_of_its_types(tmp_path: Path) -> None:
     from rosbags.rosbag2 import Writer
     from rosbags.typesys import Stores, get_typestore
@@ -111,6 +149,15 @@ def test_a_listing_of_a_bag_has_no_constants_of_its_types(tmp_path: Path) -> Non
         "status",
         "service",
     ]
+
+
+def test_messages_that_a_bag_does_not_define_are_named_and_the_others_read(tmp_path: Path) -> None:
+    folder = bag_without_definitions(tmp_path / "log")
+    lines = list(listing(read_log(folder, "rosbag")))
+    assert "  channels[1]: 1900 to 1900, 1 values" in lines
+    assert lines[-1].startswith("not read: /tank (tank_msgs/Level), which the bag does not define")
+    with pytest.raises(UserError, match="/tank is of type tank_msgs/Level, which the bag does not define"):
+        read_log(folder, "rosbag", {"tank"})
 
 
 def cut_short(path: Path, share: float) -> None:

@@ -1,6 +1,7 @@
 """Small logs of the weaving boat in the formats of autopilots and ROS, written for the tests (scripted)."""
 
 import struct
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,15 @@ SIZES = {
 }
 
 
-def dataflash(path: Path, seconds: float = 30.0, old: bool = False) -> Path:
-    """GPS at 5 Hz, ATT, IMU and RCOU at 10 Hz, outputs 1 and 3 as ThrottleLeft and ThrottleRight.
+def dataflash(
+    path: Path, seconds: float = 30.0, old: bool = False, rate: float = 5.0, boots: int = 1
+) -> Path:
+    """GPS at 5 Hz or `rate`, ATT, IMU and RCOU at 10 Hz, outputs 1 and 3 as ThrottleLeft and ThrottleRight.
 
-    old: as before 2015, with TimeMS [ms], which of GPS is the time of its week, beside T [ms].
+    boots: how often the whole is written, each time from the same time since the boot; old: as before
+    2015, with TimeMS [ms], which of GPS is the time of its week, beside T [ms].
     """
-    run, slow = weaving(seconds), weaving(seconds, 5.0)
+    run, slow = weaving(seconds), weaving(seconds, rate)
     records: list[tuple[float, bytes]] = []
     out = bytearray()
     formats = {
@@ -84,7 +88,8 @@ def dataflash(path: Path, seconds: float = 30.0, old: bool = False) -> Path:
         add("IMU", time, run["yaw_rate"][i])
         pulses = [1500 + 400 * run[f"throttle_{side}"][i] for side in ("port", "starboard")]
         add("RCOU", time, pulses[0], 1500, pulses[1])
-    path.write_bytes(bytes(out) + b"".join(body for _, body in sorted(records, key=lambda one: one[0])))
+    once = b"".join(body for _, body in sorted(records, key=lambda one: one[0]))
+    path.write_bytes(bytes(out) + boots * once)
     return path
 
 
@@ -197,3 +202,105 @@ def _odometry(store: Any, run: dict[str, Any], i: int, stamp: int, one: bool) ->
         pose=kinds["geometry_msgs/msg/PoseWithCovariance"](pose=pose, covariance=covariance),
         twist=kinds["geometry_msgs/msg/TwistWithCovariance"](twist=twist, covariance=covariance),
     )
+
+
+def receiver_bag(
+    path: Path, velocity_of: str, delay: float = 0.0, topics: Sequence[str] = ("/fix", "/vel", "/imu")
+) -> Path:
+    """A ROS 1 bag of NavSatFix at 5 Hz, Imu at 20 Hz (ENU) and a TwistStamped in axes of the earth or body.
+
+    delay [s]: of the Imu's stamps against the receiver's.
+    """
+    from rosbags.rosbag1 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store: Any = get_typestore(Stores.ROS1_NOETIC)
+    kinds, run, fast = store.types, weaving(rate=5.0), weaving(rate=20.0)
+    vector, zero = kinds["geometry_msgs/msg/Vector3"], np.zeros(9)
+    latitude, longitude = geodetic(run)
+    status = kinds["sensor_msgs/msg/NavSatStatus"](status=2, service=1)
+
+    def header(time: float) -> Any:
+        stamp = kinds["builtin_interfaces/msg/Time"](
+            sec=1_700_000_000 + int(time), nanosec=round(1e9 * (time % 1))
+        )
+        return kinds["std_msgs/msg/Header"](seq=0, stamp=stamp, frame_id="")
+
+    def twist(i: int) -> Any:
+        surge, sway, heading = (float(run[name][i]) for name in ("surge", "sway", "heading"))
+        north = surge * np.cos(heading) - sway * np.sin(heading)
+        east = surge * np.sin(heading) + sway * np.cos(heading)
+        x, y = (east, north) if velocity_of == "earth" else (surge, -sway)
+        return kinds["geometry_msgs/msg/Twist"](
+            linear=vector(x=float(x), y=float(y), z=0.0), angular=vector(x=0.0, y=0.0, z=0.0)
+        )
+
+    made: list[tuple[float, str, Any]] = []
+    for i, time in enumerate(run["time"].tolist()):
+        fix = kinds["sensor_msgs/msg/NavSatFix"](
+            header=header(time),
+            status=status,
+            latitude=latitude[i],
+            longitude=longitude[i],
+            altitude=0.0,
+            position_covariance=zero,
+            position_covariance_type=0,
+        )
+        made.append((time, "/fix", fix))
+        made.append(
+            (time, "/vel", kinds["geometry_msgs/msg/TwistStamped"](header=header(time), twist=twist(i)))
+        )
+    for i, time in enumerate((fast["time"] + delay).tolist()):
+        yaw = 0.5 * np.pi - fast["heading"][i]
+        turned = kinds["geometry_msgs/msg/Quaternion"](
+            x=0.0, y=0.0, z=float(np.sin(yaw / 2)), w=float(np.cos(yaw / 2))
+        )
+        imu = kinds["sensor_msgs/msg/Imu"](
+            header=header(time),
+            orientation=turned,
+            orientation_covariance=zero,
+            angular_velocity=vector(x=0.0, y=0.0, z=-float(fast["yaw_rate"][i])),
+            angular_velocity_covariance=zero,
+            linear_acceleration=vector(x=0.0, y=0.0, z=0.0),
+            linear_acceleration_covariance=zero,
+        )
+        made.append((time, "/imu", imu))
+    made = [entry for entry in made if entry[1] in topics]
+    with Writer(path) as writer:
+        opened = {
+            name: writer.add_connection(name, one.__msgtype__, typestore=store)
+            for name, one in {name: one for _, name, one in made}.items()
+        }
+        for time, name, one in sorted(made, key=lambda entry: entry[0]):
+            stamp = round(1e9 * (1_700_000_000.0 + time))
+            writer.write(opened[name], stamp, store.serialize_ros1(one, one.__msgtype__))
+    return path
+
+
+def bag_without_definitions(folder: Path) -> Path:
+    """A bag as ROS 2 Humble records it: mavros's RCOut and a message of an own package, undefined."""
+    import sqlite3
+
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store: Any = get_typestore(Stores.ROS2_HUMBLE)
+    store.register(get_types_from_msg("std_msgs/Header header\nuint16[] channels\n", "mavros_msgs/msg/RCOut"))
+    store.register(get_types_from_msg("float64 level\n", "tank_msgs/msg/Level"))
+    kinds = store.types
+    header = kinds["std_msgs/msg/Header"](
+        stamp=kinds["builtin_interfaces/msg/Time"](sec=1_700_000_000, nanosec=0), frame_id=""
+    )
+    pulses = kinds["mavros_msgs/msg/RCOut"](header=header, channels=np.array([1500, 1900], np.uint16))
+    messages = {"/rc": pulses, "/tank": kinds["tank_msgs/msg/Level"](level=1.0)}
+    with Writer(folder, version=8) as writer:
+        for topic, message in messages.items():
+            own = writer.add_connection(topic, message.__msgtype__, typestore=store)
+            writer.write(own, 1_700_000_000 * 10**9, store.serialize_cdr(message, message.__msgtype__))
+    (held,) = folder.glob("*.db3")
+    with sqlite3.connect(held) as file:
+        file.execute("DROP TABLE message_definitions")
+        file.execute("UPDATE schema SET schema_version = 3")
+    metadata = folder / "metadata.yaml"
+    metadata.write_text(metadata.read_text().replace("version: 8", "version: 5"))
+    return folder
