@@ -22,6 +22,8 @@ REMEMBERED, LONGEST_REMEMBERED = 64, 50_000
 """Texts that are not read a second time, and their characters: shipped files are read again and again."""
 
 _EXPONENT = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$")
+_AMBIGUOUS = re.compile(r"[-+]?(0[0-9_]+|0b[01_]+|0o[0-7_]+|[0-9][0-9_]*(:[0-5]?[0-9])+(\.[0-9_]*)?)$")
+"""Numbers to the base 8, 2 or 60: YAML 1.1 and 1.2 read 017, 0o17 and 1:30 differently."""
 _ACTS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
 """What a terminal acts on, or what turns text round, and half letters."""
 _DIRECTIVE = re.compile("^%", re.MULTILINE)
@@ -68,6 +70,7 @@ _Loader.yaml_implicit_resolvers = {
 }
 for _kind in (_Loader, _Dumper):
     _kind.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+.0123456789"))
+_Dumper.add_implicit_resolver("tag:yaml.org,2002:int", _AMBIGUOUS, list("-+0123456789"))
 _RESOLVER = _Loader("")
 
 
@@ -129,7 +132,7 @@ def _refuse_beyond_limits(text: str) -> None:
                 opened.append((event.anchor, count - 1))
             else:
                 _refuse_acting(event)
-                _refuse_long_number(event)
+                _refuse_odd_number(event)
         if len(opened) > DEEPEST:
             # The compiled loader calls itself at each level, and would end the process far deeper down.
             raise _problem(event, f"nested more than {DEEPEST} deep")
@@ -146,12 +149,16 @@ def _refuse_acting(event: yaml.ScalarEvent) -> None:
         raise _problem(event, f"holds the character U+{ord(found[0]):04X}, which does not print")
 
 
-def _refuse_long_number(event: yaml.ScalarEvent) -> None:
-    # Reading a number takes the square of its length.
-    if not event.implicit[0] or len(event.value) <= LONGEST_NUMBER:
+def _refuse_odd_number(event: yaml.ScalarEvent) -> None:
+    if not event.implicit[0]:  # in quotes
         return
-    if _RESOLVER.resolve(yaml.ScalarNode, event.value, (True, False)) in _NUMBERS:
-        raise _problem(event, f"a number of more than {LONGEST_NUMBER} characters")
+    # Reading a number takes the square of its length.
+    if len(event.value) > LONGEST_NUMBER:
+        if _RESOLVER.resolve(yaml.ScalarNode, event.value, (True, False)) in _NUMBERS:
+            raise _problem(event, f"a number of more than {LONGEST_NUMBER} characters")
+    elif _AMBIGUOUS.match(event.value):
+        told = "is read differently by versions of YAML; write a decimal number, or text in quotes"
+        raise _problem(event, f"{event.value} {told}")
 
 
 def _problem(event: yaml.Event, problem: str) -> yaml.YAMLError:

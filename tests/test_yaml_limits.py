@@ -13,7 +13,7 @@ from swamp_rl.experiments.config.load import load_experiment
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, yaml_text
-from swamp_rl.yaml_text import DEEPEST, MOST_BYTES, parsed
+from swamp_rl.yaml_text import DEEPEST, MOST_BYTES, dumped, parsed
 
 LETTERS = "abcdefghij"
 ALIASES = "".join(
@@ -166,3 +166,23 @@ def test_within_the_limits_yaml_is_what_the_safe_loader_says(text: str) -> None:
     found = outcome(parsed)
     if found is not yaml.YAMLError:
         assert found == outcome(yaml.safe_load)
+
+
+AMBIGUOUS = ["1:30", "-1:30.5", "12:30:00", "0:30", "017", "-08", "0o17", "0b11", "+0_1"]
+
+
+@pytest.mark.parametrize("number", AMBIGUOUS)
+def test_a_number_that_versions_of_yaml_read_differently_is_refused(tmp_path: Path, number: str) -> None:
+    told = refusal(tmp_path / "a.yaml", f"a: 1\nb: {number}\n")
+    assert "line 2" in told and number in told and "text in quotes" in told
+
+
+@pytest.mark.parametrize("text", [*AMBIGUOUS, "yes", "2020-01-01", "1_000", "1e3", "0x1F", "~"])
+def test_text_that_looks_like_another_value_is_written_so_that_it_stays_text(text: str) -> None:
+    assert parsed(dumped({"a": text, text: [text]})) == {"a": text, text: [text]}
+
+
+def test_other_spellings_are_read_as_documented() -> None:
+    spelled = "a: [0, 0.5, 10, 1_000, 0x1F, 1e-3, yes, no, on, off, true, 2020-01-01, 12:60, 1.2.3]"
+    words = [True, False, True, False, True, "2020-01-01", "12:60", "1.2.3"]
+    assert parsed(spelled) == {"a": [0, 0.5, 10, 1000, 31, 0.001, *words]}

@@ -4,6 +4,7 @@ import os
 import sys
 from pathlib import Path
 from typing import Annotated, Literal
+from unicodedata import bidirectional, category
 
 import swamp_rl.experiments.cli.identify_boat
 import swamp_rl.experiments.cli.identify_square
@@ -31,6 +32,7 @@ from swamp_rl.experiments.cli.outputs import guard_inputs
 from swamp_rl.experiments.cli.record import record
 from swamp_rl.experiments.cli.runs import runs_app
 from swamp_rl.experiments.cli.signals import stoppable
+from swamp_rl.experiments.cli.streams import usable_streams
 from swamp_rl.experiments.cli.sweep import sweep
 from swamp_rl.experiments.cli.trial import trial_app
 from swamp_rl.experiments.cli.watch import watch
@@ -42,6 +44,8 @@ from swamp_rl.errors import UserError
 BAD_INPUT, INTERRUPTED, TERMINATED, UNEXPECTED = 2, 130, 143, 70
 DEBUG = "SWAMP_RL_DEBUG"
 NAME = "swamp-rl"
+TURNS = frozenset({"LRE", "RLE", "PDF", "LRO", "RLO", "LRI", "RLI", "FSI", "PDI"})
+"Classes of the characters that change the direction of writing (Unicode, annex 9)."
 
 app = typer.Typer(
     name=NAME,
@@ -183,6 +187,7 @@ guard_inputs(app)
 
 def main() -> None:
     """Run the command line; whatever goes wrong is one line on the error stream and a non-zero exit."""
+    usable_streams()
     show_compiling()
     with stoppable() as signals:
         code = _carried_out(signals)
@@ -206,7 +211,7 @@ def _verb(words: list[str]) -> list[str]:
 def _carried_out(signals: list[int]) -> int:
     """The exit code of what the command line asks for; signals: those that came meanwhile."""
     try:
-        _refuse_names_that_are_no_text()
+        _refuse_odd_arguments()
         return app(prog_name=NAME, standalone_mode=False) or 0
     except typer.TyperException as error:
         # Without any argument Typer has printed the help and has nothing to add.
@@ -237,9 +242,12 @@ def _carried_out(signals: list[int]) -> int:
         return _complain(f"{what}; {DEBUG}=1 shows where, please report it", UNEXPECTED)
 
 
-def _refuse_names_that_are_no_text() -> None:
-    """UserError for an argument with bytes that the locale does not decode: no report could hold it."""
+def _refuse_odd_arguments() -> None:
+    """UserError for an argument that the locale does not decode, which no report could hold, and for one on
+    which a terminal acts: a pattern of the shell may have found the name of a stranger's file."""
     for word in sys.argv[1:]:
+        if any(category(letter) == "Cc" or bidirectional(letter) in TURNS for letter in word):
+            raise UserError(f"{word}: has a character that a terminal acts on; rename it")
         if any("\ud800" <= letter <= "\udfff" for letter in word):
             coding = sys.getfilesystemencoding()
             raise UserError(

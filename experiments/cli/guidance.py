@@ -126,6 +126,8 @@ def capability(
 
 
 def _say(lines: list[str], out: Path) -> None:
+    from swamp_rl.runs.schema import ANALYSIS
+
     for line in lines:
         typer.echo(line)
-    typer.echo(f"{out}: the run; {out / 'analysis'}: report.md, result.json, track.csv and track.png")
+    typer.echo(f"{out}: the run; {out / ANALYSIS}: report.md, result.json, track.csv and track.png")

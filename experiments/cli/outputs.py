@@ -12,8 +12,6 @@ from swamp_rl.errors import UserError
 
 OUTPUTS = frozenset({"out", "log", "save", "video", "html"})
 """Parameters of verbs that name what is written."""
-META, ANALYSIS = "dataset.yaml", "analysis"
-"""What shows a dataset, and the folder in it that verbs write to by themselves."""
 
 
 def guard_inputs(app: typer.Typer) -> None:
@@ -53,6 +51,8 @@ def _texts(value: Any) -> Iterator[str]:
 
 
 def _refuse(told: str, path: Path, read: list[Path]) -> None:
+    from swamp_rl.runs.schema import ANALYSIS, META
+
     place = path.resolve()
     if path.is_file() and any(one.is_file() and one.samefile(path) for one in read):
         raise UserError(f"{told}: already exists and is read by this command; name another file")

@@ -61,10 +61,11 @@ def _carry_out(
     jets: Sequence[str],
     astern: bool,
 ) -> None:
-    from swamp_rl.experiments.reports.captive import ANALYSIS, write_captive
+    from swamp_rl.experiments.reports.captive import write_captive
 
     from swamp_rl.boat import load_boat
     from swamp_rl.manoeuvres.captive import captive_trial, thruster_sets
+    from swamp_rl.runs.schema import ANALYSIS
 
     boat = load_boat(boat_name)
     points = captive_trial(boat, speeds, throttles or SWEEP, thruster_sets(boat, jets), astern)

@@ -14,9 +14,10 @@ from swamp_rl.experiments.reports.trials import JSON, REPORT
 
 from swamp_rl.boat import Boat
 from swamp_rl.manoeuvres.captive import Point, self_propulsion
+from swamp_rl.runs.schema import ANALYSIS
 from swamp_rl.unfinished import folder_beside
 
-DATA, ANALYSIS = "captive.csv", "analysis"
+DATA = "captive.csv"
 COLUMNS = {  # of the CSV: unit of each
     "thrusters": "",
     "throttle": "1",

@@ -25,7 +25,7 @@ from swamp_rl.guidance.places import LONGEST
 from swamp_rl.guidance.servo import servo_of
 from swamp_rl.guidance.track_errors import along_and_across, spread, station_errors
 from swamp_rl.runs import DatasetMeta, append_run, dataset_beside, read_run
-from swamp_rl.runs.schema import meta_of
+from swamp_rl.runs.schema import ANALYSIS, meta_of
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.state import ACTUATORS, EAST, HEADING, NORTH, SURGE, SWAY
 
@@ -121,9 +121,9 @@ def _followed(
             moving = np.array([pace.known(t) > pace.behind for t in flight.time])
             result["gap_error"] = spread(gap[moving]) if moving.any() else None
         append_run(part, flight.run(told["what"], seed, drawn, {"guidance": told["what"]}))
-        (part / "analysis").mkdir()
-        draw_track(part / "analysis" / "track.png", flight, curve, track[:, 1], _title(boat, told))
-        _write(part / "analysis", result, flight, {"along": track[:, 0], "across": track[:, 1]})
+        (part / ANALYSIS).mkdir()
+        draw_track(part / ANALYSIS / "track.png", flight, curve, track[:, 1], _title(boat, told))
+        _write(part / ANALYSIS, result, flight, {"along": track[:, 0], "across": track[:, 1]})
     return lines(result)
 
 
@@ -160,9 +160,9 @@ def hold_station(
         result = told | _common(flight, seed, drawn)
         result |= {"distance": spread(away[late]), "heading_error": spread(turned[late])}
         append_run(part, flight.run("station", seed, drawn, {"guidance": "station"}))
-        (part / "analysis").mkdir()
-        draw_station(part / "analysis" / "track.png", flight, away, turned, _title(boat, told))
-        _write(part / "analysis", result, flight, {"distance": away, "heading_error": turned})
+        (part / ANALYSIS).mkdir()
+        draw_station(part / ANALYSIS / "track.png", flight, away, turned, _title(boat, told))
+        _write(part / ANALYSIS, result, flight, {"distance": away, "heading_error": turned})
     return [balance.reason, *lines(result)]
 
 

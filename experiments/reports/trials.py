@@ -15,6 +15,7 @@ from swamp_rl.manoeuvres.analysis.analyse import analyse_dataset
 from swamp_rl.manoeuvres.analysis.figure import Figure, Result
 from swamp_rl.manoeuvres.analysis.pairs import Pair, pairs
 from swamp_rl.runs import Dataset
+from swamp_rl.runs.schema import ANALYSIS
 from swamp_rl.unfinished import folder_beside
 
 JSON, REPORT = "analysis.json", "report.md"
@@ -60,7 +61,7 @@ def analyse_trials(folder: Path, out: Path | None = None, boat: str | None = Non
     else.
     """
     dataset, vessel, results, refused = analyse_dataset(folder, boat)
-    out = out or folder / "analysis"
+    out = out or folder / ANALYSIS
     both = pairs(results, vessel.length)
     with folder_beside(out, replaces=JSON) as part:
         pictures = draw_trials(part, results, vessel.length)

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import contents
 from swamp_rl.pilots.arrays import Array, levers_of
@@ -40,16 +41,17 @@ class SB3Zip:
     Settings = ZipSettings
     from_runs: ClassVar[bool] = False
 
-    def __init__(self, content: bytes, senses: tuple[str, ...]) -> None:
+    def __init__(self, content: bytes, senses: tuple[str, ...], file: str) -> None:
+        """file: what messages name. UserError where the content is no model that can steer."""
         self._content, self.senses = content, senses
-        self._model = _loaded(content)
+        self._model = _loaded(content, file)
         seen, action = self._model.observation_space.shape, self._model.action_space
         if seen != (len(senses),):
             raise UserError(
-                f"sb3: the model observes the shape {seen}, not ({len(senses)},); give its senses"
+                f"sb3:{file}: the model observes the shape {seen}, not ({len(senses)},); give its senses"
             )
         if action.shape != (2,):
-            raise UserError(f"sb3: the model's actions have the shape {action.shape}, (2,) is needed")
+            raise UserError(f"sb3:{file}: the model's actions have the shape {action.shape}, (2,) is needed")
         self._whole = float(action.low[0]) < 0.0
 
     @classmethod
@@ -61,7 +63,7 @@ class SB3Zip:
     def read(cls, settings: ZipSettings) -> "SB3Zip":
         """The model of `settings.file`, which the user has named and so trusts."""
         content = model_file(settings.file, settings.sha256)
-        return cls(content, settings.senses)
+        return cls(content, settings.senses, settings.file)
 
     def save(self, folder: Path) -> None:
         """The zip as it was read."""
@@ -76,7 +78,7 @@ class SB3Zip:
                 "the pilot is a model of stable-baselines3, which can run code; if it is yours, name its "
                 f"zip: sb3:{Path(settings.file).name}"
             )
-        return cls(content, settings.senses)
+        return cls(content, settings.senses, str(folder / MODEL))
 
     def reset(self, n: int) -> None:
         """Nothing is remembered."""
@@ -87,15 +89,24 @@ class SB3Zip:
         return levers_of(actions) if self._whole else np.asarray(actions)
 
 
-def _loaded(content: bytes) -> Any:
+def _loaded(content: bytes, file: str) -> Any:
     import stable_baselines3
 
+    named = f"sb3:{clipped(file, 200)}"
     try:
         with zipfile.ZipFile(BytesIO(content)) as archive:
             data = json.loads(archive.read("data"))
     except (zipfile.BadZipFile, KeyError, ValueError) as error:
-        raise UserError(f"sb3: is no model of stable-baselines3 ({error}); name the zip it saved") from error
+        raise UserError(
+            f"{named}: is no model of stable-baselines3 ({error}); name the zip it saved"
+        ) from error
     names = [MARKS[mark] for mark in MARKS if isinstance(data, Mapping) and mark in data]
     if not names:
-        raise UserError(f"sb3: is a model of none of {', '.join(MARKS.values())}; train one of these")
-    return getattr(stable_baselines3, names[0]).load(BytesIO(content), device="cpu")
+        raise UserError(f"{named}: is a model of none of {', '.join(MARKS.values())}; train one of these")
+    try:
+        return getattr(stable_baselines3, names[0]).load(BytesIO(content), device="cpu")
+    except Exception as error:  # whatever the pickles of a damaged or foreign file raise
+        told = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise UserError(
+            f"{named}: could not be read by this stable-baselines3 ({told}); save it again"
+        ) from error

@@ -11,6 +11,8 @@ from swamp_rl.names import YAML, plain_name
 from swamp_rl.runs.table import FORMATS
 
 META, COURSE = "dataset.yaml", ".course.yaml"
+ANALYSIS = "analysis"
+"The folder of a dataset to which verbs write what they find in its runs."
 """What describes a dataset, and how the name of the copy of its course ends."""
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]

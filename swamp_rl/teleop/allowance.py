@@ -9,11 +9,11 @@ class Allowance:
         self.rate, self.burst = rate, burst
         self._left, self._last = burst, 0.0
 
-    def spend(self, now: float) -> bool:
-        """Whether one more is allowed at `now` [s]; it then counts."""
+    def spend(self, now: float, amount: float = 1.0) -> bool:
+        """Whether so much more is allowed at `now` [s]; it then counts."""
         self._left = min(self.burst, self._left + (now - self._last) * self.rate)
         self._last = now
-        if self._left < 1.0:
+        if self._left < amount:
             return False
-        self._left -= 1.0
+        self._left -= amount
         return True

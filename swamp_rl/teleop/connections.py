@@ -5,7 +5,9 @@ import logging
 import time
 from typing import Any
 
+import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from swamp_rl.teleop.allowance import Allowance
 
@@ -14,6 +16,9 @@ MOST = 256
 where none is silent, or strangers with whole requests would keep a page out."""
 SILENT = 10.0  # s that a connection may take for the headers of its first request
 LONGEST = 60.0  # s that a connection lasts that does not become a WebSocket
+BYTES, MORE_BYTES = 2.0**18, 2.0**16
+"""Bytes that a WebSocket may send at once, one read of asyncio, and a second; a page sends at most 16 kB a
+second."""
 PING = 20.0  # s between two pings of a WebSocket, and until it is closed that answers none
 LINES, MORE_LINES = 50.0, 1.0  # of the log in a burst, and a second
 
@@ -37,9 +42,24 @@ class BoundedProtocol(H11Protocol):
         super().connection_lost(exc)
 
     def handle_websocket_upgrade(self, event: Any) -> None:
-        """Hand the connection over to the WebSocket's protocol, whose pings end it."""
+        """Hand the connection over to the WebSocket's protocol, whose pings end it.
+
+        A request with a body, or with more or longer headers than the WebSocket's library reads, is refused:
+        that protocol would neither answer nor end it.
+        """
         self._end.cancel()
         super().handle_websocket_upgrade(event)
+        if not self.transport.get_protocol().handshake_initiated:  # type: ignore[attr-defined]
+            self.send_400_response("Invalid WebSocket request received.")
+
+    def send_400_response(self, msg: str) -> None:
+        """Refuse what is no HTTP. If it is the body of a request, that gets no other answer."""
+        if self.cycle is not None:
+            self.cycle.disconnected = True
+        if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE):
+            super().send_400_response(msg)
+        else:
+            self.transport.close()
 
     @property
     def silent(self) -> bool:
@@ -57,6 +77,22 @@ class BoundedProtocol(H11Protocol):
             self.abort()
         else:
             self._end = self.loop.call_later(LONGEST - SILENT, self.abort)
+
+
+class BoundedSocket(WebSocketsSansIOProtocol):
+    """A WebSocket that is aborted when it sends too many bytes, of whatever kind of frame."""
+
+    def connection_made(self, transport: Any) -> None:
+        """As asyncio has it."""
+        super().connection_made(transport)
+        self._allowance = Allowance(MORE_BYTES, BYTES)
+
+    def data_received(self, data: bytes) -> None:
+        """As asyncio has it; no byte beyond the allowance is parsed."""
+        if self._allowance.spend(self.loop.time(), len(data)):
+            super().data_received(data)
+        else:
+            self.transport.abort()
 
 
 class Sparing(logging.Filter):

@@ -138,8 +138,8 @@ def _address(scope: Scope) -> str:
 
 
 def _header(scope: Scope, name: bytes) -> str:
-    values = [value for key, value in scope.get("headers", ()) if key == name]
-    return values[0].decode("latin-1") if len(values) == 1 else ""
+    """The header's value; of one that is given twice both, as a list (RFC 9110, 5.3)."""
+    return b", ".join(value for key, value in scope.get("headers", ()) if key == name).decode("latin-1")
 
 
 def _cookie(scope: Scope) -> str:

@@ -20,7 +20,7 @@ from starlette.websockets import WebSocket
 from swamp_rl.errors import UserError
 from swamp_rl.files import os_error
 from swamp_rl.teleop import view
-from swamp_rl.teleop.connections import PING, BoundedProtocol, Sparing
+from swamp_rl.teleop.connections import PING, BoundedProtocol, BoundedSocket, Sparing
 from swamp_rl.teleop.guard import COOKIE, LOCKED, Guard, is_loopback
 from swamp_rl.teleop.heartbeat import heartbeat
 from swamp_rl.teleop.hub import REFUSED, STILL, Hub, log
@@ -148,7 +148,7 @@ def server_of(hub: Hub, guard: Guard) -> uvicorn.Server:
     config = uvicorn.Config(
         application(hub, guard),
         log_level="warning",
-        ws="websockets-sansio",
+        ws=BoundedSocket,
         ws_max_size=LARGEST_FRAME,
         ws_per_message_deflate=False,
         ws_ping_interval=PING,

@@ -5,6 +5,7 @@ import json
 import re
 import shutil
 import sys
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -229,6 +230,15 @@ def test_what_is_no_model_and_a_model_that_was_changed_are_refused(place: Path) 
     other = hashlib.sha256(b"another").hexdigest()
     with pytest.raises(UserError, match="is no longer the model"):
         own.model_file(str(place / "model.zip"), other)
+
+
+@pytest.mark.parametrize("held", [{}, {"clip_range": 0.2}, {"gae_lambda": 1.0, "policy_class": "x"}, []])
+def test_a_zip_that_no_algorithm_reads_is_told_by_its_name_in_one_line(place: Path, held: object) -> None:
+    with zipfile.ZipFile(place / "other.zip", "w") as archive:
+        archive.writestr("data", json.dumps(held))
+    with pytest.raises(UserError, match=r"other\.zip: (is a model of none of|could not be read)") as told:
+        opened(asked_pilot(f"sb3:{place}/other.zip"))
+    assert "\n" not in str(told.value)
 
 
 def test_a_model_that_is_not_there_is_told_before_anything_is_recorded(place: Path) -> None:
