@@ -21,7 +21,6 @@ from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
 from swamp_rl.criticism.selection.exchange_search import exchange_search
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
 from swamp_rl.criticism.selection.small_effects import with_small_effects
-from swamp_rl.effects import Effect
 
 
 def beam_search(
@@ -171,9 +170,8 @@ def _expand(
     """Fits to the shortest windows of the sets of least expected criterion with one more effect, best first.
 
     Sets whose expected criterion is far above that of the first `always_fitted` are not fitted, effects
-    without parameters excepted as long as nothing is adequate, or what is has the same effect on other
-    thrusters, and a part of the windows does not refute them; once the step budget is spent, only the first
-    are.
+    without parameters excepted as long as nothing is adequate and a part of the windows does not refute
+    them; once the step budget is spent, only the first are.
     """
     if not beam:
         return []
@@ -200,27 +198,20 @@ def _expand(
         if number >= options().always_fitted and continuation.boat_steps > step_budget:
             break
         expected = criterion.expected(one)  # which may overflow
-        open_question = not enough or one.instance.effect in _effects(fitted[0])
-        jump = not one.instance.size and open_question and not _is_hopeless(continuation, one, beam)
+        jump = not (one.instance.size or enough) and not _is_hopeless(continuation, one, beam)
         if not fitted or expected < limit or jump:
             made = continuation.fit(0, one.hypothesis, one.x, one.states)
             previous = min(at.chi2 for at in beam if at.hypothesis.label == _base(one).label)
             if continuation.not_converged(made, previous, one.expected_chi2):
                 made = continuation.restarted(made)
             fitted.append(made)
-        fitted.sort(key=criterion)
-        best = fitted[0]
+        best = min(fitted, key=criterion)
         enough = continuation.is_adequate(0, best)
         if enough or number + 1 >= options().always_fitted:
             gained = max(at.chi2 - best.chi2 for at in beam)
             share = (1 if enough else 2) * options().follow_share
             limit = criterion(best) + options().follow_fit + share * gained
-    return fitted
-
-
-def _effects(at: Fit) -> list[Effect]:
-    """Of a fit, on whichever thrusters."""
-    return [instance.effect for instance in at.hypothesis.instances]
+    return sorted(fitted, key=criterion)
 
 
 def _is_hopeless(continuation: Continuation, one: ScoreTest, beam: Sequence[Fit]) -> bool:
