@@ -26,6 +26,7 @@ from swamp_rl.criticism.inference.identifiability import contrast, hidden_effect
 from swamp_rl.criticism.inference.next_trial import Designed, design_trial, question_of, write_trial
 from swamp_rl.criticism.inference.residual_force import residual_forces
 from swamp_rl.criticism.inference.self_trial import TWINS, Each, Method, self_trial, serially
+from swamp_rl.criticism.inference.special_cases import with_sufficient_special_cases
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
@@ -123,15 +124,16 @@ def examine(
     with_noise, continuation, found = select_model(run_set, weight, every, hull)
     run_set = replace(run_set, commands=with_noise.commands)  # reconstructed
     LOG.info("the best hypothesis is %s; adequacy and missing forces", found.winner.hypothesis.label)
+    on = Witness(run_set, weight, others=False)
+    if other is not None:
+        on = Witness(other, weights(other, noise_levels(other)), others=True)
+    noise = {n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)}
+    found = with_sufficient_special_cases(continuation, found, every, on, rng)
     judged = continuation.problem(found.stage, found.winner.hypothesis)
     measure = adequacy(judged, in_noise_units(found.winner, judged, weight))
     forces = residual_forces(run_set, weight, found.winner.hypothesis, found.winner.x)
 
     LOG.info("confirmation on held-out runs, prediction errors")
-    on = Witness(run_set, weight, others=False)
-    if other is not None:
-        on = Witness(other, weights(other, noise_levels(other)), others=True)
-    noise = {n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)}
     written, shares, left_out = written_fit(continuation, found.winner, found.stage, witnesses(on, rng), rng)
     listed = list_causes(judged, found, shares, left_out, noise)
     found = found if listed.sound else replace(found, adequate=False)

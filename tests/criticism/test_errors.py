@@ -11,10 +11,11 @@ from swamp_rl.criticism.inference.cause_share import list_causes
 from swamp_rl.criticism.inference.estimate import causes_of, sides_of
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
+from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance, variances_between_runs
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.nuisance.process_noise import model_error
 from swamp_rl.criticism.selection.backward_elimination import Selection
-from tests.support.criticism import SECONDS, simulated_runs
+from tests.support.criticism import SECONDS, joined, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
@@ -44,6 +45,23 @@ def test_correlated_residuals_widen_standard_errors(fitted: tuple[Shooting, Fit]
     held = np.repeat(smooth[:, ::10], 10, axis=1)[:, : smooth.shape[1]].reshape(at.residual.shape)
     ratio = np.sqrt(sandwich_covariance(problem, replace(at, residual=held))[0, 0] / at.covariance[0, 0])
     assert ratio > 2.0
+
+
+@pytest.mark.parametrize(("gains", "least", "most"), [((0.7, 0.9), 0.04, 0.12), ((0.8, 0.8), 0.0, 0.01)])
+def test_a_model_error_that_differs_between_runs_widens_standard_errors(
+    gains: tuple[float, float], least: float, most: float
+) -> None:
+    """Three runs of each gain: their mean has a standard error of 0.1 over the root of five."""
+    first, more = (
+        simulated_runs([{"effect": "thruster_gain", "thruster": "bs", "gain": gain}]) for gain in gains
+    )
+    found = joined(first, more)
+    instance = by_label(candidates(found.boat, SECONDS))["thruster_gain bs"]
+    weight = weights(found, noise_levels(found))
+    weighted = model_error(found, weight, Hypothesis((instance,)), np.array([0.8]), 10.0)
+    (error,) = np.sqrt(variances_between_runs(weighted.problem, weighted.fit))
+    assert least < error < most
+    assert sandwich_covariance(weighted.problem, weighted.fit)[0, 0] >= 0.999 * error**2
 
 
 def test_a_cause_without_a_finite_standard_error_is_not_claimed(fitted: tuple[Shooting, Fit]) -> None:

@@ -25,9 +25,11 @@ DELAY = {"effect": "command_delay", "delay": 0.48}
 CURRENT = {"effect": "current", "north": 0.08, "east": -0.05}
 
 
-def begun(effects: list[dict[str, Any]], *names: str) -> tuple[Continuation, list[EffectInstance]]:
+def begun(
+    effects: list[dict[str, Any]], *names: str, velocities: bool = True
+) -> tuple[Continuation, list[EffectInstance]]:
     """A continuation of runs with those effects, and the candidates of those names."""
-    runs = simulated_runs(effects)
+    runs = simulated_runs(effects, velocities=velocities)
     every = [one for one in candidates(runs.boat, SECONDS) if one.label in names]
     return continuation_of(runs, weights(runs, noise_levels(runs))), every
 
@@ -52,6 +54,16 @@ def test_a_delay_caught_at_another_sample_begins_again_beside_the_other_effects(
     found = exchange_search(continuation, at, every)[-1]
     assert found.x[found.hypothesis.columns("command_delay")] == pytest.approx([0.48], abs=0.01)
     assert continuation.is_adequate(MIDDLE, found)
+
+
+def test_the_rivals_of_the_first_set_that_leaves_noise_are_fitted_too() -> None:
+    """Without measured velocities a late position and a late clock are the same."""
+    late = {"effect": "position_delay", "delay": 0.3}
+    labels = "current", "position_delay", "clock_offset"
+    continuation, every = begun([late, CURRENT], *labels, velocities=False)
+    at = continuation.fit(0, Hypothesis((by_label(every)["current"],)), np.array([0.08, -0.05]))
+    found = {one.hypothesis.label for one in exchange_search(continuation, at, every)}
+    assert {"current + position_delay", "clock_offset + current"} <= found
 
 
 def test_nothing_is_exchanged_for_what_explains_no_more() -> None:

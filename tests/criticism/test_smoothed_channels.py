@@ -10,7 +10,7 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.diagnose import examine
 from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
-from tests.support.criticism import DT, SIGMA, gauss_markov_noise, simulated_runs
+from tests.support.criticism import DT, SIGMA, driven, gauss_markov_noise, simulated_runs
 
 Array = np.ndarray
 Filter = Callable[[Array], Array]
@@ -71,6 +71,26 @@ def test_white_noise_is_never_taken_for_a_filters(seed: int) -> None:
     assert smoothed_channels(runs) == {}
     sigmas = noise_levels(runs)
     np.testing.assert_array_equal(raised(sigmas, {}), sigmas)
+
+
+def steered_every_second(seed: int) -> RunSet:
+    """Three runs of 80 s with the bow thrusters turned to the side and back, once in a second or so."""
+    rng = np.random.default_rng(seed)
+    given = np.zeros((3, 800, 8))
+    given[..., 4:6] = 0.6
+    for run in given:
+        turns = np.cumsum(rng.integers(8, 17, 120))
+        angles = rng.choice([-1.5, 0.0, 1.5], len(turns) + 1)
+        run[:, :2] = angles[np.searchsorted(turns, np.arange(len(run)), side="right"), None]
+    return driven([], given, 0.8, seed)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_motion_of_a_boat_that_is_steered_all_the_time_is_not_a_filters(seed: int) -> None:
+    """Longer strides would be judged amid commands, shorter ones between them."""
+    runs = steered_every_second(seed)
+    assert smoothed_channels(runs) == {}
+    assert set(smoothed_channels(filtered(runs, one_pole, "yaw_rate"))) == {"yaw_rate"}
 
 
 def test_a_wandering_receiver_a_slow_log_and_a_run_without_noise_are_not_filters() -> None:

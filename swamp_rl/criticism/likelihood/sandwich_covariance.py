@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.likelihood.cross_validation import folds_of, numbers_without
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, moved_together
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.options import options
@@ -13,12 +14,42 @@ Z95 = 1.959964
 
 
 def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
-    """(p, p) sandwich covariance (Huber-White) of x, widened by Student's t for the number of its blocks."""
+    """(p, p) sandwich covariance (Huber-White) of x, widened by Student's t for the number of its blocks;
+    where weights are the model error's, to the variances between runs where those are larger.
+    """
+    covariance, freedom = scattered_covariance(problem, at)
+    wider = _wider(freedom)
+    covariance = np.asarray(covariance * np.outer(wider, wider))
+    if problem.correlation_samples == 1.0 or not np.isfinite(covariance).all():
+        return covariance
+    ratio = variances_between_runs(problem, at) / np.maximum(np.diag(covariance), 1e-300)
+    wider = np.sqrt(np.maximum(ratio, 1.0))
+    return np.asarray(covariance * np.outer(wider, wider))
+
+
+def variances_between_runs(problem: Shooting, at: Fit) -> Array:
+    """(p,) delete-one-group jackknife variances of x (CR3, Bell and McCaffrey, Bias reduction in standard
+    errors for linear regression with multi-stage samples, Survey Methodology 28, 2002), widened by Student's
+    t; 0 of what groups of runs have of their own. A group is a fold of the cross-validation.
+
+    An error of the model repeats with the manoeuvre, so that the windows of one run are alike and their
+    scatter is too small.
+    """
+    _, fold = np.unique(folds_of(problem.windows), return_inverse=True)
+    count = int(fold.max()) + 1
+    if count < 2 or not at.hypothesis.size:
+        return np.zeros(at.hypothesis.size)
+    away = numbers_without(at, fold, count) - at.x
+    wider = _wider(np.full(at.hypothesis.size, count - 1.0))
+    common = np.array([not one.groups for one in at.hypothesis.instances for _ in one.specs])
+    return np.asarray(np.where(common, wider**2 * (count - 1) / count * (away**2).sum(axis=0), 0.0))
+
+
+def _wider(freedom: Array) -> Array:
+    """Quantiles of Student's t over those of the normal distribution, of an interval's ends."""
     from scipy.special import stdtrit
 
-    covariance, freedom = scattered_covariance(problem, at)
-    wider = stdtrit(freedom, 1.0 - options().tail) / Z95
-    return np.asarray(covariance * np.outer(wider, wider))
+    return np.asarray(stdtrit(freedom, 1.0 - options().tail) / Z95)
 
 
 def scattered_covariance(problem: Shooting, at: Fit) -> tuple[Array, Array]:

@@ -57,10 +57,14 @@ def command_activity(run_set: RunSet) -> Array:
 
 
 def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> SmoothedNoise | None:
-    """Of one channel (R, T), None where its noise is white."""
-    strides = {*options().strides, options().judged_stride}
-    variance = {stride: _variance(values, activity, stride, dt) for stride in strides}
-    fine, coarse = variance[1], variance[options().judged_stride]
+    """Of one channel (R, T), None where its noise is white: judged where commands change as little over the
+    longer stride as over one sample, so that both differences hold as little of the motion.
+    """
+    before = math.ceil(options().settled / dt)
+    of_strides = {s: _third_differences(values, activity, s, before) for s in options().strides}
+    judged = _third_differences(values, activity, options().judged_stride, before)
+    quiet = _median_rate(*of_strides[1])
+    fine, coarse = _variance(*of_strides[1], quiet), _variance(*judged, quiet)
     if fine is None or coarse is None or fine[0] <= 0.0:
         return None
     error = math.sqrt(OF_A_VARIANCE / fine[1] + OF_A_VARIANCE / coarse[1])
@@ -72,7 +76,8 @@ def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothe
         or exponent > options().motion_exponent
     ):
         return None
-    measured = {stride: one[0] for stride in options().strides if (one := variance[stride]) is not None}
+    variances = {s: _variance(*own, _median_rate(*own)) for s, own in of_strides.items()}
+    measured = {stride: one[0] for stride, one in variances.items() if one is not None}
     pole = _pole(measured)
     longest = max(measured)
     power = measured[longest] / third_difference_variance(pole, longest)
@@ -84,17 +89,30 @@ def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothe
     return SmoothedNoise(sample_noise=fine_sigma, standard_deviation=math.sqrt(low), time_constant_s=seconds)
 
 
-def _variance(values: Array, activity: Array, stride: int, dt: float) -> tuple[float, int] | None:
-    """Variance and number of third differences over a stride, where commands change little, less outliers."""
-    span, before = 3 * stride, math.ceil(options().settled / dt)
+def _third_differences(values: Array, activity: Array, stride: int, before: int) -> tuple[Array, Array]:
+    """(R, N) third differences over a stride, and (R, N) change of commands in a row, from `before` rows
+    before their first samples on; N is 0 in runs too short.
+    """
+    span = 3 * stride
     if values.shape[1] <= span + before:
-        return None
-    differences = values[:, 3 * stride :] - values[:, : -3 * stride]
+        return np.zeros((len(values), 0)), np.zeros((len(values), 0))
+    differences = values[:, span:] - values[:, :-span]
     differences = differences - 3 * (values[:, 2 * stride : -stride] - values[:, stride : -2 * stride])
-    differences, moved = differences[:, before:], activity[:, span + before :] - activity[:, : -span - before]
-    good = np.isfinite(differences)
-    quiet = good & (moved <= np.median(moved[good])) if good.any() else good
-    kept = differences[quiet]
+    moved = activity[:, span + before :] - activity[:, : -span - before]
+    return differences[:, before:], moved / (span + before)
+
+
+def _median_rate(differences: Array, rate: Array) -> float:
+    """Change of commands in a row that about half of the third differences do not exceed; 0 of none."""
+    measured = np.isfinite(differences)
+    return float(np.median(rate[measured])) if measured.any() else 0.0
+
+
+def _variance(differences: Array, rate: Array, quiet: float) -> tuple[float, int] | None:
+    """Variance and number of third differences where commands change by at most `quiet` in a row, less
+    outliers.
+    """
+    kept = differences[np.isfinite(differences) & (rate <= quiet)]
     if len(kept) < options().fewest_differences:
         return None
     rough = NORMAL_OF_MAD * float(np.median(np.abs(kept)))

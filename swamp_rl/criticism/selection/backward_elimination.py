@@ -98,14 +98,17 @@ def _with_rivals(
     special = alternatives_to_nuisance(continuation, found.winner, instances)
     best, rivals, stage = compare(continuation, found.winner, [*found.tried, *special], found.stage)
     best = with_special_cases(continuation, best, instances, stage)
+    rivals = [with_special_cases(continuation, one, instances, stage) for one in rivals]
     put = [instance for instance in best.hypothesis.instances if instance.label not in found.confirmed]
     new = confirmations(continuation, best, put, len(instances) * (1 + len(best.hypothesis.instances)))
     if not all(one.gains for one in new.values()):
         rivals = [best] if found.winner.hypothesis.instances else []
         best, stage, new = found.winner, found.stage, {}
+    apart = {one.hypothesis.cause_label: one for one in reversed(rivals)}
+    apart.pop(best.hypothesis.cause_label, None)
     rivals = [
         one
-        for one in rivals
+        for one in reversed(apart.values())
         if not nested(best.hypothesis, one.hypothesis)
         or continuation.criterion(one) < continuation.criterion(best) + options().separation_general
         or any(one.hypothesis.label == other.hypothesis.label for other in special)
@@ -158,11 +161,14 @@ def pruned(continuation: Continuation, best: Fit, stage: int) -> Fit:
 
 
 def indispensable(continuation: Continuation, best: Fit, label: str, stage: int) -> bool:
-    """Whether removing an effect raises the criterion by `clearly` on shorter windows already."""
+    """Whether removing an effect raises the criterion by `clearly` on shorter windows already; by
+    `overwhelming` where whole runs have other commands in gaps than those windows.
+    """
+    least = options().overwhelming if stage >= LAST and continuation.gaps else options().clearly
     for shorter in range(stage):
         whole = continuation.at(shorter, best)
         less = without(continuation, whole, label, shorter)
-        if continuation.criterion(less) > continuation.criterion(best) + options().clearly:
+        if continuation.criterion(less) > continuation.criterion(whole) + least:
             return True
     return False
 
@@ -207,14 +213,14 @@ def with_special_cases(
             is_case = nested(Hypothesis((special,)), Hypothesis((instance,))) and special.effect.parameters
             if special.label == instance.label or special.groups or not is_case:
                 continue
-            plain = _with_special(continuation, best, instance, special, stage)
+            plain = with_special(continuation, best, instance, special, stage)
             noise = continuation.is_adequate(stage, plain)
             if noise and continuation.criterion(plain) <= continuation.criterion(best):
                 return with_special_cases(continuation, plain, instances, stage)
     return best
 
 
-def _with_special(
+def with_special(
     continuation: Continuation, best: Fit, instance: EffectInstance, special: EffectInstance, stage: int
 ) -> Fit:
     """The best fit with a special case in place of one effect: begun from the numbers that they share, else

@@ -26,8 +26,9 @@ Array = NDArray[np.float64]
 
 def exchange_search(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[Fit]:
     """Fits to the middle windows, each one exchange or one effect more from the last and of a lower criterion
-    on the shortest, until the residual is noise; at: a fit to the shortest windows. Effects without a number,
-    whose score is no guide, and with parameters for each group of runs take no part unless `at` has them.
+    on the shortest, until the residual is noise, and then the rivals of the last; at: a fit to the shortest
+    windows. Effects without a number, whose score is no guide, and with parameters for each group of runs
+    take no part unless `at` has them.
     """
     found: list[Fit] = []
     most = continuation.boat_steps + options().exchange_budget
@@ -41,8 +42,21 @@ def exchange_search(continuation: Continuation, at: Fit, instances: Sequence[Eff
         at = best
         found.append(fit_by_continuation(continuation, at.hypothesis, at.x))
         if adequate_stage(continuation, found[-1]) is not None:
-            break
+            return [*found, *_rivals(continuation, at, taking_part)]
     return found
+
+
+def _rivals(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[Fit]:
+    """Fits to the middle windows of sets that differ from that of `at` in one effect and are about as good on
+    the shortest: `at` was the first set that leaves noise, not the best of those.
+    """
+    near = continuation.criterion(at) + options().compared
+    others = _neighbours(continuation, at, instances, options().follow_fit, more=False)
+    return [
+        fit_by_continuation(continuation, one.hypothesis, one.x)
+        for one in others
+        if continuation.criterion(one) < near and one.hypothesis != at.hypothesis
+    ]
 
 
 def _better(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> Fit:
@@ -55,32 +69,44 @@ def _better(continuation: Continuation, at: Fit, instances: Sequence[EffectInsta
     return best
 
 
-def _neighbours(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> Iterator[Fit]:
-    """Fits of the most promising sets of a lower expected criterion that differ from that of `at` in one
-    effect, or in where that begins.
+def _neighbours(
+    continuation: Continuation,
+    at: Fit,
+    instances: Sequence[EffectInstance],
+    room: float = 0.0,
+    more: bool = True,
+) -> Iterator[Fit]:
+    """Fits of the most promising sets, of an expected criterion below that of `at` plus `room`, that differ
+    from that of `at` in one effect, or in where that begins; more: also those of one effect more.
     """
     problem = continuation.problems[0]
-    if len(at.hypothesis.instances) < options().most_effects:
-        yield from _promising(continuation, at, score_tests(problem, at, instances), instances)
+    if more and len(at.hypothesis.instances) < options().most_effects:
+        yield from _promising(continuation, at, score_tests(problem, at, instances), instances, room)
     for instance, own in at.parts():
         base = at_states(problem, *joined(at.parts(but=instance.label)), at.states, options().score_rounds)
         others = [one for one in instances if one.label != instance.label]
         again = [_elsewhere(instance, own)] if instance.size else []
         scores = score_tests(problem, base, [*others, *again])
-        yield from _promising(continuation, at, scores, instances)
+        yield from _promising(continuation, at, scores, instances, room)
 
 
 def _promising(
-    continuation: Continuation, at: Fit, scores: Sequence[ScoreTest], instances: Sequence[EffectInstance]
+    continuation: Continuation,
+    at: Fit,
+    scores: Sequence[ScoreTest],
+    instances: Sequence[EffectInstance],
+    room: float,
 ) -> list[Fit]:
-    """Fits from the score tests of least expected criterion, where that is below the criterion of `at`."""
+    """Fits from the score tests of least expected criterion, where that is below the criterion of `at` plus
+    `room`.
+    """
     criterion, known = continuation.criterion, by_label(instances)
     likely = [one for one in scores if one.information >= options().least_information]
     likely = sorted(likely, key=criterion.expected)[: options().exchange_fits]
     return [
         _fitted(continuation, one, known[one.instance.label])
         for one in likely
-        if criterion.expected(one) < criterion(at)
+        if criterion.expected(one) < criterion(at) + room
     ]
 
 

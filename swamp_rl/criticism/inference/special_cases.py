@@ -1,0 +1,57 @@
+"""Named causes that a special case of theirs replaces where that predicts no worse."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from swamp_rl.criticism.inference.cause_share import Witness, shares_of
+from swamp_rl.criticism.likelihood.output_error import Fit
+from swamp_rl.criticism.model.candidates import EffectInstance
+from swamp_rl.criticism.options import options
+from swamp_rl.criticism.selection.backward_elimination import Selection, with_special
+from swamp_rl.criticism.selection.continuation import Continuation
+
+
+def with_sufficient_special_cases(
+    continuation: Continuation,
+    found: Selection,
+    instances: Sequence[EffectInstance],
+    on: Witness,
+    rng: np.random.Generator,
+) -> Selection:
+    """The selection with those special cases of its effects that the library declares (`Effect.contains`),
+    where the general effect lowers no prediction error: a thruster's gain for an efficiency that is even but
+    for the rounding of the commands. The effects of a selection with rivals stay: they are compared.
+
+    instances: all candidates; on: the runs that predictions are compared with.
+    """
+    if found.rivals:
+        return found
+    for instance in found.winner.hypothesis.instances:
+        for special in instances:
+            if not _is_declared(special, instance):
+                continue
+            plain = with_special(continuation, found.winner, instance, special, found.stage)
+            if _predicts_as_well(continuation, plain, found, on, rng):
+                simpler = replace(found, winner=plain)
+                return with_sufficient_special_cases(continuation, simpler, instances, on, rng)
+    return found
+
+
+def _is_declared(special: EffectInstance, general: EffectInstance) -> bool:
+    """Whether an effect on the same thrusters is declared as a special case of another."""
+    declared = special.effect.name in general.effect.contains
+    return declared and special.selectors == general.selectors and not special.groups
+
+
+def _predicts_as_well(
+    continuation: Continuation, plain: Fit, found: Selection, on: Witness, rng: np.random.Generator
+) -> bool:
+    """Whether no error of the predictions is larger under a fit than under the winner, at any horizon."""
+    shares = []
+    for horizon in options().judged_horizons:
+        before, _ = on.errors(continuation, found.stage, plain, horizon)
+        after, block = on.errors(continuation, found.stage, found.winner, horizon)
+        shares += shares_of(before, after, block, horizon, rng)
+    return bool(shares) and all(one.without <= one.with_cause for one in shares)

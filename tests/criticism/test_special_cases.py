@@ -1,0 +1,51 @@
+"""A cause is named by its special case where that predicts as well."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference.cause_share import Witness
+from swamp_rl.criticism.inference.special_cases import with_sufficient_special_cases
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.selection.backward_elimination import Selection
+from swamp_rl.criticism.selection.continuation import continuation_of
+from tests.support.criticism import SECONDS, simulated_runs
+
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
+
+GAIN = {"effect": "thruster_gain", "thruster": "bs", "gain": 0.6}
+CURVE = {"effect": "thruster_efficiency_curve", "thruster": "bs", "at_30": 0.4, "at_60": 0.9, "at_100": 0.6}
+MIDDLE = 1  # stage of a continuation
+
+
+def rounded(runs: RunSet, step: float) -> RunSet:
+    """The runs with throttles that were logged in steps."""
+    commands = runs.commands.copy()
+    commands[..., 4:] = step * np.round(commands[..., 4:] / step)
+    return replace(runs, commands=commands)
+
+
+def named(runs: RunSet, rivals: bool = False) -> list[str]:
+    """Labels of the effects, of a selection of an efficiency curve."""
+    weight = weights(runs, noise_levels(runs))
+    continuation = continuation_of(runs, weight)
+    every = candidates(runs.boat, SECONDS)
+    hypothesis = Hypothesis((by_label(every)["thruster_efficiency_curve bs"],))
+    winner = continuation.fit(MIDDLE, hypothesis, np.array([0.7, 0.7, 0.7]))
+    found = Selection(winner, True, MIDDLE, [winner] if rivals else [], [], [], [])
+    on = Witness(runs, weight, others=False)
+    given = continuation, found, every, on, np.random.default_rng(0)
+    return [one.label for one in with_sufficient_special_cases(*given).winner.hypothesis.instances]
+
+
+def test_an_even_efficiency_is_a_gain_although_rounded_commands_bend_it() -> None:
+    runs = rounded(simulated_runs([GAIN]), 0.05)
+    assert named(runs) == ["thruster_gain bs"]
+    assert named(runs, rivals=True) == ["thruster_efficiency_curve bs"]
+
+
+def test_an_uneven_efficiency_stays_a_curve() -> None:
+    assert named(rounded(simulated_runs([CURVE]), 0.05)) == ["thruster_efficiency_curve bs"]
