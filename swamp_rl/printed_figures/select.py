@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.figures.predict import Fleet, misfits, predicted
-from swamp_rl.criticism.figures.schema import Figure, Particular
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
 from swamp_rl.criticism.options import options
+from swamp_rl.printed_figures.predict import Fleet, misfits, predicted
+from swamp_rl.printed_figures.schema import Figure, Particular
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,13 @@ import numpy as np
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.checks import refuse_sources_inside
-from swamp_rl.criticism.figures.predict import Fleet, fleet_of, misfits, predicted
-from swamp_rl.criticism.figures.result import (
+from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
+from swamp_rl.criticism.model.extended_boat import write_extended
+from swamp_rl.criticism.options import options
+from swamp_rl.criticism.result import Cause, Estimate, Verdict
+from swamp_rl.errors import UserError
+from swamp_rl.printed_figures.predict import Fleet, fleet_of, misfits, predicted
+from swamp_rl.printed_figures.result import (
     CandidateFound,
     Exchanged,
     FigureFound,
@@ -20,8 +25,8 @@ from swamp_rl.criticism.figures.result import (
     RivalFound,
     StageFound,
 )
-from swamp_rl.criticism.figures.schema import Figure, FiguresFile, group_faults, read_figures
-from swamp_rl.criticism.figures.select import (
+from swamp_rl.printed_figures.schema import Figure, FiguresFile, group_faults, read_figures
+from swamp_rl.printed_figures.select import (
     NOWHERE,
     Fitted,
     Problem,
@@ -31,11 +36,6 @@ from swamp_rl.criticism.figures.select import (
     rivals_of,
     stage_of,
 )
-from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
-from swamp_rl.criticism.model.extended_boat import write_extended
-from swamp_rl.criticism.options import options
-from swamp_rl.criticism.result import Cause, Estimate, Verdict
-from swamp_rl.errors import UserError
 from swamp_rl.unfinished import folder_beside
 
 RESULT = "diagnosis.json"
@@ -82,7 +82,7 @@ def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None
     fit: groups by stage that parameters are fitted to, in place of the file's. UserError, one line for each
     fault of the file.
     """
-    from swamp_rl.criticism.figures.report import page
+    from swamp_rl.printed_figures.report import page
 
     began = time.perf_counter()
     model = load_boat(boat)
