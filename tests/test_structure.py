@@ -24,6 +24,7 @@ FLOORS = (
         "ordinary",
         "yaml_text",
         "figure_style",
+        "html_page",
         "one_thread",
         "own_code",
         "seal",
