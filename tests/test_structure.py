@@ -24,6 +24,7 @@ FLOORS = (
         "ordinary",
         "yaml_text",
         "figure_style",
+        "html_page",
         "one_thread",
         "own_code",
         "seal",
@@ -37,7 +38,7 @@ FLOORS = (
     {"allocation", "energy", "guidance", "link", "navigation", "manoeuvres", "identification", "pilots"},
     {"link"},
     {"criticism", "design", "evaluation", "export"},
-    {"boat_fit", "monitor"},
+    {"boat_fit", "monitor", "printed_figures"},
     {"teleop", "demo", "api"},
     {"envs"},
     {"experiments.config"},
@@ -58,8 +59,7 @@ CRITICISM = (
     {"selection"},
     {"inference"},
     {"report"},
-    {"figures", "diagnose"},
-    {"posterior", "schema"},
+    {"diagnose"},
 )
 FLOOR = {package: number for number, packages in enumerate(FLOORS) for package in packages}
 NOT_OF_THE_LIBRARY = FLOOR["envs"]

@@ -211,7 +211,7 @@ def _onnx(path: Path) -> Any:
 
 
 def _diagnosis(path: Path) -> Any:
-    from swamp_rl.criticism.posterior import write_posterior
+    from swamp_rl.experiments.config.posterior import write_posterior
 
     return write_posterior(path, path.parent / "level.yaml")
 

@@ -14,13 +14,13 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.figures.diagnose import diagnose_figures
-from swamp_rl.criticism.figures.predict import fleet_of, misfits, predicted
-from swamp_rl.criticism.figures.result import FiguresDiagnosis, StageFound
-from swamp_rl.criticism.figures.schema import FiguresFile, read_figures
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.result import Cause
 from swamp_rl.files import find_config
+from swamp_rl.printed_figures.diagnose import diagnose_figures
+from swamp_rl.printed_figures.predict import fleet_of, misfits, predicted
+from swamp_rl.printed_figures.result import FiguresDiagnosis, StageFound
+from swamp_rl.printed_figures.schema import FiguresFile, read_figures
 
 GIVEN, MEASURED = "swamp-thesis", "swamp"
 FIGURES = find_config("trials", "thesis_figures")

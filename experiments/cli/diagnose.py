@@ -79,7 +79,7 @@ def diagnose(
     """Identify the causes of a model's error in measured runs, extend the boat file, measure the gain."""
     given = ", ".join(map(str, dataset))
     typer.echo(f"diagnosing {given} against boat {boat}")
-    from swamp_rl.criticism.figures.schema import is_figures_file
+    from swamp_rl.printed_figures.schema import is_figures_file
 
     limits = _limits_of(next, boat, {"seconds": seconds, "speed": top_speed, "throttle": throttle})
     figures = [one for one in dataset if is_figures_file(one)]
@@ -209,7 +209,7 @@ def _limits_of(area: str | None, boat: str, more: dict[str, float | None]) -> "T
 
 def _diagnose_figures(path: Path, boat: str, out: Path, holdout: Path | None, fit: list[str] | None) -> None:
     """`diagnose` on a YAML file of printed figures."""
-    from swamp_rl.criticism.figures.diagnose import diagnose_figures
+    from swamp_rl.printed_figures.diagnose import diagnose_figures
 
     if holdout:
         raise UserError(f"--holdout: figures are held out by their groups; leave it out, see fit in {path}")
@@ -261,7 +261,7 @@ def disturbances(
     ] = None,
 ) -> None:
     """Write a diagnosis, with its standard errors, as disturbances for training."""
-    from swamp_rl.criticism.posterior import write_posterior
+    from swamp_rl.experiments.config.posterior import write_posterior
 
     level = write_posterior(diagnosis, out, among)
     typer.echo(f"{out}: {', '.join(entry['effect'] for entry in level['effects'])}")

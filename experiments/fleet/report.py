@@ -5,9 +5,7 @@ from urllib.parse import quote
 
 from swamp_rl.experiments.fleet.result import Fleet
 
-from swamp_rl.criticism.report.page import document
-from swamp_rl.criticism.report.tables import table
-from swamp_rl.criticism.report.words import minus
+from swamp_rl.html_page import document, minus, table
 
 
 def page(fleet: Fleet) -> str:

@@ -12,9 +12,8 @@ from swamp_rl.boat_fit.run_thrust import RunThrust
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.report.evidence import TRIVIAL
-from swamp_rl.criticism.report.page import document
-from swamp_rl.criticism.report.tables import table
 from swamp_rl.criticism.result import Predictors
+from swamp_rl.html_page import document, table
 
 GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
 FAR = 3.0  # standard deviations of the prior, beyond which a number contradicts the start file

@@ -310,6 +310,7 @@ class Options:
     jump_step: float = 0.02  # of the range: finite difference of a threshold at which the force jumps
     # ---- The missing force as an effect
     most_functions: int = 2  # together; one of both position coordinates counts as one
+    knot_rounds: int = 3  # of moving knots into the interval in which a function changes most
     # ---- Regression of the residual force
     # s of a window and of a coarse interval of constant force, fine intervals in it
     regression_spans: tuple[float, float, int] = (10.0, 2.5, 4)

@@ -1,8 +1,18 @@
-"""The models of `diagnosis.json`; `Diagnosis.model_json_schema()` is its published schema."""
+"""The models of `diagnosis.json`; `schema_text(Diagnosis, TITLE)` is its published schema.
 
+python -m swamp_rl.criticism.result docs/diagnosis.schema.json
+"""
+
+import sys
+from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
+
+from swamp_rl.files import write_text
+from swamp_rl.json_text import schema_text
+
+TITLE = "diagnosis.json of swamp-rl diagnose"
 
 GainOn = Literal["each_run_in_turn", "other_runs", "same_run"]
 Judged = Literal["position_rmse_m", "heading_rmse_rad"]
@@ -344,3 +354,9 @@ class Diagnosis(Part):
     smoothed: dict[str, SmoothedNoise] = {}
     adequacy: dict[str, Any]
     elapsed_s: float
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+        raise SystemExit(__doc__)
+    write_text(Path(sys.argv[1]), schema_text(Diagnosis, TITLE))

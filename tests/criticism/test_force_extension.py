@@ -16,6 +16,7 @@ from swamp_rl.criticism.inference.force_curves import (
     more_knots,
     nearest_coefficients,
     variable_values,
+    with_knots_moved,
 )
 from swamp_rl.criticism.inference.force_extension import (
     ForceExtension,
@@ -84,10 +85,36 @@ def test_the_coefficients_of_a_formula_are_found_from_its_values(
 
 
 def test_knots_are_added_in_the_longest_intervals() -> None:
-    knots = more_knots(np.array([0.0, 0.8, 0.9, 1.0]))
+    knots = more_knots(np.array([0.0, 0.8, 0.9, 1.0]), NONE)
     assert len(knots) == KNOTS
     assert (np.diff(knots) > 0.0).all()
     assert np.diff(knots).max() < 0.3
+
+
+def test_no_knot_is_added_where_there_is_no_sample() -> None:
+    samples = np.concatenate([np.linspace(0.0, 0.48, 30), np.linspace(0.62, 1.0, 30)])
+    knots = more_knots(np.array([0.0, 0.4, 0.8, 1.0]), samples)
+    assert len(knots) == KNOTS
+    assert not ((knots > 0.48 + 1e-9) & (knots < 0.62 - 1e-9)).any()
+    assert more_knots(np.array([0.0, 1.0]), np.array([0.0, 1.0])).tolist() == [0.0, 1.0]
+
+
+@pytest.mark.slow
+def test_knots_move_to_the_step_of_a_function() -> None:
+    run_set, step = sailed(None, "A"), 0.07
+    at = np.linspace(-0.8, 0.8, KNOTS)
+    (function,) = curve_instances(run_set, [listed("surge", "surge", at.tolist(), (at > step).tolist())])[1:]
+    (instance,), (values,) = function.instances, function.starts
+    for _ in range(3):
+        moved = with_knots_moved(run_set, instance, values)
+        assert moved is not None
+        instance, values = moved
+        assert instance.curve is not None
+        knots = np.array(instance.curve.knots)
+        values = (knots > step).astype(float)  # as a fit would find them
+    assert len(knots) == KNOTS
+    place = int(np.searchsorted(knots, step))
+    assert knots[place] - knots[place - 1] < 0.1 * (at[1] - at[0])
 
 
 @pytest.mark.slow
@@ -117,8 +144,12 @@ def test_nothing_is_written_that_makes_a_position_error_larger() -> None:
     assert is_better([good, share(30.0, "position_rmse_m", 2.0, 1.9, -0.2, 0.4)])
     assert not is_better([good, share(30.0, "position_rmse_m", 2.0, 2.1, -0.4, 0.2)])
     assert not is_better([good, share(10.0, "heading_rmse_rad", 0.1, 0.2, -0.2, -0.05)])
-    assert not is_better([share(10.0, "position_rmse_m", 1.0, 0.9, -0.1, 0.3)])
+    doubtful = [share(10.0, "position_rmse_m", 1.0, 0.9, -0.1, 0.3)]
+    assert not is_better(doubtful)
+    assert is_better(doubtful, confirmed=True)
+    assert not is_better([share(10.0, "position_rmse_m", 1.0, 1.1, -0.3, 0.1)], confirmed=True)
     assert not is_better([])
+    assert not is_better([], confirmed=True)
 
 
 def extended(run_set: RunSet) -> ForceExtension | None:

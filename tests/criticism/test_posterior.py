@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.stats import kstest, truncnorm
 from swamp_rl.envs.batched import GatesVectorEnv
+from swamp_rl.experiments.config.posterior import write_posterior
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.posterior import write_posterior
 from swamp_rl.effects import load_disturbances
 from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, write_yaml

@@ -10,18 +10,18 @@ import jsonschema
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
+from swamp_rl.experiments.config.posterior import write_posterior
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.criticism.figures.diagnose import diagnose_figures
-from swamp_rl.criticism.figures.predict import fleet_of, misfits, predicted
-from swamp_rl.criticism.figures.result import FiguresDiagnosis
-from swamp_rl.criticism.figures.schema import Figure, read_figures
-from swamp_rl.criticism.figures.select import laplace_term
 from swamp_rl.criticism.model.candidates import Hypothesis
-from swamp_rl.criticism.posterior import write_posterior
-from swamp_rl.criticism.schema import schema_text
 from swamp_rl.files import find_config, read_yaml, write_yaml
+from swamp_rl.json_text import schema_text
 from swamp_rl.physics.resistance import SPEED
+from swamp_rl.printed_figures.diagnose import diagnose_figures
+from swamp_rl.printed_figures.predict import fleet_of, misfits, predicted
+from swamp_rl.printed_figures.result import TITLE, FiguresDiagnosis
+from swamp_rl.printed_figures.schema import Figure, read_figures
+from swamp_rl.printed_figures.select import laplace_term
 from swamp_rl.simulator import tank
 from swamp_rl.simulator.state import SURGE, SWAY, YAW_RATE
 from tests.support.boats import commands, track
@@ -261,7 +261,7 @@ def test_the_posterior_of_the_figures_is_a_level_of_disturbance(
 @pytest.mark.slow
 def test_the_answer_fits_its_published_schema(shipped: tuple[FiguresDiagnosis, Path]) -> None:
     published = Path(__file__).parents[2] / "docs" / "figures_diagnosis.schema.json"
-    assert published.read_text(encoding="utf-8") == schema_text(FiguresDiagnosis)
+    assert published.read_text(encoding="utf-8") == schema_text(FiguresDiagnosis, TITLE)
     answer = json.loads((shipped[1] / "diagnosis.json").read_text())
     jsonschema.validate(answer, json.loads(published.read_text(encoding="utf-8")))
 

@@ -17,7 +17,6 @@ from swamp_rl.criticism.report.page import (
     identifiability_section,
     limits_section,
     residual_section,
-    table,
 )
 from swamp_rl.criticism.report.words import (
     cause_rows,
@@ -31,7 +30,6 @@ from swamp_rl.criticism.report.words import (
     number_cells,
     readable,
     residual_force_sentence,
-    rounded,
     written,
 )
 from swamp_rl.criticism.result import (
@@ -45,6 +43,7 @@ from swamp_rl.criticism.result import (
     ResidualForce,
     SmoothedNoise,
 )
+from swamp_rl.html_page import rounded, table
 
 pytestmark = pytest.mark.numerical
 

@@ -12,8 +12,8 @@ from swamp_rl.experiments.synthetic.cases import draw_case, write_case
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.diagnose import diagnose
-from swamp_rl.criticism.result import Diagnosis
-from swamp_rl.criticism.schema import schema_text
+from swamp_rl.criticism.result import TITLE, Diagnosis
+from swamp_rl.json_text import schema_text
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("schema")]  # what they share is made once
 
@@ -31,10 +31,11 @@ def answer(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_published_schema_is_that_of_the_code() -> None:
-    assert PUBLISHED.read_text(encoding="utf-8") == schema_text(), (
-        "write it anew: see swamp_rl/criticism/schema.py"
+    text = schema_text(Diagnosis, TITLE)
+    assert PUBLISHED.read_text(encoding="utf-8") == text, (
+        "write it anew: python -m swamp_rl.criticism.result docs/diagnosis.schema.json"
     )
-    jsonschema.Draft202012Validator.check_schema(json.loads(schema_text()))
+    jsonschema.Draft202012Validator.check_schema(json.loads(text))
 
 
 def test_a_real_diagnosis_fits_the_schema_and_one_with_a_wrong_verdict_does_not(answer: Path) -> None:

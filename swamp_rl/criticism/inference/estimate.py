@@ -35,11 +35,11 @@ def _cause(instance: EffectInstance, x: Array, covariance: Array, run_set: RunSe
     """
     one = instance.of_one
     if not instance.groups:
-        return _of_all(one, x, covariance)
+        return cause_of(one, x, covariance)
     values = instance.by_group(x)
     scale = one.scales
     drawn = random_effect(values, covariance, scale)
-    found = _of_all(one, drawn.mean, drawn.covariance)
+    found = cause_of(one, drawn.mean, drawn.covariance)
     found.scope = "day" if instance.by == "day" else "run"
     found.spread = {
         name: Spread(value=drawn.spread * size, low=drawn.low * size, high=drawn.high * size, unit=unit)
@@ -53,7 +53,7 @@ def _cause(instance: EffectInstance, x: Array, covariance: Array, run_set: RunSe
     return found
 
 
-def _of_all(instance: EffectInstance, x: Array, covariance: Array) -> Cause:
+def cause_of(instance: EffectInstance, x: Array, covariance: Array) -> Cause:
     """The cause whose parameters all runs share, from x (p,) with covariance (p, p)."""
     selector: Any = entries_of(instance, x)[0].thruster
     return Cause(

@@ -68,18 +68,68 @@ def _by_knots(run_set: RunSet, one: ResidualForce) -> tuple[EffectInstance, Arra
         ends = np.quantile(values, [tail, 1.0 - tail])
         margin = 1e-6 * float(np.ptp(ends))
         at[0], at[-1] = min(ends[0] - margin, at[1] - margin), max(ends[1] + margin, at[-2] + margin)
-    knots = more_knots(at)
+    knots = more_knots(at, values)
     curve = Curve(component, covariate, tuple(knots.tolist()), places=tuple(range(len(knots))))
     start = np.interp(knots, at, [point.force for point in one.curve])
     return _instance(run_set.boat, curve, thruster), start
 
 
-def more_knots(at: Array) -> Array:
-    """Knots (K,) and more in the middle of the longest intervals, as many as a curve may have."""
+def more_knots(at: Array, values: Array) -> Array:
+    """Knots (K,) and more in the middle of the longest intervals, as many as a curve may have; see `_inside`
+    for values (n,).
+    """
     while len(at) < KNOTS:
-        place = int(np.diff(at).argmax())
-        at = np.insert(at, place + 1, 0.5 * (at[place] + at[place + 1]))
+        longest = np.argsort(-np.diff(at), kind="stable")
+        added = next((one for place in longest if len(one := _inside(at, int(place), (0.5,), values))), None)
+        if added is None:
+            break
+        at = np.sort(np.concatenate([at, added]))
     return at
+
+
+def _inside(at: Array, place: int, shares: Sequence[float], values: Array) -> Array:
+    """(n,) new knots at shares of an interval between knots (K,), moved to the nearest of the samples: where
+    there are none a function is interpolated, not estimated. values: samples (n,), none for a variable that
+    was not measured.
+    """
+    low, high = at[place : place + 2]
+    wanted = low + np.array(shares) * (high - low)
+    if not len(values):
+        return wanted
+    margin = options().knots_apart * (at[-1] - at[0])
+    there = np.unique(values[(values > low + margin) & (values < high - margin)])
+    return np.unique([there[np.abs(there - one).argmin()] for one in wanted]) if len(there) else there
+
+
+def with_knots_moved(
+    run_set: RunSet, instance: EffectInstance, values: Array
+) -> tuple[EffectInstance, Array] | None:
+    """A function with two knots more in the interval in which its values (p,) change most, in place of those
+    that bend it least, and its values there; None where there are no samples, and for one round an angle.
+    """
+    curve = instance.curve
+    assert curve is not None
+    if curve.places != tuple(range(len(curve.knots))):
+        return None
+    given, thruster = np.array(curve.knots), instance.selectors[0] if instance.selectors else None
+    place = int(np.abs(np.diff(values)).argmax())
+    variable = curve.covariate.replace("_", " ")
+    variable += f" {thruster}" if variable in ("throttle", "azimuth") else ""
+    added = _inside(given, place, (1.0 / 3.0, 2.0 / 3.0), variable_values(run_set, variable))
+    if not len(added):
+        return None
+    at = np.sort(np.concatenate([given, added]))
+    force = np.interp(at, given, values)
+    held = np.isin(at, [given[0], *given[place : place + 2], *added, given[-1]])
+    while len(at) > KNOTS:
+        bends = [np.inf] * len(at)
+        for k in np.flatnonzero(~held):
+            beside = [k - 1, k + 1]
+            bends[k] = abs(force[k] - float(np.interp(at[k], at[beside], force[beside])))
+        left = np.arange(len(at)) != int(np.argmin(bends))
+        at, force, held = at[left], force[left], held[left]
+    moved = Curve(curve.component, curve.covariate, tuple(at.tolist()), places=tuple(range(len(at))))
+    return _instance(run_set.boat, moved, thruster), force
 
 
 def _round_an_angle(boat: Boat, one: ResidualForce, values: Array) -> tuple[EffectInstance, Array]:

@@ -13,7 +13,6 @@ from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
 
-# between every predicted track and the edge of the area: lengths, or a share of the shorter side
 NUMBER = r"(\d+(?:\.\d+)?)"
 
 

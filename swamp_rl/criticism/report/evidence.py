@@ -3,8 +3,9 @@
 import html
 
 from swamp_rl.criticism.report.figures import SHOWN
-from swamp_rl.criticism.report.words import minus, readable, shown_unit
+from swamp_rl.criticism.report.words import readable, shown_unit
 from swamp_rl.criticism.result import Cause, Diagnosis, Predictors, Share
+from swamp_rl.html_page import minus
 
 TRIVIAL = {
     "at_rest": "a boat that stays where it is",

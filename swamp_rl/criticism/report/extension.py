@@ -3,10 +3,9 @@
 import html
 
 from swamp_rl.criticism.report.evidence import percent
-from swamp_rl.criticism.report.tables import table
-from swamp_rl.criticism.report.words import minus, rounded
 from swamp_rl.criticism.result import Diagnosis, ForceCurve
 from swamp_rl.effects.curve import COVARIATES
+from swamp_rl.html_page import minus, rounded, table
 
 FORMULAS = {
     "proportional": "a x",

@@ -9,10 +9,10 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.inference.next_trial import Designed
-from swamp_rl.criticism.report.tables import image, table
-from swamp_rl.criticism.report.words import manoeuvre_words, readable, rounded
+from swamp_rl.criticism.report.words import manoeuvre_words, readable
 from swamp_rl.criticism.result import Diagnosis, NextTrial
 from swamp_rl.figure_style import sheet
+from swamp_rl.html_page import image, rounded, table
 
 LISTED = 3  # fixed manoeuvres beside the trial
 

@@ -2,7 +2,7 @@
 
 import base64
 import html
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 from swamp_rl.criticism.data.measurement_noise import noise_floor
@@ -29,7 +29,6 @@ from swamp_rl.criticism.report.figures import (
     draw_tracks,
 )
 from swamp_rl.criticism.report.next_trial import draw_next_trial, next_trial_section
-from swamp_rl.criticism.report.tables import image, table
 from swamp_rl.criticism.report.words import (
     GAINED_ON,
     cause_rows,
@@ -41,40 +40,14 @@ from swamp_rl.criticism.report.words import (
     headline,
     manoeuvre_words,
     meaning,
-    minus,
     noise_sentence,
-    places_of,
     readable,
     rest_sentence,
-    rounded,
     shape_sentence,
     shown_unit,
 )
 from swamp_rl.criticism.result import Diagnosis, Gain
-
-STYLE = """
-:root{--ink:#1c2733;--soft:#5b6874;--line:#dfe4e8;--tint:#f5f7f9}
-body{font:16px/1.55 system-ui,-apple-system,"Segoe UI",Roboto,"DejaVu Sans",sans-serif;color:var(--ink);
-max-width:64rem;margin:2.5rem auto;padding:0 1.5rem;background:#fff}
-h1{font-size:1.9rem;line-height:1.25;margin:.3rem 0 .8rem}h2{font-size:1.25rem;margin:2.6rem 0 .5rem}
-p{max-width:46rem;margin:.5rem 0}.soft{color:var(--soft)}
-.badge{display:inline-block;border-radius:1rem;padding:.1rem .8rem;font-size:.85rem;font-weight:600;
-color:#fff}
-.nothing_wrong{background:#2e7d4f}.cause{background:#1f6fb2}.indistinguishable{background:#b07514}
-.unexplained{background:#a13b32}
-.cards{display:flex;flex-wrap:wrap;gap:.8rem;margin:1.2rem 0}
-.card{background:var(--tint);border:1px solid var(--line);border-radius:.5rem;padding:.6rem 1rem;
-min-width:12rem}
-.card b{display:block;font-size:1.25rem}.card span{color:var(--soft);font-size:.85rem}
-table{border-collapse:collapse;margin:.8rem 0;font-size:.93rem}
-th{font-weight:600;border-bottom:2px solid var(--line);color:var(--soft)}
-td,th{padding:.3rem 1.1rem .3rem 0;text-align:left;vertical-align:top}td{border-bottom:1px solid var(--line)}
-td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
-img{width:100%;height:auto;margin:.4rem 0}summary{cursor:pointer;color:var(--soft)}
-.wide{overflow-x:auto}td.t{white-space:nowrap}
-@media(max-width:40rem){body{margin:1.2rem auto;padding:0 1rem}h1{font-size:1.5rem}.wide img{min-width:44rem}}
-"""
-
+from swamp_rl.html_page import document, image, minus, places_of, rounded, table
 
 PREDICTORS = ("seconds ahead", "boat file", "at rest", "constant velocity", "no thrust")
 SHARES = ("cause", "error, horizon", "without", "with", "share", "reduction (95 % interval)", "unit")
@@ -98,13 +71,6 @@ def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str]) -> str:
         details(found, run_set),
     ]
     return document(f"Diagnosis of the model of {run_set.boat.name}", parts)
-
-
-def document(title: str, parts: Sequence[str]) -> str:
-    """A whole HTML document; parts: of its body."""
-    head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
-    head += f"<title>{html.escape(title)}</title><style>{STYLE}</style>"
-    return f'<!doctype html><html lang="en"><head>{head}</head><body>{"".join(parts)}</body></html>\n'
 
 
 def opening(found: Diagnosis, run_set: RunSet) -> str:

@@ -9,6 +9,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Limit
 from swamp_rl.effects import LIBRARY
+from swamp_rl.html_page import minus, plain, rounded
 
 Z95 = 1.959964
 EQUAL = 9.0  # held-out chi2 within which two functions of the residual force are not separated
@@ -195,12 +196,11 @@ def closeness(verdict: str) -> str:
     )
 
 
-TURNING_JETS = {
+TURNING_JETS = {  # of thrusters that turn all the way
     "spin": "turning on the spot, all thrusters across at 60 %",
     "astern": "straight astern, 60 %",
     "sideways": "sideways, all thrusters abeam at 60 %",
 }
-"""RunSet of which only thrusters that turn all the way are capable."""
 DESCRIPTIONS = {
     "differential thrust": "straight ahead, the thrusters of either side with alternating thrust",
     "adrift": "ten seconds ahead at 80 %, then without thrust",
@@ -311,16 +311,6 @@ def edge(limit: Limit | None, value: str) -> str:
     return f"at the bound of the fit{way}"
 
 
-def plain(value: float) -> str:
-    """Three significant digits without zeros at the end."""
-    return minus(f"{float(f'{value:.3g}') + 0.0:g}")
-
-
-def minus(digits: str) -> str:
-    """Numbers with the typographic minus sign."""
-    return digits.replace("-", "−")
-
-
 def neutral_value(effect: str, parameter: str, boat: Boat) -> str:
     """The boat file's value of an effect's parameter."""
     from swamp_rl.simulator import parameters
@@ -330,18 +320,6 @@ def neutral_value(effect: str, parameter: str, boat: Boat) -> str:
         return "none" if math.isinf(given.neutral) else f"{given.neutral:g}"
     value = parameters(boat)[0][given.field]
     return f"{float(value if value.ndim == 0 else value[0]):g}"
-
-
-def places_of(value: float) -> int:
-    """Decimals that show three digits of a value."""
-    if value == 0.0 or not math.isfinite(value):
-        return 0
-    return min(max(0, 2 - math.floor(math.log10(abs(value)))), 5)
-
-
-def rounded(value: float) -> str:
-    """Three significant digits, without powers of ten."""
-    return f"{value:.{places_of(value)}f}"
 
 
 def files_sentence(found: Diagnosis) -> str:

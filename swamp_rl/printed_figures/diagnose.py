@@ -4,14 +4,19 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.checks import refuse_sources_inside
-from swamp_rl.criticism.figures.predict import Fleet, fleet_of, misfits, predicted
-from swamp_rl.criticism.figures.result import (
+from swamp_rl.criticism.inference.estimate import cause_of
+from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.extended_boat import write_extended
+from swamp_rl.criticism.options import options
+from swamp_rl.criticism.result import Cause, Verdict
+from swamp_rl.errors import UserError
+from swamp_rl.printed_figures.predict import Fleet, fleet_of, misfits, predicted
+from swamp_rl.printed_figures.result import (
     CandidateFound,
     Exchanged,
     FigureFound,
@@ -20,8 +25,8 @@ from swamp_rl.criticism.figures.result import (
     RivalFound,
     StageFound,
 )
-from swamp_rl.criticism.figures.schema import Figure, FiguresFile, group_faults, read_figures
-from swamp_rl.criticism.figures.select import (
+from swamp_rl.printed_figures.schema import Figure, FiguresFile, group_faults, read_figures
+from swamp_rl.printed_figures.select import (
     NOWHERE,
     Fitted,
     Problem,
@@ -31,15 +36,10 @@ from swamp_rl.criticism.figures.select import (
     rivals_of,
     stage_of,
 )
-from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
-from swamp_rl.criticism.model.extended_boat import write_extended
-from swamp_rl.criticism.options import options
-from swamp_rl.criticism.result import Cause, Estimate, Verdict
-from swamp_rl.errors import UserError
 from swamp_rl.unfinished import folder_beside
 
 RESULT = "diagnosis.json"
-NOTHING = Fitted(Hypothesis(), NOWHERE, np.zeros((0, 0)), 0.0, 0.0, np.zeros(0, bool))
+NOTHING = Fitted(Hypothesis(), NOWHERE, np.zeros((0, 0)), 0.0, 0.0)
 
 Groups = Sequence[Sequence[str]]
 
@@ -82,7 +82,7 @@ def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None
     fit: groups by stage that parameters are fitted to, in place of the file's. UserError, one line for each
     fault of the file.
     """
-    from swamp_rl.criticism.figures.report import page
+    from swamp_rl.printed_figures.report import page
 
     began = time.perf_counter()
     model = load_boat(boat)
@@ -139,22 +139,10 @@ def _verdict(last: Fitted, sets: list[list[str]], adequate: bool) -> Verdict:
 
 def causes_of(fitted: Fitted) -> list[Cause]:
     """Every effect of a fit with its parameters and their standard errors."""
-    causes, place = [], 0
-    errors = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
+    causes = []
     for instance, own in fitted.hypothesis.parts(fitted.x):
-        (entry,) = entries_of(instance, own)
-        selector: Any = list(entry.thruster) if isinstance(entry.thruster, tuple) else entry.thruster
-        numbers = {
-            name: Estimate(
-                value=float(entry.values[name]),
-                standard_error=float(errors[place + i]),
-                unit=instance.effect.parameter(name).unit,
-                at_bound=bool(fitted.at_bound[place + i]),
-            )
-            for i, name in enumerate(instance.effect.parameter_names)
-        }
-        causes.append(Cause(effect=instance.effect.name, thruster=selector, parameters=numbers))
-        place += instance.size
+        mine = fitted.hypothesis.columns(instance.label)
+        causes.append(cause_of(instance, own, fitted.covariance[np.ix_(mine, mine)]))
     return causes
 
 

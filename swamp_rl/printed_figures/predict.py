@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.criticism.figures.manoeuvres import READERS, Loaded, Test
-from swamp_rl.criticism.figures.schema import Figure, FiguresFile, Load
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 from swamp_rl.effects import EffectEntry, apply_effects
+from swamp_rl.printed_figures.manoeuvres import READERS, Loaded, Test
+from swamp_rl.printed_figures.schema import Figure, FiguresFile, Load
 
 Array = NDArray[np.float64]
 

@@ -1,10 +1,21 @@
-"""The models of the `diagnosis.json` of printed figures; its causes are those of a diagnosis of runs."""
+"""The models of the `diagnosis.json` of printed figures; its causes are those of a diagnosis of runs.
+`schema_text(FiguresDiagnosis, TITLE)` is its published schema.
 
+python -m swamp_rl.printed_figures.result docs/figures_diagnosis.schema.json
+"""
+
+import sys
+from pathlib import Path
 from typing import Literal
 
 from pydantic import Field
 
+from swamp_rl.criticism.result import TITLE as OF_RUNS
 from swamp_rl.criticism.result import Cause, Part, Verdict
+from swamp_rl.files import write_text
+from swamp_rl.json_text import schema_text
+
+TITLE = f"{OF_RUNS} on printed figures"
 
 
 class FigureFound(Part):
@@ -107,3 +118,9 @@ class FiguresDiagnosis(Part):
     gain: list[GroupFound]
     exchange: list[Exchanged]
     elapsed_s: float
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+        raise SystemExit(__doc__)
+    write_text(Path(sys.argv[1]), schema_text(FiguresDiagnosis, TITLE))

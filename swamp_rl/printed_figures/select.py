@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.figures.predict import Fleet, misfits, predicted
-from swamp_rl.criticism.figures.schema import Figure, Particular
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance, joined
 from swamp_rl.criticism.options import options
+from swamp_rl.printed_figures.predict import Fleet, misfits, predicted
+from swamp_rl.printed_figures.schema import Figure, Particular
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ class Fitted:
     """A fitted hypothesis: x (p,) and its covariance (p, p).
 
     chi2: of the figures alone; evidence: −2 log of the marginal likelihood, less that of the printed errors,
-    plus the penalty for the choice; at_bound: (p,) parameters that ended at a bound.
+    plus the penalty for the choice.
     """
 
     hypothesis: Hypothesis
@@ -34,7 +34,10 @@ class Fitted:
     covariance: Array
     chi2: float
     evidence: float
-    at_bound: NDArray[np.bool_]
+
+    def beside(self, instance: EffectInstance, own: Array) -> tuple[Hypothesis, Array]:
+        """These effects and one more with parameters `own` (q,): the hypothesis and all parameters."""
+        return joined([*self.hypothesis.parts(self.x), (instance, own)])
 
 
 @dataclass(frozen=True)
@@ -113,7 +116,7 @@ class Problem:
 
         if not hypothesis.size:
             chi2 = float((self.misfits(hypothesis, NOWHERE) ** 2).sum())
-            return Fitted(hypothesis, NOWHERE, np.zeros((0, 0)), chi2, chi2 + charge, np.zeros(0, bool))
+            return Fitted(hypothesis, NOWHERE, np.zeros((0, 0)), chi2, chi2 + charge)
         low, high = hypothesis.bounds()
         mean, deviation = self.prior(hypothesis)
         scale = hypothesis.scales
@@ -144,7 +147,6 @@ class Problem:
             np.linalg.pinv(information),
             chi2,
             2.0 * float(best.cost) + laplace_term(information, deviation, high - low) + charge,
-            (best.x - low < 10 * inside) | (high - best.x < 10 * inside),
         )
 
 
@@ -191,13 +193,11 @@ def identifiable_in(
     """The instances that change a figure, beside those of the base, and the labels of the others."""
     plain, seen, unseen = problem.misfits(base.hypothesis, base.x), [], list[str]()
     for instance in instances:
-        together = base.hypothesis.with_instance(instance)
         moved = 0.0
         for start in starts_of(instance)[:1]:
             for step in (0.0, 0.5):
-                own = start + step * instance.scales
-                x = placed(together, base, {instance.label: own})
-                moved = max(moved, float(np.abs(problem.misfits(together, x) - plain).max()))
+                together = base.beside(instance, start + step * instance.scales)
+                moved = max(moved, float(np.abs(problem.misfits(*together) - plain).max()))
         if moved > options().least_change:
             seen.append(instance)
         else:
@@ -226,23 +226,15 @@ def fits_by_evidence(problem: Problem, before: Fitted, instances: Sequence[Effec
 
 def added(problem: Problem, before: Fitted, instance: EffectInstance, size: int, count: int) -> Fitted:
     """`before` and one more instance, all fitted; charged as `size` chosen among `count` (extended BIC)."""
-    hypothesis = before.hypothesis.with_instance(instance)
     starts = starts_of(instance)[: options().figure_starts if size == 1 else 1]
+    begun = [before.beside(instance, own) for own in starts]
     charge = 2.0 * math.log(math.comb(count, size))
-    return problem.fit(
-        hypothesis, [placed(hypothesis, before, {instance.label: own}) for own in starts], charge
-    )
+    return problem.fit(begun[0][0], [x for _, x in begun], charge)
 
 
 def starts_of(instance: EffectInstance) -> list[Array]:
     """Starting points of an instance's fit, each (p,)."""
     return [np.array(start, float) for start in (instance.starts or instance.grid)]
-
-
-def placed(hypothesis: Hypothesis, before: Fitted, own: Mapping[str, Array]) -> Array:
-    """(p,) the parameters of `before`, and those of the new instances."""
-    known = {instance.label: x for instance, x in before.hypothesis.parts(before.x)} | dict(own)
-    return np.concatenate([NOWHERE, *(known[instance.label] for instance in hypothesis.instances)])
 
 
 def enough(problem: Problem, one: Fitted) -> float:

@@ -6,7 +6,6 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from swamp_rl.criticism.figures.result import FiguresDiagnosis
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.effects.correlated import factor_of
@@ -16,8 +15,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.files import find_config, read_yaml, write_yaml
 from swamp_rl.ordinary import MOST_JSON, contents
-
-"Standard errors to either side beyond which nothing is drawn."
+from swamp_rl.printed_figures.result import FiguresDiagnosis
 
 
 def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dict[str, Any]:

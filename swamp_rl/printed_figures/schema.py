@@ -8,11 +8,11 @@ from pydantic import Field, ValidationError
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat.part import FROM_LIST, Part
-from swamp_rl.criticism.figures.manoeuvres import FIGURES, KEYS, OPTIONAL
 from swamp_rl.effects import LIBRARY
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations, nearest
 from swamp_rl.files import read_yaml
+from swamp_rl.printed_figures.manoeuvres import FIGURES, KEYS, OPTIONAL
 
 Positive = Annotated[float, Field(gt=0.0, le=1e6)]
 Text = Annotated[str, Field(min_length=1)]

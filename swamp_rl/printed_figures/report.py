@@ -4,11 +4,12 @@ import html
 from collections.abc import Sequence
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.figures.result import FiguresDiagnosis, GroupFound, StageFound
-from swamp_rl.criticism.figures.schema import FiguresFile
-from swamp_rl.criticism.report.page import CAUSES, document, table
-from swamp_rl.criticism.report.words import cause_rows, minus, readable, rounded
+from swamp_rl.criticism.report.page import CAUSES
+from swamp_rl.criticism.report.words import cause_rows, readable
 from swamp_rl.criticism.result import Cause
+from swamp_rl.html_page import document, minus, rounded, table
+from swamp_rl.printed_figures.result import FiguresDiagnosis, GroupFound, StageFound
+from swamp_rl.printed_figures.schema import FiguresFile
 
 MEANING = {
     "cause": "The effects below explain the figures that they were fitted to; no other set of effects that "
