@@ -6,7 +6,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from swamp_rl.physics.compile import compiled, uncounted
+from swamp_rl.physics.compile import compiled, still_used, uncounted
 from swamp_rl.physics.force_curve import ANGLE_OF_THRUSTER, JET, LEVEL_OF_THRUSTER
 from swamp_rl.physics.motion import constants_of, runge_kutta_step, water_velocity
 from swamp_rl.physics.noise import normal_pair
@@ -238,6 +238,7 @@ def step(state: Any, params: Any, tank: Any, commands: Any, seeds: Any, dt: floa
     jets, boats, curves, given = uncounted(room), uncounted(state), uncounted(tank), uncounted(commands)
     for i in range(state.shape[0]):
         step_boat(boats[i], params[i], curves, given[i], seeds[i], dt, substeps, jets)
+    still_used(room)
 
 
 @compiled(parallel=True)
@@ -292,4 +293,6 @@ def _simulated(
                 constants = constants_of(own[i], curves)
             delayed_command(given[i], j, params[i].command_delay / dt, arrived)
             continue_boat(states[i, j + 1], own[i], curves, arrived, seeds[i], dt, substeps, jets, constants)
+    still_used(room)
+    still_used(row)
     return track

@@ -1,10 +1,16 @@
-"""The cache of compiled code: an edit of any source of a compiled package gives another cache folder."""
+"""Compiled code: an edit of any source gives another cache folder, and no array is freed while it is used."""
 
+import ast
 from pathlib import Path
 
+import numba
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from swamp_rl.physics import compile as module
+
+Array = NDArray[np.float64]
 
 
 @pytest.fixture
@@ -74,3 +80,46 @@ def test_compiling_is_told_once_and_only_of_this_package_s_functions(monkeypatch
     assert heard == []
     assert first(1) == second(1) == 2
     assert len(heard) == 1 and "in every process: name a folder for it" in heard[0]
+
+
+def _kept(given: Array, found: Array) -> Array:
+    room = np.empty(given.shape[0])
+    view = module.uncounted(room)
+    for k in range(given.shape[0]):
+        view[k] = given[k]
+    other = np.full(given.shape[0], -1.0)  # in the place of `room`, if that were free
+    for k in range(given.shape[0]):
+        found[k] = view[k]
+    module.still_used(room)
+    return other
+
+
+def test_an_array_that_is_still_used_is_not_freed_before() -> None:
+    given, found = np.arange(50.0), np.zeros(50)
+    numba.njit(_kept)(given, found)
+    np.testing.assert_array_equal(found, given)
+
+
+def _freed_early(function: ast.FunctionDef) -> set[str]:
+    """Names of a function's own arrays seen uncounted, which it neither returns nor mentions at its end."""
+    calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
+    given: dict[str, set[str]] = {"uncounted": set(), "still_used": set()}
+    for call in calls:
+        if isinstance(call.func, ast.Name) and call.func.id in given:
+            given[call.func.id] |= {node.id for node in ast.walk(call.args[0]) if isinstance(node, ast.Name)}
+    back = {
+        one.value.id
+        for one in ast.walk(function)
+        if isinstance(one, ast.Return) and isinstance(one.value, ast.Name)
+    }
+    return given["uncounted"] - {one.arg for one in function.args.args} - given["still_used"] - back
+
+
+def test_every_array_of_a_functions_own_that_numba_does_not_count_is_still_used_at_its_end() -> None:
+    package, uncounting = Path(module.__file__).parents[1], 0
+    for source in package.rglob("*.py"):
+        for node in ast.walk(ast.parse(source.read_text())):
+            if isinstance(node, ast.FunctionDef) and "uncounted(" in ast.unparse(node):
+                uncounting += 1
+                assert not _freed_early(node), f"{source.name}: {node.name}"
+    assert uncounting >= 4

@@ -8,7 +8,7 @@ import numba
 import numpy as np
 
 from swamp_rl.criticism.options import options
-from swamp_rl.physics.compile import compiled, uncounted
+from swamp_rl.physics.compile import compiled, still_used, uncounted
 from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.motion import constants_of
 from swamp_rl.simulator.delay import delayed_command
@@ -140,6 +140,8 @@ def _roll(
             for v in range(alike):
                 for c in range(6):
                     filled[v * groups + g, j + 1, c] = rigid[v, c]
+    still_used(room)
+    still_used(moved)
 
 
 @compiled(threaded=True)
@@ -157,6 +159,7 @@ def _roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float,
             delayed_command(given[run[i]], j, params[i].command_delay / dt, arrived)
             move_actuators(state, arrived, dt, jets, params[i])
             state[TIME] += dt
+    still_used(room)
 
 
 @compiled
