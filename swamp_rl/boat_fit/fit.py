@@ -166,7 +166,8 @@ def lost_freedom(problem: Shooting, made: Fit, samples: float) -> float:
     and the covariance is infinite.
     """
     precision = made.hypothesis.prior_precision
-    free = max(0.0, len(precision) - float((made.covariance * precision).sum()))
+    known = np.isfinite(made.covariance).all()
+    free = max(0.0, len(precision) - float((made.covariance * precision).sum())) if known else 0.0
     count = problem.samples / samples
     return count / max(count - len(made.states) * made.states.shape[1] - free, LEAST_LEFT * count)
 

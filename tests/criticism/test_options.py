@@ -16,7 +16,11 @@ from swamp_rl.criticism.model.candidates import candidates
 from swamp_rl.criticism.options import Options, options, using
 from tests.support.criticism import simulated_runs
 
-CRITICISM = Path(__file__).parents[2] / "swamp_rl" / "criticism"
+ROOT = Path(__file__).parents[2]
+CRITICISM = ROOT / "swamp_rl" / "criticism"
+DECIDING = CRITICISM, ROOT / "swamp_rl" / "printed_figures"
+# Every source that may read them.
+USING = *DECIDING, ROOT / "experiments" / "config"
 # Sentences and drawings, formats of files, and manoeuvres, which are no options.
 ELSEWHERE = ("report", "options.py", "schema.py", "manoeuvres.py")
 # Columns, counts of coordinates, stages and constants of probability.
@@ -34,8 +38,9 @@ def sources() -> list[Path]:
     """Every module whose numbers decide."""
     return [
         file
-        for file in sorted(CRITICISM.rglob("*.py"))
-        if not set(file.relative_to(CRITICISM).parts) & set(ELSEWHERE)
+        for folder in DECIDING
+        for file in sorted(folder.rglob("*.py"))
+        if not set(file.relative_to(folder).parts) & set(ELSEWHERE)
     ]
 
 
@@ -68,7 +73,7 @@ def bare(source: str) -> list[float]:
     ]
 
 
-@pytest.mark.parametrize("file", sources(), ids=lambda file: str(file.relative_to(CRITICISM)))
+@pytest.mark.parametrize("file", sources(), ids=lambda file: str(file.relative_to(ROOT / "swamp_rl")))
 def test_no_number_that_decides_stands_outside_the_options(file: Path) -> None:
     source = file.read_text()
     advice = "make it a field of Options in swamp_rl/criticism/options.py"
@@ -84,7 +89,8 @@ def test_a_bare_number_and_a_constant_of_a_module_are_seen() -> None:
 def test_options_are_frozen_and_every_one_is_used() -> None:
     with pytest.raises(FrozenInstanceError):
         options().tail = 0.1  # type: ignore[misc]
-    text = "".join(file.read_text() for file in CRITICISM.rglob("*.py") if file.name != "options.py")
+    files = [file for folder in USING for file in folder.rglob("*.py") if file.name != "options.py"]
+    text = "".join(file.read_text() for file in files)
     assert [field.name for field in fields(Options) if f".{field.name}" not in text] == []
 
 

@@ -115,7 +115,7 @@ def with_knots_moved(
     place = int(np.abs(np.diff(values)).argmax())
     variable = curve.covariate.replace("_", " ")
     variable += f" {thruster}" if variable in ("throttle", "azimuth") else ""
-    added = _inside(given, place, (1.0 / 3.0, 2.0 / 3.0), variable_values(run_set, variable))
+    added = _inside(given, place, (1 / 3, 2 / 3), variable_values(run_set, variable))
     if not len(added):
         return None
     at = np.sort(np.concatenate([given, added]))
