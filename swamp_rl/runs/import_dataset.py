@@ -11,6 +11,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.course import fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.names import YAML, file_in
+from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.bad_rows import MOST_TOLD
 from swamp_rl.runs.copies import boat_file, course_file
 from swamp_rl.runs.dataset import read_meta
@@ -49,6 +50,10 @@ SURE = {
     ".db3": "rosbag",
 }
 """Kinds that a suffix alone tells."""
+MCAP = b"\x89MCAP0\r\n\x01"
+BEFORE_PROFILE = len(MCAP) + 8 + 4
+"""Bytes of an MCAP file that begin it, with the header's opcode, and those before the profile's text: lengths
+of the record and of the text (mcap.dev/spec). ROS writes `ros1` or `ros2`."""
 BAG_METADATA = "metadata.yaml"
 """Describes a bag of ROS 2 in its folder."""
 
@@ -76,13 +81,24 @@ def _kinds(source: Path) -> set[str | None]:
     if is_bag_folder(source):
         return {"rosbag"}
     if not source.is_dir():
-        return {SURE.get(source.suffix.lower())}
+        return {_kind_of_file(source)}
     for inside in (source.iterdir(), source.rglob("*")):
         shown = [path for path in inside if not path.name.startswith(".")]
         logs = [path for path in shown if path.suffix.lower() in (*SURE, ".mcap") or is_bag_folder(path)]
         if logs:
-            return {"rosbag" if is_bag_folder(path) else SURE.get(path.suffix.lower()) for path in logs}
+            return {"rosbag" if is_bag_folder(path) else _kind_of_file(path) for path in logs}
     return {None}
+
+
+def _kind_of_file(path: Path) -> str | None:
+    """The kind that a suffix tells, or the profile in the header of an MCAP file; None where neither does."""
+    if path.suffix.lower() != ".mcap":
+        return SURE.get(path.suffix.lower())
+    with ordinary(path, None).open("rb") as stream:
+        begin = stream.read(BEFORE_PROFILE + 3)
+    if len(begin) < BEFORE_PROFILE or not begin.startswith(MCAP):
+        return None
+    return "rosbag" if begin.endswith(b"ros") else "mcap"
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import pytest
 from swamp_rl.experiments.cli import app as cli
 
 from swamp_rl.runs import read_dataset
+from tests.support.binary_logs import bag
 from tests.support.runs import circling
 
 Called = tuple[int, str, str]
@@ -138,6 +139,18 @@ def test_the_kind_of_a_folder_is_that_of_the_logs_in_it_or_in_its_folders(
         assert call("import", source, "--list") == call("import", source, "--from", "csv", "--list")
     (day / "log.ulg").write_bytes(b"")
     assert "may be of several kinds" in call("import", day, "--list")[2]
+
+
+def test_the_kind_of_an_mcap_file_is_that_of_the_program_that_wrote_it(
+    call: Callable[..., Called], folder: Path, tmp_path: Path
+) -> None:
+    (ros,) = bag(tmp_path / "log", "mcap").glob("*.mcap")
+    told = call("import", ros, "--list")
+    assert told[0] == 0 and told == call("import", ros, "--from", "rosbag", "--list")
+    assert call("export", folder, "--to", "mcap", "--out", "ours")[0] == 0
+    first = sorted(Path("ours").glob("*.mcap"))[0]
+    assert call("import", first, "--out", "again")[0] == 0
+    assert len(read_dataset("again").runs) == 1
 
 
 def test_a_column_in_degrees_that_passes_zero_often_is_one_line(
