@@ -1,8 +1,8 @@
 """YAML as this project reads and writes it, within limits that are checked before anything is made of it."""
 
-import pickle
 import re
 from collections.abc import Mapping
+from copy import deepcopy
 from functools import lru_cache
 from typing import Any
 
@@ -80,12 +80,12 @@ def parsed(text: str) -> Any:
     Its parts are counted before any of them is made, since aliases and merge keys stand for more than they
     say (a 'billion laughs'). Tags (`!!bool`) are refused.
     """
-    return _read(text) if len(text) > LONGEST_REMEMBERED else pickle.loads(_remembered(text))
+    return _read(text) if len(text) > LONGEST_REMEMBERED else deepcopy(_remembered(text))
 
 
 @lru_cache(REMEMBERED)
-def _remembered(text: str) -> bytes:
-    return pickle.dumps(_read(text), pickle.HIGHEST_PROTOCOL)
+def _remembered(text: str) -> Any:
+    return _read(text)
 
 
 def _read(text: str) -> Any:
