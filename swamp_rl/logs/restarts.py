@@ -15,14 +15,14 @@ def parts_between_restarts(log: Log) -> list[Log]:
     """The log, or its parts named NAME-1, NAME-2 where its times go back: a second boot, a clock
     that was set.
 
-    Tables that restart another number of times than most of those that do are left out: which part their
-    rows belong to is not known.
+    The number of parts is that of most tables of several rows. Tables with another number are left out:
+    which part their rows belong to is not known. Where most have one, the log stays whole.
     """
     begins = {name: _begins(table) for name, table in log.tables.items()}
-    counts = [len(rows) for rows in begins.values() if len(rows) > 1]
-    if not counts:
+    counts = [len(rows) for name, rows in begins.items() if len(log.tables[name].table.rows) > 1]
+    count = int(np.bincount(counts).argmax()) if counts else 1
+    if count == 1:
         return [log]
-    count = int(np.bincount(counts).argmax())
     whole = {name: rows for name, rows in begins.items() if len(rows) == count}
     parts = []
     for k in range(count):
