@@ -1,6 +1,8 @@
 """Words of a stranger, short and printable enough to be told in one line."""
 
 LONGEST = 80
+ACTS = "\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069"
+"""Ranges of a regular expression: what a terminal acts on but tab and line end, or what turns text round."""
 
 
 def clipped(word: object, longest: int = LONGEST) -> str:

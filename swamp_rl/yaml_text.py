@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from swamp_rl.clipped import clipped
+from swamp_rl.clipped import ACTS, clipped
 
 DEEPEST = 100
 """Levels of nesting."""
@@ -24,8 +24,8 @@ REMEMBERED, LONGEST_REMEMBERED = 64, 50_000
 _EXPONENT = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$")
 _AMBIGUOUS = re.compile(r"[-+]?(0[0-9_]+|0b[01_]+|0o[0-7_]+|[0-9][0-9_]*(:[0-5]?[0-9])+(\.[0-9_]*)?)$")
 """Numbers to the base 8, 2 or 60: YAML 1.1 and 1.2 read 017, 0o17 and 1:30 differently."""
-_ACTS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
-"""What a terminal acts on, or what turns text round, and half letters."""
+_ACTS = re.compile(f"[{ACTS}\ud800-\udfff]")
+"""With half letters."""
 _DIRECTIVE = re.compile("^%", re.MULTILINE)
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _TIMESTAMP = "tag:yaml.org,2002:timestamp"

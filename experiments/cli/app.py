@@ -1,10 +1,10 @@
 """The command line: one thin verb for each task, and one clear line when it cannot be done."""
 
 import os
+import re
 import sys
 from pathlib import Path
 from typing import Annotated, Literal
-from unicodedata import bidirectional, category
 
 import swamp_rl.experiments.cli.identify_boat
 import swamp_rl.experiments.cli.identify_square
@@ -38,14 +38,12 @@ from swamp_rl.experiments.cli.trial import trial_app
 from swamp_rl.experiments.cli.watch import watch
 
 from swamp_rl import __version__
-from swamp_rl.clipped import printable
+from swamp_rl.clipped import ACTS, printable
 from swamp_rl.errors import UserError
 
 BAD_INPUT, INTERRUPTED, TERMINATED, UNEXPECTED = 2, 130, 143, 70
 DEBUG = "SWAMP_RL_DEBUG"
 NAME = "swamp-rl"
-TURNS = frozenset({"LRE", "RLE", "PDF", "LRO", "RLO", "LRI", "RLI", "FSI", "PDI"})
-"Classes of the characters that change the direction of writing (Unicode, annex 9)."
 
 app = typer.Typer(
     name=NAME,
@@ -246,7 +244,7 @@ def _refuse_odd_arguments() -> None:
     """UserError for an argument that the locale does not decode, which no report could hold, and for one on
     which a terminal acts: a pattern of the shell may have found the name of a stranger's file."""
     for word in sys.argv[1:]:
-        if any(category(letter) == "Cc" or bidirectional(letter) in TURNS for letter in word):
+        if re.search(f"[\t\n{ACTS}]", word):
             raise UserError(f"{word}: has a character that a terminal acts on; rename it")
         if any("\ud800" <= letter <= "\udfff" for letter in word):
             coding = sys.getfilesystemencoding()
