@@ -23,6 +23,7 @@ from swamp_rl.teleop.rows import columns_of, row_of
 DEAD_MAN = 0.25  # s without a command, until the thrusters stop
 READY, RUN, ENDED, SAVING = "ready", "run", "ended", "saving"
 PERSON, PILOT = "person", "pilot"
+LET_GO = "Let go of the throttle: then the levers are obeyed."
 WATCHED = 4
 "Lines of the lookout that are shown."
 
@@ -241,6 +242,11 @@ class Session:
     def state(self, now: float) -> Array:
         """(S,) the boat at `now`, between two control steps too."""
         return self.boat.at(now)
+
+    @property
+    def trouble(self) -> str | None:
+        """Why the levers are not obeyed, to the person who moves them."""
+        return self.boat.trouble or (LET_GO if self._held or self._refused else None)
 
     @property
     def levers(self) -> Levers:

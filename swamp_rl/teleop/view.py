@@ -62,7 +62,7 @@ def frame(session: Session, now: float) -> str:
         "outcome": session.outcome,
         "helm": session.helm,
         "stopped": session.phase == RUN and session.stopped(now),
-        "trouble": session.boat.trouble,
+        "trouble": session.trouble,
         "time": float(state[TIME]),
         "run_time": session.run_time,
         "pose": state[NORTH : NORTH + 3].tolist(),

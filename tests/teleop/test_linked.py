@@ -1,5 +1,6 @@
 """A person at the page drives what answers at a link: what is sent, what is recorded, what stops it."""
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,8 +16,8 @@ from swamp_rl.simulator.state import ACTUATORS
 from swamp_rl.teleop.berth import Berth
 from swamp_rl.teleop.linked import LINK_LOST, Linked
 from swamp_rl.teleop.messages import Command
-from swamp_rl.teleop.session import DEAD_MAN, ENDED, READY, RUN, Session
-from swamp_rl.teleop.view import replayed
+from swamp_rl.teleop.session import DEAD_MAN, ENDED, LET_GO, READY, RUN, Session
+from swamp_rl.teleop.view import frame, replayed
 from tests.support.driving import accept, command, recordings
 from tests.support.link import at_the_start, how_far_off
 from tests.support.simulated_link import SimulatedLink
@@ -72,6 +73,7 @@ def recorder(folder: Path, telemetry: Faults = PERFECT) -> Recorder:
 
 def assert_obeys_once_released(at: Recorder) -> None:
     at.pass_time(2 * TICK, lambda: RELEASED)
+    assert at.game.trouble is None
     at.pass_time(1.0, lambda: AHEAD)
     assert at.game.phase == RUN and at.pumps.max() > 0.1
 
@@ -103,6 +105,7 @@ def test_the_levers_are_not_obeyed_before_the_motors_are_on(tmp_path: Path) -> N
     at.pass_time(SETTLE * PERIOD, lambda: AHEAD)
     assert at.game.boat.trouble is None
     assert at.game.phase == READY and not at.pumps.any()  # the throttle was held all the time
+    assert json.loads(frame(at.game, at.now))["trouble"] == LET_GO
     assert_obeys_once_released(at)
 
 
