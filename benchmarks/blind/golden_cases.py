@@ -131,7 +131,12 @@ GOLDEN: dict[str, Golden] = {
     "position_delay": Golden("sensors", "cause", [one("position_delay", delay=0.5)]),
     "heading_bias": Golden("sensors", "cause", [one("heading_bias", bias=0.1)]),
     "yaw_damping_wandering_receiver": Golden(
-        "sensors", "cause", [one("yaw_damping", scale=1.6)], seconds=40.0, instruments=instruments(wander=0.3)
+        "sensors",
+        "cause",
+        [one("yaw_damping", scale=1.6)],
+        runs=2,
+        seconds=40.0,
+        instruments=instruments(wander=0.3),
     ),
     "lost_rows": Golden(
         "lost rows", "cause", [one("resistance", scale=1.4)], instruments=instruments(stretches=2)
@@ -144,7 +149,7 @@ GOLDEN: dict[str, Golden] = {
         "pairs", "cause", [one("mass", mass=66.0), one("heading_bias", bias=0.1)], "pair"
     ),
     "mooring": Golden("unexplained force", "unexplained", kind="outside", outside=MOORING),
-    "dead_zone": Golden("unexplained force", "unexplained", kind="outside", outside=STALLED),
+    "dead_zone": Golden("unexplained force", "unexplained", kind="outside", outside=STALLED, runs=2),
     "straight_courses": Golden(
         "indistinguishable", "indistinguishable", [one("thrust_scale", scale=1.2)], "confounded"
     ),

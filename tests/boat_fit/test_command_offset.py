@@ -53,7 +53,7 @@ def test_runs_of_one_command_have_no_offset(wired: RunSet) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seconds", [-1.5, 1.5])
 def test_wiring_and_offset_are_found_together(tmp_path: Path, seconds: float) -> None:
-    runs = stamped_late(wired_runs(tmp_path, 20.0), seconds)
+    runs = stamped_late(wired_runs(tmp_path, 12.0), seconds)
     found = search_wiring(runs, noise_levels(runs))
     assert len(found.changes) == 2
     if seconds > 0.0:

@@ -117,7 +117,7 @@ def test_exchanged_and_flipped_channels_are_found_and_the_file_predicts_and_diag
     call: Call, tmp_path: Path
 ) -> None:
     truth = hidden(tmp_path, WIRED)
-    sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, count=4)
+    sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth)
     code, said, _ = call("identify", "boat", "runs", "--boat", "twin.yaml", "--out", "new.yaml")
     assert code == 0
     assert "port and starboard obey each other's commands" in said

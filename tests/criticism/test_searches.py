@@ -132,7 +132,7 @@ def test_one_declaration_makes_an_effect_that_a_diagnosis_finds(
 
 
 def sail(boat: Boat, effects: list[dict[str, Any]], folder: Path, seed: int = 3) -> None:
-    """Four runs under random steps of every thruster, with noise and durations in the boat's own sizes."""
+    """Two runs under random steps of every thruster, with noise and durations in the boat's own sizes."""
     rng, time = np.random.default_rng(seed), reference_of(boat).time
     count, dt = len(boat.thrusters), 0.05 * max(round(time / 0.5), 1)
     sigma = state_scale(boat) * [0.02, 0.02, 0.01, 0.02, 0.02, 0.01]
@@ -141,7 +141,7 @@ def sail(boat: Boat, effects: list[dict[str, Any]], folder: Path, seed: int = 3)
     apply_effects(params, parse_effects(effects, "test", boat.thruster_names), boat.thruster_names)
     low, high = np.repeat([[-0.6, 0.3], [0.6, 1.0]], count, axis=1)
     folder.mkdir()
-    for number in range(4):
+    for number in range(2):
         asked = np.repeat(rng.uniform(low, high, (40, 2 * count)), STEPS // 40, axis=0)
         start = initial_state(params, np.zeros((1, 3)))
         start[:, ACTUATORS:] = asked[0]

@@ -1,6 +1,7 @@
 """What is installed works on its own: the wheel carries YAML and command, and works beside strangers."""
 
 import os
+import pty
 import subprocess
 import sys
 import sysconfig
@@ -47,6 +48,7 @@ class Stranger:
 
     def __init__(self, folder: Path, wheel: Path) -> None:
         self.home, self.bin = folder / "home", folder / "venv" / "bin"
+        self.clean = {"PATH": os.environ["PATH"], "HOME": str(self.home), "PYTHONPATH": "."}
         venv.create(folder / "venv", with_pip=False)
         install = ["-m", "pip", "--python", str(self.bin / "python"), "install", "--no-deps", "--no-index"]
         self._run(sys.executable, *install, "--quiet", str(wheel), cwd=folder)
@@ -63,10 +65,20 @@ class Stranger:
     def swamp_rl(self, *words: str) -> str:
         return self._run(str(self.bin / "swamp-rl"), *words)
 
+    def error_of_a_terminal(self, *words: str) -> bytes:
+        """What a command writes to the error stream, where that is a terminal."""
+        ours, theirs = pty.openpty()
+        with os.fdopen(ours, "rb", 0) as said, os.fdopen(theirs, "wb", 0) as terminal:
+            command = [str(self.bin / "swamp-rl"), *words]
+            subprocess.run(
+                command, cwd=self.home, env=self.clean, stdout=subprocess.DEVNULL, stderr=terminal, check=True
+            )
+            os.set_blocking(ours, False)
+            return said.read(65536) or b""
+
     def _run(self, *words: str, cwd: Path | None = None) -> str:
-        clean = {"PATH": os.environ["PATH"], "HOME": str(self.home), "PYTHONPATH": "."}
         done = subprocess.run(
-            words, cwd=cwd or self.home, env=clean, capture_output=True, text=True, timeout=PATIENCE
+            words, cwd=cwd or self.home, env=self.clean, capture_output=True, text=True, timeout=PATIENCE
         )
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
@@ -130,6 +142,16 @@ def test_beside_a_strangers_packages_the_wheels_own_are_imported(stranger: Stran
     ).splitlines()
     assert found[-1] == "True"
     assert len(found) == 4 and all(Path(file).is_relative_to(stranger.site) for file in found[:3])
+
+
+def test_the_first_use_says_at_a_terminal_that_it_compiles_and_the_second_does_not(
+    stranger: Stranger,
+) -> None:
+    assert stranger.error_of_a_terminal("courses") == b""  # simulates nothing
+    words = ["trial", "zig-zag", "--angle", "20", "--throttle", "0.6", "--out"]
+    first = stranger.error_of_a_terminal(*words, "first")
+    assert first.startswith(b"swamp-rl: compiling the simulator") and len(first.splitlines()) == 1
+    assert stranger.error_of_a_terminal(*words, "second") == b""
 
 
 def test_beside_a_strangers_packages_an_experiment_a_demo_and_a_diagnosis_run(stranger: Stranger) -> None:
