@@ -75,7 +75,7 @@ def recorded(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Path
     """A folder of runs, ten of them successful, driven by keys on the page."""
     folder = tmp_path_factory.mktemp("recorded") / "runs"
     with serving(folder, factor=None) as (address, hub):
-        page = patient(browser.new_page(bypass_csp=True))
+        page = patient(browser.new_page(bypass_csp=True, viewport={"width": 320, "height": 240}))
         page.add_init_script(KEYBOARD)
         page.goto(address)
         for kept in range(1, 3 * RUNS + 1):
