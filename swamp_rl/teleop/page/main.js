@@ -130,7 +130,7 @@ function headline() {
   if (document.body.dataset.connected !== "yes" || !frame) return ["Connecting …", ""];
   if (performance.now() - arrived > SILENT) return ["The recorder does not answer", "Accepted runs are safe. Its screen says more."];
   if (document.body.dataset.replay) return ["", ""];
-  if (frame.trouble) return ["The levers are not obeyed", frame.trouble];
+  if (frame.trouble) return ["The levers are off", frame.trouble];
   if (!status.driving) return ["Watching", status.seat_taken ? "Someone is at the levers." : "The seat is free."];
   const next = scene.course.gates[Math.min(frame.passed, scene.course.gates.length - 1)].name;
   switch (frame.phase) {
