@@ -53,7 +53,8 @@ def compiled_sources() -> list[Path]:
 def cache_folder() -> Path | None:
     """Folder of the machine code of exactly these sources; older ones beyond `KEPT_CACHES` are removed.
 
-    The package's own where the user has none that can be written, None where that cannot either.
+    Only its owner may write there, or read: numba unpickles what it finds and runs it. The package's own
+    where the user has none that can be written, None where that cannot either.
     """
     digest = hashlib.sha256()
     for source in compiled_sources():
@@ -62,6 +63,10 @@ def cache_folder() -> Path | None:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "swamp_rl"
         folder_of_sources = base / digest.hexdigest()[:16]
         folder_of_sources.mkdir(parents=True, exist_ok=True)
+        for folder in (base, folder_of_sources):
+            if folder.stat().st_uid != os.geteuid():
+                raise PermissionError(f"{folder} belongs to another user")
+            folder.chmod(0o700)
         os.utime(folder_of_sources)
         for old in sorted(base.iterdir(), key=lambda path: path.stat().st_mtime)[:-KEPT_CACHES]:
             shutil.rmtree(old, ignore_errors=True)

@@ -1,6 +1,8 @@
 """Compiled code: an edit of any source gives another cache folder, and no array is freed while it is used."""
 
 import ast
+import os
+import stat
 from pathlib import Path
 
 import numba
@@ -66,6 +68,21 @@ def test_a_user_without_a_home_has_the_cache_that_is_named_or_none_elsewhere(
     assert module.cache_folder.__wrapped__().is_relative_to(tmp_path / "named")
     monkeypatch.setenv("XDG_CACHE_HOME", "")
     assert module.cache_folder.__wrapped__() is None
+
+
+def test_nobody_else_may_write_to_the_cache_whatever_the_umask(nested: Path) -> None:
+    before = os.umask(0)
+    try:
+        folder = module.cache_folder.__wrapped__()
+    finally:
+        os.umask(before)
+    assert [stat.S_IMODE(path.stat().st_mode) for path in (folder, folder.parent)] == [0o700, 0o700]
+
+
+def test_the_cache_of_another_user_is_not_used(nested: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    theirs = module.cache_folder.__wrapped__()
+    monkeypatch.setattr(module.os, "geteuid", lambda: theirs.stat().st_uid + 1)
+    assert module.cache_folder.__wrapped__() != theirs
 
 
 def test_compiling_is_told_once_and_only_of_this_package_s_functions(monkeypatch: pytest.MonkeyPatch) -> None:
