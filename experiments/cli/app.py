@@ -268,7 +268,7 @@ def _refuse_settings_here() -> None:
             contents(FIGURE_SETTINGS, 2**20).decode()
         except (OSError, ValueError) as error:
             raise UserError(
-                f"{FIGURE_SETTINGS}: matplotlib cannot read it ({error}); remove it, or work in another folder"
+                f"{FIGURE_SETTINGS}: matplotlib cannot read it ({error}); remove it or work elsewhere"
             ) from error
 
 

@@ -12,7 +12,7 @@ from swamp_rl.workers.attempt import Work, attempt
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """Sums come out the same however many workers there are, and workers do not crowd each other out."""
 ENVIRONMENT = dict.fromkeys((*ONE_THREAD, "PYTHONSAFEPATH"), "1")
-"""Of a worker. It starts with `python -c`, which would import `multiprocessing` from the working directory."""
+"""Of a worker. It begins with `python -c`, which would take `multiprocessing` from the working directory."""
 
 
 class ProcessPool:
