@@ -191,11 +191,11 @@ def main() -> None:
     show_compiling()
     with stoppable() as signals:
         code = _carried_out(signals)
-    if code and signals:
-        code = 128 + signals[0]  # whatever became of the exception on its way
-    if code in (INTERRUPTED, TERMINATED):
-        ended = "interrupted" if code == INTERRUPTED else "terminated"
-        _complain(f"{ended}; only what was finished is kept", code)
+        if code and signals:
+            code = 128 + signals[0]  # whatever became of the exception on its way
+        if code in (INTERRUPTED, TERMINATED):
+            ended = "interrupted" if code == INTERRUPTED else "terminated"
+            _complain(f"{ended}; only what was finished is kept", code)
     sys.exit(code)
 
 
