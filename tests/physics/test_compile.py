@@ -4,6 +4,7 @@ import ast
 import os
 import stat
 from pathlib import Path
+from types import SimpleNamespace as Namespace
 
 import numba
 import numpy as np
@@ -83,6 +84,14 @@ def test_the_cache_of_another_user_is_not_used(nested: Path, monkeypatch: pytest
     theirs = module.cache_folder.__wrapped__()
     monkeypatch.setattr(module.os, "geteuid", lambda: theirs.stat().st_uid + 1)
     assert module.cache_folder.__wrapped__() != theirs
+
+
+def test_functions_are_compiled_without_a_cache_on_a_full_disk(
+    nested: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (Path(module.__file__).parent / "__pycache__").mkdir()
+    monkeypatch.setattr(module.shutil, "disk_usage", lambda path: Namespace(free=4096))
+    assert module.cache_folder.__wrapped__() is None
 
 
 def test_compiling_is_told_once_and_only_of_this_package_s_functions(monkeypatch: pytest.MonkeyPatch) -> None:
