@@ -21,14 +21,27 @@ STYLE: Any = {
 
 
 @contextmanager
+def styled(style: Any = STYLE) -> Iterator[None]:
+    """Within the block charts have matplotlib's own defaults and this style, whatever `matplotlibrc` says.
+
+    matplotlib reads one in the working directory too, which may be that of a stranger's dataset.
+    """
+    import matplotlib
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(style)
+        yield
+
+
+@contextmanager
 def sheet(path: Path, width: float, height: float) -> Iterator[Any]:
     """A new figure [inches], saved as PNG at the end of the block; imports matplotlib only here."""
-    import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    with matplotlib.rc_context(STYLE):
+    with styled():
         figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.06))
         FigureCanvasAgg(figure)
         yield figure

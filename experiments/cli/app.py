@@ -40,10 +40,12 @@ from swamp_rl.experiments.cli.watch import watch
 from swamp_rl import __version__
 from swamp_rl.clipped import ACTS, printable
 from swamp_rl.errors import UserError
+from swamp_rl.ordinary import contents
 
 BAD_INPUT, INTERRUPTED, TERMINATED, UNEXPECTED = 2, 130, 143, 70
 DEBUG = "SWAMP_RL_DEBUG"
 NAME = "swamp-rl"
+NUMBA_SETTINGS, FIGURE_SETTINGS = ".numba_config.yaml", "matplotlibrc"
 
 app = typer.Typer(
     name=NAME,
@@ -189,11 +191,11 @@ def main() -> None:
     show_compiling()
     with stoppable() as signals:
         code = _carried_out(signals)
-    if code and signals:
-        code = 128 + signals[0]  # whatever became of the exception on its way
-    if code in (INTERRUPTED, TERMINATED):
-        ended = "interrupted" if code == INTERRUPTED else "terminated"
-        _complain(f"{ended}; only what was finished is kept", code)
+        if code and signals:
+            code = 128 + signals[0]  # whatever became of the exception on its way
+        if code in (INTERRUPTED, TERMINATED):
+            ended = "interrupted" if code == INTERRUPTED else "terminated"
+            _complain(f"{ended}; only what was finished is kept", code)
     sys.exit(code)
 
 
@@ -210,6 +212,7 @@ def _carried_out(signals: list[int]) -> int:
     """The exit code of what the command line asks for; signals: those that came meanwhile."""
     try:
         _refuse_odd_arguments()
+        _refuse_settings_here()
         return app(prog_name=NAME, standalone_mode=False) or 0
     except typer.TyperException as error:
         # Without any argument Typer has printed the help and has nothing to add.
@@ -251,6 +254,22 @@ def _refuse_odd_arguments() -> None:
             raise UserError(
                 f"{word}: has bytes that are no text in {coding}; set LC_ALL=C.UTF-8, or rename it"
             )
+
+
+def _refuse_settings_here() -> None:
+    """UserError for what libraries would read in the working directory, perhaps that of a stranger's dataset:
+    settings of numba change what is computed, and matplotlib ends at a file of settings that is no text."""
+    if os.path.lexists(NUMBA_SETTINGS):
+        raise UserError(
+            f"{NUMBA_SETTINGS}: numba would take its settings from it; remove it, or work in another folder"
+        )
+    if os.path.lexists(FIGURE_SETTINGS):
+        try:
+            contents(FIGURE_SETTINGS, 2**20).decode()
+        except (OSError, ValueError) as error:
+            raise UserError(
+                f"{FIGURE_SETTINGS}: matplotlib cannot read it ({error}); remove it or work elsewhere"
+            ) from error
 
 
 def _complain(line: str, code: int) -> int:

@@ -11,6 +11,7 @@ from swamp_rl.experiments.reports.trial_figures import draw_trials
 
 from swamp_rl.boat import Boat, Provenance
 from swamp_rl.boat.quantity import ORIGINS, value_at
+from swamp_rl.clipped import in_markdown
 from swamp_rl.constants import GRAVITY
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
@@ -56,7 +57,10 @@ def write_check(out: Path, boat: Boat, results: Sequence[Result]) -> list[str]:
     """Write the report and the figures into the new folder `out`; names of its files."""
     with folder_beside(out, replaces=REPORT) as part:
         pictures = draw_trials(part, results, boat.length)
-        text = [f"# Boat file {boat.name}", *(f"* {line.strip()}" for line in _motion_lines(boat, results))]
+        text = [
+            f"# Boat file {in_markdown(boat.name)}",
+            *(f"* {in_markdown(line)}" for line in _motion_lines(boat, results)),
+        ]
         text += ["", *(f"![{Path(name).stem.replace('_', ' ')}]({name})" for name in pictures)]
         text += [
             "",
@@ -131,12 +135,12 @@ def _result_lines(result: Result, length: float) -> list[str]:
 def _rows(boat: Boat) -> list[list[str]]:
     return [
         [
-            key,
-            _told(value_at(boat, key.split("."))),
+            in_markdown(key),
+            in_markdown(_told(value_at(boat, key.split(".")))),
             _told(origin.sd),
-            origin.unit,
+            in_markdown(origin.unit),
             origin.provenance,
-            origin.source,
+            in_markdown(origin.source),
         ]
         for key, origin in boat.provenance.items()
     ]

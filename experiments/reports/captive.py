@@ -13,6 +13,7 @@ from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.trials import JSON, REPORT
 
 from swamp_rl.boat import Boat
+from swamp_rl.clipped import in_markdown
 from swamp_rl.manoeuvres.captive import Point, self_propulsion
 from swamp_rl.runs.schema import ANALYSIS
 from swamp_rl.unfinished import folder_beside
@@ -94,7 +95,7 @@ def report(
     """The Markdown report."""
     way = ", pushing astern" if astern else ""
     opening = (
-        f"# {'Bollard pull' if kind == 'bollard' else 'Towed trial'} of {boat.name}{way}\n\n"
+        f"# {'Bollard pull' if kind == 'bollard' else 'Towed trial'} of {in_markdown(boat.name)}{way}\n\n"
         f"{len(points)} captive runs, simulated, in still water of {boat.water_density:g} kg/m3. "
     )
     if kind == "bollard":

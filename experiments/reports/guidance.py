@@ -12,6 +12,7 @@ from swamp_rl.experiments.reports.guidance_figures import draw_station, draw_tra
 from swamp_rl.experiments.reports.rows import write_rows
 
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.clipped import in_markdown
 from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.energy import missing, pack_power
 from swamp_rl.errors import UserError
@@ -218,8 +219,9 @@ def _write(folder: Path, result: dict[str, Any], flight: Flight, extra: dict[str
     (folder / "result.json").write_text(json.dumps(content, indent=1, allow_nan=False), encoding="utf-8")
     columns = [flight.time, *flight.track[:, [NORTH, EAST, HEADING]].T, *extra.values()]
     write_rows(folder / "track.csv", ["time", "north", "east", "heading", *extra], np.stack(columns, axis=1))
-    body = "\n".join(f"* {line}" for line in lines(result))
-    text = f"# {result['what'].capitalize()} {result['name']}, {result['boat']}\n\nSimulated.\n\n{body}\n\n"
+    body = "\n".join(f"* {in_markdown(line)}" for line in lines(result))
+    name, boat = in_markdown(result["name"]), in_markdown(result["boat"])
+    text = f"# {result['what'].capitalize()} {name}, {boat}\n\nSimulated.\n\n{body}\n\n"
     (folder / "report.md").write_text(
         f"{text}{error_table(result)}\n\n![track](track.png)\n", encoding="utf-8"
     )

@@ -8,6 +8,7 @@ from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.mission_figures import draw_mission
 from swamp_rl.experiments.reports.rows import write_rows
 
+from swamp_rl.clipped import in_markdown
 from swamp_rl.energy.figures import leg_figures, summary
 from swamp_rl.energy.fly import STEP, Flight
 from swamp_rl.energy.power import pack_names
@@ -112,9 +113,10 @@ def report(flight: Flight) -> str:
     early = _ended_early(flight)
     ended = f"\n\n**{early}**" if early else ""
     return (
-        f"# Mission {flight.mission.name} of {flight.boat.name}\n\nSimulated. {flight.mission.description}"
+        f"# Mission {in_markdown(flight.mission.name)} of {in_markdown(flight.boat.name)}\n\n"
+        f"Simulated. {in_markdown(flight.mission.description)}"
         f"{ended}\n\n"
-        + "\n".join(f"* {line}" for line in lines(flight))
+        + "\n".join(f"* {in_markdown(line)}" for line in lines(flight))
         + "\n\n"
         + table(head, rows)
         + "\n\n"

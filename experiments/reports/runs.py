@@ -2,14 +2,13 @@
 
 from pathlib import Path
 
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from rich.table import Table
 from swamp_rl.experiments.reports.figures import DRIVEN, FAILED, draw_course
 
 from swamp_rl.errors import UserError
-from swamp_rl.figure_style import STYLE
+from swamp_rl.figure_style import styled
 from swamp_rl.files import write_beside
 from swamp_rl.runs import Dataset, Run
 
@@ -41,7 +40,7 @@ def run_table(dataset: Dataset) -> Table:
 
 def draw_tracks(dataset: Dataset, path: Path) -> None:
     """PNG of every track, north up, coloured by outcome, with the course where the dataset names one."""
-    with rc_context(STYLE), write_beside(path) as part:
+    with styled(), write_beside(path) as part:
         figure = Figure(figsize=(5.2, 6.0), layout="constrained")
         axes = figure.subplots()
         for colour, dash, label, runs in _by_outcome(dataset):

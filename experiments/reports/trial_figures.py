@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps, rc_context
+from matplotlib import colormaps
 from matplotlib.figure import Figure as Canvas
 
 from swamp_rl.angles import turned
-from swamp_rl.figure_style import STYLE
+from swamp_rl.figure_style import styled
 from swamp_rl.files import write_beside
 from swamp_rl.manoeuvres.analysis.figure import Result
 
@@ -26,7 +26,7 @@ def draw_trials(folder: Path, results: Sequence[Result], length: float) -> list[
         if not some:
             continue
         for name, size, draw in drawings:
-            with rc_context(STYLE), write_beside(folder / name) as part:
+            with styled(), write_beside(folder / name) as part:
                 canvas = Canvas(figsize=size_of(name, some, size), layout="constrained")
                 draw(canvas, some, length)
                 canvas.savefig(part)

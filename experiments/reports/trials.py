@@ -11,6 +11,7 @@ from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.trial_figures import draw_trials
 
 from swamp_rl.boat import Boat
+from swamp_rl.clipped import in_markdown
 from swamp_rl.manoeuvres.analysis.analyse import analyse_dataset
 from swamp_rl.manoeuvres.analysis.figure import Figure, Result
 from swamp_rl.manoeuvres.analysis.pairs import Pair, pairs
@@ -113,7 +114,8 @@ def report(
 ) -> str:
     """The Markdown report."""
     parts = [
-        f"# Trials of {boat.name}\n\n{len(results)} runs, {dataset.meta.source}; L = {boat.length:g} m. "
+        f"# Trials of {in_markdown(boat.name)}\n\n{len(results)} runs, {dataset.meta.source}; "
+        f"L = {boat.length:g} m. "
         "Angles in deg, positive to starboard; rates in deg/s, times in s, speeds in m/s. In brackets the "
         "95 % bootstrap interval of the value before them; left out where it is narrower than "
         "the last digit. sd: standard deviation over the turns or executes."
@@ -127,7 +129,8 @@ def report(
     judged = imo_table(results)
     if judged:
         parts.append(f"## IMO MSC.137(76)\n\n{judged}")
-    remarks = [f"* {r.run}: {note}" for r in results for note in r.notes] + [f"* {line}" for line in refused]
+    noted = [f"{r.run}: {note}" for r in results for note in r.notes]
+    remarks = [f"* {in_markdown(line)}" for line in (*noted, *refused)]
     if remarks:
         parts.append("## Deviations from the plan\n\n" + "\n".join(remarks))
     parts += [f"![{name}]({name})" for name in pictures]
@@ -142,7 +145,7 @@ def tables(results: Sequence[Result], length: float) -> list[str]:
 
     def rows(which: str) -> list[list[str]]:
         return [
-            [result.run, *(cell(getattr(result, which).get(name), length) for name in names)]
+            [in_markdown(result.run), *(cell(getattr(result, which).get(name), length) for name in names)]
             for result in results
             if getattr(result, which)
         ]
@@ -157,7 +160,9 @@ def tables(results: Sequence[Result], length: float) -> list[str]:
             full = [[*row, drift] for row, drift in zip(corrected, drifts, strict=True)]
             found.append("With the drift of the centre removed:\n\n" + table(head, full))
     verdicts = [
-        f"* {r.run}: {name.replace('_', ' ')} {text}" for r in results for name, text in r.verdicts.items()
+        f"* {in_markdown(r.run)}: {name.replace('_', ' ')} {text}"
+        for r in results
+        for name, text in r.verdicts.items()
     ]
     return found + (["\n".join(verdicts)] if verdicts else [])
 

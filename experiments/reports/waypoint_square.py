@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.experiments.reports.experiment import table
 
+from swamp_rl.clipped import in_markdown
 from swamp_rl.errors import UserError
 from swamp_rl.figure_style import sheet
 from swamp_rl.identification.square_twin import STEP, Log, Vehicle, load_vehicle, sail
@@ -105,7 +106,8 @@ def report(vehicle: Vehicle, found: list[Found], told: list[str]) -> str:
     head = ["number", "unit", "file", "identified", "95 %"]
     body = "\n".join(f"* {line}" for line in (told[0], *told[1 + len(rows_of(vehicle, found)) :]))
     return (
-        f"# Waypoint square of {vehicle.name}\n\nSimulated. {vehicle.description}\n\n"
+        f"# Waypoint square of {in_markdown(vehicle.name)}\n\n"
+        f"Simulated. {in_markdown(vehicle.description)}\n\n"
         f"{table(head, rows_of(vehicle, found))}\n\n{body}\n\n![square](square.png)\n"
     )
 

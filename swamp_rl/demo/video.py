@@ -18,6 +18,7 @@ from swamp_rl.demo.scene import DemoScene, Shown, gate_colour
 from swamp_rl.demo.series import CURRENT, WIND, series_of
 from swamp_rl.demo.shapes import corners
 from swamp_rl.errors import UserError
+from swamp_rl.figure_style import styled
 from swamp_rl.files import write_beside
 
 SIZES = {".mp4": (1280, 720, 25.0), ".gif": (800, 450, 12.5)}
@@ -83,12 +84,11 @@ def _pictures(
 
     The last comes `ending` times more, with the end card over it.
     """
-    import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     style: Any = {"font.size": 9.0 * min(1.0, size[1] / 600.0), "text.parse_math": False}
-    with matplotlib.rc_context(style):
+    with styled(style):
         figure = Figure(figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI, facecolor="#fbfcfd")
         canvas = FigureCanvasAgg(figure)
         groups = [None] if layout == "overlay" else scene.groups

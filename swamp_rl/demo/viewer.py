@@ -15,8 +15,8 @@ from swamp_rl.errors import UserError
 
 HOST = "127.0.0.1"
 """Rerun itself would bind every address of the machine."""
-RERUN = (sys.executable, "-m", "rerun_cli")
-"""Its command alone, which starts without its Python library."""
+RERUN = (sys.executable, "-P", "-m", "rerun_cli")
+"""Its command alone, which starts without its Python library; no module of the working directory."""
 PATIENCE = 30.0
 """How long rerun may take to listen, s."""
 

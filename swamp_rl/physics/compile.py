@@ -4,6 +4,7 @@ numba's own cache looks only at the file of the function that was called, so an 
 calls would go unnoticed. Here the cache folder's name holds a hash of every compiled source.
 """
 
+import errno
 import hashlib
 import logging
 import os
@@ -25,6 +26,8 @@ LOG = logging.getLogger(__name__)
 """Is told, once in a process, that machine code is missing in the cache and is being compiled."""
 
 KEPT_CACHES = 4
+ROOM = 2**26
+"""Bytes that must be free where machine code is kept: numba ends the command where it cannot write it."""
 
 # A division by zero is inf or nan, no exception; no wrapper for calls from C, a tenth of a compilation.
 NUMERICS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
@@ -53,7 +56,8 @@ def compiled_sources() -> list[Path]:
 def cache_folder() -> Path | None:
     """Folder of the machine code of exactly these sources; older ones beyond `KEPT_CACHES` are removed.
 
-    The package's own where the user has none that can be written, None where that cannot either.
+    Only its owner may write there, or read: numba unpickles what it finds and runs it. The package's own
+    where the user has none that can be written or its disk is full, None where that cannot either.
     """
     digest = hashlib.sha256()
     for source in compiled_sources():
@@ -62,12 +66,19 @@ def cache_folder() -> Path | None:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "swamp_rl"
         folder_of_sources = base / digest.hexdigest()[:16]
         folder_of_sources.mkdir(parents=True, exist_ok=True)
+        for folder in (base, folder_of_sources):
+            if folder.stat().st_uid != os.geteuid():
+                raise PermissionError(f"{folder} belongs to another user")
+            folder.chmod(0o700)
         os.utime(folder_of_sources)
+        if shutil.disk_usage(base).free < ROOM:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         for old in sorted(base.iterdir(), key=lambda path: path.stat().st_mtime)[:-KEPT_CACHES]:
             shutil.rmtree(old, ignore_errors=True)
     except (OSError, RuntimeError):  # RuntimeError: a user without a home
         inside = Path(__file__).parent / "__pycache__"
-        return inside if os.access(inside, os.W_OK) else None
+        kept = os.access(inside, os.W_OK) and shutil.disk_usage(inside).free >= ROOM
+        return inside if kept else None
     return folder_of_sources
 
 

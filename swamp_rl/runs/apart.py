@@ -29,7 +29,7 @@ def apart(work: Callable[P, R]) -> Callable[P, R]:
     @functools.wraps(work)
     def done(*args: P.args, **kwargs: P.kwargs) -> R:
         asked = pickle.dumps((work.__module__, work.__qualname__, args, kwargs))
-        start = [sys.executable, "-c", START, *sys.path]
+        start = [sys.executable, "-P", "-c", START, *sys.path]
         ended = subprocess.run(start, input=asked, capture_output=True, check=False)
         if ended.returncode == 0:
             value, refusal = pickle.loads(ended.stdout)

@@ -7,6 +7,7 @@ import logging
 import socket
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
+from types import FrameType
 
 import uvicorn
 from starlette.applications import Starlette
@@ -143,6 +144,15 @@ def address_of(listening: socket.socket, token: str | None) -> str:
     return f"http://{host}:{port}/" + (f"?token={token}" if token else "")
 
 
+class OrderlyServer(uvicorn.Server):
+    """A server that a second Ctrl-C does not break off: it ends within a second as it is."""
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """End in order; what comes after the first signal is nothing new."""
+        if not self.should_exit:
+            super().handle_exit(sig, frame)
+
+
 def server_of(hub: Hub, guard: Guard) -> uvicorn.Server:
     """The server, to be run on a socket from `bound`."""
     config = uvicorn.Config(
@@ -158,7 +168,7 @@ def server_of(hub: Hub, guard: Guard) -> uvicorn.Server:
         server_header=False,
         timeout_graceful_shutdown=1,
     )
-    return uvicorn.Server(config)
+    return OrderlyServer(config)
 
 
 def serve(hub: Hub, guard: Guard, listening: socket.socket, ready: Callable[[str], None]) -> None:

@@ -11,6 +11,8 @@ from swamp_rl.workers.attempt import Work, attempt
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """Sums come out the same however many workers there are, and workers do not crowd each other out."""
+ENVIRONMENT = dict.fromkeys((*ONE_THREAD, "PYTHONSAFEPATH"), "1")
+"""Of a worker. It begins with `python -c`, which would take `multiprocessing` from the working directory."""
 
 
 class ProcessPool:
@@ -53,8 +55,8 @@ class ProcessPool:
         spawn = get_context("spawn")
         ours, theirs = spawn.Pipe()
         process = spawn.Process(target=_serve, args=(self._work, theirs), daemon=True)
-        before = {name: os.environ.get(name) for name in ONE_THREAD}
-        os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
+        before = {name: os.environ.get(name) for name in ENVIRONMENT}
+        os.environ.update(ENVIRONMENT)
         try:
             process.start()
         finally:

@@ -1,7 +1,10 @@
 """Compiled code: an edit of any source gives another cache folder, and no array is freed while it is used."""
 
 import ast
+import os
+import stat
 from pathlib import Path
+from types import SimpleNamespace as Namespace
 
 import numba
 import numpy as np
@@ -65,6 +68,29 @@ def test_a_user_without_a_home_has_the_cache_that_is_named_or_none_elsewhere(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "named"))
     assert module.cache_folder.__wrapped__().is_relative_to(tmp_path / "named")
     monkeypatch.setenv("XDG_CACHE_HOME", "")
+    assert module.cache_folder.__wrapped__() is None
+
+
+def test_nobody_else_may_write_to_the_cache_whatever_the_umask(nested: Path) -> None:
+    before = os.umask(0)
+    try:
+        folder = module.cache_folder.__wrapped__()
+    finally:
+        os.umask(before)
+    assert [stat.S_IMODE(path.stat().st_mode) for path in (folder, folder.parent)] == [0o700, 0o700]
+
+
+def test_the_cache_of_another_user_is_not_used(nested: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    theirs = module.cache_folder.__wrapped__()
+    monkeypatch.setattr(module.os, "geteuid", lambda: theirs.stat().st_uid + 1)
+    assert module.cache_folder.__wrapped__() != theirs
+
+
+def test_functions_are_compiled_without_a_cache_on_a_full_disk(
+    nested: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (Path(module.__file__).parent / "__pycache__").mkdir()
+    monkeypatch.setattr(module.shutil, "disk_usage", lambda path: Namespace(free=4096))
     assert module.cache_folder.__wrapped__() is None
 
 

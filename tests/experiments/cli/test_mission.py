@@ -2,9 +2,11 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import pytest
+from swamp_rl.experiments.artifacts.stages import stages
 
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
@@ -60,3 +62,23 @@ def test_a_folder_of_something_else_is_not_replaced(call: Call, tmp_path: Path) 
     (tmp_path / "out" / "diary.txt").write_text("mine")
     assert_complains(call("mission", "mine.yaml", "--out", "out"), "already exists")
     assert (tmp_path / "out" / "diary.txt").read_text() == "mine"
+
+
+def test_markup_of_a_mission_file_is_text_in_its_report(call: Call, tmp_path: Path) -> None:
+    hostile = "<img src=x onerror=alert(1)> ![](http://example.org/seen.png) |`a`|"
+    text = MINE.format(charge=1.0) + f"description: |\n  {hostile}\n\n  # a heading\n"
+    (tmp_path / "mine.yaml").write_text(text)
+    assert call("mission", "mine.yaml", "--out", "out")[0] == 0
+    (line,) = [one for one in (tmp_path / "out/report.md").read_text().splitlines() if "onerror" in one]
+    assert line.startswith("Simulated. \\<img") and line.endswith("# a heading")
+    assert re.findall(r"(?<!\\)[<>|`\[\]]", line) == []
+
+
+def test_a_stage_named_with_markup_of_the_terminal_is_shown_as_it_is(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "100")
+    with stages() as progress, progress.stage("try one, [red]calm"):
+        pass
+    assert "[red]calm" in capsys.readouterr().err

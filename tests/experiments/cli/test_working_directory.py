@@ -1,0 +1,79 @@
+"""A stranger's folder as working directory: what lies in it is neither run nor taken for settings."""
+
+import subprocess
+from pathlib import Path
+
+import matplotlib
+import pytest
+
+from swamp_rl.demo.viewer import RERUN
+from swamp_rl.figure_style import sheet
+from swamp_rl.workers.processes import ProcessPool
+from tests.support.command_line import Call
+
+ROOT = Path(__file__).parents[3]
+MODULES = ("multiprocessing", "rerun_cli", "runpy", "sitecustomize", "socket", "yaml")
+
+
+@pytest.fixture
+def hostile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working directory, with modules that leave a file `ran` when they are imported."""
+    for name in MODULES:
+        (tmp_path / f"{name}.py").write_text(
+            f"open({str(tmp_path / 'ran')!r}, 'w').write('x')\nraise OSError"
+        )
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def echoed(job: str) -> str:
+    """A worker's work."""
+    return job
+
+
+def test_a_worker_imports_nothing_from_the_working_directory(hostile: Path) -> None:
+    with ProcessPool(echoed, 1) as pool:
+        pool.submit(7, "word")
+        assert pool.wait() == (7, "word", "")
+    assert not (hostile / "ran").exists()
+
+
+def test_rerun_is_not_looked_for_in_the_working_directory(hostile: Path) -> None:
+    subprocess.run([*RERUN, "--version"], check=True, capture_output=True)
+    assert not (hostile / "ran").exists()
+
+
+def test_every_python_that_is_started_ignores_the_working_directory() -> None:
+    sources = [path for name in ("swamp_rl", "experiments", "envs") for path in (ROOT / name).rglob("*.py")]
+    starts = [line for path in sources for line in path.read_text().splitlines() if "sys.executable," in line]
+    assert len(starts) > 1
+    assert [line for line in starts if 'sys.executable, "-P"' not in line] == []
+
+
+def test_settings_of_matplotlib_do_not_change_a_figure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def drawn(name: str) -> bytes:
+        with sheet(tmp_path / name, 2.0, 1.5) as figure:
+            figure.subplots().set(title="a_b", xlabel="east [m]")
+        return (tmp_path / name).read_bytes()
+
+    usual = drawn("usual.png")
+    for key, value in {"text.usetex": True, "savefig.dpi": 20.0, "font.size": 30.0}.items():
+        monkeypatch.setitem(matplotlib.rcParams, key, value)
+    assert drawn("other.png") == usual
+    assert matplotlib.rcParams["text.usetex"] is True
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [(".numba_config.yaml", b"disable_jit: 1\n"), (".numba_config.yaml", b"{: ["), ("matplotlibrc", b"\xff")],
+)
+def test_settings_of_libraries_in_the_working_directory_are_refused(
+    name: str, content: bytes, call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    monkeypatch.chdir(tmp_path)
+    code, out, err = call("boats")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert name in err
