@@ -49,7 +49,7 @@ def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | N
     With `model`, an unknown key is answered with the nearest known one.
     """
     told = [f"{path}: {key + ': ' if key else ''}{message}" for key, message in explanations(error, model)]
-    others = error.error_count() - len(told)
+    others = len(_faults(error)) - len(told)
     return UserError("\n".join(told + ([f"{path}: and {others} more faults"] if others else [])))
 
 
@@ -59,10 +59,15 @@ def explanations(error: ValidationError, model: type[BaseModel] | None) -> list[
     A misspelt key is two faults, one that is unknown and one that is missing; a wrong choice, such as a
     thruster's kind, makes keys unknown that are not.
     """
-    faults = sorted(
-        error.errors(include_url=False), key=lambda fault: TELLING.get(fault["type"], len(TELLING))
-    )
-    return [_explanation(fault, model) for fault in faults[:MOST]]
+    return [_explanation(fault, model) for fault in _faults(error)[:MOST]]
+
+
+def _faults(error: ValidationError) -> list[ErrorDetails]:
+    """The most telling first; without lists that are too short only because an entry of theirs is faulty."""
+    faults = error.errors(include_url=False)
+    holders = {fault["loc"][:depth] for fault in faults for depth in range(len(fault["loc"]))}
+    own = [fault for fault in faults if fault["type"] != "too_short" or fault["loc"] not in holders]
+    return sorted(own, key=lambda fault: TELLING.get(fault["type"], len(TELLING)))
 
 
 def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[str, str]:

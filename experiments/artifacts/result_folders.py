@@ -72,7 +72,8 @@ def find_results(paths: Iterable[Path]) -> list[Path]:
     found: list[Path] = []
     for path in paths:
         if not path.is_dir():
-            raise UserError(f"{path}: no such folder; name a folder of results")
+            lacks = "is a file" if path.exists() else "no such folder"
+            raise UserError(f"{path}: {lacks}; name a folder of results")
         below = [file.parent for file in sorted(path.rglob(EPISODES)) if not _hidden(file, path)]
         if not below:
             raise UserError(f"{path}: no {EPISODES} in it or below; name a folder that `run` has written")

@@ -10,15 +10,19 @@ from swamp_rl.experiments.cli.options import BoatOption, seed_option
 from swamp_rl.constants import DAY
 from swamp_rl.errors import UserError
 
+STRONGEST_CURRENT, STRONGEST_WIND = 20.0, 60.0  # m/s
+
 Out = Annotated[
     Path, typer.Option(help="The folder of the run; report, figure and JSON go to its folder analysis.")
 ]
 Level = Annotated[
     str | None, typer.Option("--disturbances", help="A name in configs/disturbances, or a file of them.")
 ]
-Current = Annotated[float, typer.Option(min=0.0, help="Additional steady current (m/s).")]
+Current = Annotated[
+    float, typer.Option(min=0.0, max=STRONGEST_CURRENT, help="Additional steady current (m/s).")
+]
 CurrentTo = Annotated[float, typer.Option(help="Direction that the current sets to (deg from north).")]
-Wind = Annotated[float, typer.Option(min=0.0, help="Additional steady wind (m/s).")]
+Wind = Annotated[float, typer.Option(min=0.0, max=STRONGEST_WIND, help="Additional steady wind (m/s).")]
 WindFrom = Annotated[float, typer.Option(help="Direction that the wind comes from (deg from north).")]
 Seed = Annotated[int, seed_option("Seed of the disturbances and of the gusts.")]
 
@@ -28,9 +32,6 @@ def _sea(current: float, current_to: float, wind: float, wind_from: float) -> li
     for option, value in {"--current-to": current_to, "--wind-from": wind_from}.items():
         if not abs(value) <= 360.0:
             raise UserError(f"{option} {value:g}: a direction is from -360 to 360 deg")
-    for option, value in {"--current": current, "--wind": wind}.items():
-        if not math.isfinite(value):
-            raise UserError(f"{option} {value:g}: must be a number of m/s")
     to, comes_from = math.radians(current_to), math.radians(wind_from)
     north, east = current * math.cos(to), current * math.sin(to)
     found: list[dict[str, Any]] = []
@@ -108,10 +109,12 @@ def capability(
     boat: Annotated[str, typer.Argument(metavar="BOAT", help="A name in configs/boats, or a boat file.")],
     out: Annotated[Path, typer.Option(help="The folder for the plot, its JSON and CSV.")],
     wind: Annotated[
-        float, typer.Option(min=0.0, max=60.0, help="Wind that is present with every current (m/s).")
+        float,
+        typer.Option(min=0.0, max=STRONGEST_WIND, help="Wind that is present with every current (m/s)."),
     ] = 0.0,
     current: Annotated[
-        float, typer.Option(min=0.0, max=20.0, help="Current that is present with every wind (m/s).")
+        float,
+        typer.Option(min=0.0, max=STRONGEST_CURRENT, help="Current that is present with every wind (m/s)."),
     ] = 0.0,
     failed: Annotated[
         list[str] | None, typer.Option(help="A thruster that is out of service; may be repeated.")

@@ -15,6 +15,7 @@ from swamp_rl.experiments.fleet.significance import RATE, changes_of, findings_o
 from swamp_rl.experiments.fleet.work import INPUT, RESULT, diagnose_one, input_of, is_done, read_diagnosis
 
 from swamp_rl import __version__
+from swamp_rl.boat import load_boat
 from swamp_rl.clipped import clipped
 from swamp_rl.criticism.data.checks import refuse_sources_inside
 from swamp_rl.criticism.result import Diagnosis
@@ -45,10 +46,13 @@ def diagnose_fleet(
     What an earlier life has finished is kept where the dataset, the boat and the version are the same; what
     it has begun is removed. boat: what all are compared with, by default each dataset's own. workers:
     processes, by default one for each processor; ray: the address of a cluster in their place. A dataset that
-    cannot be diagnosed has its line in the report. UserError for a folder that is none of a fleet.
+    cannot be diagnosed has its line in the report. UserError for a folder that is none of a fleet, and for a
+    `boat` that is none.
     """
     out, given = Path(out), [Path(one) for one in datasets]
     members = members_of(given, boat)
+    if boat is not None:
+        load_boat(boat)  # a wrong name is one fault, and not one of every dataset
     refuse_sources_inside(out, [one for one in given if one.exists()])
     for dataset in given:
         if out.resolve().is_relative_to(dataset.resolve()):
@@ -57,6 +61,8 @@ def diagnose_fleet(
         _refuse_other_folder(out)
         out.mkdir(parents=True, exist_ok=True)
         jobs, wrong = _jobs(members, out, boat, ignore)
+        for name, fault in wrong.items():
+            tell(name, fault)
         if jobs:
             try:
                 with (

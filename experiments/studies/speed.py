@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 
 BATCH = 4096
@@ -124,7 +125,9 @@ def rates_of(contestants: dict[str, Callable[[], int]]) -> dict[str, float]:
 
 
 def run_bench(out: Path | None = None) -> dict[str, Any]:
-    """Measure, and write as JSON where `out` is given."""
+    """Measure, and write as JSON where `out` is given; UserError for a folder there, before it measures."""
+    if out is not None and out.is_dir():
+        raise UserError(f"{out}: is a folder; name the JSON file to write")
     batch, bytes_per_boat = batch_stepper(BATCH)
     rates = rates_of(
         {

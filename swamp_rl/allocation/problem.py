@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 Cost = Literal["effort", "thrust", "power"]
 
 GUIDE = 1e-4  # weight of the squares beside a cost that is not strictly convex: a single answer, no jumps
+FARTHEST = 100.0  # times the thrust of all jets, from where the nearest point has turned to its limit
 SLIGHT = 1e-5  # weight of the cost where the wanted force is out of reach and only nearness counts
 
 
@@ -68,11 +69,11 @@ def solve_in(
     """The cheapest forces of the jets in their chosen sectors that give `wanted` (3,), or None if none do.
 
     before: (K, 2) forces [N] that a change is counted from. nearest: come as near to `wanted` as the jets
-    can, which always has an answer.
+    can, which always has an answer for a finite `wanted`.
     """
     program = Program(jets, chosen)
     if nearest:
-        program.come_near(wanted, wish.moment)
+        program.come_near(within_sight(jets, wanted), wish.moment)
     else:
         program.achieve(wanted)
     program.minimise(wish, before, SLIGHT if nearest else 1.0)
@@ -83,6 +84,17 @@ def solve_in(
     for i, sector in enumerate(chosen):
         forces[sector.k] = x[2 * i : 2 * i + 2]
     return Solution(forces, program.cost_of(x), wanted - jets.geometry @ forces.ravel())
+
+
+def within_sight(jets: Jets, wanted: Array) -> Array:
+    """`wanted` (3,), shortened to FARTHEST times the thrust of all jets, which the solver can measure from.
+
+    Beyond that distance the nearest attainable point hardly moves along a ray, and the solver's squares
+    outgrow its precision.
+    """
+    size = float(np.linalg.norm(wanted / np.array([1.0, 1.0, jets.lever])))
+    farthest = FARTHEST * float(jets.thrust_max.sum())
+    return wanted * (farthest / size) if size > farthest else wanted
 
 
 def compressed(entries: Mapping[tuple[int, int], float], rows: int, columns: int) -> Any:

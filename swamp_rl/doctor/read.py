@@ -48,7 +48,8 @@ def read_records(folder: Path, boat: str | None = None) -> Records:
     names alone.
     """
     if not folder.is_dir():
-        raise UserError(f"{folder}: no such folder; name a dataset")
+        lacks = "is a file, not a folder of runs" if folder.exists() else "no such folder"
+        raise UserError(f"{folder}: {lacks}; name a dataset")
     if (folder / "meta" / "info.json").is_file():
         found = _lerobot(folder, boat)
     elif minari := _minari_files(folder):

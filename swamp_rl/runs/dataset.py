@@ -223,6 +223,8 @@ def read_run(path: Path | str, lost_rows: bool = False) -> Run:
     lost_rows: whether faults of its times may pass, for a reader that puts the rows on a grid of its own.
     """
     path = Path(path)
+    if path.is_dir():
+        raise UserError(f"{path}: is a folder; name the .csv or .parquet file of one run in it")
     if not path.is_file():
         raise UserError(f"{path}: no such file; name a run's .csv or .parquet file")
     meta, boat, rate = RunMeta(), None, None

@@ -127,6 +127,15 @@ def test_out_of_reach_it_is_the_nearest_by_least_squares() -> None:
     assert np.linalg.norm((found.achieved - wanted) * scale) <= math.sqrt(best.fun) + 1e-3
 
 
+@pytest.mark.parametrize("times", [1e2, 1e4, 1e8, 1e14])
+def test_a_force_however_far_out_of_reach_has_a_nearest_one(times: float) -> None:
+    wanted = np.array([20.0, 12.0, 4.0])
+    far = 100.0 * wanted  # from where the answer hardly moves along the ray
+    found, nearer = (allocate(JETS, force) for force in (times * far, far))
+    assert not found.attainable
+    assert found.achieved == pytest.approx(nearer.achieved, abs=0.02 * float(JETS.thrust_max.sum()))
+
+
 def test_where_not_all_can_be_had_the_moment_may_come_first() -> None:
     wanted = np.array([0.0, 60.0, 9.0])
     even, turning = (allocate(JETS, wanted, wish=Wish(moment=weight)) for weight in (1.0, 20.0))

@@ -79,6 +79,8 @@ def test_help_waits_for_no_heavy_library() -> None:
         (["record", "--out", "a", "--host", "0.0.0.0"], "add --token"),
         (["record", "--out", "a", "--host", "0.0.0.0", "--token", "no"], "letters and digits"),
         (["bench", "now"], "unexpected extra argument"),
+        (["bench", "--out", "."], ".: is a folder"),
+        (["simulate", "--commands", ".", "--out", "a.csv"], ".: is a folder; name the .csv or .parquet"),
         (["runs", "check"], "Missing argument"),
         (["runs", "show"], "Missing argument"),
         (["runs", "dance"], "No such command"),

@@ -8,6 +8,7 @@ from tests.support.command_line import Call
 def test_a_fleet_of_which_none_is_diagnosed_ends_with_1_and_keeps_its_report(call: Call) -> None:
     code, said, _ = call("fleet", "nowhere", "--out", "out", "--workers", "1")
     assert code == 1
+    assert "nowhere: no such folder" in said
     assert "0 of 0 causes kept, 1 of 1 datasets not diagnosed" in said
     assert Path("out/fleet.json").is_file()
 
@@ -17,3 +18,10 @@ def test_a_fleet_says_which_folder_is_a_boat(call: Call) -> None:
     assert out.splitlines()[0] == "diagnosing 2 datasets of 2 boats"
     _, out, _ = call("fleet", "boats/red", "boats/blue", "logs/red", "--out", "two")
     assert out.splitlines()[0] == "diagnosing 3 datasets of 2 boats, a folder each: boats (2), logs (1)"
+
+
+def test_a_fleet_with_an_unknown_boat_is_refused_before_anything_is_written(call: Call) -> None:
+    code, _, told = call("fleet", "boats/red", "boats/blue", "--boat", "swampy", "--out", "out")
+    assert code == 2
+    assert told.count("no boats file named 'swampy'") == 1
+    assert not Path("out").exists()

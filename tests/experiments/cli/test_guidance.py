@@ -62,6 +62,9 @@ def test_a_station_is_held_and_one_that_cannot_be_is_refused(call: Call, tmp_pat
     assert_complains(call("hold", "--failed", "xx", "--out", "far"), "xx")
     assert_complains(call("hold", "--heading", 400, "--out", "far"), "--heading")
     assert_complains(call("hold", "--current", "nan", "--out", "far"), "current")
+    for verb in (["hold"], ["follow", "eight"], ["follow-vehicle", "run.csv", "--behind", "5"]):
+        assert_complains(call(*verb, "--current", "400", "--out", "far"), "less than or equal to 20")
+        assert_complains(call(*verb, "--wind", "inf", "--out", "far"), "less than or equal to 60")
     assert not (tmp_path / "far").exists()
 
 

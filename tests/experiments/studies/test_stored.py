@@ -9,6 +9,7 @@ from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
+import yaml
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.studies.run import run_experiment, train_experiment
 from swamp_rl.experiments.studies.stored import evaluate_folders
@@ -109,6 +110,24 @@ def test_other_episodes_are_evaluated_beside_and_with_the_same_pilots(place: Pat
     assert "results.json" in {path.name for path in (place / "run").iterdir()}
     weights = Path("pilots") / "ppo" / "weights.safetensors"
     assert (out / weights).read_bytes() == (place / "run" / weights).read_bytes()
+
+
+@pytest.mark.parametrize("ask", [({"levels": ["calm"]}, []), ({}, ["evaluation.levels=[calm]"])])
+def test_at_some_of_the_levels_the_targets_are_those_of_these_levels(
+    place: Path, tmp_path: Path, ask: tuple[dict[str, Any], list[str]]
+) -> None:
+    with_targets = tmp_path / "with_targets"
+    shutil.copytree(place / "run", with_targets)
+    kept = with_targets / "config" / "experiment.yaml"
+    told = yaml.safe_load(kept.read_text())
+    told["evaluation"]["levels"] = ["calm", "standard"]
+    told["targets"] = {"success": {"net": {"calm": 0.5, "standard": 0.5}, "ppo": {"standard": 0.5}}}
+    kept.write_text(yaml.safe_dump(told))
+    changes, overrides = ask
+    out = evaluate_folders([with_targets], {"episodes": 1, **changes}, overrides)
+    assert load_experiment(out).targets.success == {"net": {"calm": 0.5}}
+    with pytest.raises(UserError, match="no disturbances file named 'clam'"):
+        evaluate_folders([with_targets], {"levels": ["clam"]}, out=tmp_path / "out")
 
 
 def test_stored_pilots_of_several_folders_drive_the_same_episodes(place: Path) -> None:
