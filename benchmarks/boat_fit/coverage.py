@@ -178,19 +178,28 @@ def sailed(hypothesis: FreeBoat, boat: Boat, x: Array, gusty: bool, rng: np.rand
     return RunSet(boat, dt, tuple(f"run {i}" for i in run), given, measured, np.full(RUNS, ROWS))
 
 
-def covered(number: int, seed: int) -> tuple[str, Array]:
-    """A description of boat `number` and, of each number, how many standard errors it is off."""
+def drawn_boat(number: int, seed: int) -> tuple[str, Boat, FreeBoat, Array, RunSet]:
+    """Kind, start file, free numbers, their truth (p,) and the runs of boat `number`."""
     rng = np.random.default_rng([seed, number])
-    gusty = number % 2 == 1
     while True:
         kind, boat = start_boat(rng)
         plain = free_boat(boat, free_numbers(boat), 0)
         truth = drawn(plain, rng)
         try:
-            runs = sailed(plain, boat, truth, gusty, rng)
-            break
+            return kind, boat, plain, truth, sailed(plain, boat, truth, in_gusts(number), rng)
         except UserError:
             continue
+
+
+def in_gusts(number: int) -> bool:
+    """Whether boat `number` sails in gusts."""
+    return number % 2 == 1
+
+
+def covered(number: int, seed: int) -> tuple[str, Array]:
+    """A description of boat `number` and, of each number, how many standard errors it is off."""
+    gusty = in_gusts(number)
+    kind, boat, plain, truth, runs = drawn_boat(number, seed)
     hypothesis = free_boat(boat, plain.numbers, RUNS if gusty else 0)
     began = time.process_time()
     made = fit_boat(runs, weights(runs, noise_levels(runs)), hypothesis, hypothesis.start())
@@ -202,22 +211,26 @@ def covered(number: int, seed: int) -> tuple[str, Array]:
     return f"{told}; {np.mean(np.abs(off) < Z95):.2f} of {count}; {', '.join(far)}", off
 
 
+def coverage_table(offs: dict[str, list[Array]]) -> str:
+    """Share of the intervals that contain the truth, of the boats in each weather and of all."""
+    rows = []
+    for name, some in (*offs.items(), ("all", [*offs["calm"], *offs["gusts"]])):
+        off = np.concatenate([np.zeros(0), *some])
+        rows.append([name, str(len(some)), str(len(off)), f"{np.mean(np.abs(off) < Z95):.3f}"])
+    return table(["boats in", "boats", "95 % intervals", "coverage"], rows)
+
+
 @one_thread()
 def main(count: int, seed: int) -> None:
-    """Print a line a boat, and write the coverage of the intervals."""
+    """Print a line a boat, and write the coverage of the intervals after each pair of boats."""
     every: dict[str, list[Array]] = {"calm": [], "gusts": []}
     for number in range(count):
         line, off = covered(number, seed)
-        every["gusts" if number % 2 else "calm"].append(off)
+        every["gusts" if in_gusts(number) else "calm"].append(off)
         print(f"{number}: {line}", flush=True)
-    every["all"] = [*every["calm"], *every["gusts"]]
-    rows = []
-    for name, offs in every.items():
-        off = np.concatenate([np.zeros(0), *offs])
-        rows.append([name, str(len(offs)), str(len(off)), f"{np.mean(np.abs(off) < Z95):.3f}"])
-    text = table(["boats in", "boats", "95 % intervals", "coverage"], rows)
-    print(text)
-    write_parts(DOCS / "identify_boat.md", {"coverage": text})
+        if in_gusts(number) or number == count - 1:
+            write_parts(DOCS / "identify_boat.md", {"coverage": coverage_table(every)})
+    print(coverage_table(every))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,12 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, fit_states, inverse
 from swamp_rl.criticism.model.scales import state_scale
-from swamp_rl.criticism.nuisance.process_noise import correlation_samples, residual_rms, standardised_residual
+from swamp_rl.criticism.nuisance.process_noise import (
+    by_channel,
+    correlation_samples,
+    residual_rms,
+    standardised_residual,
+)
 from swamp_rl.errors import UserError
 from swamp_rl.simulator.reference import reference_of
 
@@ -111,13 +116,14 @@ def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
         problem = weighted(Shooting(run_set, seen / sigma, seconds).part(sound), trust)
         return problem, fit(problem, hypothesis, x, states, steps, fresh)
 
+    samples = correlation_samples(by_channel(problem, residual[sound]))
     for _ in range(ROUNDS):
+        sigma = sigma * np.sqrt(samples)
         problem, made = fitted(sigma, x, states, STEPS)
         x, states = made.x, made.states
+        samples = correlation_samples(standardised_residual(problem, made))
         rms, trust = reweighted(problem, made, trust)
         sigma = sigma * rms
-    problem, made = fitted(sigma, x, states, STEPS)
-    samples = correlation_samples(standardised_residual(problem, made))
     sigma = sigma * np.sqrt(lost_freedom(problem, made, samples))
     for steps in (STEPS, LAST_STEPS):
         problem, made = fitted(sigma * np.sqrt(samples), made.x, made.states, steps, fresh=True)

@@ -143,7 +143,12 @@ def in_noise_units(at: Fit, problem: Shooting, weight: Array) -> Fit:
 
 def standardised_residual(problem: Shooting, at: Fit) -> Array:
     """(W, T, 6) residual of a fit in standard deviations, without the rows that are only simulated."""
-    return at.residual.reshape(len(at.residual), -1, len(CHANNELS))[:, problem.windows.pad :]
+    return by_channel(problem, at.residual)
+
+
+def by_channel(problem: Shooting, residual: Array) -> Array:
+    """(W, T, 6) of the residual (W, M) of those windows, without the rows that are only simulated."""
+    return residual.reshape(len(residual), -1, len(CHANNELS))[:, problem.windows.pad :]
 
 
 def residual_rms(problem: Shooting, at: Fit) -> Array:
