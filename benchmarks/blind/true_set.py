@@ -1,11 +1,13 @@
 """Whether the data prefer a wrong answer to the truth: the difference of their information criteria.
 
 Both sets of effects are fitted to whole runs, begun from their own values, at level D beside the hull's
-derivatives. Where the difference is negative, the search missed the truth. Where it is not, as of a curve
-that the runs show in one point alone, no search by this criterion would have named it.
+derivatives, under the position noise that the answer tells and the commands as logged. Where the difference
+is negative, the search missed the truth. Where it is not, as of a curve that the runs show in one point
+alone, no search by this criterion would have named it.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.data.run_set import read_run_set
+from swamp_rl.criticism.data.run_set import CHANNELS, read_run_set
 from swamp_rl.criticism.model.candidates import EffectInstance, joined
 from swamp_rl.criticism.selection.backward_elimination import fit_by_continuation
 from swamp_rl.criticism.selection.continuation import LAST, Continuation, continuation_of
@@ -22,6 +24,7 @@ from swamp_rl.one_thread import one_thread
 
 Judged = Mapping[str, Any]
 Key = tuple[str, frozenset[str]]
+POSITIONS = ("north", "east")
 Part = tuple[EffectInstance, NDArray[np.float64]]
 
 
@@ -35,6 +38,7 @@ def criterion_of_truth(data: Path, truth: Judged, found: Judged) -> float | None
     if truth["outside"] or truth.get("by_run") or any(cause["scope"] != "boat" for cause in causes):
         return None
     run_set = read_run_set(data, load_boat(truth.get("boat", "swamp")))
+    run_set = replace(run_set, gauss_markov=_position_noise(found))
     known = prepared(run_set)
     hull = [known.hull] if known.hull else []
     instances = {
@@ -49,6 +53,16 @@ def criterion_of_truth(data: Path, truth: Judged, found: Judged) -> float | None
     ]
     continuation = continuation_of(run_set, known.weight)
     return _criterion(continuation, true) - _criterion(continuation, told)
+
+
+def _position_noise(found: Judged) -> NDArray[np.float64] | None:
+    """(6, 2) Gauss-Markov noise of the positions that an answer tells; None where they have none."""
+    told = {name: one for name, one in found.get("wandering", {}).items() if name in POSITIONS}
+    rows = [
+        (told[name]["standard_deviation"], told[name]["time_constant_s"]) if name in told else (0.0, 0.0)
+        for name in CHANNELS
+    ]
+    return np.array(rows) if told else None
 
 
 def _key(effect: str, thrusters: Sequence[str]) -> Key:

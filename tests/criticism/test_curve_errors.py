@@ -11,10 +11,12 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.cross_validation import Confirmation
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.model.scales import force_scale
-from swamp_rl.criticism.nuisance.curve_errors import deviance, least_deviance, marginal, quadratic
+from swamp_rl.criticism.nuisance.curve_errors import beside_curve_errors, marginal, most_likely, quadratic
 from swamp_rl.criticism.nuisance.force_functions import ForceLikelihood
+from swamp_rl.criticism.nuisance.process_noise import model_error
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.stepwise_selection import RatioTests
 from tests.support.criticism import SECONDS, simulated_runs
@@ -49,6 +51,19 @@ def test_curves_in_error_are_no_wind_of_each_run_and_a_wind_is_one() -> None:
         assert tests.find(whole, less) is there
 
 
+def test_errors_of_curves_that_all_runs_share_widen_the_standard_error() -> None:
+    found = simulated_runs(CURVES)
+    weight = weights(found, noise_levels(found))
+    instance = by_label(candidates(found.boat, SECONDS))["resistance"]
+    weighted = model_error(found, weight, Hypothesis((instance,)), np.array([1.0]), 10.0)
+    between_runs = sandwich_covariance(weighted.problem, weighted.fit)[0, 0]
+    weighted.problem.least_variances = RatioTests(found, weight, 72).parameter_variances
+    least = weighted.problem.least_variances(weighted.fit)[0]
+    assert least > between_runs
+    assert sandwich_covariance(weighted.problem, weighted.fit)[0, 0] == pytest.approx(least)
+    assert abs(weighted.fit.x[0] - 1.05) < 2.0 * np.sqrt(least)
+
+
 def test_a_gain_on_held_out_windows_is_no_cause_without_a_significant_likelihood_ratio() -> None:
     assert Confirmation(gain=90.0, low=40.0, level=0.99).holds
     assert not Confirmation(gain=90.0, low=40.0, level=0.99, significant=False).holds
@@ -81,21 +96,23 @@ def test_the_deviance_is_that_of_the_whole_covariance_at_the_best_parameters() -
     best = np.linalg.solve(steps.T @ inverse @ steps, steps.T @ inverse @ seen.ravel())
     left = seen.ravel() - steps @ best
     expected = left @ inverse @ left + np.linalg.slogdet(covariance)[1]
-    of = quadratic(found, curves, np.zeros(2), np.zeros(2))
-    assert marginal(of, power, variance).deviance == pytest.approx(expected)
+    at = marginal(quadratic(found, curves, np.zeros(2), np.zeros(2)), power, variance)
+    assert at.deviance == pytest.approx(expected)
+    of_parameters = np.linalg.inv(steps.T @ inverse @ steps)
+    assert at.parameter_variances == pytest.approx(np.diag(of_parameters))
 
 
 def test_the_variances_found_are_more_likely_than_those_the_estimate_begins_with() -> None:
     found, _, _, curves = likelihood(np.random.default_rng(4))
     of = quadratic(found, curves, np.zeros(2), np.zeros(2))
     force, weight = options().curve_errors_begin
-    assert least_deviance(of, SCALE) < marginal(of, (force * SCALE) ** 2, weight**2).deviance
+    assert most_likely(of, SCALE).deviance < marginal(of, (force * SCALE) ** 2, weight**2).deviance
 
 
 def test_the_deviance_falls_by_far_more_than_its_charge_where_the_wind_is_put_in() -> None:
     found = simulated_runs([*CURVES, WIND])
     weight = weights(found, noise_levels(found))
     wind = by_label(candidates(found.boat, SECONDS))["wind"]
-    calm = deviance(found, weight, Hypothesis(), np.zeros(0))
+    calm = beside_curve_errors(found, weight, Hypothesis(), np.zeros(0)).deviance
     towards = 4.0 * np.array([np.cos(0.5), np.sin(0.5)])
-    assert deviance(found, weight, Hypothesis((wind,)), towards) < calm - 50.0
+    assert beside_curve_errors(found, weight, Hypothesis((wind,)), towards).deviance < calm - 50.0

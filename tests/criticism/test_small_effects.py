@@ -20,7 +20,7 @@ from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection.backward_elimination import confirmed_on, fit_by_continuation
 from swamp_rl.criticism.selection.continuation import LAST, Continuation, continuation_of
 from swamp_rl.criticism.selection.score_test import at_neutral_values, score_tests
-from swamp_rl.criticism.selection.small_effects import is_small, with_small_effects
+from swamp_rl.criticism.selection.small_effects import is_small, with_slow_effects, with_small_effects
 from swamp_rl.simulator import parameters
 from tests.support.criticism import SECONDS, select_effects, simulated_runs
 
@@ -51,6 +51,16 @@ def test_neutral_values_leave_the_boat_file_unchanged(instance: EffectInstance) 
     record = softly.records(BOAT, np.array(softly.instances[0].starts))[0]
     moved = {name for name in plain.dtype.names if not np.allclose(record[name], plain[name], atol=0.005)}
     assert moved <= {"wind_from"}
+
+
+def test_a_cause_is_added_that_windows_of_twenty_seconds_show() -> None:
+    made = simulated_runs([{"effect": "mass", "mass": 64.0}], seed=21)
+    continuation = continued(made)
+    nothing = fit_by_continuation(continuation, Hypothesis(), np.zeros(0))
+    every = candidates(made.boat, SECONDS)
+    found = with_slow_effects(continuation, nothing, every)
+    assert found.hypothesis.label == "mass" and found.x[0] == pytest.approx(64.0, abs=0.5)
+    assert with_slow_effects(continuation, found, every).hypothesis == found.hypothesis
 
 
 @pytest.mark.parametrize("effect", SMALL, ids=lambda one: one["effect"])

@@ -1,6 +1,7 @@
 """Multiple shooting: windows of runs, each simulated from its own initial state."""
 
 import math
+from collections.abc import Callable
 from copy import copy
 from functools import cached_property
 from itertools import pairwise
@@ -121,6 +122,8 @@ class Shooting:
         self.last = int(self.windows.first.max()) + 1
         # integrated autocorrelation time, where weights are the model error's
         self.correlation_samples = 1.0
+        # (p,) variances of a fit's parameters that no estimate from these runs is below, where known
+        self.least_variances: Callable[[Any], Array] | None = None
         self.boat_steps = [0]  # shared by all parts of this problem
         self.histories: dict[tuple[str, bytes], Array] = {}
         self.last_records: list[Any] = []  # hypothesis, numbers and what `_records` made of them

@@ -15,14 +15,21 @@ Z95 = 1.959964
 
 def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
     """(p, p) sandwich covariance (Huber-White) of x, widened by Student's t for the number of its blocks;
-    where weights are the model error's, to the variances between runs where those are larger.
+    where weights are the model error's, to the variances between runs, and to the least that errors of the
+    model's curves allow (Gauss-Markov theorem), where those are larger.
+
+    What an error of a curve does alike in all runs, no scatter between them shows.
     """
     covariance, freedom = scattered_covariance(problem, at)
     wider = _wider(freedom)
     covariance = np.asarray(covariance * np.outer(wider, wider))
     if problem.correlation_samples == 1.0 or not np.isfinite(covariance).all():
         return covariance
-    ratio = variances_between_runs(problem, at) / np.maximum(np.diag(covariance), 1e-300)
+    variances = variances_between_runs(problem, at)
+    if problem.least_variances is not None:
+        least = problem.least_variances(at)
+        variances = np.maximum(variances, np.where(np.isfinite(least), least, 0.0))
+    ratio = variances / np.maximum(np.diag(covariance), 1e-300)
     wider = np.sqrt(np.maximum(ratio, 1.0))
     return np.asarray(covariance * np.outer(wider, wider))
 

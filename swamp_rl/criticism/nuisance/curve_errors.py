@@ -30,13 +30,14 @@ OF_THE_EARTH = ("north", "east", EARTH)
 NOT_A_CURVE = ("time", "heading", PLACE)
 
 
-def deviance(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: Array) -> float:
-    """-2 log likelihood of a hypothesis but for a constant, the errors of curves and the Gauss-Markov forces
-    marginalised; its parameters from x (p,) by one Newton step. weight: (R, T, 6) of the measurement noise.
+def beside_curve_errors(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: Array) -> "Marginal":
+    """The likelihood of a hypothesis with the errors of curves and the Gauss-Markov forces marginalised, at
+    their most likely variances; its parameters from x (p,) by one Newton step. weight: (R, T, 6) of the
+    measurement noise.
     """
     found = force_likelihood(replace(run_set, gauss_markov=None), weight, hypothesis, x, steps=True)
     mean, precision = hypothesis.prior()
-    return least_deviance(quadratic(found, curves_in_error(found), x - mean, precision), found.scale)
+    return most_likely(quadratic(found, curves_in_error(found), x - mean, precision), found.scale)
 
 
 def curves_in_error(found: ForceLikelihood) -> Array:
@@ -94,10 +95,12 @@ def quadratic(found: ForceLikelihood, curves: Array, away: Array, precision: Arr
 @dataclass(frozen=True)
 class Marginal:
     """deviance: -2 log likelihood but for a constant, the weights and the forces marginalised, at the best
-    parameters; power (3,) and variance: expected squares of the forces of each axis and of a weight.
+    parameters; parameter_variances: (p,) of those parameters; power (3,) and variance: expected squares of
+    the forces of each axis and of a weight.
     """
 
     deviance: float
+    parameter_variances: Array
     power: Array
     variance: float
 
@@ -122,12 +125,13 @@ def marginal(of: Quadratic, power: Array, variance: float) -> Marginal:
     squares = (doubt + force.T @ force).reshape(pieces, AXES, pieces, AXES)
     return Marginal(
         of.chi2 - explained + float(volume),
+        np.diag(covariance)[:p],
         np.einsum("bc,baca->a", of.alike, squares) / (len(own) * pieces),
         float((common[p:] ** 2 + np.diag(covariance)[p:]).mean()),
     )
 
 
-def least_deviance(of: Quadratic, scale: Array) -> float:
+def most_likely(of: Quadratic, scale: Array) -> Marginal:
     """At the most likely variances, by expectation-maximisation (Dempster, Laird and Rubin 1977); scale:
     `force_scale`.
     """
@@ -136,4 +140,4 @@ def least_deviance(of: Quadratic, scale: Array) -> float:
     least = (np.array(options().process_least) * scale) ** 2
     for _ in range(options().process_rounds):
         at = marginal(of, np.maximum(at.power, least), at.variance)
-    return at.deviance
+    return at

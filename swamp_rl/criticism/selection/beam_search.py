@@ -20,7 +20,7 @@ from swamp_rl.criticism.selection.backward_elimination import (
 from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
 from swamp_rl.criticism.selection.exchange_search import exchange_search
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
-from swamp_rl.criticism.selection.small_effects import with_small_effects
+from swamp_rl.criticism.selection.small_effects import with_slow_effects, with_small_effects
 
 
 def beam_search(
@@ -81,8 +81,14 @@ def beam_search(
     if tried and adequate_stage(continuation, best) is None:
         closest = min(tried.values(), key=criterion)
         best = min(best, fit_by_continuation(continuation, closest.hypothesis, closest.x), key=criterion)
+    short, enough = continuation.problems[0], adequate_stage(continuation, best) is not None
+    if not enough and near(short, continuation.at(0, best)):
+        slow = with_slow_effects(continuation, best, whole)
+        if slow.hypothesis != best.hypothesis:  # which an exchange on the shortest windows would not see
+            best, enough = slow, True
+            tried[best.hypothesis.label] = continuation.at(0, best)
     hopeless = best.chi2 > options().exchange_hopeless * continuation.problems[MIDDLE].samples
-    if best.hypothesis.instances and not hopeless and adequate_stage(continuation, best) is None:
+    if best.hypothesis.instances and not hopeless and not enough:
         exchanged = exchange_search(continuation, continuation.at(0, best), every)
         tried |= {one.hypothesis.label: continuation.at(0, one) for one in exchanged}
         best = min([best, *exchanged], key=criterion)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.adequacy import near
 from swamp_rl.criticism.likelihood.discretisation import discretisation_errors
 from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
@@ -57,8 +58,14 @@ def select_model(
     are model error: they widen all comparisons and standard errors, and the selection is never adequate.
     """
     tried: list[Continuation] = []
-    given = weight, instances, hull, tried
-    run_set, continuation, found = _with_reconstruction(run_set, *given, options().step_budget)
+    given = instances, hull, tried
+    continuation = continuation_of(run_set, weight)
+    if _is_position_noise_sufficient(continuation):
+        # an effect of a search under white noise would only stand for that noise
+        again = _with_position_noise(*given, continuation, continuation.boat_file(MIDDLE))
+        if again is not None:
+            return again
+    run_set, continuation, found = _with_reconstruction(run_set, continuation, *given, options().step_budget)
     if found.adequate and found.stage >= LAST:
         return run_set, continuation, found
     winner, stage = found.winner, LAST if found.adequate else MIDDLE
@@ -83,15 +90,18 @@ def select_model(
 
 def _with_reconstruction(
     run_set: RunSet,
-    weight: Array,
+    continuation: Continuation,
     instances: Sequence[EffectInstance],
     hull: EffectInstance | None,
     tried: list[Continuation],
     step_budget: float,
     previous: Sequence[Fit] = (),
 ) -> tuple[RunSet, Continuation, Selection]:
-    """The search, with reconstructed commands if they fit clearly better; adds to `tried`."""
-    logged, continuation = run_set, continuation_of(run_set, weight)
+    """The search, with reconstructed commands if they fit clearly better; adds to `tried`.
+
+    continuation: of the runs as logged.
+    """
+    logged, weight = run_set, continuation.problems[0].weight
     tried.append(continuation)
     other = sufficient_reconstruction(
         continuation, fit_by_continuation(continuation, Hypothesis(), np.zeros(0)), logged
@@ -158,8 +168,17 @@ def is_budget_spent(continuations: Sequence[Continuation]) -> bool:
     return sum(continuation.boat_steps for continuation in continuations) > options().total_budget
 
 
+def _is_position_noise_sufficient(continuation: Continuation) -> bool:
+    """Whether the boat file leaves little more than noise on the middle windows, and that is correlated in
+    the positions alone.
+    """
+    nothing = fit_by_continuation(continuation, Hypothesis(), np.zeros(0))
+    if not near(continuation.problems[MIDDLE], nothing):
+        return False
+    return correlated_noise(continuation, nothing, MIDDLE) == "measurement"
+
+
 def _with_position_noise(
-    weight: Array,
     instances: Sequence[EffectInstance],
     hull: EffectInstance | None,
     tried: list[Continuation],
@@ -172,7 +191,8 @@ def _with_position_noise(
         fit_by_continuation(continuation, winner.hypothesis, winner.x)
         previous = [continuation.at(stage, winner) for stage in (0, MIDDLE)]
         noisy, budget = replace(run_set, gauss_markov=slow), options().step_budget_again
-        _, continuation, found = _with_reconstruction(noisy, weight, instances, hull, tried, budget, previous)
+        begun = continuation_of(noisy, continuation.problems[0].weight)
+        _, continuation, found = _with_reconstruction(noisy, begun, instances, hull, tried, budget, previous)
         if not found.adequate:
             return None
         winner, noise, slow = found.winner, slow, slowest_noise(continuation, found.winner)

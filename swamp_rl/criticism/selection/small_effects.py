@@ -1,4 +1,4 @@
-"""Selection on whole runs of effects too small for short windows, whose action accumulates over a run."""
+"""Selection on longer windows of effects too small for short ones, whose action accumulates over a run."""
 
 from collections.abc import Sequence
 
@@ -30,7 +30,7 @@ def with_small_effects(
         return best, []
     if continuation.is_adequate(MIDDLE, best):  # which shows waves
         instances = [instance for instance in instances if instance.effect.begin != "spectral"]
-    more = _forward_selection(continuation, at, instances)
+    more = _forward_selection(continuation, at, instances, LAST)
     if more.hypothesis != at.hypothesis:
         added = fit_by_continuation(continuation, more.hypothesis, more.x)
         if continuation.is_adequate(LAST, more):
@@ -39,19 +39,29 @@ def with_small_effects(
     return best, [continuation.at(0, one) for one in every if one.hypothesis.instances]
 
 
-def _forward_selection(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> Fit:
-    """Whole runs with further effects that lower the criterion and predict held-out runs better."""
+def with_slow_effects(continuation: Continuation, best: Fit, instances: Sequence[EffectInstance]) -> Fit:
+    """The best fit, on the middle windows, with effects that the shortest hardly show: a ship's mass takes
+    longer to act. instances: all candidates.
+    """
+    more = _forward_selection(continuation, continuation.at(MIDDLE, best), instances, MIDDLE)
+    return fit_by_continuation(continuation, more.hypothesis, more.x)
+
+
+def _forward_selection(
+    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance], stage: int
+) -> Fit:
+    """The fit at a stage with further effects that lower the criterion and predict held-out data better."""
     while len(at.hypothesis.instances) < options().most_effects:
-        scores = _ranked(continuation, at, instances)
+        scores = _ranked(continuation, at, instances, stage)
         if not scores:
             break
-        best = _fitted(continuation, at, instances, scores)[0]
+        best = _fitted(continuation, at, instances, scores, stage)[0]
         (added,) = set(best.hypothesis.instances) - set(at.hypothesis.instances)
-        less = without(continuation, best, added.label, LAST)
+        less = without(continuation, best, added.label, stage)
         if less.chi2 < at.chi2 - options().not_converged:
             at = less
             continue
-        kept = confirmed_on(continuation, LAST, best, less, options().stages_tested * len(instances))
+        kept = confirmed_on(continuation, stage, best, less, options().stages_tested * len(instances))
         if continuation.criterion(best) >= continuation.criterion(less) or not kept.gains:
             break
         at = best
@@ -73,7 +83,7 @@ def _alternatives(
         if not others:
             continue
         less = without(continuation, at, instance.label, LAST)
-        fitted = _fitted(continuation, less, others, _ranked(continuation, less, others))
+        fitted = _fitted(continuation, less, others, _ranked(continuation, less, others, LAST), LAST)
         found += [one for one in fitted if criterion(one) < criterion(at) + options().compared]
     return found
 
@@ -83,9 +93,11 @@ def is_small(instance: EffectInstance) -> bool:
     return instance.size > 0 and instance.effect.begin != "changepoint"
 
 
-def _ranked(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
-    """The most promising score tests of one more effect on whole runs, in order."""
-    problem = continuation.problem(LAST, at.hypothesis)
+def _ranked(
+    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance], stage: int
+) -> list[ScoreTest]:
+    """The most promising score tests of one more effect at a stage, in order."""
+    problem = continuation.problem(stage, at.hypothesis)
     begun = [
         one if one.effect.begin == "spectral" else at_neutral_values(one, problem.boat)
         for one in instances
@@ -102,12 +114,16 @@ def _ranked(continuation: Continuation, at: Fit, instances: Sequence[EffectInsta
 
 
 def _fitted(
-    continuation: Continuation, at: Fit, instances: Sequence[EffectInstance], scores: Sequence[ScoreTest]
+    continuation: Continuation,
+    at: Fit,
+    instances: Sequence[EffectInstance],
+    scores: Sequence[ScoreTest],
+    stage: int,
 ) -> list[Fit]:
-    """Fits to whole runs of the given score tests, best first."""
+    """Fits at a stage of the given score tests, best first."""
     known = by_label(instances)
     made = [
-        continuation.fit(LAST, at.hypothesis.with_instance(known[one.instance.label]), one.x, at.states)
+        continuation.fit(stage, at.hypothesis.with_instance(known[one.instance.label]), one.x, at.states)
         for one in scores
     ]
     return sorted(made, key=continuation.criterion)

@@ -11,7 +11,7 @@ from swamp_rl.criticism.likelihood.cross_validation import Confirmation, confirm
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined, may_differ
-from swamp_rl.criticism.nuisance.curve_errors import deviance
+from swamp_rl.criticism.nuisance.curve_errors import Marginal, beside_curve_errors
 from swamp_rl.criticism.nuisance.process_noise import ModelError, model_error
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection, nested, without
@@ -53,21 +53,25 @@ class RatioTests:
     comparisons (Bonferroni).
 
     weight: (R, T, 6) of the measurement noise; alone: whether they decide on what no other run can confirm;
-    deviances: of the hypotheses that were tested, by label and parameters.
+    marginals: of the hypotheses that were tested, by label and parameters.
     """
 
     run_set: RunSet
     weight: Array
     comparisons: int
     alone: bool = False
-    deviances: dict[tuple[str, bytes], float] = field(default_factory=dict)
+    marginals: dict[tuple[str, bytes], Marginal] = field(default_factory=dict)
 
-    def deviance(self, at: Fit) -> float:
-        """-2 log likelihood of a fit's hypothesis but for a constant."""
+    def marginal(self, at: Fit) -> Marginal:
+        """The likelihood of a fit's hypothesis beside errors of the curves."""
         key = at.hypothesis.label, at.x.tobytes()
-        if key not in self.deviances:
-            self.deviances[key] = deviance(self.run_set, self.weight, at.hypothesis, at.x)
-        return self.deviances[key]
+        if key not in self.marginals:
+            self.marginals[key] = beside_curve_errors(self.run_set, self.weight, at.hypothesis, at.x)
+        return self.marginals[key]
+
+    def parameter_variances(self, at: Fit) -> Array:
+        """(p,) of a fit's parameters beside errors of the curves."""
+        return self.marginal(at).parameter_variances
 
     def find(self, whole: Fit, less: Fit) -> bool:
         """Whether `whole` is significantly more likely than `less`: chi2 of as many degrees of freedom as it
@@ -77,7 +81,7 @@ class RatioTests:
 
         freedom = max(whole.hypothesis.size - less.hypothesis.size, 1)
         least = float(chdtri(freedom, options().curve_errors_level / self.comparisons))
-        return self.deviance(less) - self.deviance(whole) > least
+        return self.marginal(less).deviance - self.marginal(whole).deviance > least
 
     def decide(self, instance: EffectInstance) -> bool:
         """Whether they decide on an effect, since it may differ between runs."""
@@ -90,6 +94,7 @@ def _selected(
 ) -> tuple[RunSet, Continuation, Selection]:
     """The selection under one model error."""
     continuation = single_stage(weighted)
+    weighted.problem.least_variances = tests.parameter_variances
     nothing = continuation.fit(0, Hypothesis(), np.zeros(0))
     best, first, singles = _forward_selection(continuation, nothing, every, tests)
     singles = sorted(singles, key=lambda one: _held_out_loss(continuation, one))
