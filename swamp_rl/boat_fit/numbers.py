@@ -23,7 +23,6 @@ FAR = 6.0  # prior widths to either side that a fit may move a number
 # prior widths, of a finite difference; wide, since forces that jump, where a propeller's flow turns, make
 # slopes over narrow ones meaningless
 STEP = 3e-3
-DELAY_STEP = 0.1  # the same for delays, which act through interpolated commands
 # of the prior width of a time constant: the shortest that is fitted, since shorter ones are followed at once
 SHORTEST, LAG_STEP = 0.05, 0.03
 ROOM = 1.25  # factor that is left to the ends of plausible ranges, which depend on the mass as well
@@ -348,4 +347,4 @@ def _clocks(boat: Boat) -> Iterable[Number]:
     ):
         start = float(record[field])
         name = f"effects.{effect}.{parameter}"
-        yield Number(name, "s", field, start, 0.2, trial, low=low, high=LONGEST_DELAY, step=DELAY_STEP)
+        yield Number(name, "s", field, start, 0.2, trial, low=low, high=LONGEST_DELAY)
