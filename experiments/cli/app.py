@@ -152,6 +152,7 @@ def record_scripted_runs(
 ) -> None:
     """Record runs of the scripted pilot, a model of human drivers."""
     from swamp_rl.envs.batched import GatesVectorEnv
+    from swamp_rl.experiments.artifacts.stages import stages
 
     from swamp_rl.pilots.record import record_scripted
     from swamp_rl.runs import read_dataset
@@ -162,9 +163,18 @@ def record_scripted_runs(
     def boats(n: int, senses: tuple[str, ...]) -> GatesVectorEnv:
         return GatesVectorEnv(n, boat=boat, course=course, disturbances=disturbances, observation=senses)
 
-    record_scripted(
-        boats, out, boat=boat, course=course, count=count, failed=failed, seed=seed, skills=[skill]
-    )
+    with stages() as progress, progress.stage("recording successful runs", count) as tick:
+        record_scripted(
+            boats,
+            out,
+            boat=boat,
+            course=course,
+            count=count,
+            failed=failed,
+            seed=seed,
+            skills=[skill],
+            tick=tick,
+        )
     recorded = read_dataset(out)
     typer.echo(f"{out}: {len(recorded.runs)} runs, {len(recorded.successful)} of them successful")
 
