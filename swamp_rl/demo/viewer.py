@@ -17,6 +17,8 @@ HOST = "127.0.0.1"
 """Rerun itself would bind every address of the machine."""
 RERUN = (sys.executable, "-P", "-m", "rerun_cli")
 """Its command alone, which starts without its Python library; no module of the working directory."""
+ENDS = (signal.SIGTERM, signal.SIGHUP)
+"""Signals that end the server with the command; it would go on serving."""
 PATIENCE = 30.0
 """How long rerun may take to listen, s."""
 
@@ -42,7 +44,11 @@ def serve(recording: Path, port: int | None, ready: Callable[[str], None]) -> No
     port, data_port = free_port(port), free_port(None)
     asked = [*RERUN, str(recording), "--serve-web", "--bind", HOST]
     asked += ["--port", str(data_port), "--web-viewer-port", str(port), "--hide-welcome-screen"]
-    before = signal.signal(signal.SIGTERM, _interrupt)
+    # A terminal that is closed hangs up; not heeded where that was asked for (nohup).
+    before = {number: signal.getsignal(number) for number in ENDS}
+    for number in ENDS:
+        if before[number] != signal.SIG_IGN:
+            signal.signal(number, _interrupt)
     # In a group of its own, as rerun's Python command starts the server as a process of its own.
     server = subprocess.Popen(
         asked, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
@@ -53,7 +59,8 @@ def serve(recording: Path, port: int | None, ready: Callable[[str], None]) -> No
         ready(f"http://{HOST}:{port}/?url={where}")
         server.communicate()
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler or signal.SIG_DFL)
         if server.poll() is None:
             os.killpg(server.pid, signal.SIGTERM)
             server.wait()

@@ -147,7 +147,8 @@ def test_a_damaged_pilot_of_the_package_asks_for_a_new_installation(
 
 
 @pytest.mark.timed
-def test_the_web_viewer_listens_on_this_machine_only_and_ends_when_told(results: Path) -> None:
+@pytest.mark.parametrize("told", [signal.SIGTERM, signal.SIGHUP], ids=["terminated", "terminal closed"])
+def test_the_web_viewer_listens_on_this_machine_only_and_ends_when_told(results: Path, told: int) -> None:
     process = started("demo", results, "--web")
     assert process.stdout is not None
     try:
@@ -164,7 +165,7 @@ def test_the_web_viewer_listens_on_this_machine_only_and_ends_when_told(results:
         assert len(listening) == 2
         assert any(address.startswith(f"http://127.0.0.1:{place.port}/?url=") for place in listening)
     finally:
-        process.send_signal(signal.SIGTERM)
+        process.send_signal(told)
         process.communicate(timeout=PATIENCE)
     gone, left = psutil.wait_procs(children, timeout=PATIENCE)
     assert left == [] and len(gone) == len(children)
