@@ -1,6 +1,6 @@
 """Coverage of the intervals of `swamp-rl identify boat` on synthetic boats of random kind and size.
 
-    python -m benchmarks.boat_fit.coverage 30 0
+    python -m benchmarks.boat_fit.coverage 100 9
 
 Boats number 0 to 29 from seed 0. The truth of each is drawn from the priors about a start file; every other
 one sails in a mean wind with gusts.
