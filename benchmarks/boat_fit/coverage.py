@@ -2,7 +2,7 @@
 
     python -m benchmarks.boat_fit.coverage 100 9
 
-Boats number 0 to 29 from seed 0. The truth of each is drawn from the priors about a start file; every other
+A hundred boats from seed 9. The truth of each is drawn from the priors about a start file; every other
 one sails in a mean wind with gusts.
 """
 
