@@ -4,6 +4,7 @@ import gc
 import importlib
 import os
 import shutil
+import signal
 import tempfile
 from collections import Counter
 from collections.abc import Iterator
@@ -40,6 +41,17 @@ FLAGS = [
 def pytest_configure(config: pytest.Config) -> None:
     """Have the scheduler keep the order of the tests, and not put large groups before the slow tests."""
     config.option.loadscopereorder = False
+    _heed_signals()
+
+
+def _heed_signals() -> None:
+    """Have commands that tests start and interrupt be interrupted where this process ignores it (nohup, &).
+
+    What is ignored here would be ignored by them too; what is handled here is theirs to decide.
+    """
+    for number in (signal.SIGINT, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_IGN:
+            signal.signal(number, lambda *told: None)
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
