@@ -11,14 +11,16 @@ from pathlib import Path
 from types import FrameType
 from urllib.parse import quote
 
+from swamp_rl.demo.shared_file import HOST, shared_file
 from swamp_rl.errors import UserError
 
-HOST = "127.0.0.1"
-"""Rerun itself would bind every address of the machine."""
 RERUN = (sys.executable, "-P", "-m", "rerun_cli")
 """Its command alone, which starts without its Python library; no module of the working directory."""
 ENDS = (signal.SIGTERM, signal.SIGHUP)
 """Signals that end the server with the command; it would go on serving."""
+NO_SERVER = f"rerun+http://{HOST}:9/proxy"
+"""Nothing listens there: given an address to view, rerun serves its page alone. Its server of data, which it
+would start otherwise, keeps a processor busy without end after a recording is read (rerun-io/rerun 10944)."""
 PATIENCE = 30.0
 """How long rerun may take to listen, s."""
 
@@ -41,9 +43,9 @@ def serve(recording: Path, port: int | None, ready: Callable[[str], None]) -> No
     port: of the page; any free one by default. ready: hears the page's address once it is served. UserError
     where the port is taken or rerun does not start.
     """
-    port, data_port = free_port(port), free_port(None)
-    asked = [*RERUN, str(recording), "--serve-web", "--bind", HOST]
-    asked += ["--port", str(data_port), "--web-viewer-port", str(port), "--hide-welcome-screen"]
+    port = free_port(port)
+    asked = [*RERUN, NO_SERVER, "--serve-web", "--bind", HOST]
+    asked += ["--web-viewer-port", str(port), "--hide-welcome-screen"]
     # A terminal that is closed hangs up; not heeded where that was asked for (nohup).
     before = {number: signal.getsignal(number) for number in ENDS}
     for number in ENDS:
@@ -54,10 +56,11 @@ def serve(recording: Path, port: int | None, ready: Callable[[str], None]) -> No
         asked, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
     )
     try:
-        _wait_for(server, (port, data_port))
-        where = quote(f"rerun+http://{HOST}:{data_port}/proxy", safe="")
-        ready(f"http://{HOST}:{port}/?url={where}")
-        server.communicate()
+        _wait_for(server, port)
+        page = f"http://{HOST}:{port}"
+        with shared_file(recording, page) as where:
+            ready(f"{page}/?url={quote(where, safe='')}")
+            server.communicate()
     finally:
         for number, handler in before.items():
             signal.signal(number, handler or signal.SIG_DFL)
@@ -81,17 +84,15 @@ def free_port(asked: int | None) -> int:
         return int(probe.getsockname()[1])
 
 
-def _wait_for(server: subprocess.Popen[str], ports: tuple[int, ...]) -> None:
+def _wait_for(server: subprocess.Popen[str], port: int) -> None:
     until = time.monotonic() + PATIENCE
-    waiting = list(ports)
-    while waiting:
+    while True:
         if server.poll() is not None:
             said = (server.communicate()[0] or "").strip().splitlines()
             raise UserError(f"rerun's server exited at once: {said[-1] if said else 'no message'}")
         if time.monotonic() > until:
             raise UserError(f"rerun's server did not listen within {PATIENCE:g} s; try again, or --save")
         with socket.socket() as probe:
-            if probe.connect_ex((HOST, waiting[0])) == 0:
-                waiting.pop(0)
-            else:
-                time.sleep(0.05)
+            if probe.connect_ex((HOST, port)) == 0:
+                return
+        time.sleep(0.05)

@@ -154,11 +154,12 @@ def test_the_web_viewer_listens_on_this_machine_only_and_ends_when_told(results:
     try:
         assert "1 human, 1 reservoir" in process.stdout.readline()
         address = process.stdout.readline()
-        children = psutil.Process(process.pid).children(recursive=True)
+        own = psutil.Process(process.pid)
+        children = own.children(recursive=True)
         listening = [
             found.laddr
-            for child in children
-            for found in child.net_connections(kind="inet")
+            for each in [own, *children]
+            for found in each.net_connections(kind="inet")
             if found.status == psutil.CONN_LISTEN
         ]
         assert {place.ip for place in listening} == {"127.0.0.1"}
