@@ -13,7 +13,7 @@ from swamp_rl.experiments.synthetic.cases import Case, write_case
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.criticism.model.candidates import by_label, candidates
-from swamp_rl.criticism.model.scales import state_scale
+from swamp_rl.criticism.model.scales import state_scale, window_lengths
 from swamp_rl.effects import LIBRARY, Effect, Parameter, Reference, Search, apply_effects, parse_effects
 from swamp_rl.effects.declare import declare
 from swamp_rl.runs.table import write_table
@@ -90,6 +90,13 @@ def test_the_numbers_of_swamp_are_those_that_the_benchmarks_were_made_with() -> 
     ):
         spec = known[label].specs[0]
         assert (spec.scale, spec.low, spec.high) == pytest.approx((scale, low, high), rel=5e-3, abs=1e-9)
+
+
+def test_windows_last_as_long_as_a_slow_boat_takes_for_its_length() -> None:
+    assert window_lengths(SWAMP) == (5.0, 20.0)
+    ship = load_boat("esso_osaka")
+    of = reference_of(ship)
+    assert np.array(window_lengths(ship)) * of.speed / of.length == pytest.approx([5.5, 22.0])
 
 
 def test_an_effect_without_a_search_is_refused_unless_it_is_no_cause() -> None:

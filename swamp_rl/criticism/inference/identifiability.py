@@ -12,6 +12,7 @@ from swamp_rl.criticism.likelihood.output_error import Fit, fit, noise_free
 from swamp_rl.criticism.likelihood.sandwich_covariance import sensitivities
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
+from swamp_rl.criticism.model.scales import window_lengths
 from swamp_rl.criticism.model.trial_limits import UNLIMITED
 from swamp_rl.criticism.nuisance.process_noise import correlation_samples, standardised_residual
 from swamp_rl.criticism.options import options
@@ -71,7 +72,7 @@ def hidden_effects(
         return []
     if judged.correlation_samples > 1.0:  # it is weighted by the model error
         unseen = [one for one in instances if one.label in found.unidentifiable]
-        problem = Shooting(run_set, weight, options().window_lengths[0])
+        problem = Shooting(run_set, weight, window_lengths(run_set.boat)[0])
         nothing = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states(), options().stage_steps[0])
         scores = score_tests(problem, nothing, unseen)
         return [one.instance.label for one in scores if one.information >= options().least_information]

@@ -14,6 +14,7 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.scales import window_lengths
 from swamp_rl.criticism.model.trial_limits import TrialLimits, rows_within
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator import initial_state, simulate, tank
@@ -141,7 +142,7 @@ def _problem(question: Question, commands: Array) -> Shooting:
     planned = RunSet(run_set.boat, run_set.dt, *sailed, gauss_markov=run_set.gauss_markov)
     weight = np.where(np.isfinite(question.sigmas), 1.0 / question.sigmas, 0.0)
     transient = math.ceil(options().least_transient / run_set.dt)
-    pieces = max(1, round((steps - transient) * run_set.dt / options().window_lengths[1]))
+    pieces = max(1, round((steps - transient) * run_set.dt / window_lengths(run_set.boat)[1]))
     length = (steps - transient) // pieces
     weights = np.tile(weight, (trials * pieces, length, 1))
     run = np.repeat(np.arange(trials), pieces)

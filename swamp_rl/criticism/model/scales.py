@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.options import options
 from swamp_rl.simulator.reference import reference_of
 
 Array = NDArray[np.float64]
@@ -25,3 +26,13 @@ def force_scale(boat: Boat) -> Array:
     """(3,) T, T [N] and T L [N m], of thrust T."""
     of = reference_of(boat)
     return np.array([of.thrust, of.thrust, of.thrust * of.length])
+
+
+def window_lengths(boat: Boat) -> tuple[float, float]:
+    """Short and middle windows [s]: long enough for the sensors, and for the boat to sail some lengths L at
+    its top speed U.
+    """
+    rate = reference_of(boat).rate
+    pairs = zip(options().window_lengths, options().window_lengths_of_boat, strict=True)
+    short, middle = (max(seconds, lengths / rate) for seconds, lengths in pairs)
+    return short, middle

@@ -1,5 +1,6 @@
 """Continuation in the window length: fits to short windows, nearly convex, begin those to longer ones."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -11,6 +12,7 @@ from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, first_states, fit
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.scales import window_lengths
 from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
 from swamp_rl.criticism.nuisance.lost_rows import (
     with_best_commands,
@@ -95,7 +97,7 @@ class Continuation:
         else:
             made = fit(problem, hypothesis, x, states, steps, fresh)
         self.keep(stage, problem, made)
-        seconds = options().window_lengths[stage]
+        seconds = problem.seconds
         LOG.debug("segments of %g s: %s, chi2 %.0f", seconds, hypothesis.label, made.chi2)
         return made
 
@@ -127,7 +129,7 @@ class Continuation:
         """A fit restarted from windows half as long, in which an unstable boat diverges less."""
         first = self.problems[0]
         if self.half is None:
-            seconds = options().restart_share * options().window_lengths[0]
+            seconds = options().restart_share * first.seconds
             self.half = Shooting(first.run_set, first.weight, seconds)
         x, hypothesis = made.x, made.hypothesis
         for problem in (self.half, first):
@@ -165,7 +167,8 @@ def states_carried(shorter: Shooting, states: Array, longer: Shooting, others: A
 def continuation_of(run_set: RunSet, weight: Array) -> Continuation:
     """The stages for these runs; shorter windows end at gaps in which the unknown command matters."""
     cautious = with_relevant_gaps(run_set, weight)
-    problems = [Shooting(cautious, weight, seconds) for seconds in options().window_lengths]
+    lengths = (*window_lengths(run_set.boat), math.inf)
+    problems = [Shooting(cautious, weight, seconds) for seconds in lengths]
     problems.append(problems[LAST])
     states = [problem.initial_states() for problem in problems]
     criterion = information_criterion(run_set, problems[LAST].samples)
