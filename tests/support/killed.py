@@ -1,5 +1,6 @@
 """A job that is killed again and again, and at last left to end."""
 
+import math
 import os
 import random
 import signal
@@ -24,7 +25,8 @@ def killed_until_done(job: Callable[[], None], checkpoint: Path, chance: random.
     """How often forks that do `job` were killed before one came to its end, and whether that one did it.
 
     Each life is killed at a random instant after the checkpoint of a life before has been replaced, however
-    slow the machine is: a life without a checkpoint of its own would only be begun anew.
+    slow the machine is: a life without a checkpoint of its own would only be begun anew. It leaves two
+    checkpoints at most, so that there are many lives however fast the later ones follow.
     """
     kills = 0
     while True:
@@ -33,9 +35,9 @@ def killed_until_done(job: Callable[[], None], checkpoint: Path, chance: random.
         if child == 0:
             job()
             os._exit(0)
-        while _stamp(checkpoint) == before and not _ended(child):
-            time.sleep(0.002)
-        time.sleep(0.4 * chance.random() * (time.perf_counter() - began))
+        first = _replaced(checkpoint, before, child, math.inf)
+        now = time.perf_counter()
+        _replaced(checkpoint, first, child, now + 0.4 * chance.random() * (now - began))
         os.kill(child, signal.SIGKILL)
         status = os.waitpid(child, 0)[1]
         if status != signal.SIGKILL:
@@ -68,6 +70,13 @@ def assert_same_weights(one: Pilot, other: Pilot) -> None:
     """The same, bit for bit."""
     for name, value in one.weights().items():
         np.testing.assert_array_equal(other.weights()[name], value, strict=True)
+
+
+def _replaced(path: Path, before: tuple[int, int] | None, child: int, until: float) -> tuple[int, int] | None:
+    """What a file is once it is another than before, the child has ended or the clock [s] shows `until`."""
+    while (found := _stamp(path)) == before and not _ended(child) and time.perf_counter() < until:
+        time.sleep(0.002)
+    return found
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:
