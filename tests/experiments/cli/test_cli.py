@@ -304,8 +304,9 @@ def test_ctrl_c_while_the_package_itself_is_imported_is_one_line(tmp_path: Path)
     assert (called.stdout, called.stderr) == ("", "swamp-rl: interrupted before it began\n")
 
 
-def test_the_installed_command_runs_the_command_line() -> None:
-    start = [sys.executable, "-c", "from swamp_rl_command import main; main()", "--version"]
+@pytest.mark.parametrize("way", [("-c", "from swamp_rl_command import main; main()"), ("-m", "swamp_rl")])
+def test_the_installed_command_and_the_package_run_the_command_line(way: tuple[str, str]) -> None:
+    start = [sys.executable, *way, "--version"]
     called = subprocess.run(start, capture_output=True, text=True, cwd=ROOT, timeout=PATIENCE)
     assert (called.returncode, called.stdout, called.stderr) == (0, f"swamp-rl {__version__}\n", "")
 
