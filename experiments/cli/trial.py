@@ -1,10 +1,13 @@
 """`swamp-rl trial`: sea trials of a simulated boat, and the figures of simulated and measured ones."""
 
+import re
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from swamp_rl.experiments.cli.options import BoatOption, seed_option
+
+from swamp_rl.errors import UserError
 
 trial_app = typer.Typer(help="Automatic ITTC manoeuvres and their analysis.", no_args_is_help=True)
 
@@ -20,14 +23,13 @@ Pattern = Annotated[
 ]
 StartSpeed = Annotated[float | None, typer.Option(help="Approach speed (m/s).")]
 Direction = Annotated[float, typer.Option(help="Approach course (deg).")]
+UNIT = re.compile(r"^(\w+?)(?:_deg|_s)?(?=:)|\b(\w+)_deg\b")
+"""A key of a plan, with the unit that its option does not have."""
 Seed = Annotated[int, seed_option("Seed of the wind's gusts.")]
 
 
 def _carry_out(out: Path, boat: str, direction: float, seed: int, entry: dict[str, Any]) -> None:
     """Check an entry as one of a plan file, execute it and analyse it."""
-    from swamp_rl.files import validated
-    from swamp_rl.manoeuvres.plan import Plan
-
     given = {name: value for name, value in entry.items() if value is not None}
     data = {
         "name": "asked",
@@ -36,7 +38,27 @@ def _carry_out(out: Path, boat: str, direction: float, seed: int, entry: dict[st
         "area": {"direction_deg": direction},
         "trials": [given],
     }
-    _execute(validated("the options of swamp-rl trial", Plan, data), out)
+    _execute(_plan(data), out)
+
+
+def _plan(data: dict[str, Any]) -> Any:
+    """A plan with one entry; UserError that names options, for a fault in what they gave."""
+    from pydantic import ValidationError
+
+    from swamp_rl.explain import explanations
+    from swamp_rl.manoeuvres.plan import Plan
+
+    try:
+        return Plan.model_validate(data)
+    except ValidationError as error:
+        raise UserError("\n".join(_of_options(*told) for told in explanations(error, Plan))) from error
+
+
+def _of_options(key: str, message: str) -> str:
+    """A fault at a key of a plan, such as `trials.0.angle_deg.0`, as one of the option --angle."""
+    own = [part for part in key.split(".") if not part.isdigit() and part not in ("trials", "area")]
+    told = f"{own[-1]}: {message}" if own else message
+    return UNIT.sub(lambda found: f"--{(found[1] or found[2]).replace('_', '-')}", told)
 
 
 def _execute(plan: Any, out: Path) -> None:

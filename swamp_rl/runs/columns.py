@@ -73,7 +73,7 @@ def _thruster_span(kind: str, name: str, applied: bool, boat: Boat) -> Span:
     named = [found for found in boat.thrusters if f"{kind}_{name}" in found.command_columns]
     if not named:
         raise UnknownThrusterError(
-            f"boat {boat.name} has no thruster {name!r} with a {kind} "
+            f"boat {boat.name} has no thruster {name!r} whose command is {kind} "
             f"(it has {', '.join(boat.thruster_names)}); "
             "correct the column, or vehicle in dataset.yaml"
         )

@@ -84,7 +84,7 @@ def test_a_measured_track_alone_is_analysed_once_its_manoeuvre_and_marks_are_tol
         (["trial", "turning-circle", "--angle", "30", "--throttle", "0.6"], ["Missing option '--out'"]),
         (
             ["trial", "turning-circle", "--angle", "130", "--throttle", "0.6", "--out", "a"],
-            ["angle_deg", "90"],
+            ["--angle", "90"],
         ),
         (["trial", "turning-circle", "--angle", "x", "--throttle", "0.6", "--out", "a"], ["--angle"]),
         (["trial", "zig-zag", "--angle", "20", "--throttle", "60", "--out", "a"], ["throttle", "less than"]),
@@ -118,6 +118,22 @@ def test_wrong_arguments_are_one_line_and_leave_nothing(
 ) -> None:
     assert_complains(call(*words), *parts, code=cli.BAD_INPUT)
     assert list(Path().iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ("turning-circle --angle 400 --throttle 0.5", "swamp-rl: --angle: input should be less than"),
+        ("straight --throttle 0.5 --throttle 7", "swamp-rl: --throttle: input should be less than"),
+        ("stopping --throttle 0.5 --start-speed -3", "swamp-rl: --start-speed: input should be greater than"),
+        (
+            "zig-zag --angle 9 --throttle 0.5 --heading 3 --heading 4",
+            "--heading: give one for each of --angle",
+        ),
+    ],
+)
+def test_a_wrong_value_is_told_by_its_option(call: Call, asked: str, told: str) -> None:
+    assert_complains(call("trial", *asked.split(), "--out", "a"), told, code=cli.BAD_INPUT)
 
 
 def test_a_dataset_without_a_trial_is_one_line(call: Call, folder: Path) -> None:
