@@ -2,6 +2,7 @@
 
 import json
 import re
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,14 @@ from tests.support.runs import circling
 
 pytestmark = [pytest.mark.slow, pytest.mark.timed]
 
+NUMBERS = """
+window.written = [];
+const fill = CanvasRenderingContext2D.prototype.fillText;
+CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+  if (this.canvas.parentElement.id === "plots" && this.textAlign === "right") window.written.push([text, y]);
+  fill.call(this, text, x, y);
+};
+"""  # remembers the heights of the numbers beside the plots, in the order in which they are drawn
 NASTY = """</script><img src=x onerror="document.title='pwned'">&amp;'"""
 
 
@@ -88,6 +97,7 @@ def test_in_a_browser_it_plays_pauses_seeks_and_changes_its_layout(tmp_path: Pat
         tab.on("pageerror", lambda error: wrong.append(str(error)))
         tab.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
         tab.on("request", lambda request: asked.append(request.url))
+        tab.add_init_script(NUMBERS)
         tab.goto(f"{(tmp_path / 'a.html').as_uri()}#t=1.5")
         assert tab.title() == NASTY and tab.inner_text("h1") == NASTY
         assert tab.inner_text("#now").startswith("1.5 s")
@@ -110,6 +120,11 @@ def test_in_a_browser_it_plays_pauses_seeks_and_changes_its_layout(tmp_path: Pat
         assert tab.evaluate("document.documentElement.scrollWidth") == 390
         assert tab.is_visible("#play")
         tab.screenshot(path=tmp_path / "phone.png")
+        tab.evaluate("window.written = []")
+        tab.set_viewport_size({"width": 844, "height": 390})
+        until(lambda: tab.evaluate("window.written.length") > 0, "it is drawn anew")
+        heights = [y for _, y in tab.evaluate("window.written")]
         browser.close()
+    assert min(abs(one - other) for one, other in combinations(sorted(set(heights)), 2)) >= 12
     assert wrong == []
     assert len(asked) == 1 and asked[0].startswith("file:")
