@@ -20,6 +20,7 @@ test: $(READY)
 	$(BIN)/ruff format --check .
 	rm -rf build/types && mkdir -p build/types/swamp_rl
 	ln -s $(CURDIR)/swamp_rl/* $(CURDIR)/envs $(CURDIR)/experiments build/types/swamp_rl/
+	ln -s $(CURDIR)/swamp_rl_command.py build/types/
 	cd build/types && $(CURDIR)/$(BIN)/mypy --config-file $(CURDIR)/pyproject.toml \
 	  --cache-dir $(CURDIR)/.mypy_cache # laid out as installed; a second check looks at what changed
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
