@@ -49,6 +49,7 @@ FLOORS = (
     {"experiments.sweep"},
     {"experiments.fleet"},
     {"experiments.cli"},
+    {"__main__"},
 )
 CRITICISM = (
     {"result", "progress", "options"},
