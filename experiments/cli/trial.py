@@ -23,8 +23,6 @@ Pattern = Annotated[
 ]
 StartSpeed = Annotated[float | None, typer.Option(help="Approach speed (m/s).")]
 Direction = Annotated[float, typer.Option(help="Approach course (deg).")]
-UNIT = re.compile(r"^(\w+?)(?:_deg|_s)?(?=:)|\b(\w+)_deg\b")
-"""A key of a plan, with the unit that its option does not have."""
 Seed = Annotated[int, seed_option("Seed of the wind's gusts.")]
 
 
@@ -38,11 +36,17 @@ def _carry_out(out: Path, boat: str, direction: float, seed: int, entry: dict[st
         "area": {"direction_deg": direction},
         "trials": [given],
     }
-    _execute(_plan(data), out)
+    keys = ("boat", "seed", "direction_deg", *entry)
+    _execute(_plan(data, {key: _option(key) for key in keys}), out)
 
 
-def _plan(data: dict[str, Any]) -> Any:
-    """A plan with one entry; UserError that names options, for a fault in what they gave."""
+def _option(key: str) -> str:
+    """The option that gives a key of a plan, whose unit it does not have: --angle for `angle_deg`."""
+    return f"--{key.removesuffix('_deg').removesuffix('_s').replace('_', '-')}"
+
+
+def _plan(data: dict[str, Any], options: dict[str, str]) -> Any:
+    """A validated plan; UserError that names the options of the keys at fault. options: by key."""
     from pydantic import ValidationError
 
     from swamp_rl.explain import explanations
@@ -51,14 +55,15 @@ def _plan(data: dict[str, Any]) -> Any:
     try:
         return Plan.model_validate(data)
     except ValidationError as error:
-        raise UserError("\n".join(_of_options(*told) for told in explanations(error, Plan))) from error
+        told = [_of_options(*fault, options) for fault in explanations(error, Plan)]
+        raise UserError("\n".join(told)) from error
 
 
-def _of_options(key: str, message: str) -> str:
-    """A fault at a key of a plan, such as `trials.0.angle_deg.0`, as one of the option --angle."""
-    own = [part for part in key.split(".") if not part.isdigit() and part not in ("trials", "area")]
-    told = f"{own[-1]}: {message}" if own else message
-    return UNIT.sub(lambda found: f"--{(found[1] or found[2]).replace('_', '-')}", told)
+def _of_options(key: str, message: str, options: dict[str, str]) -> str:
+    """A fault at a dotted key of a plan, such as `trials.0.angle_deg.0`, in terms of options."""
+    own = next((options[part] for part in reversed(key.split(".")) if part in options), None)
+    told = re.sub(r"\w+_\w+", lambda found: options.get(found[0], found[0]), message)
+    return f"{own}: {told}" if own else told
 
 
 def _execute(plan: Any, out: Path) -> None:

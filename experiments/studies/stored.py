@@ -94,8 +94,8 @@ def _of_pilots(
     homes = [home for folder in folders if (home := _home(folder)) is not None]
     if name is None and not homes:
         raise UserError(
-            f"{[*folders, *others][0]}: nothing tells the boat, course and levels to evaluate it with, as "
-            f"{CONFIG}/{EXPERIMENT} beside a trained pilot does; name an experiment with --experiment"
+            f"{[*folders, *others][0]}: it has no {CONFIG}/{EXPERIMENT} with a boat, a course and levels; "
+            "name an experiment with --experiment"
         )
     home = homes[0] if name is None else None
     with same_configs(None if home is None else home / CONFIG):

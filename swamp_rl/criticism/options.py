@@ -248,7 +248,7 @@ class Options:
     instant_gain: float = 1.0  # chi2 that every fitted instant must save in addition
     # ---- Continuation in the window length
     window_lengths: tuple[float, float] = (5.0, 20.0)  # s, at least: nearly convex, discriminating
-    window_lengths_of_boat: tuple[float, float] = (5.5, 22.0)  # L/U, at least: a ship shows nothing sooner
+    window_lengths_of_boat: tuple[float, float] = (5.5, 22.0)  # L/U of the boat, at least
     stage_steps: tuple[int, ...] = (8, 10, 10, 10)  # Jacobians of a fit, by stage
     first_rounds: int = 12  # iterations of the first initial states
     steps_when_close: int = 16  # Jacobians of a fit whose shorter windows fit well

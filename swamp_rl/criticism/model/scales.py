@@ -29,8 +29,8 @@ def force_scale(boat: Boat) -> Array:
 
 
 def window_lengths(boat: Boat) -> tuple[float, float]:
-    """Short and middle windows [s]: long enough for the sensors, and for the boat to sail some lengths L at
-    its top speed U.
+    """Durations of short and middle windows [s]: max(t, n L/U), of options t [s] and n, length L and top
+    speed U.
     """
     rate = reference_of(boat).rate
     pairs = zip(options().window_lengths, options().window_lengths_of_boat, strict=True)

@@ -97,8 +97,7 @@ class Continuation:
         else:
             made = fit(problem, hypothesis, x, states, steps, fresh)
         self.keep(stage, problem, made)
-        seconds = problem.seconds
-        LOG.debug("segments of %g s: %s, chi2 %.0f", seconds, hypothesis.label, made.chi2)
+        LOG.debug("segments of %g s: %s, chi2 %.0f", problem.seconds, hypothesis.label, made.chi2)
         return made
 
     def _corrected(self, below: Fit) -> Fit:

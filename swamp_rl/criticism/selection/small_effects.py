@@ -28,7 +28,7 @@ def with_small_effects(
     several = len(np.unique(problem.windows.run)) > 1
     if not several or at.chi2 > options().diverged * problem.samples:
         return best, []
-    # What a run has of its own no other run confirms, and whole runs accumulate every other error.
+    # Parameters of one run cannot be confirmed on another, and whole runs accumulate every other error.
     instances = [instance for instance in instances if not instance.groups]
     if continuation.is_adequate(MIDDLE, best):  # which shows waves
         instances = [instance for instance in instances if instance.effect.begin != "spectral"]
