@@ -21,6 +21,7 @@ NOTED = (
     "resampled",
     "azimuths",
     "commands",
+    "commands_shifted",
     "not_imported",
     "not_read",
 )
@@ -95,6 +96,16 @@ BadRows = Annotated[
     ),
 ]
 List = Annotated[bool, typer.Option("--list", help="Only print tables, rates and fields.")]
+Earlier = Annotated[
+    float,
+    typer.Option(
+        "--commands-earlier",
+        min=-60.0,
+        max=60.0,
+        metavar="SECONDS",
+        help="Take the commands this much earlier, of a log that stamps them after the motion they cause.",
+    ),
+]
 Fill = Annotated[float, typer.Option(min=0.0, max=60.0, help="Longest gap (s) that --resample interpolates.")]
 
 
@@ -126,6 +137,7 @@ def import_(
     bad_rows: BadRows = "refuse",
     list_: List = False,
     fill: Fill = 0.0,
+    commands_earlier: Earlier = 0.0,
 ) -> None:
     """Convert logs to a dataset: tables, messages, telemetry, free-running tests."""
     from swamp_rl.logs.import_logs import BINARY, Reading, import_logs
@@ -134,7 +146,9 @@ def import_(
     from swamp_rl.runs.import_foreign import Wishes
 
     renamed, units, dropped = _pairs("--column", column), _units(degrees, unit), tuple(drop or ())
-    wishes = Wishes(renamed, units, dropped, rate, resample, place_of(origin), bad_rows, fill)
+    wishes = Wishes(
+        renamed, units, dropped, rate, resample, place_of(origin), bad_rows, fill, commands_earlier
+    )
     about = About(boat, source, course, notes, outcome, group, topic, sender, repair)
     kind = from_ or kind_of(sources)
     if list_:

@@ -57,7 +57,8 @@ def summary(found: Identification) -> list[str]:
     if found.wiring.advance > 0.0:
         said.append(
             f"Commands are stamped {found.wiring.advance:g} s after the motion that they cause. They were "
-            "taken that much earlier; correct the log; a boat file has no parameter for it."
+            "taken that much earlier. A boat file has no parameter for it: import the runs again with "
+            f"--commands-earlier {found.wiring.advance:g}."
         )
     said += unlike_runs(found)
     said += far_from_start(found.fitted)

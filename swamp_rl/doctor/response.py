@@ -268,5 +268,5 @@ def _latency(
         advice = "check the clocks of the tables (--clock) and the delay of the radio link"
     else:
         told = f"the motion precedes the commands by {-shift:.1f} s"
-        advice = "the clocks differ: import with --clock A~B"
+        advice = f"the clocks differ: import with --clock A~B or --commands-earlier {-shift:.1f}"
     return [Finding("fault", "latency", names, told, advice, figures=figures)]

@@ -16,6 +16,7 @@ from swamp_rl.runs.bad_rows import MOST_TOLD
 from swamp_rl.runs.copies import boat_file, course_file
 from swamp_rl.runs.dataset import read_meta
 from swamp_rl.runs.describe import rate_of, with_outcome, with_outcomes
+from swamp_rl.runs.earlier_commands import with_earlier_commands
 from swamp_rl.runs.free_running import import_free_running, is_free_running
 from swamp_rl.runs.import_foreign import Foreign, Wishes, runs_from
 from swamp_rl.runs.import_telemetry import read_telemetry
@@ -138,7 +139,7 @@ def import_runs(
     if kind == "free-running":
         pond = about.boat or "esso_osaka"
         boat = load_boat(pond)
-        runs = [import_free_running(file, boat, about.repair) for file in files]
+        runs = _earlier([import_free_running(file, boat, about.repair) for file in files], wishes)
         runs = _ended(runs, about, about.course, boat, True)
         return _write(Path(out), _described(about, boat, None, runs, wishes), runs, pond, about.course)
     found, wishes = _read(files, kind, about, wishes)
@@ -158,7 +159,7 @@ def import_tables(found: Sequence[Foreign], out: Path | str, about: About, wishe
         source: str | Path = about.boat or (boat_file(home, told) if told else "swamp")
         course = about.course or (course_file(home, told) if told else None)
         boat = load_boat(source)
-        runs = _all_runs(found, wishes, boat)
+        runs = _earlier(_all_runs(found, wishes, boat), wishes)
         runs = _ended(runs, about, course, boat, told is None)
         return _write(Path(out), _described(about, boat, told, runs, wishes), runs, source, course)
 
@@ -174,6 +175,10 @@ def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]
     if refused:
         raise UserError("\n".join(refused[:MOST_TOLD] + _others(len(refused) - MOST_TOLD)))
     return runs
+
+
+def _earlier(runs: list[Run], wishes: Wishes) -> list[Run]:
+    return [with_earlier_commands(run, wishes.earlier) for run in runs] if wishes.earlier else runs
 
 
 def _others(count: int) -> list[str]:

@@ -76,7 +76,7 @@ class Wishes:
     """How to read a foreign table: `renamed` their names by ours; `units` (keys of `UNITS`) by our names;
     `dropped` their names of columns to leave out; `rate` [Hz] at which rows come, where they have no times to
     be used; `resample` [Hz]; `origin` of north and east, by default the first place; `bad_rows` and `fill`
-    [s] as `stretches` has them."""
+    [s] as `stretches` has them; `earlier` [s] by which commands are shifted."""
 
     renamed: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
@@ -86,6 +86,7 @@ class Wishes:
     origin: Place | None = None
     bad_rows: BadRows = "refuse"
     fill: float = 0.0
+    earlier: float = 0.0
 
 
 def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
