@@ -11,14 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.doctor.seeds import BOATS, NOISES, SEEDS, Seed, measured, smooth_runs, sound_runs
+from benchmarks.doctor.seeds import BOATS, NOISES, SEEDS, Seed, measured, smooth_runs, sound_runs, twin_boat
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.doctor.examine import examine
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
 
-SMOOTH, SMOOTH_RUNS = "swamp, commands that wander", 4
+SMOOTH_RUNS = 4
 
 
 def datasets(count: int, folder: Path) -> dict[str, tuple[Boat, list[list[Run]]]]:
@@ -27,9 +27,11 @@ def datasets(count: int, folder: Path) -> dict[str, tuple[Boat, list[list[Run]]]
     for name, (_, size, _) in BOATS.items():
         runs = sound_runs(name, count * size, 1, folder)
         found[name] = (load_boat(name), [runs[i * size : (i + 1) * size] for i in range(count)])
-    runs = smooth_runs(count * SMOOTH_RUNS, 1)
-    parts = [runs[i * SMOOTH_RUNS : (i + 1) * SMOOTH_RUNS] for i in range(count)]
-    return found | {SMOOTH: (load_boat("swamp"), parts)}
+    for boat in (load_boat("swamp"), twin_boat(folder)):
+        runs = smooth_runs(boat, count * SMOOTH_RUNS, 1)
+        parts = [runs[i * SMOOTH_RUNS : (i + 1) * SMOOTH_RUNS] for i in range(count)]
+        found[f"{boat.name}, commands that wander"] = (boat, parts)
+    return found
 
 
 def faults(runs: list[Run], boat: Boat) -> list[Finding]:

@@ -11,8 +11,10 @@ from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.experiments.synthetic.cases import PLAIN, RTK
 
 from swamp_rl.angles import wrapped
-from swamp_rl.boat import load_boat
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.estimate import boat_file
 from swamp_rl.constants import KNOT, SWAMP_LENGTH
+from swamp_rl.files import write_yaml
 from swamp_rl.pilots.record import record_scripted
 from swamp_rl.runs import Run, read_dataset
 from swamp_rl.simulator.replay import replay
@@ -49,17 +51,25 @@ def sound_runs(boat: str, count: int, seed: int, folder: Path) -> list[Run]:
     return read_dataset(made).runs
 
 
-def smooth_runs(count: int, seed: int) -> list[Run]:
-    """Noise-free runs of SWAMP: each throttle and azimuth a Gauss-Markov process of its own."""
-    boat, rng, step = load_boat("swamp"), np.random.default_rng(seed), 0.1
+def twin_boat(folder: Path) -> Boat:
+    """Two fixed thrusters that reverse."""
+    path = folder / "twin.yaml"
+    write_yaml(path, boat_file("twin", "twin-fixed", 1.2, 0.8, 30.0, 60.0))
+    return load_boat(path)
+
+
+def smooth_runs(boat: Boat, count: int, seed: int) -> list[Run]:
+    """Noise-free runs: each throttle and azimuth a Gauss-Markov process of its own."""
+    rng, step = np.random.default_rng(seed), 0.1
     time = np.arange(round(SECONDS / step) + 1) * step
     runs = []
     for number in range(count):
         columns = {"time": time} | {name: np.zeros(len(time)) for name in CHANNELS}
         for thruster in boat.thrusters:
             angle, level = wander(time, rng, 0.5, 4.0), wander(time, rng, 0.25, 4.0)
-            columns[f"azimuth_{thruster.name}"] = angle
-            columns[f"throttle_{thruster.name}"] = np.clip(0.6 + level, 0.0, 1.0)
+            if thruster.command_columns[0] is not None:
+                columns[f"azimuth_{thruster.name}"] = angle
+            columns[f"throttle_{thruster.name}"] = np.clip(0.6 + level, thruster.throttle_min, 1.0)
         runs.append(replay(boat, Run(f"smooth-{number}", columns)))
     return runs
 
@@ -206,6 +216,12 @@ def clipped(columns: Columns, rng: Rng) -> Columns:
     return {n: np.minimum(v, 0.7) if n.startswith("throttle_") else v for n, v in columns.items()}
 
 
+def wired_wrongly(columns: Columns, rng: Rng) -> Columns:
+    """Throttles of twin thrusters exchanged, and that of port with the opposite sign."""
+    port, starboard = columns["throttle_port"], columns["throttle_starboard"]
+    return columns | {"throttle_port": -starboard, "throttle_starboard": port}
+
+
 PORT_AND_STARBOARD = [("bs", "bp"), ("ss", "sp")]
 BOW_AND_STERN = [("bs", "ss"), ("bp", "sp")]
 HEADING = ("heading_flipped", "heading_offset", "heading_enu", "axes_exchanged")
@@ -235,6 +251,8 @@ SEEDS = [
     Seed("commands constant", ("commands_constant",), frozen),
     Seed("bow and stern exchanged", COMMANDS, lambda c, rng: exchanged(c, BOW_AND_STERN), has("azimuth_")),
     Seed("port and starboard exchanged", COMMANDS, lambda c, rng: exchanged(c, PORT_AND_STARBOARD), varied),
+    Seed("port throttle flipped", COMMANDS, times("throttle_port", -1.0), has("throttle_port")),
+    Seed("port and starboard exchanged, port flipped", COMMANDS, wired_wrongly, has("throttle_port")),
     Seed("throttles cut off", ("command_clipped",), clipped, varied),
     Seed("azimuths flipped", COMMANDS, times("azimuth_", -1.0), has("azimuth_")),
     Seed("rudder flipped", COMMANDS, times("rudder_", -1.0), has("rudder_")),

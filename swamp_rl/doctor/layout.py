@@ -17,7 +17,8 @@ SIDE = re.compile(r"(?:^|_)(left|port|p|l)(?:_|$)|(?:^|_)(right|starboard|s|r)(?
 @dataclass(frozen=True)
 class Place:
     """A thruster: its columns (angle or None, level), its place [lengths of the boat], and how its actuators
-    follow: `rate` [rad/s] and `lag` [s] of the angle, `level_lag` [s]. rudder: its angle is one."""
+    follow: `rate` [rad/s] and `lag` [s] of the angle, `level_lag` [s]. rudder: its angle is one; reverses:
+    its level may be negative."""
 
     name: str
     angle: str | None
@@ -29,6 +30,7 @@ class Place:
     lag: float = 0.0
     level_lag: float = 0.0
     rudder: bool = False
+    reverses: bool = False
 
     def without_lags(self) -> "Place":
         """The same, whose actuators follow at once."""
@@ -56,6 +58,7 @@ def places_of(boat: Boat | None, columns: Mapping[str, Array]) -> list[Place]:
                     lag=thruster.rudder_time_constant,
                     level_lag=thruster.revolutions_time_constant,
                     rudder=True,
+                    reverses=thruster.throttle_min < 0.0,
                 )
             )
             continue
@@ -70,6 +73,7 @@ def places_of(boat: Boat | None, columns: Mapping[str, Array]) -> list[Place]:
                 rate=thruster.azimuth_rate,
                 lag=thruster.azimuth_time_constant,
                 level_lag=thruster.pump_time_constant,
+                reverses=thruster.throttle_min < 0.0,
             )
         )
     return found

@@ -6,6 +6,7 @@ averages the noise. Each exchange of columns, change of sign and shift of time i
 as logged are kept unless another has the greater likelihood by far.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -138,7 +139,19 @@ def _answer(velocity: Array, step: float, least: int = 3) -> Answer:
 
 
 def _hypotheses(places: Sequence[Place], columns: Columns) -> Iterator[Hypothesis]:
-    """Exchanges of thrusters that mirror each other, flips of all angles or all levels."""
+    """Exchanges of thrusters that mirror each other, flips of levels, both together, flips of all angles."""
+    exchanges, flips = list(_exchanges(places)), list(_flips(places, columns))
+    yield from exchanges
+    yield from flips
+    for exchange, flip in itertools.product(exchanges, flips):
+        yield _both(exchange, flip)
+    angles = tuple(place.angle for place in places if place.angle is not None)
+    if angles:
+        what = "rudder angles" if all(place.rudder for place in places) else "azimuths"
+        yield Hypothesis("angles_flipped", f"{what} have the opposite sign", angles, _negated(angles))
+
+
+def _exchanges(places: Sequence[Place]) -> Iterator[Hypothesis]:
     sides = [(a, b) for a in places for b in places if a.x == b.x and 0.0 < b.y == -a.y and _alike(a, b)]
     ends = [(a, b) for a in places for b in places if a.y == b.y and 0.0 < a.x == -b.x and _alike(a, b)]
     for pairs, what in ((sides, "port and starboard"), (ends, "bow and stern")):
@@ -158,13 +171,22 @@ def _hypotheses(places: Sequence[Place], columns: Columns) -> Iterator[Hypothesi
             yield Hypothesis(
                 "commands_exchanged", f"commands of {what} are exchanged", names, _renamed(swapped)
             )
-    angles = tuple(place.angle for place in places if place.angle is not None)
-    levels = tuple(place.level for place in places)
-    if angles:
-        what = "rudder angles" if all(place.rudder for place in places) else "azimuths"
-        yield Hypothesis("angles_flipped", f"{what} have the opposite sign", angles, _negated(angles))
-    if any((columns[name] < 0.0).any() for name in levels):
-        yield Hypothesis("levels_flipped", "levels have the opposite sign", levels, _negated(levels))
+
+
+def _flips(places: Sequence[Place], columns: Columns) -> Iterator[Hypothesis]:
+    """Of the level of each thruster that may reverse, and of all of them."""
+    names = [place.level for place in places if place.reverses or (columns[place.level] < 0.0).any()]
+    for name in names:
+        yield Hypothesis("levels_flipped", f"{name} has the opposite sign", (name,), _negated((name,)))
+    if len(names) > 1:
+        yield Hypothesis("levels_flipped", "levels have the opposite sign", tuple(names), _negated(names))
+
+
+def _both(one: Hypothesis, other: Hypothesis) -> Hypothesis:
+    """Logged commands are exchanged, and then have another sign."""
+    columns = (*one.columns, *(name for name in other.columns if name not in one.columns))
+    told = f"{one.told} and {other.told}"
+    return Hypothesis(one.code, told, columns, lambda logged: one.undo(other.undo(logged)))
 
 
 def _alike(a: Place, b: Place) -> bool:

@@ -147,6 +147,13 @@ CHANGES: dict[str, tuple[Callable[[Columns], Columns], str, str]] = {
     "early": (late(-1.5), "latency", "throttle_port"),
     "sides": (swapped("throttle_port", "throttle_starboard"), "commands_exchanged", "throttle_port"),
     "levels": (scaled("throttle_", -1.0), "levels_flipped", "throttle_port"),
+    "one level": (scaled("throttle_port", -1.0), "levels_flipped", "throttle_port"),
+    "one level of exchanged sides": (
+        lambda c: scaled("throttle_port", -1.0)(swapped("throttle_port", "throttle_starboard")(c)),
+        "commands_exchanged",
+        "throttle_port",
+    ),
+    "one level, late": (lambda c: scaled("throttle_port", -1.0)(late(1.5)(c)), "latency", "throttle_port"),
     "constant": (scaled("throttle_", 0.0), "commands_constant", "throttle_port"),
     "clipped": (
         lambda c: {n: np.minimum(v, 0.6) if n.startswith("throttle_") else v for n, v in c.items()},
