@@ -218,8 +218,7 @@ def clipped(columns: Columns, rng: Rng) -> Columns:
 
 def wired_wrongly(columns: Columns, rng: Rng) -> Columns:
     """Throttles of twin thrusters exchanged, and that of port with the opposite sign."""
-    port, starboard = columns["throttle_port"], columns["throttle_starboard"]
-    return columns | {"throttle_port": -starboard, "throttle_starboard": port}
+    return times("throttle_port", -1.0)(exchanged(columns, [("port", "starboard")]), rng)
 
 
 PORT_AND_STARBOARD = [("bs", "bp"), ("ss", "sp")]

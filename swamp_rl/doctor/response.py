@@ -24,7 +24,7 @@ Columns = Mapping[str, Array]
 Pair = tuple[Array, Array]
 
 LIKELIER = 12.0
-"""Difference of log likelihood: exp(12) to one, for some ten hypotheses that are tried."""
+"""Difference of log likelihood: exp(12) to one, for at most some twenty hypotheses that are tried."""
 FEWEST = 8.0
 """Windows of data, for a regression on three numbers."""
 EXPLAINED = 0.1
@@ -152,6 +152,7 @@ def _hypotheses(places: Sequence[Place], columns: Columns) -> Iterator[Hypothesi
 
 
 def _exchanges(places: Sequence[Place]) -> Iterator[Hypothesis]:
+    """Exchanged commands of port and starboard, of bow and stern."""
     sides = [(a, b) for a in places for b in places if a.x == b.x and 0.0 < b.y == -a.y and _alike(a, b)]
     ends = [(a, b) for a in places for b in places if a.y == b.y and 0.0 < a.x == -b.x and _alike(a, b)]
     for pairs, what in ((sides, "port and starboard"), (ends, "bow and stern")):
@@ -174,7 +175,7 @@ def _exchanges(places: Sequence[Place]) -> Iterator[Hypothesis]:
 
 
 def _flips(places: Sequence[Place], columns: Columns) -> Iterator[Hypothesis]:
-    """Of the level of each thruster that may reverse, and of all of them."""
+    """Opposite sign of the level of each thruster that may reverse, and of all of them."""
     names = [place.level for place in places if place.reverses or (columns[place.level] < 0.0).any()]
     for name in names:
         yield Hypothesis("levels_flipped", f"{name} has the opposite sign", (name,), _negated((name,)))
@@ -183,7 +184,7 @@ def _flips(places: Sequence[Place], columns: Columns) -> Iterator[Hypothesis]:
 
 
 def _both(one: Hypothesis, other: Hypothesis) -> Hypothesis:
-    """Logged commands are exchanged, and then have another sign."""
+    """Both changes of the logged commands; undoes `other` first."""
     columns = (*one.columns, *(name for name in other.columns if name not in one.columns))
     told = f"{one.told} and {other.told}"
     return Hypothesis(one.code, told, columns, lambda logged: one.undo(other.undo(logged)))

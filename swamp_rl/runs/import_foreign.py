@@ -76,7 +76,7 @@ class Wishes:
     """How to read a foreign table: `renamed` their names by ours; `units` (keys of `UNITS`) by our names;
     `dropped` their names of columns to leave out; `rate` [Hz] at which rows come, where they have no times to
     be used; `resample` [Hz]; `origin` of north and east, by default the first place; `bad_rows` and `fill`
-    [s] as `stretches` has them; `earlier` [s] by which commands are shifted."""
+    [s] as `stretches` has them; `earlier` [s] by which commands are taken earlier."""
 
     renamed: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
