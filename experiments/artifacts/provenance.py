@@ -42,6 +42,12 @@ def kept_config(given: str | Path) -> Path | None:
     return None
 
 
+def experiment_name(folder: Path) -> str | None:
+    """The name of the experiment that a folder of results keeps; None where it keeps none."""
+    kept = folder / CONFIG / EXPERIMENT
+    return str(read_yaml(kept).get("name")) if kept.is_file() else None
+
+
 @contextmanager
 def same_configs(config: Path | None) -> Iterator[None]:
     """Within the block boats, courses and disturbances are those copied into `config`, by their old names."""

@@ -4,10 +4,11 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from swamp_rl.experiments.artifacts.job import job, same_job, say
+from swamp_rl.experiments.artifacts.job import job, same_job
 from swamp_rl.experiments.artifacts.provenance import (
     RESULTS,
     TRAINED,
+    experiment_name,
     kept_config,
     same_configs,
     with_data_hash,
@@ -26,6 +27,7 @@ from swamp_rl.explain import nearest
 from swamp_rl.json_text import read_json
 
 Work = Callable[[Scene, Path, Stages], dict[str, Any]]
+KEPT = "not replaced; name another folder with --out, or remove this one"
 
 
 def run_experiment(
@@ -33,10 +35,11 @@ def run_experiment(
 ) -> Path:
     """Do all that an experiment's YAML asks for and return the folder of results, by default results/NAME.
 
-    The folder is built beside and renamed when whole; only then an earlier result in its place is replaced,
-    and anything else there is refused. What an unfinished life of the same job has left, and what
-    `train_experiment` has trained, is gone on from. Given a folder of results, it does the same again, from
-    the configuration that is kept there. UserError for whatever is wrong in the file, before any work.
+    The folder is built beside and renamed when whole; only then an earlier result of the same experiment in
+    its place is replaced, and anything else there is refused. What an unfinished life of the same job has
+    left, and what `train_experiment` has trained, is gone on from. Given a folder of results, it does the
+    same again, from the configuration that is kept there. UserError for whatever is wrong in the file,
+    before any work.
     """
     with same_configs(kept_config(name_or_path)):
         experiment = load_experiment(name_or_path, overrides)
@@ -50,7 +53,8 @@ def evaluated(experiment: Experiment, given: str | Path, folder: Path, trained: 
     Without it, those in `folder` are, where that holds pilots of the same job and no evaluation.
     """
     scene, work = _sound(experiment, given)
-    with job(scene, folder, (RESULTS, TRAINED), trained or _earlier(folder, scene)) as (part, progress):
+    earlier = None if trained == folder else _earlier(folder, scene)
+    with job(scene, folder, (RESULTS, TRAINED), trained or earlier) as (part, progress):
         if not (part / RESULTS).is_file():
             write_json(part / RESULTS, work(scene, part, progress))
         (part / TRAINED).unlink(missing_ok=True)
@@ -119,10 +123,16 @@ def _sound(experiment: Experiment, given: str | Path) -> tuple[Scene, Work]:
 
 
 def _earlier(folder: Path, scene: Scene) -> Path | None:
-    """The folder itself, where it holds pilots of the same job that are not evaluated yet."""
-    if (folder / RESULTS).is_file() or not (folder / TRAINED).is_file():
+    """The folder itself, where it holds pilots of the same job that are not evaluated yet.
+
+    UserError where it holds the result of another experiment, or pilots of another job: these are kept.
+    """
+    if (folder / RESULTS).is_file():
+        if (name := experiment_name(folder)) not in (None, scene.experiment.name):
+            raise UserError(f"{folder}: holds a result of {name}, {KEPT}")
         return None
-    if same_job(folder, scene):
-        return folder
-    say(f"{folder}: was trained with another configuration or version; training starts again")
-    return None
+    if not (folder / TRAINED).is_file():
+        return None
+    if not same_job(folder, scene):
+        raise UserError(f"{folder}: holds pilots trained with another configuration or version, {KEPT}")
+    return folder

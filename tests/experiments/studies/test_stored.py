@@ -172,6 +172,21 @@ def test_pilots_trained_one_after_the_other_come_together(place: Path) -> None:
     assert some["pilots"] == {name: whole["pilots"][name] for name in ("scripted", "net")}
 
 
+def test_what_another_job_has_made_is_not_replaced(place: Path, tmp_path: Path) -> None:
+    for made, told in (("trained", "holds pilots trained with another"), ("run", "holds a result of tiny")):
+        mine = shutil.copytree(place / made, tmp_path / made)
+        for task in (run_experiment, train_experiment):
+            with pytest.raises(UserError, match=rf"{mine}: holds .*name another"):
+                task("smoke", out=mine)
+        with pytest.raises(UserError, match=told):
+            run_experiment("smoke", out=mine)
+        assert sorted(mine.rglob("*")) == [
+            mine / path.relative_to(place / made) for path in sorted((place / made).rglob("*"))
+        ]
+        assert sorted(path.name for path in tmp_path.iterdir()) == [made]
+        shutil.rmtree(mine)
+
+
 def test_what_would_need_training_or_is_not_there_is_refused_in_one_line(place: Path, tmp_path: Path) -> None:
     def complaint(*words: Any, **more: Any) -> str:
         with pytest.raises(UserError) as told:
