@@ -1,18 +1,45 @@
 """The command `swamp-rl`: outside the package, so that Ctrl-C while that is imported is one line as well."""
 
+import os
 import signal
 import sys
+from contextlib import suppress
+from typing import Any, NoReturn
+
+EARLY = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
 
 
 def main() -> None:
-    """Run the command line; Ctrl-C before its verbs are there ends it in one line, after them in none."""
+    """Run the command line; a signal before its verbs are there ends it in one line, after them in none."""
+    for number in EARLY:
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, _before)
     try:
         from swamp_rl.experiments.cli import main as command
     except KeyboardInterrupt:
         print("swamp-rl: interrupted before it began", file=sys.stderr)
         sys.exit(130)
     try:
-        command()
+        command(_at_once)
     finally:  # while Python ends, it would print where it was
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, signal.SIG_DFL)
+        for number in EARLY:
+            if signal.getsignal(number) == _before:
+                signal.signal(number, signal.SIG_DFL)
+
+
+def _before(number: int, frame: Any) -> None:
+    """End the process: nothing is begun. An exception could be lost in what is being imported."""
+    os.write(2, f"swamp-rl: {EARLY[signal.Signals(number)]} before it began\n".encode())
+    os._exit(128 + number)
+
+
+def _at_once(code: int) -> NoReturn:
+    """End the process whose command a signal has ended, and which has cleared away what it had begun.
+
+    While Python ends, another signal would interrupt it, and a thread that a library has just begun may abort
+    it (SIGABRT).
+    """
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(code)

@@ -3,8 +3,9 @@
 import os
 import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import swamp_rl.experiments.cli.identify_boat
 import swamp_rl.experiments.cli.identify_square
@@ -31,7 +32,7 @@ from swamp_rl.experiments.cli.options import BoatOption, CourseOption, IgnoreOpt
 from swamp_rl.experiments.cli.outputs import guard_inputs
 from swamp_rl.experiments.cli.record import record
 from swamp_rl.experiments.cli.runs import runs_app
-from swamp_rl.experiments.cli.signals import stoppable
+from swamp_rl.experiments.cli.signals import ENDED, heed_no_more, stoppable
 from swamp_rl.experiments.cli.streams import usable_streams
 from swamp_rl.experiments.cli.sweep import sweep
 from swamp_rl.experiments.cli.trial import trial_app
@@ -42,7 +43,9 @@ from swamp_rl.clipped import ACTS, printable
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import contents
 
-BAD_INPUT, INTERRUPTED, TERMINATED, UNEXPECTED = 2, 130, 143, 70
+BAD_INPUT, INTERRUPTED, UNEXPECTED = 2, 130, 70
+STOPPED = {128 + number: word for number, word in ENDED.items()}
+"""What is said of a verb that a signal has ended, by its exit code."""
 DEBUG = "SWAMP_RL_DEBUG"
 NAME = "swamp-rl"
 NUMBA_SETTINGS, FIGURE_SETTINGS = ".numba_config.yaml", "matplotlibrc"
@@ -195,17 +198,28 @@ add_help(app)
 guard_inputs(app)
 
 
-def main() -> None:
-    """Run the command line; whatever goes wrong is one line on the error stream and a non-zero exit."""
+def main(stopped: Callable[[int], Any] = sys.exit) -> None:
+    """Run the command line; whatever goes wrong is one line on the error stream and a non-zero exit.
+
+    stopped: ends the process with an exit code where a signal has ended the verb.
+    """
     usable_streams()
     show_compiling()
     with stoppable() as signals:
-        code = _carried_out(signals)
+        try:
+            code, line = _carried_out(signals)
+            heed_no_more()
+        except KeyboardInterrupt:  # between the verb and its exit code
+            heed_no_more()
+            code, line = INTERRUPTED, ""
         if code and signals:
             code = 128 + signals[0]  # whatever became of the exception on its way
-        if code in (INTERRUPTED, TERMINATED):
-            ended = "interrupted" if code == INTERRUPTED else "terminated"
-            _complain(f"{ended}; only what was finished is kept", code)
+        if code in STOPPED:
+            line = f"{STOPPED[code]}; {line or 'only what was finished is kept'}"
+        if line:
+            _complain(line)
+        if code in STOPPED:
+            stopped(code)
     sys.exit(code)
 
 
@@ -218,18 +232,18 @@ def _verb(words: list[str]) -> list[str]:
     return found
 
 
-def _carried_out(signals: list[int]) -> int:
-    """The exit code of what the command line asks for; signals: those that came meanwhile."""
+def _carried_out(signals: list[int]) -> tuple[int, str]:
+    """The exit code of what the command line asks for, and what to complain of; signals: those that came."""
     try:
         _refuse_odd_arguments()
         _refuse_settings_here()
-        return app(prog_name=NAME, standalone_mode=False) or 0
+        return app(prog_name=NAME, standalone_mode=False) or 0, ""
     except typer.TyperException as error:
         # Without any argument Typer has printed the help and has nothing to add.
         line, verb = error.format_message(), " ".join([NAME, *_verb(sys.argv[1:])])
-        return _complain(f"{line} (see {verb} --help)", error.exit_code) if line else error.exit_code
+        return error.exit_code, f"{line} (see {verb} --help)" if line else ""
     except UserError as error:
-        return _complain(str(error), BAD_INPUT)
+        return BAD_INPUT, str(error)
     except SystemExit as ended:
         # Typer ends so where whoever was reading has had enough. What was begun is cleared away by then, and
         # the process ends at once: one of a hundred orderly exits is aborted by a thread of Arrow just begun.
@@ -239,18 +253,18 @@ def _carried_out(signals: list[int]) -> int:
     except OSError as error:
         from swamp_rl.files import os_error
 
-        return _complain(str(os_error(error, "the operating system")), BAD_INPUT)
+        return BAD_INPUT, str(os_error(error, "the operating system"))
     except MemoryError as error:
-        return _complain(f"{error or 'no memory is left'}; ask for less at once", BAD_INPUT)
+        return BAD_INPUT, f"{error or 'no memory is left'}; ask for less at once"
     except (KeyboardInterrupt, typer.Abort):
-        return INTERRUPTED
+        return INTERRUPTED, ""
     except Exception as error:
         if signals:
-            return INTERRUPTED
+            return INTERRUPTED, ""
         if os.environ.get(DEBUG):
             raise
         what = " ".join(f"unexpected {type(error).__name__}: {error}".split())
-        return _complain(f"{what}; {DEBUG}=1 shows where, please report it", UNEXPECTED)
+        return UNEXPECTED, f"{what}; {DEBUG}=1 shows where, please report it"
 
 
 def _refuse_odd_arguments() -> None:
@@ -282,10 +296,9 @@ def _refuse_settings_here() -> None:
             ) from error
 
 
-def _complain(line: str, code: int) -> int:
+def _complain(line: str) -> None:
     for word in sys.argv[1:]:  # a line end in a name begins no line of ours
         for part in filter(None, (word, word.partition("=")[2])):
             line = line.replace(part, printable(part))
     for fault in line.splitlines() or [""]:
         print("swamp-rl:", printable(" ".join(fault.split())), file=sys.stderr)
-    return code

@@ -8,21 +8,19 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import FrameType
 from urllib.parse import quote
 
 from swamp_rl.demo.shared_file import HOST, shared_file
 from swamp_rl.errors import UserError
+from swamp_rl.workers.signals import held
 
 RERUN = (sys.executable, "-P", "-m", "rerun_cli")
 """Its command alone, which starts without its Python library; no module of the working directory."""
-ENDS = (signal.SIGTERM, signal.SIGHUP)
-"""Signals that end the server with the command; it would go on serving."""
 NO_SERVER = f"rerun+http://{HOST}:9/proxy"
 """Nothing listens there: given an address to view, rerun serves its page alone. Its server of data, which it
 would start otherwise, keeps a processor busy without end after a recording is read (rerun-io/rerun 10944)."""
 PATIENCE = 30.0
-"""How long rerun may take to listen, s."""
+"""How long rerun may take to listen, and to end, s."""
 
 
 def has_display() -> bool:
@@ -46,31 +44,32 @@ def serve(recording: Path, port: int | None, ready: Callable[[str], None]) -> No
     port = free_port(port)
     asked = [*RERUN, NO_SERVER, "--serve-web", "--bind", HOST]
     asked += ["--web-viewer-port", str(port), "--hide-welcome-screen"]
-    # A terminal that is closed hangs up; not heeded where that was asked for (nohup).
-    before = {number: signal.getsignal(number) for number in ENDS}
-    for number in ENDS:
-        if before[number] != signal.SIG_IGN:
-            signal.signal(number, _interrupt)
-    # In a group of its own, as rerun's Python command starts the server as a process of its own.
-    server = subprocess.Popen(
-        asked, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
-    )
+    server = None
     try:
+        with held():  # an interrupt meanwhile would leave a server that nobody knows
+            # In a group of its own, as rerun's Python command starts the server as a process of its own.
+            server = subprocess.Popen(
+                asked, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
+            )
         _wait_for(server, port)
         page = f"http://{HOST}:{port}"
         with shared_file(recording, page) as where:
             ready(f"{page}/?url={quote(where, safe='')}")
             server.communicate()
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler or signal.SIG_DFL)
-        if server.poll() is None:
-            os.killpg(server.pid, signal.SIGTERM)
+        if server is not None:
+            _end(server)
+
+
+def _end(server: subprocess.Popen[str]) -> None:
+    """End the server and what it has started."""
+    if server.poll() is None:
+        os.killpg(server.pid, signal.SIGTERM)
+        try:
+            server.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            os.killpg(server.pid, signal.SIGKILL)
             server.wait()
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    raise KeyboardInterrupt
 
 
 def free_port(asked: int | None) -> int:

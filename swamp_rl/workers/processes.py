@@ -2,12 +2,13 @@
 
 import json
 import os
-import signal
+import tempfile
 import threading
-from multiprocessing import connection, get_context, parent_process
+from multiprocessing import connection, get_context, parent_process, resource_tracker
 from typing import Any, Self
 
 from swamp_rl.workers.attempt import Work, attempt
+from swamp_rl.workers.signals import born_deaf, heed, held
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """Sums come out the same however many workers there are, and workers do not crowd each other out."""
@@ -20,6 +21,7 @@ class ProcessPool:
 
     def __init__(self, work: Work, size: int) -> None:
         self._work, self.size = work, size
+        self._scratch: tempfile.TemporaryDirectory[str] | None = None
         self._free: list[Any] = []
         self._busy: dict[Any, tuple[int, Any]] = {}
 
@@ -27,15 +29,24 @@ class ProcessPool:
         return self
 
     def __exit__(self, *_: object) -> None:
+        """End the processes, and remove their temporary files, which they are not asked to."""
         for pipe, process in [*self._free, *((pipe, process) for pipe, (_, process) in self._busy.items())]:
             pipe.close()
             process.kill()
             process.join()
+        if self._scratch is not None:
+            self._scratch.cleanup()
 
     def submit(self, number: int, job: str) -> None:
         """Have job `number` done; at most `size` at once."""
-        pipe, process = self._free.pop() if self._free else self._started()
-        self._busy[pipe] = number, process
+        if self._free:
+            pipe, process = self._free.pop()
+            self._busy[pipe] = number, process
+        else:
+            resource_tracker.ensure_running()  # its own start would let the signals through
+            with held(), born_deaf():  # one half-started would print where it was, or be forgotten
+                pipe, process = self._started()
+                self._busy[pipe] = number, process
         pipe.send_bytes(job.encode())
 
     def wait(self) -> tuple[int, str | None, str]:
@@ -52,11 +63,15 @@ class ProcessPool:
         return number, answer, error
 
     def _started(self) -> tuple[Any, Any]:
+        self._scratch = self._scratch or tempfile.TemporaryDirectory(
+            prefix="swamp-rl-", ignore_cleanup_errors=True
+        )
+        environment = ENVIRONMENT | {"TMPDIR": self._scratch.name}
         spawn = get_context("spawn")
         ours, theirs = spawn.Pipe()
         process = spawn.Process(target=_serve, args=(self._work, theirs), daemon=True)
-        before = {name: os.environ.get(name) for name in ENVIRONMENT}
-        os.environ.update(ENVIRONMENT)
+        before = {name: os.environ.get(name) for name in environment}
+        os.environ.update(environment)
         try:
             process.start()
         finally:
@@ -68,7 +83,7 @@ class ProcessPool:
 
 def _serve(work: Work, pipe: Any) -> None:
     """In the worker: one job after another until there is nobody left to ask."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; the parent ends its workers itself
+    heed()  # all but Ctrl-C, which goes to all: the parent ends its workers itself
     threading.Thread(target=_end_with_parent, daemon=True).start()
     while True:
         try:
