@@ -17,21 +17,24 @@ def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Pat
 
     An existing `path` that is not empty is replaced only if it holds a file named `replaces`, which shows
     that it is an earlier result of the same kind. UserError where it does not, and where another process is
-    at work on the same folder, before any work is done. What processes that died have left beside `path` is
-    removed. OSError -> UserError.
+    at work on the same folder, before any work is done; what another program puts there meanwhile is not
+    replaced either. What processes that died have left beside `path` is removed. OSError -> UserError.
     """
     path = Path(path).absolute()
     part, old = _part(path).with_name(f".part-{path.name}.new"), _old(path)
+    marks = () if replaces is None else (replaces,)
     try:
-        refuse_to_replace(path, () if replaces is None else (replaces,))
+        refuse_to_replace(path, marks)
         with locked(path):
             _recover(old, path)
+            refuse_to_replace(path, marks)  # again: another process may have ended since
+            there = _state(path)
             remove_dead(path.parent)
             _remove(part)
             part.mkdir()
             try:
                 yield part
-                _publish(part, old, path)
+                _publish(part, old, path, there)
             finally:
                 _recover(old, path)
                 shutil.rmtree(part, ignore_errors=True)
@@ -63,6 +66,8 @@ def taken_up(
         refuse_to_replace(path, replaces)
         with locked(path):
             _recover(old, path)
+            refuse_to_replace(path, replaces)  # again: another process may have ended since
+            there = _state(path)
             _begin(part, description, say)
             try:
                 yield part
@@ -70,7 +75,10 @@ def taken_up(
                 if not _made(part, description):
                     shutil.rmtree(part, ignore_errors=True)
                 raise
-            _publish(part, old, path)
+            try:
+                _publish(part, old, path, there)
+            finally:
+                _recover(old, path)
     except OSError as error:
         raise os_error(error, path) from error
 
@@ -85,7 +93,11 @@ def _old(path: Path) -> Path:
 
 @contextmanager
 def locked(path: Path) -> Iterator[None]:
-    """Hold the lock of folder `path`, a file beside it; UserError where another process holds it."""
+    """Hold the lock of `path`, a file beside it; UserError where another process holds it.
+
+    Folders made for it are removed at the end if they are empty then.
+    """
+    made = [folder for folder in path.parents if not folder.exists()]
     path.parent.mkdir(parents=True, exist_ok=True)
     lock = path.with_name(f".part-{path.name}.lock")
     handle = _lock(lock)
@@ -95,6 +107,9 @@ def locked(path: Path) -> Iterator[None]:
         yield
     finally:
         _free(lock, handle)
+        with suppress(OSError):
+            for folder in made:
+                folder.rmdir()
 
 
 def _lock(lock: Path) -> int | None:
@@ -183,9 +198,25 @@ def _made(part: Path, description: Mapping[str, bytes]) -> bool:
     return any(entry.name not in own and not entry.name.startswith(".part-") for entry in part.iterdir())
 
 
-def _publish(part: Path, old: Path, path: Path) -> None:
-    """Put `part` in the place of `path`, everything safe on the disk before."""
+def _state(path: Path) -> tuple[int, int] | None:
+    """What changes when something is put into folder `path`, or another one in its place."""
+    try:
+        found = path.lstat()
+    except FileNotFoundError:
+        return None
+    return found.st_ino, found.st_mtime_ns
+
+
+def _publish(part: Path, old: Path, path: Path, there: tuple[int, int] | None) -> None:
+    """Put `part` in the place of `path`, everything safe on the disk before.
+
+    there: `_state` of `path` when its replacement was agreed to; UserError where it is another by now.
+    """
     flush_whole(part)
+    if _state(path) != there:
+        raise UserError(
+            f"{path}: was written by another command meanwhile and is not replaced; move it, and try again"
+        )
     if path.exists():
         os.replace(path, old)
     os.replace(part, path)

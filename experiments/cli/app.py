@@ -177,6 +177,7 @@ def record_scripted_runs(
             seed=seed,
             skills=[skill],
             tick=tick,
+            new=True,
         )
     recorded = read_dataset(out)
     typer.echo(f"{out}: {len(recorded.runs)} runs, {len(recorded.successful)} of them successful")

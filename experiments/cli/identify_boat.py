@@ -35,8 +35,9 @@ def identify_boat(
         summary,
     )
     from swamp_rl.criticism.progress import LOG
+    from swamp_rl.unfinished import locked
 
-    with progress(LOG):
+    with progress(LOG), locked(out.absolute()):
         found = identify(dataset, boat, out, holdout, positions, ignore or [])
     for line in summary(found):
         typer.echo(f"  {line}")

@@ -13,6 +13,7 @@ from swamp_rl.experiments.sweep.trial import carry_out, job_of
 
 from swamp_rl import __version__
 from swamp_rl.errors import UserError
+from swamp_rl.unfinished import locked
 from swamp_rl.workers import Ended, Pool, completed, open_pool
 
 Tell = Callable[[Trial, int], None]
@@ -49,7 +50,7 @@ def run_sweep(
     def job(values: Values) -> str:
         return job_of(_experiment(sweep, fixed, values), sweep.objective)
 
-    with opened(folder, plan) as store:
+    with locked(folder.absolute()), opened(folder, plan) as store:
         if len(store.trials()) < trials_of(sweep):
             with open_pool(carry_out, workers, ray) as pool:
                 carry_on(sweep, store, pool, job, tell)

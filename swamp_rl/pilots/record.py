@@ -109,20 +109,21 @@ def record_scripted(
     habits: Habits | None = None,
     skills: Sequence[Skill] = ("usual",),
     tick: Callable[[int], None] = lambda good: None,
+    new: bool = False,
 ) -> None:
     """Write `count` successful runs and at least `failed` failed ones into the dataset `out`.
 
     make_boats: builds boats of `boat` on `course` at `step` [s] with the disturbances of the runs. Each run
     stores seed, initial state and disturbances of its episode. With several `skills` there are `count` of
     each, in the same episodes, and each run stores its skill; habits replaces those of the skills.
-    `tick` is called with the number of successful runs.
+    `tick` is called with the number of successful runs. With `new`, no earlier dataset is replaced.
     UserError where the folder holds other data or the pilot hardly ever succeeds.
     """
     vehicle = load_boat(boat)
     meta = meta_of(vehicle, boat, 1.0 / step, "scripted", course=course, notes=NOTES)
     boats = make_boats(AT_ONCE, ScriptedPilot.senses)
     try:
-        with dataset_beside(out, meta) as part:
+        with dataset_beside(out, meta, new) as part:
             for number, skill in enumerate(skills):
                 pilot = ScriptedPilot(seed, habits or habits_of(skill, vehicle.length), step)
                 stored, prefix = ({"skill": skill}, f"{skill}-") if len(skills) > 1 else ({}, "")

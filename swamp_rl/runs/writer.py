@@ -62,18 +62,20 @@ def _there(folder: Path, name: str | None) -> str | Path | None:
 
 
 @contextmanager
-def dataset_beside(folder: Path | str, meta: DatasetMeta) -> Iterator[Path]:
+def dataset_beside(folder: Path | str, meta: DatasetMeta, new: bool = False) -> Iterator[Path]:
     """Yield a new dataset beside `folder`, which takes its place once the block has ended well.
+
+    new: replace nothing, not even an earlier dataset of the same kind.
 
     UserError where the folder holds anything but an earlier dataset of the same source and notes: what one
     writer makes never takes the place of what a person drove or another writer made.
     """
     folder = Path(folder)
-    if (folder / META).exists():
+    if not new and (folder / META).exists():
         there = read_meta(folder)
         if (there.source, there.notes) != (meta.source, meta.notes):
             raise UserError(f"{folder}: holds other runs, {there.source} ones; name another folder")
-    with folder_beside(folder, replaces=META) as part:
+    with folder_beside(folder, replaces=None if new else META) as part:
         create_dataset(part, meta)
         yield part
 

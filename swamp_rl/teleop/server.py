@@ -4,8 +4,10 @@ import asyncio
 import contextlib
 import errno
 import logging
+import signal
 import socket
-from collections.abc import AsyncIterator, Callable
+import threading
+from collections.abc import AsyncIterator, Callable, Iterator
 from pathlib import Path
 from types import FrameType
 
@@ -145,7 +147,24 @@ def address_of(listening: socket.socket, token: str | None) -> str:
 
 
 class OrderlyServer(uvicorn.Server):
-    """A server that a second Ctrl-C does not break off: it ends within a second as it is."""
+    """A server that a second Ctrl-C does not break off: it ends within a second as it is.
+
+    A closed terminal (SIGHUP) ends it in order too, where that is heeded.
+    """
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """As uvicorn's own, with SIGHUP."""
+        with super().capture_signals():
+            before = signal.getsignal(signal.SIGHUP)
+            main = threading.current_thread() is threading.main_thread()
+            if main and callable(before):
+                signal.signal(signal.SIGHUP, self.handle_exit)
+            try:
+                yield
+            finally:
+                if main and callable(before):
+                    signal.signal(signal.SIGHUP, before)
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """End in order; what comes after the first signal is nothing new."""
