@@ -1,10 +1,28 @@
-"""Ctrl-C and SIGTERM, once and again: what the first begins to clear away, the second does not interrupt."""
+"""Ctrl-C, SIGTERM and SIGHUP, once and again: a second one does not interrupt what the first one ends."""
 
+import os
+import pty
 import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
 
+import psutil
 import pytest
 from swamp_rl.experiments.cli import signals
-from swamp_rl.experiments.cli.signals import stoppable
+from swamp_rl.experiments.cli.signals import heed_no_more, stoppable
+
+from swamp_rl.workers.signals import held
+from tests.support.pages import ROOT
+from tests.support.patience import PATIENCE, until
+
+ENDED = {
+    signal.SIGINT: (130, "interrupted"),
+    signal.SIGTERM: (143, "terminated"),
+    signal.SIGHUP: (129, "hung up"),
+}
 
 
 @pytest.mark.parametrize("second", signals.SIGNALS)
@@ -27,3 +45,145 @@ def test_a_signal_after_the_grace_interrupts_again(monkeypatch: pytest.MonkeyPat
             with pytest.raises(KeyboardInterrupt):
                 signal.raise_signal(signal.SIGINT)
     assert came == [signal.SIGINT] * 2
+
+
+def test_a_hang_up_that_was_ignored_before_stays_ignored() -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as by nohup
+    try:
+        with stoppable() as came:
+            signal.raise_signal(signal.SIGHUP)
+            heed_no_more()
+            assert signal.getsignal(signal.SIGHUP) == signal.SIG_IGN
+        assert came == []
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.parametrize("number", signals.SIGNALS)
+def test_nothing_interrupts_the_last_line_of_a_command(number: int) -> None:
+    with stoppable():
+        heed_no_more()
+        signal.raise_signal(number)
+
+
+@pytest.mark.parametrize("number", signals.SIGNALS)
+def test_a_signal_while_a_process_starts_is_heeded_once_it_is_known(number: int) -> None:
+    known = False
+    with stoppable() as came, pytest.raises(KeyboardInterrupt), held():
+        signal.raise_signal(number)
+        known = True
+    assert known and came == [number]
+
+
+@pytest.mark.parametrize("number", signals.SIGNALS)
+def test_a_signal_lost_in_an_import_still_ends_the_command_in_one_line(number: int, tmp_path: Path) -> None:
+    losing = f"import os\ntry:\n    os.kill(os.getpid(), {number:d})\nexcept BaseException:\n    pass\n"
+    (tmp_path / "gymnasium.py").write_text(losing)  # the first library that the package imports
+    path = os.pathsep.join([str(tmp_path), str(ROOT)])
+    called = subprocess.run(
+        [sys.executable, "-c", "from swamp_rl_command import main; main()", "--version"],
+        env=os.environ | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+    )
+    code, word = ENDED[signal.Signals(number)]
+    assert called.returncode == code
+    assert (called.stdout, called.stderr) == ("", f"swamp-rl: {word} before it began\n")
+
+
+@contextmanager
+def endless(notes: Path, *more: str, terminal: int | None = None) -> Iterator[subprocess.Popen[str]]:
+    """The verb of `tests.support.endless` in a session of its own, temporary files in `notes`/tmp."""
+    (notes / "tmp").mkdir()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tests.support.endless", "endless", str(notes), *more],
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": str(ROOT), "TMPDIR": str(notes / "tmp")},
+        stdin=terminal,
+        stdout=terminal or subprocess.PIPE,
+        stderr=terminal or subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=None if terminal is None else lambda: os.close(os.open(os.ttyname(0), os.O_RDWR)),
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+def numbers(folder: Path, process: subprocess.Popen[str]) -> list[int]:
+    """The numbers that both worker processes have left in a folder."""
+
+    def both() -> bool:
+        assert process.poll() is None, process.communicate()
+        return folder.is_dir() and len(list(folder.iterdir())) == 2
+
+    until(both, f"two workers are in {folder.name}")
+    return [int(path.name) for path in folder.iterdir()]
+
+
+def assert_nothing_left(notes: Path, workers: list[int]) -> None:
+    assert list(notes.glob(".part-*")) == list((notes / "tmp").iterdir()) == []
+    until(lambda: not any(map(alive, workers)), "the workers have ended")
+
+
+def alive(number: int) -> bool:
+    """Whether a process is there, and not only its exit status."""
+    with suppress(psutil.NoSuchProcess):
+        return psutil.Process(number).status() != psutil.STATUS_ZOMBIE
+    return False
+
+
+@pytest.mark.timed
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [(signal.SIGINT, signal.SIGINT), (signal.SIGTERM, signal.SIGINT), (signal.SIGHUP, signal.SIGTERM)],
+)
+def test_a_command_told_twice_to_end_says_one_line_and_leaves_neither_processes_nor_files(
+    first: int, second: int, tmp_path: Path
+) -> None:
+    with endless(tmp_path) as process:
+        workers = numbers(tmp_path / "at-work", process)
+        os.killpg(process.pid, first)
+        until((tmp_path / "ending").exists, "the first signal is heeded")
+        os.killpg(process.pid, second)
+        (tmp_path / "end").touch()
+        said = process.communicate(timeout=PATIENCE)
+    code, word = ENDED[signal.Signals(first)]
+    assert said == ("", f"swamp-rl: {word}; only what was finished is kept\n")
+    assert process.returncode == code
+    assert not (tmp_path / "out").exists()
+    assert_nothing_left(tmp_path, workers)
+
+
+@pytest.mark.timed
+def test_worker_processes_that_are_still_starting_do_not_heed_ctrl_c(tmp_path: Path) -> None:
+    (tmp_path / "end").touch()
+    (tmp_path / "slow").mkdir()
+    with endless(tmp_path) as process:
+        starting = numbers(tmp_path / "slow", process)
+        for number in starting:
+            os.kill(number, signal.SIGINT)
+        (tmp_path / "slow").rename(tmp_path / "fast")
+        assert sorted(numbers(tmp_path / "at-work", process)) == sorted(starting)
+        os.killpg(process.pid, signal.SIGINT)
+        said = process.communicate(timeout=PATIENCE)
+    assert said == ("", "swamp-rl: interrupted; only what was finished is kept\n")
+    assert process.returncode == 130
+    assert_nothing_left(tmp_path, starting)
+
+
+@pytest.mark.timed
+def test_what_a_command_keeps_it_keeps_when_its_terminal_is_closed(tmp_path: Path) -> None:
+    ours, theirs = pty.openpty()
+    (tmp_path / "end").touch()
+    with endless(tmp_path, "--keeps", terminal=theirs) as process:
+        os.close(theirs)
+        workers = numbers(tmp_path / "at-work", process)
+        os.close(ours)  # the system hangs up
+        assert process.wait(timeout=PATIENCE) == 0
+    assert (tmp_path / "kept").exists() and (tmp_path / "out" / "half").exists()
+    assert_nothing_left(tmp_path, workers)
