@@ -198,16 +198,22 @@ def _made(part: Path, description: Mapping[str, bytes]) -> bool:
     return any(entry.name not in own and not entry.name.startswith(".part-") for entry in part.iterdir())
 
 
-def _state(path: Path) -> tuple[int, int] | None:
-    """What changes when something is put into folder `path`, or another one in its place."""
+State = tuple[int, int, tuple[str, ...]]
+
+
+def _state(path: Path) -> State | None:
+    """What changes when something is put into folder `path`, or another one in its place.
+
+    The names are told as well, as two changes within a tick of the system's clock have one time.
+    """
     try:
         found = path.lstat()
+        return found.st_ino, found.st_mtime_ns, tuple(sorted(os.listdir(path)))
     except FileNotFoundError:
         return None
-    return found.st_ino, found.st_mtime_ns
 
 
-def _publish(part: Path, old: Path, path: Path, there: tuple[int, int] | None) -> None:
+def _publish(part: Path, old: Path, path: Path, there: State | None) -> None:
     """Put `part` in the place of `path`, everything safe on the disk before.
 
     there: `_state` of `path` when its replacement was agreed to; UserError where it is another by now.

@@ -11,7 +11,7 @@ import pytest
 
 from swamp_rl import unfinished
 from swamp_rl.errors import UserError
-from swamp_rl.unfinished import folder_beside, taken_up
+from swamp_rl.unfinished import folder_beside, locked, taken_up
 
 SAME = {"config/it.yaml": b"a: 1\n"}
 
@@ -97,6 +97,47 @@ def test_a_second_command_on_the_same_folder_is_refused_and_disturbs_nothing(tmp
             pass
         assert (part / "done").exists()
     assert names(tmp_path) == ["out/config/it.yaml", "out/done"]
+
+
+@pytest.mark.parametrize("there", [False, True], ids=["new", "earlier"])
+def test_what_another_program_wrote_meanwhile_is_not_replaced(tmp_path: Path, there: bool) -> None:
+    out = tmp_path / "out"
+    if there:
+        out.mkdir()
+        (out / "mark").write_text("earlier")
+    for kept, begun in ((1, taken_up(out, ("mark",), SAME)), (0, folder_beside(out, "mark"))):
+        with pytest.raises(UserError, match="written by another command meanwhile"), begun as part:
+            (part / "mark").write_text("later")
+            out.mkdir(exist_ok=True)
+            (out / f"run-{kept}").write_text("accepted")
+            (out / "mark").touch()
+        assert (out / f"run-{kept}").read_text() == "accepted"
+        assert [path.name for path in tmp_path.glob(".*")] == [".part-out"]  # of the one to be taken up
+
+
+def test_an_interrupt_between_the_two_renames_leaves_the_earlier_result_in_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "mark").write_text("earlier")
+    replace = os.replace
+
+    def interrupts(source: Path, target: Path) -> None:
+        if Path(source).name == ".part-out":
+            raise KeyboardInterrupt
+        replace(source, target)
+
+    monkeypatch.setattr(unfinished.os, "replace", interrupts)
+    with pytest.raises(KeyboardInterrupt), taken_up(out, ("mark",), SAME) as part:
+        (part / "mark").write_text("later")
+    assert (out / "mark").read_text() == "earlier"
+
+
+def test_a_lock_leaves_no_folder_that_it_made(tmp_path: Path) -> None:
+    with locked(tmp_path / "a" / "b" / "out.yaml"):
+        assert (tmp_path / "a" / "b").is_dir()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_job_that_cannot_be_begun_leaves_nothing(tmp_path: Path) -> None:

@@ -46,20 +46,24 @@ def recorded(scene: DemoScene, layout: Layout = "overlay") -> bytes:
     recording = rr.RecordingStream("swamp_rl", recording_id=scene.title)
     # By way of memory: rerun's own writer of files can wait for ever on a disk that is full.
     memory = recording.memory_recording()
-    times = instants(scene)
-    panels: dict[str, Panel] = {}
-    log_surroundings(recording, scene)
-    if scene.few:
-        _log_names(recording, scene, times)
-    for fleet in scene.fleets:
-        poses = np.stack([poses_at(item, times) for item in fleet.shown], axis=1)
-        _log_on_chart(recording, scene, fleet, times, poses)
+    try:
+        times = instants(scene)
+        panels: dict[str, Panel] = {}
+        log_surroundings(recording, scene)
         if scene.few:
-            _log_flows(recording, scene, fleet, times, poses)
-        _log_in_space(recording, scene, fleet, times, poses)
-        _log_series(recording, scene, fleet, times, panels)
-    _log_result(recording, scene)
-    recording.send_blueprint(blueprint(scene, layout, panels))
+            _log_names(recording, scene, times)
+        for fleet in scene.fleets:
+            poses = np.stack([poses_at(item, times) for item in fleet.shown], axis=1)
+            _log_on_chart(recording, scene, fleet, times, poses)
+            if scene.few:
+                _log_flows(recording, scene, fleet, times, poses)
+            _log_in_space(recording, scene, fleet, times, poses)
+            _log_series(recording, scene, fleet, times, panels)
+        _log_result(recording, scene)
+        recording.send_blueprint(blueprint(scene, layout, panels))
+    except BaseException:
+        memory.drain_as_bytes()  # what is dropped undrained, rerun tells of
+        raise
     return memory.drain_as_bytes()
 
 

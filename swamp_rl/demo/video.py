@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -73,8 +74,11 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], size: tuple[in
     try:
         for picture in pictures:
             film.send(np.ascontiguousarray(picture))
-    finally:
-        film.close()
+    except BaseException:
+        with suppress(RuntimeError):  # so that ffmpeg is killed, and does not complain of half a film
+            film.throw(RuntimeError())
+        raise
+    film.close()
 
 
 def _pictures(

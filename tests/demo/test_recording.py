@@ -1,5 +1,6 @@
 """The rerun recording: readable, whole, one timeline for all who drove."""
 
+import gc
 import re
 import resource
 import subprocess
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from swamp_rl.course import load_course
+from swamp_rl.demo import recording
 from swamp_rl.demo.layout import ASPECT, FIELD, eye
 from swamp_rl.demo.markdown import about, table
 from swamp_rl.demo.recording import recorded, write_recording
@@ -112,6 +114,20 @@ def test_many_runs_stay_few_pieces_with_whole_tracks(tmp_path: Path) -> None:
     assert "/chart/runs/ppo/whole_track:" in listed and "/space/runs/ppo/whole_track:" in listed
     assert "/chart/runs/ppo/track:" not in listed
     assert len(re.findall(r"^/(?:chart|space|series)\S*", listed, re.MULTILINE)) < 50
+
+
+def test_an_interrupted_recording_is_dropped_without_a_word(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def interrupt(*told: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(recording, "_log_result", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        write_recording(tmp_path / "a.rrd", scene({"scripted": 1}))
+    gc.collect()
+    assert capfd.readouterr() == ("", "")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_names_with_any_characters_can_be_recorded(tmp_path: Path) -> None:

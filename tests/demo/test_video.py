@@ -1,11 +1,14 @@
 """The film: as many frames as asked for, boats that move, and nothing half-written."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 
 from swamp_rl.course import load_course
+from swamp_rl.demo import video
 from swamp_rl.demo.card import CARD
 from swamp_rl.demo.layout import Layout
 from swamp_rl.demo.scene import DemoScene, demo_scene
@@ -51,6 +54,21 @@ def test_an_mp4_can_be_decoded_and_has_all_frames(tmp_path: Path) -> None:
     found = read_frames(str(path))
     assert next(found)["size"] == SIZES[".mp4"][:2]
     found.close()
+
+
+def test_a_film_that_is_interrupted_ends_its_encoder_without_a_word(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def pictures(*told: object) -> Iterator[np.ndarray]:
+        yield np.zeros((*SIZES[".mp4"][1::-1], 3), np.uint8)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(video, "_pictures", pictures)
+    with pytest.raises(KeyboardInterrupt):
+        write_video(tmp_path / "a.mp4", scene(), speed=10.0)
+    assert list(tmp_path.iterdir()) == []
+    assert psutil.Process().children() == []
+    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("speed", [0.0, -1.0, float("nan"), float("inf"), 1e-6])

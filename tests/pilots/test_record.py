@@ -74,6 +74,14 @@ def test_a_folder_that_another_process_is_recording_into_is_refused(tmp_path: Pa
     assert list((tmp_path / "data").iterdir()) == []
 
 
+def test_a_new_dataset_does_not_replace_one_that_was_recorded_meanwhile(tmp_path: Path) -> None:
+    record_scripted(boats_at("calm"), tmp_path / "data", count=1, seed=1)
+    before = (tmp_path / "data" / "dataset.yaml").read_bytes()
+    with pytest.raises(UserError, match="data: already exists"):
+        record_scripted(boats_at("calm"), tmp_path / "data", count=1, seed=2, new=True)
+    assert (tmp_path / "data" / "dataset.yaml").read_bytes() == before
+
+
 def test_a_recorded_run_replays_exactly_from_its_seed_state_and_disturbances(recorded: Dataset) -> None:
     assert any(entry["effect"] == "gusts" for entry in recorded.runs[0].meta.disturbances)
     for run in recorded.runs[:3]:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from swamp_rl.unfinished import locked
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
 
@@ -59,3 +60,18 @@ def test_beside_a_dataset_and_in_its_folder_of_analyses_is_allowed(
     for out in ("simulated.csv", "runs/analysis/simulated.csv"):
         assert call("simulate", "--commands", "runs/run-001.parquet", "--out", out)[0] == 0
     assert call("runs", "check", "runs")[0] == 0
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "sweep reservoir_grid --out made/out",
+        "identify boat runs --boat swamp --out made/out",
+        "run smoke --out made/out",
+        "fleet runs --out made/out",
+    ],
+)
+def test_a_second_command_on_an_output_is_refused_in_one_line(call: Call, words: str) -> None:
+    with locked(Path("made/out").absolute()):
+        assert_complains(call(*words.split()), "made/out: another command is at work on it")
+    assert list(Path().iterdir()) == []

@@ -88,13 +88,14 @@ def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_inter
     assert run.meta.outcome == "interrupted" and len(run.time) >= 8
 
 
-def test_a_recorder_told_twice_to_end_ends_in_order(tmp_path: Path) -> None:
+@pytest.mark.parametrize("first", [signal.SIGTERM, signal.SIGHUP], ids=["terminated", "terminal closed"])
+def test_a_recorder_told_twice_to_end_ends_in_order(tmp_path: Path, first: signal.Signals) -> None:
     folder = tmp_path / "runs"
     with started(folder) as (process, _, address):
         host = address.split("/")[2]
         with connect(f"ws://{host}/socket", origin=f"http://{host}") as socket:
             socket.recv(timeout=PATIENCE)
-            process.send_signal(signal.SIGTERM)
+            process.send_signal(first)
             assert stopped(process, signal.SIGINT) == (0, f"{folder}: 0 runs\n")
 
 
