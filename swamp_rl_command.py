@@ -1,5 +1,6 @@
 """The command `swamp-rl`: outside the package, so that Ctrl-C while that is imported is one line as well."""
 
+import atexit
 import os
 import signal
 import sys
@@ -11,16 +12,22 @@ EARLY = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGH
 
 def main() -> None:
     """Run the command line; a signal before its verbs are there ends it in one line, after them in none."""
+    code: list[int] = []
+    atexit.register(_last, code)  # the first to be registered is the last to be called
     for number in EARLY:
         if signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, _before)
     try:
-        from swamp_rl.experiments.cli import main as command
-    except KeyboardInterrupt:
-        print("swamp-rl: interrupted before it began", file=sys.stderr)
-        sys.exit(130)
-    try:
+        try:
+            from swamp_rl.experiments.cli import main as command
+        except KeyboardInterrupt:
+            print("swamp-rl: interrupted before it began", file=sys.stderr)
+            sys.exit(130)
         command(_at_once)
+    except SystemExit as ended:
+        if isinstance(ended.code, int):
+            code.append(ended.code)
+        raise
     finally:  # while Python ends, it would print where it was
         for number in EARLY:
             if signal.getsignal(number) == _before:
@@ -33,12 +40,18 @@ def _before(number: int, frame: Any) -> None:
     os._exit(128 + number)
 
 
-def _at_once(code: int) -> NoReturn:
-    """End the process whose command a signal has ended, and which has cleared away what it had begun.
+def _last(code: list[int]) -> None:
+    """End the process once all that Python ends is ended.
 
-    While Python ends, another signal would interrupt it, and a thread that a library has just begun may abort
-    it (SIGABRT).
+    What the system would still end are the threads of libraries: one that Arrow had begun aborted up to nine of
+    a hundred commands (SIGABRT) after they were done.
     """
+    if code:
+        _at_once(code[0])
+
+
+def _at_once(code: int) -> NoReturn:
+    """End the process whose verb has ended, and which has cleared away what it had begun."""
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):
             stream.flush()

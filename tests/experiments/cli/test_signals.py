@@ -92,6 +92,29 @@ def test_a_signal_lost_in_an_import_still_ends_the_command_in_one_line(number: i
     assert (called.stdout, called.stderr) == ("", f"swamp-rl: {word} before it began\n")
 
 
+ABORTED = """
+import atexit, ctypes, sys
+from swamp_rl.experiments import cli
+
+def ends(stopped):
+    libc = ctypes.CDLL(None)
+    libc.__cxa_atexit(libc.abort, None, None)  # as a library's thread may, which the system ends
+    atexit.register(print, "ended in order")
+    sys.exit(3)
+
+cli.main = ends
+from swamp_rl_command import main
+main()
+"""
+
+
+def test_a_library_that_aborts_while_the_process_ends_does_not_change_the_exit_code() -> None:
+    called = subprocess.run(
+        [sys.executable, "-c", ABORTED], cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert (called.returncode, called.stdout, called.stderr) == (3, "ended in order\n", "")
+
+
 @contextmanager
 def endless(notes: Path, *more: str, terminal: int | None = None) -> Iterator[subprocess.Popen[str]]:
     """The verb of `tests.support.endless` in a session of its own, temporary files in `notes`/tmp."""
