@@ -7,7 +7,8 @@ import typer
 from swamp_rl.experiments.cli.place import place_of
 from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
 
-from swamp_rl.errors import UserError
+from swamp_rl.clipped import clipped
+from swamp_rl.errors import LONGEST, UserError
 
 if TYPE_CHECKING:
     from swamp_rl.runs.schema import DatasetMeta
@@ -186,9 +187,9 @@ def _tell(out: Path, made: "DatasetMeta") -> None:
         told = run.model_extra or {}
         for key in NOTED:
             if key in told:
-                typer.echo(f"{run.file}: {key.replace('_', ' ')}: {told[key]}")
+                typer.echo(clipped(f"{run.file}: {key.replace('_', ' ')}: {told[key]}", LONGEST))
         for line in told.get("rows_left_out", ()):
-            typer.echo(f"{run.file}: {line}")
+            typer.echo(clipped(f"{run.file}: {line}", LONGEST))
     rows = sum(run.rows or 0 for run in made.runs)
     typer.echo(f"{out}: {len(made.runs)} runs, {rows} rows at {made.sample_rate:g} Hz, {made.source}")
 

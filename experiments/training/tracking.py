@@ -2,6 +2,7 @@
 MLflow where it is asked for.
 """
 
+import logging
 import os
 import shutil
 import threading
@@ -105,11 +106,14 @@ def _mlflow_run(experiment: Experiment, pilot: str, name: str) -> Iterator[Log]:
     """A run of that name, with the pilot's settings, in MLflow's experiment of the experiment's name; failed
     if the block fails."""
     uri = str(experiment.tracking.mlflow)
-    client, error_kind = _client(uri)
+    with _unlogged():
+        client, error_kind = _client(uri)
     plan = experiment.pilots[pilot]
     settings = {"kind": plan.kind, "runs": plan.runs, "disturbances": plan.disturbances, **plan.options}
     try:
-        run = client.create_run(_experiment_id(client, experiment.name), run_name=name).info.run_id
+        with _unlogged():
+            number = _experiment_id(client, experiment.name)
+        run = client.create_run(number, run_name=name).info.run_id
         for option, value in settings.items():
             client.log_param(run, option, value)
         ended = "FAILED"
@@ -121,6 +125,17 @@ def _mlflow_run(experiment: Experiment, pilot: str, name: str) -> Iterator[Log]:
     except error_kind as error:
         line = " ".join(str(error).split())[:200]
         raise UserError(f"tracking.mlflow: {uri}: {line}; start the server, or name another store") from error
+
+
+@contextmanager
+def _unlogged() -> Iterator[None]:
+    """Without MLflow's own log: of a folder that is no experiment it prints name and traceback."""
+    before = logging.root.manager.disable
+    logging.disable(logging.WARNING)
+    try:
+        yield
+    finally:
+        logging.disable(before)
 
 
 def _client(uri: str) -> tuple[Any, type[Exception]]:

@@ -17,7 +17,7 @@ def listing(log: Log) -> Iterator[str]:
         rate = f", {table.rate:.3g} Hz" if table.rate else ""
         origin = f" ({clipped(table.origin)})" if table.origin not in ("", table.name) else ""
         kind = f", {clipped(table.kind)}" if table.kind else ""
-        yield f"{table.name}{origin}{kind}: {len(table.table.rows)} rows{rate}"
+        yield f"{clipped(table.name)}{origin}{kind}: {len(table.table.rows)} rows{rate}"
         for name, values in list(table.table.columns.items())[:MOST_FIELDS]:
             yield f"  {_named(log, table, name)}: {_span(table, name, values)}"
     if "not_read" in log.told:

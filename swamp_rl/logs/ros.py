@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml
 from swamp_rl.logs.binary import LARGEST, Gathered, reading
@@ -50,7 +51,9 @@ def read_bag(path: Path, wanted: Collection[str] | None = None, kinds: Collectio
         ]
         unknown = _undefined(reader)
         if wanted is not None and (asked := [t for t in unknown if names[t] in wanted]):
-            raise UserError(f"{path}: {asked[0]} is of type {unknown[asked[0]]}, {UNDEFINED}")
+            raise UserError(
+                f"{path}: {clipped(asked[0])} is of type {clipped(unknown[asked[0]])}, {UNDEFINED}"
+            )
         chosen = [one for one in chosen if one.topic not in unknown]
         tables: dict[str, Gathered] = {}
         headers: dict[str, list[float]] = {}
@@ -74,7 +77,7 @@ def read_bag(path: Path, wanted: Collection[str] | None = None, kinds: Collectio
     for table in tables.values():
         table.stamps = [stamp - start for stamp in table.stamps]
     if unknown:
-        some = ", ".join(f"{topic} ({kind})" for topic, kind in list(unknown.items())[:MOST_NAMED])
+        some = ", ".join(f"{clipped(one)} ({clipped(unknown[one])})" for one in list(unknown)[:MOST_NAMED])
         told["not_read"] = f"{some}, {UNDEFINED}"
     told["utc_start"] = f"{start:.6f}"
     return Log(path.name, path.stem, {name: table.table() for name, table in tables.items()}, told)
@@ -107,7 +110,8 @@ def _on_one_clock(tables: Mapping[str, Gathered], headers: Mapping[str, list[flo
             tables[name].stamps = np.interp(tables[name].stamps, recorded, counted).tolist()
             told = f"of the headers, {late[longest]:.0f} s behind the recorder's clock; others converted"
     elif odd:
-        told = f"of recording for {', '.join(odd)}, whose headers have another clock"
+        some = ", ".join(clipped(name) for name in odd[:MOST_NAMED])
+        told = f"of recording for {some}, whose headers have another clock"
     for name in headers:
         if name not in odd or len(odd) == len(headers):
             tables[name].stamps = headers[name]

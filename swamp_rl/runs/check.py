@@ -22,8 +22,8 @@ MISSING = "is missing; add it"
 FORMULA = "=+-@"
 "What a spreadsheet takes for the beginning of a formula, in a header too, when it opens a run as CSV."
 ODD_NAME = (
-    f"is no name of a column: it has at most {LONGEST} bytes, all print and the first is none of {FORMULA}; "
-    "rename it"
+    f"is no name of a column: it is not blank, has at most {LONGEST} bytes, all print and the first is none "
+    f"of {FORMULA}; rename it"
 )
 
 
@@ -33,7 +33,9 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
     faults = list(table.faults)
     if not table.columns:
         return faults
-    faults += [Fault(file, None, clipped(name), ODD_NAME) for name in table.columns if _is_odd(name)]
+    faults += [
+        Fault(file, None, clipped(name).strip() or "''", ODD_NAME) for name in table.columns if _is_odd(name)
+    ]
     faults += [
         Fault(file, None, name, f"{MISSING}{_near_miss(name, list(table.columns))}")
         for name in missing_columns(list(table.columns), boat)
@@ -58,7 +60,8 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
 
 def _is_odd(name: str) -> bool:
     size = len(name.encode("utf-8", "surrogatepass"))
-    return size > LONGEST or not name.isprintable() or name.lstrip()[:1] in tuple(FORMULA)
+    begins = name.lstrip()[:1]
+    return not begins or size > LONGEST or not name.isprintable() or begins in FORMULA
 
 
 def unknown_columns(names: list[str], boat: Boat | None) -> list[str]:

@@ -4,7 +4,7 @@ import hashlib
 import importlib
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import explain, write_beside
 from swamp_rl.json_text import parsed_json
@@ -25,6 +26,7 @@ from swamp_rl.runs.table import Table
 TOPIC = "/run"
 MOST_BYTES = 2**29
 """Of a file's messages, unpacked."""
+MOST_NAMED = 12
 RECORD = "swamp_rl"
 """The metadata record that holds what `dataset.yaml` says, and the copies beside it."""
 NO_COPIES: Mapping[str, bytes] = {}
@@ -144,9 +146,9 @@ def _parsed(path: Path, topic: str, row: int, data: bytes) -> dict[str, Any]:
     try:
         found = parsed_json(data)
     except ValueError as error:
-        raise UserError(f"{path}: {topic}, row {row}: is no JSON ({error})") from error
+        raise UserError(f"{path}: {clipped(topic)}, row {row}: is no JSON ({error})") from error
     if not isinstance(found, dict):
-        raise UserError(f"{path}: {topic}, row {row}: is no JSON object of named numbers")
+        raise UserError(f"{path}: {clipped(topic)}, row {row}: is no JSON object of named numbers")
     return dict(_flat(found))
 
 
@@ -159,15 +161,21 @@ def _flat(found: dict[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _topic(path: Path, messages: dict[str, Any], others: set[str], asked: str | None) -> str:
-    known = ", ".join(sorted(messages)) or "none"
+    known = _listed(messages)
     if asked is not None and asked not in messages:
-        raise UserError(f"{path}: no topic {asked!r} with JSON messages; there is {known}")
+        raise UserError(f"{path}: no topic {clipped(repr(asked))} with JSON messages; there is {known}")
     if asked is None and len(messages) != 1:
-        binary = f" (not JSON: {', '.join(sorted(others))})" if others else ""
+        binary = f" (not JSON: {_listed(others)})" if others else ""
         raise UserError(
             f"{path}: its topics with JSON messages are {known}{binary}; one is needed: --topic NAME"
         )
     return asked or next(iter(messages))
+
+
+def _listed(topics: Collection[str]) -> str:
+    """The first of a file's topics, for a line."""
+    some = ", ".join(clipped(topic) for topic in sorted(topics)[:MOST_NAMED])
+    return (f"{some} …" if len(topics) > MOST_NAMED else some) or "none"
 
 
 def _told(path: Path, record: dict[str, str] | None) -> tuple[RunMeta, DatasetMeta | None, dict[str, bytes]]:

@@ -30,6 +30,23 @@ WAYS = st.sampled_from(
 )
 LONG = st.just("a" * 300)
 HOSTILE = st.builds(str.__add__, PIECES | WAYS | LONG, ENDS)
+NAMES = (
+    "../victim/boat",
+    "/etc/passwd",
+    "..",
+    "nul\0byte",
+    "x" * 5000,
+    "\x1b[2Jred\x1b[31m",
+    "\x1b]0;title\x07",
+    "\u202eevil",
+    "\x9b31m",
+    "line\nend",
+    "\rover",
+    "\u2028apart",
+    "  ",
+    "",
+)
+"""Of topics, fields and types in the files of recorders, which may be any text."""
 EXAMPLES = settings(max_examples=25)
 
 
@@ -59,3 +76,10 @@ def said(act: Any, *given: Any, **named: Any) -> str:
         assert all(line.isprintable() for line in str(error).split("\n"))
         return str(error)
     return ""
+
+
+def assert_harmless(told: str, lines: int | None = None) -> None:
+    """What is printed has nothing that a terminal acts on, no line without end, at most so many lines."""
+    shown = told.split("\n")
+    assert all(line.isprintable() and len(line) < 2500 for line in shown), told[:500]
+    assert lines is None or len(shown) - 1 <= lines, told[:500]

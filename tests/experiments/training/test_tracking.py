@@ -13,6 +13,7 @@ from swamp_rl.experiments.training import tracking
 from swamp_rl.experiments.training.tracking import track_success, tracked
 
 from swamp_rl.errors import UserError
+from tests.support.hostile_names import said
 
 POINTS = [(100, {"success": 0.25, "return": -3.0}), (200, {"success": 0.5, "return": 1.5})]
 
@@ -139,3 +140,14 @@ def test_without_tensorboard_the_training_goes_on_and_the_extra_is_named_once(
         tracking._summary_writer.cache_clear()
     assert capsys.readouterr().err.count("pip install 'swamp-rl[tensorboard]'") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_store_among_folders_of_hostile_names_is_used_without_a_word_of_them(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    store = tmp_path / "store"
+    for name in ("\x1b[2Jred", "line\nend", "\u202eevil"):
+        (store / name).mkdir(parents=True)
+    said(log_points, tmp_path / "events", experiment(str(store)))  # used, or refused in one line
+    printed = "".join(capfd.readouterr())
+    assert not any(word in printed for word in ("Traceback", "red", "evil"))
