@@ -43,8 +43,8 @@ def _before(number: int, frame: Any) -> None:
 def _last(code: list[int]) -> None:
     """End the process once all that Python ends is ended.
 
-    What the system would still end are the threads of libraries: one that Arrow had begun aborted up to nine of
-    a hundred commands (SIGABRT) after they were done.
+    What the system would still end are the threads of libraries: one that Arrow had begun aborted up to nine
+    of a hundred commands (SIGABRT) after they were done.
     """
     if code:
         _at_once(code[0])

@@ -4,6 +4,8 @@ import json
 import os
 import tempfile
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from multiprocessing import connection, get_context, parent_process, resource_tracker
 from typing import Any, Self
 
@@ -43,10 +45,11 @@ class ProcessPool:
             pipe, process = self._free.pop()
             self._busy[pipe] = number, process
         else:
-            resource_tracker.ensure_running()  # its own start would let the signals through
-            with held(), born_deaf():  # one half-started would print where it was, or be forgotten
-                pipe, process = self._started()
-                self._busy[pipe] = number, process
+            with self._environment():
+                resource_tracker.ensure_running()  # its own start would let the signals through
+                with held(), born_deaf():  # one half-started would print where it was, or be forgotten
+                    pipe, process = self._started()
+                    self._busy[pipe] = number, process
         pipe.send_bytes(job.encode())
 
     def wait(self) -> tuple[int, str | None, str]:
@@ -62,21 +65,25 @@ class ProcessPool:
         self._free.append((pipe, process))
         return number, answer, error
 
-    def _started(self) -> tuple[Any, Any]:
-        self._scratch = self._scratch or tempfile.TemporaryDirectory(
-            prefix="swamp-rl-", ignore_cleanup_errors=True
-        )
-        environment = ENVIRONMENT | {"TMPDIR": self._scratch.name}
-        spawn = get_context("spawn")
-        ours, theirs = spawn.Pipe()
-        process = spawn.Process(target=_serve, args=(self._work, theirs), daemon=True)
-        before = {name: os.environ.get(name) for name in environment}
-        os.environ.update(environment)
+    @contextmanager
+    def _environment(self) -> Iterator[None]:
+        """That of the workers and of what starts them, with a folder of their temporary files."""
+        if self._scratch is None:
+            self._scratch = tempfile.TemporaryDirectory(prefix="swamp-rl-", ignore_cleanup_errors=True)
+        own = ENVIRONMENT | {"TMPDIR": self._scratch.name}
+        before = {name: os.environ.get(name) for name in own}
+        os.environ.update(own)
         try:
-            process.start()
+            yield
         finally:
             for name, value in before.items():
                 os.environ.pop(name) if value is None else os.environ.update({name: value})
+
+    def _started(self) -> tuple[Any, Any]:
+        spawn = get_context("spawn")
+        ours, theirs = spawn.Pipe()
+        process = spawn.Process(target=_serve, args=(self._work, theirs), daemon=True)
+        process.start()
         theirs.close()
         return ours, process
 
