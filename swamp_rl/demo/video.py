@@ -21,6 +21,7 @@ from swamp_rl.demo.shapes import corners
 from swamp_rl.errors import UserError
 from swamp_rl.figure_style import styled
 from swamp_rl.files import write_beside
+from swamp_rl.workers.signals import held
 
 SIZES = {".mp4": (1280, 720, 25.0), ".gif": (800, 450, 12.5)}
 """Width and height [pixels], frames in a second."""
@@ -73,7 +74,8 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], size: tuple[in
     film.send(None)
     try:
         for picture in pictures:
-            film.send(np.ascontiguousarray(picture))
+            with held():  # of half a picture ffmpeg would complain
+                film.send(np.ascontiguousarray(picture))
     except BaseException:
         with suppress(RuntimeError):  # so that ffmpeg is killed, and does not complain of half a film
             film.throw(RuntimeError())
