@@ -64,10 +64,11 @@ def test_a_film_that_is_interrupted_ends_its_encoder_without_a_word(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(video, "_pictures", pictures)
+    others = psutil.Process().children()
     with pytest.raises(KeyboardInterrupt):
         write_video(tmp_path / "a.mp4", scene(), speed=10.0)
     assert list(tmp_path.iterdir()) == []
-    assert psutil.Process().children() == []
+    assert set(psutil.Process().children()) <= set(others)
     assert capfd.readouterr() == ("", "")
 
 
