@@ -10,15 +10,12 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from swamp_rl.experiments.reports.experiment import table
 
+from benchmarks.boat_fit.tables import error_table, findings, number_table, run_table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat.estimate import annotated, boat_file
-from swamp_rl.boat_fit.identify import errors_on, identify_boat
-from swamp_rl.boat_fit.recent_thrust import recent_errors
-from swamp_rl.boat_fit.report import gains_sentence, held_out_sentence, summary
+from swamp_rl.boat_fit.identify import identify_boat
 from swamp_rl.boat_fit.result import Identification
-from swamp_rl.criticism.report.evidence import TRIVIAL
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_yaml
 from swamp_rl.logs.import_logs import Reading, import_logs
@@ -26,9 +23,7 @@ from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.runs.import_dataset import About
 from swamp_rl.runs.import_foreign import Wishes
 
-SHOWN = 5.0  # s, horizon of the table by run
 FIELDS = ("time", "kfhd", "kfspd", "portcmd", "stbdcmd")
-PREDICTORS = ["identified with gains", "without gains", *(name.replace("_", " ") for name in TRIVIAL)]
 SIZES = {"length": 1.35, "breadth": 0.98, "mass": 28.0, "thrust": 41.4, "top_speed": 1.6, "draught": 0.12}
 """The maker's sizes [m, kg], bollard pull [N] of `tcurve_nohead.csv` beside the data, top speed [m/s]."""
 MAPPING = {
@@ -74,60 +69,6 @@ def identified(source: Path, out: Path) -> Identification:
     mapping = mapping_of([str(out / "mapping.yaml")])
     import_logs(logs, "csv", out / "runs", About(boat=str(boat), notes=NOTES), Wishes(), Reading(mapping))
     return identify_boat(out / "runs", boat, out / "identified.yaml")
-
-
-def error_table(found: Identification) -> str:
-    """Errors [m] on the held-out runs by horizon."""
-    rows = [
-        [
-            f"{was.horizon_s:g}",
-            f"{was.boat_file:.3f}",
-            f"{with_gains.boat_file:.3f}",
-            f"{now.boat_file:.3f}",
-            *(f"{getattr(now, name):.3f}" for name in TRIVIAL),
-        ]
-        for was, now, with_gains in zip(found.before, found.after, found.predicted, strict=True)
-    ]
-    return table(["horizon, s", "start", *PREDICTORS], rows)
-
-
-def number_table(found: Identification) -> str:
-    """The numbers that the runs show."""
-    rows = [
-        [
-            f"`{one.number.name}`",
-            f"{one.number.start:.3g}",
-            f"{one.value:.3g}",
-            f"{one.standard_error:.2g}",
-            one.number.unit,
-        ]
-        for one in found.fitted
-        if one.shown
-    ]
-    return table(["number", "start", "identified", "standard error", "unit"], rows)
-
-
-def run_table(found: Identification) -> str:
-    """Errors [m] at 5 s on each held-out run, and the span of its commands."""
-    rows, held = [], found.data.held_out
-    count = len(found.boat.thrusters)
-    for i, (name, length) in enumerate(zip(held.names, held.lengths, strict=True)):
-        run = held.subset([i])
-        own = next(one for one in errors_on(run, found.boat) if one.horizon_s == SHOWN)
-        recent = next(one for one in recent_errors(run, found.boat, found.gains) if one.horizon_s == SHOWN)
-        levels = held.commands[i, :length, count:]
-        spans = [f"{low:.2f} to {high:.2f}" for low, high in zip(levels.min(0), levels.max(0), strict=True)]
-        errors = [recent.position, own.boat_file, *(getattr(own, trivial) for trivial in TRIVIAL)]
-        rows.append([name.split(",")[0].split("_")[-1], *spans, *(f"{error:.2f}" for error in errors)])
-    names = [f"throttle of {thruster.name}" for thruster in found.boat.thrusters]
-    return table(["run", *names, *PREDICTORS], rows)
-
-
-def findings(found: Identification) -> str:
-    """What `identify boat` says, a line each."""
-    return "\n".join(
-        f"* {line}" for line in [*summary(found), held_out_sentence(found), gains_sentence(found)]
-    )
 
 
 def main() -> None:

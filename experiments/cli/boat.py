@@ -19,7 +19,10 @@ midship, y to starboard."""
 def new(
     name: Annotated[str, typer.Argument(help="Name of the boat: letters, digits, _ and -, a letter first.")],
     kind: Annotated[
-        str, typer.Option(help="twin-fixed, azimuth, propeller-rudder, waterjet or outboard (stern drive).")
+        str,
+        typer.Option(
+            help="twin-fixed, azimuth, four-azimuths, propeller-rudder, waterjet or outboard (stern drive)."
+        ),
     ],
     length: Annotated[float, typer.Option(help="Length of the hull at the waterline (m).")],
     breadth: Annotated[float, typer.Option(help="Breadth of the hull, over both demihulls (m).")],

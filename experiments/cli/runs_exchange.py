@@ -90,6 +90,10 @@ Clock = Annotated[
 Join = Annotated[
     str | None, typer.Option(metavar="NAME", help="Join the files as tables of one run of this name.")
 ]
+JoinFolders = Annotated[
+    bool,
+    typer.Option("--join-folders", help="Each source is a folder whose files are tables of one run."),
+]
 BadRows = Annotated[
     Literal["refuse", "cut", "split"],
     typer.Option(
@@ -135,6 +139,7 @@ def import_(
     frame: FrameOf = None,
     clock: Clock = None,
     join: Join = None,
+    join_folders: JoinFolders = False,
     bad_rows: BadRows = "refuse",
     list_: List = False,
     fill: Fill = 0.0,
@@ -153,31 +158,31 @@ def import_(
     about = About(boat, source, course, notes, outcome, group, topic, sender, repair)
     kind = from_ or kind_of(sources)
     if list_:
-        _list(sources, kind)
+        _list(sources, kind, join_folders)
         return
     if out is None:
         raise UserError("--out: the new dataset has no name; give one, or --list")
-    if kind in BINARY or map_ or frame or clock or join:
+    if kind in BINARY or map_ or frame or clock or join or join_folders:
         if renamed or dropped or rate:
             raise UserError(
                 "--column, --drop, --rate: a mapping replaces these options; give --map OUR=THEIRS"
             )
-        reading = Reading(mapping_of(map_ or [], frame, clock or []), join)
+        reading = Reading(mapping_of(map_ or [], frame, clock or []), join, join_folders)
         made = import_logs(sources, kind, out, about, wishes, reading)
     else:
         made = import_runs(sources, cast(Kind, kind), out, about, wishes)
     _tell(out, made)
 
 
-def _list(sources: list[Path], kind: str) -> None:
+def _list(sources: list[Path], kind: str, folders: bool) -> None:
     """The tables and fields of logs."""
-    from swamp_rl.logs.import_logs import paths_of, read_log
+    from swamp_rl.logs.import_logs import read_logs
     from swamp_rl.logs.listing import listing
 
     if kind in ("mcap", "telemetry", "free-running"):
         raise UserError(f"--list: is not for --from {kind}; MCAP with CDR is --from rosbag")
-    for path in paths_of(sources, kind):
-        for line in listing(read_log(path, kind)):
+    for log in read_logs(sources, kind, None, folders):
+        for line in listing(log):
             typer.echo(line)
 
 

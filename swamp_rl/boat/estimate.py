@@ -23,7 +23,7 @@ from swamp_rl.boat.resistance import DriftResistance
 from swamp_rl.boat.schema import Boat, Current, Hull, Joypad, Thruster, Wind
 from swamp_rl.errors import UserError
 
-Kind = Literal["twin-fixed", "azimuth", "propeller-rudder", "waterjet", "outboard"]
+Kind = Literal["twin-fixed", "azimuth", "four-azimuths", "propeller-rudder", "waterjet", "outboard"]
 KINDS = get_args(Kind)
 DENSITY = 1025.0  # kg/m3, the sea
 GIVEN = "given to swamp-rl boat new"

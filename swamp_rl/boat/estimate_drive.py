@@ -21,6 +21,16 @@ ADVANCE = 0.4  # J of the propeller at the top speed
 K_T = (0.3278, -0.3323, -0.156)  # of a propeller with P/D = 0.72
 PITCH = 0.7151
 WIDEST_SCREW = 0.7  # diameter over draught
+AZIMUTHS = {
+    "azimuth": (("bow", 1.0, 0.0), ("stern", -1.0, 0.0)),
+    "four-azimuths": (
+        ("bow_port", 1.0, -1.0),
+        ("bow_starboard", 1.0, 1.0),
+        ("stern_port", -1.0, -1.0),
+        ("stern_starboard", -1.0, 1.0),
+    ),
+}
+"""Names of the thrusters that turn all the way, by kind, with their ends (bow 1) and sides (starboard 1)."""
 OSAKA = "as the Esso Osaka model, Miyauchi et al. 2022"
 YOSHIMURA = "Yoshimura and Masumoto 2012"
 MOMENTUM = "momentum theory: a jet of constant speed"
@@ -85,11 +95,12 @@ def thrusters_of(kind: str, sizes: Sizes) -> list[dict[str, Any]]:
             _pushing(sizes, kind, name, 0.5, (-0.45 * length, side * 0.35 * breadth), _fixed(), ASTERN)
             for name, side in (("port", -1.0), ("starboard", 1.0))
         ]
-    if kind == "azimuth":
+    if kind in AZIMUTHS:
         turning = {"kind": "azimuth", **_servo(TURN_RATE, sizes)}
+        share = 1.0 / len(AZIMUTHS[kind])
         return [
-            _pushing(sizes, kind, name, 0.5, (end * 0.4 * length, 0.0), turning, 0.0)
-            for name, end in (("bow", 1.0), ("stern", -1.0))
+            _pushing(sizes, kind, name, share, (end * 0.4 * length, side * 0.35 * breadth), turning, 0.0)
+            for name, end, side in AZIMUTHS[kind]
         ]
     if kind == "propeller-rudder":
         return [_propeller_rudder(sizes)]

@@ -148,11 +148,7 @@ FRAMES: dict[str, Frame] = {"dataflash": "ned", "ulog": "ned", "rosbag": "enu"}
 
 def wanted_messages(kind: str, mapping: LogMapping) -> set[str]:
     """Names of the tables that the default mapping or a given one may read."""
-    named = {name.partition(".")[0] for node in mapping.columns.values() for name in names_in(node)}
-    for pair in mapping.clock:
-        named |= {
-            word.partition(".")[0] for part in pair.split("~") for word in names_in(parsed(part.strip()))
-        }
+    named = {name.partition(".")[0] for name in mapping.names}
     own = {source.message for source in SOURCES[kind]} if kind != "rosbag" else set()
     return named | own | set(MESSAGES[kind])
 

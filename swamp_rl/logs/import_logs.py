@@ -1,6 +1,6 @@
 """From logs of other recorders to one dataset, by a mapping, whole or not at all."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -17,10 +17,10 @@ from swamp_rl.logs.log import Log
 from swamp_rl.logs.mapping import Mapping
 from swamp_rl.logs.restarts import parts_between_restarts
 from swamp_rl.logs.ros import read_bag
-from swamp_rl.logs.tables import read_table_log
+from swamp_rl.logs.tables import read_folder_log, read_table_log
 from swamp_rl.logs.ulog import read_ulog
 from swamp_rl.logs.velocity_frame import foreign_in_its_axes
-from swamp_rl.runs.import_dataset import About, files_of_kind, import_tables, is_bag_folder
+from swamp_rl.runs.import_dataset import About, files_of_kind, import_tables, is_bag_folder, whole_folder
 from swamp_rl.runs.import_foreign import Foreign, Wishes
 from swamp_rl.runs.schema import DatasetMeta
 
@@ -32,10 +32,12 @@ BINARY = ("dataflash", "ulog", "rosbag")
 
 @dataclass(frozen=True)
 class Reading:
-    """How logs are read: the `mapping`; `join`: the files are tables of one run of this name."""
+    """How logs are read: the `mapping`; `join`: the files are tables of one run of this name; `folders`: each
+    source is a folder, whose files are tables of one run."""
 
     mapping: Mapping
     join: str | None = None
+    folders: bool = False
 
 
 def import_logs(
@@ -50,8 +52,7 @@ def import_logs(
     mapping = replace(reading.mapping, units={**reading.mapping.units, **wishes.units})
     boat = load_boat(about.boat or "swamp")
     logs, mappings = [], []
-    for path in paths_of(sources, kind):
-        log = read_log(path, kind, wanted_messages(kind, mapping) if kind in BINARY else None)
+    for log in read_logs(sources, kind, mapping, reading.folders):
         parts = parts_between_restarts(log) if kind in BINARY else [log]
         logs += parts
         mappings += [
@@ -127,6 +128,30 @@ def paths_of(sources: Sequence[Path], kind: str) -> list[Path]:
         else:
             found += files_of_kind([source], kind)
     return found
+
+
+def read_logs(sources: Sequence[Path], kind: str, mapping: Mapping | None, folders: bool) -> Iterator[Log]:
+    """The logs that sources are or hold, one after the other; mapping: what is read of them, by default all.
+
+    folders: each source is a folder whose files are the tables of one log. UserError: a reader's.
+    """
+    if folders:
+        wanted = {name.partition(".")[0] for name in mapping.names if "." in name} if mapping else None
+        for folder in sources:
+            yield read_folder_log(folder, tables_in(folder, kind), wanted)
+        return
+    wanted = wanted_messages(kind, mapping) if mapping and kind in BINARY else None
+    for path in paths_of(sources, kind):
+        yield read_log(path, kind, wanted)
+
+
+def tables_in(folder: Path, kind: str) -> list[Path]:
+    """The files of a kind of TABLES in a folder and the folders in it."""
+    if kind not in TABLES:
+        raise UserError(f"--join-folders: is for tables; give --from {' or '.join(TABLES)}")
+    if not folder.is_dir():
+        raise UserError(f"{folder}: is no folder; leave --join-folders out, or name folders")
+    return whole_folder(folder, kind)
 
 
 def read_log(path: Path, kind: str, wanted: Collection[str] | None = None) -> Log:

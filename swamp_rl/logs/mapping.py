@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, validated
-from swamp_rl.logs.expression import Node, parsed
+from swamp_rl.logs.expression import Node, names_in, parsed
 from swamp_rl.runs.import_foreign import UNITS
 
 Frame = Literal["ned", "enu"]
@@ -71,6 +71,12 @@ class Mapping:
     units: Mapped[str, str] = field(default_factory=dict)
     frame: Frame | None = None
     clock: Sequence[str] = ()
+
+    @property
+    def names(self) -> set[str]:
+        """The columns of the log that its expressions read, as `TABLE.COLUMN` or `COLUMN`."""
+        clocks = [parsed(part.strip()) for pair in self.clock for part in pair.split("~")]
+        return {name for node in (*self.columns.values(), *clocks) for name in names_in(node)}
 
     def over(self, other: "Mapping") -> "Mapping":
         """This mapping, and what `other` says of columns that this does not have."""

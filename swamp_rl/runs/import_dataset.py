@@ -210,6 +210,14 @@ def files_of_kind(sources: Sequence[Path], kind: str) -> list[Path]:
     return files
 
 
+def whole_folder(folder: Path, kind: str) -> list[Path]:
+    """All files of a kind in a folder and the folders in it; UserError where there is none."""
+    files = [file_in(file.parent, file.name, SUFFIXES[kind]) for file in _in_folders(folder, kind)]
+    if not files:
+        raise UserError(f"{folder}: neither it nor a folder in it has {' or '.join(SUFFIXES[kind])} files")
+    return files
+
+
 def _files(source: Path, kind: str) -> list[Path]:
     """A file itself; of a folder, the runs its `dataset.yaml` lists, else all files of the kind by name, its
     own or, where it has none, those of the folders in it."""
@@ -246,7 +254,10 @@ def _refuse_twins(files: Sequence[Path]) -> None:
     for file in files:
         name = file.stem.casefold()  # some file systems take both for one
         if name in by_name:
-            raise UserError(f"{file}: would be a run of the same name as {by_name[name]}; rename one")
+            raise UserError(
+                f"{file}: would be a run of the same name as {by_name[name]}; rename one, or give "
+                "--join-folders if the files of a folder are tables of one run"
+            )
         by_name[name] = file
 
 

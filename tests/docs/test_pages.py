@@ -21,6 +21,7 @@ NOT_RUN = {  # blocks that no test can run: servers, hours, logs of others
     "README.md": 1,
     "docs/criticism.md": 11,
     "docs/demo.md": 2,
+    "docs/ferry.md": 2,
     "docs/fleet.md": 1,
     "docs/formats.md": 1,
     "docs/identify_boat.md": 2,

@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from swamp_rl.errors import UserError
-from swamp_rl.logs.import_logs import Reading, import_logs
+from swamp_rl.logs.import_logs import Reading, import_logs, read_logs
 from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.runs import Run, read_dataset
 from swamp_rl.runs.import_dataset import About
@@ -33,12 +33,13 @@ def imported(
     options: list[str],
     wishes: Wishes | None = None,
     join: str | None = None,
+    folders: bool = False,
     **given: object,
 ) -> list[Run]:
     paths = path if isinstance(path, list) else [path]
     out = paths[0].parent / "out"
     kind = "parquet" if paths[0].suffix == ".parquet" else "csv"
-    reading = Reading(mapping_of(options, **given), join)
+    reading = Reading(mapping_of(options, **given), join, folders)
     import_logs(paths, kind, out, About(boat=boat), wishes or Wishes(), reading)
     return read_dataset(out).runs
 
@@ -156,6 +157,57 @@ def test_tables_are_joined_at_the_rate_of_the_places_and_it_is_told(tmp_path: Pa
     shutil.rmtree(tmp_path / "out")
     (run,) = imported(two_tables(tmp_path)[:1], boat, ["time=gps.t", *JOINED[1:3], "heading=gps.course"])
     assert "not_imported" not in (run.meta.model_extra or {})
+
+
+def exported_bag(folder: Path, name: str) -> Path:
+    """A folder as exporters of bags leave it: files of one name, an empty one, words."""
+    bag = folder / "bags" / name / name
+    for topic in ("sensors/front", "sensors/rear", "notes"):
+        (bag / topic).mkdir(parents=True)
+    gps, ahrs = two_tables(folder)
+    gps.rename(bag / "gps.csv")
+    ahrs.rename(bag / "sensors" / "front" / "ahrs.csv")
+    (bag / "sensors" / "rear" / "ahrs.csv").write_text("t,psi\n1.0,nonsense\n")
+    (bag / "notes" / "empty.csv").write_bytes(b"")
+    (bag / "notes" / "text.csv").write_text("t,words\n1,\"{'level': 0, 'name': 'a, b'}\"\n")
+    return folder / "bags" / name
+
+
+IN_FOLDERS = [
+    "time=t",
+    "north=gps.n",
+    "east=gps.e",
+    "heading=radians(sensors_front_ahrs.psi - 350)",
+    "throttle_port=sensors_front_ahrs.p",
+    "throttle_starboard=sensors_front_ahrs.s",
+]
+
+
+def test_each_folder_of_tables_is_a_run_whatever_else_is_in_it(tmp_path: Path, boat: str) -> None:
+    bags = [exported_bag(tmp_path, name) for name in ("first", "second")]
+    runs = imported(bags, boat, IN_FOLDERS, folders=True)
+    assert [run.name for run in runs] == ["first", "second"]
+    for run in runs:
+        assert_is_the_run(run, ("heading", "throttle_port"))
+    (log,) = read_logs(bags[:1], "csv", None, True)
+    assert sorted(log.tables) == ["gps", "notes_text", "sensors_front_ahrs", "sensors_rear_ahrs"]
+    assert log.told["not_read"] == "notes_empty (empty)"
+
+
+def test_what_is_no_folder_of_tables_is_told(tmp_path: Path, boat: str) -> None:
+    bag = exported_bag(tmp_path, "first")
+    wrong = [IN_FOLDERS[0], *(one.replace("front", "frnt") for one in IN_FOLDERS[1:])]
+    with pytest.raises(UserError, match="no table 'sensors_frnt_ahrs'; did you mean 'sensors_front_ahrs'"):
+        imported(bag, boat, wrong, folders=True)
+    with pytest.raises(UserError, match=r"rename one, or give --join-folders"):
+        imported(bag, boat, IN_FOLDERS)
+    (gps,) = bag.rglob("gps.csv")
+    with pytest.raises(UserError, match=r"gps\.csv: is no folder"):
+        imported(gps, boat, IN_FOLDERS, folders=True)
+    (bag / "first" / "sensors_front").mkdir()
+    gps.rename(bag / "first" / "sensors_front" / "ahrs.csv")
+    with pytest.raises(UserError, match=r"is the table sensors_front_ahrs like .*; rename one"):
+        imported(bag, boat, IN_FOLDERS, folders=True)
 
 
 def test_joined_tables_have_no_more_rows_than_their_messages_can_fill(tmp_path: Path, boat: str) -> None:

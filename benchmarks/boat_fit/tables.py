@@ -1,0 +1,66 @@
+"""The tables of a page on a measured boat."""
+
+from swamp_rl.experiments.reports.experiment import table
+
+from swamp_rl.boat_fit.identify import errors_on
+from swamp_rl.boat_fit.recent_thrust import recent_errors
+from swamp_rl.boat_fit.report import gains_sentence, held_out_sentence, summary
+from swamp_rl.boat_fit.result import Identification
+from swamp_rl.criticism.report.evidence import TRIVIAL
+
+SHOWN = 5.0  # s, horizon of the table by run
+PREDICTORS = ["identified with gains", "without gains", *(name.replace("_", " ") for name in TRIVIAL)]
+
+
+def error_table(found: Identification) -> str:
+    """Errors [m] on the held-out runs by horizon."""
+    rows = [
+        [
+            f"{was.horizon_s:g}",
+            f"{was.boat_file:.3f}",
+            f"{with_gains.boat_file:.3f}",
+            f"{now.boat_file:.3f}",
+            *(f"{getattr(now, name):.3f}" for name in TRIVIAL),
+        ]
+        for was, now, with_gains in zip(found.before, found.after, found.predicted, strict=True)
+    ]
+    return table(["horizon, s", "start", *PREDICTORS], rows)
+
+
+def number_table(found: Identification) -> str:
+    """The numbers that the runs show."""
+    rows = [
+        [
+            f"`{one.number.name}`",
+            f"{one.number.start:.3g}",
+            f"{one.value:.3g}",
+            f"{one.standard_error:.2g}",
+            one.number.unit,
+        ]
+        for one in found.fitted
+        if one.shown
+    ]
+    return table(["number", "start", "identified", "standard error", "unit"], rows)
+
+
+def run_table(found: Identification) -> str:
+    """Errors [m] at 5 s on each held-out run, and the span of its commands."""
+    rows, held = [], found.data.held_out
+    count = len(found.boat.thrusters)
+    for i, (name, length) in enumerate(zip(held.names, held.lengths, strict=True)):
+        run = held.subset([i])
+        own = next(one for one in errors_on(run, found.boat) if one.horizon_s == SHOWN)
+        recent = next(one for one in recent_errors(run, found.boat, found.gains) if one.horizon_s == SHOWN)
+        levels = held.commands[i, :length, count:]
+        spans = [f"{low:.2f} to {high:.2f}" for low, high in zip(levels.min(0), levels.max(0), strict=True)]
+        errors = [recent.position, own.boat_file, *(getattr(own, trivial) for trivial in TRIVIAL)]
+        rows.append([name.split(",")[0].split("_")[-1], *spans, *(f"{error:.2f}" for error in errors)])
+    names = [f"throttle of {thruster.name}" for thruster in found.boat.thrusters]
+    return table(["run", *names, *PREDICTORS], rows)
+
+
+def findings(found: Identification) -> str:
+    """What `identify boat` says, a line each."""
+    return "\n".join(
+        f"* {line}" for line in [*summary(found), held_out_sentence(found), gains_sentence(found)]
+    )
