@@ -6,15 +6,20 @@ file of theirs, an argument. What is read from a stored pilot or a folder of res
 """
 
 import importlib
+import importlib.util
 import os
 import re
 import sys
-from collections.abc import Iterable
+import traceback
+from collections.abc import Collection, Iterable
 from typing import Any
 
 from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
 
 CODE = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
+
+MOST_NAMED = 20
 
 _modules: set[str] = set()
 
@@ -27,20 +32,57 @@ def is_code(name: Any) -> bool:
 def own_code(name: str) -> Any:
     """The attribute that the user named as `module:attribute`; its module is imported.
 
-    Modules are looked for in the working directory too, last. UserError where there is none.
+    Modules are looked for in the working directory too, last. UserError where there is none, and for what
+    goes wrong in it.
     """
     module, _, attribute = name.partition(":")
     if os.getcwd() not in sys.path:
         sys.path.append(os.getcwd())
     importlib.invalidate_caches()
     try:
-        found = getattr(importlib.import_module(module), attribute)
-    except (ImportError, TypeError, ValueError) as error:
-        raise UserError(f"{name}: cannot be imported ({error}); put it on PYTHONPATH") from error
-    except AttributeError as error:
-        raise UserError(f"{name}: {error}; name what the module has") from error
+        made = importlib.import_module(module)
+    except Exception as error:
+        if isinstance(error, ModuleNotFoundError) and f"{module}.".startswith(f"{error.name}."):
+            raise UserError(f"{name}: there is no module {error.name!r}; put it on PYTHONPATH") from error
+        raise UserError(f"{name}: {_told(error, _files_of(module))}; correct it") from error
+    if not hasattr(made, attribute):
+        own = [known for known in vars(made) if not known.startswith("_")]
+        raise UserError(f"{name}: the module has no {attribute!r}{nearest(attribute, own[:MOST_NAMED])}")
     _modules.add(module)
-    return found
+    return getattr(made, attribute)
+
+
+def fault_in_own_code(error: BaseException) -> str | None:
+    """Where in what the user named an exception arose, and what it says; None where it did elsewhere."""
+    files = {file for module in _modules for file in _files_of(module)}
+    return _told(error, files) if _place(error, files) else None
+
+
+def _told(error: BaseException, files: Collection[str]) -> str:
+    place = _place(error, files)
+    says = error.msg if isinstance(error, SyntaxError) else str(error)
+    return f"{place + ': ' if place else ''}{type(error).__name__}: {' '.join(says.split())}"
+
+
+def _place(error: BaseException, files: Collection[str]) -> str | None:
+    """File and line of the last call of a traceback that is in one of `files`."""
+    calls = [(call.filename, call.lineno) for call in traceback.extract_tb(error.__traceback__)]
+    if isinstance(error, SyntaxError) and error.filename is not None:
+        calls.append((error.filename, error.lineno))
+    found = [call for call in calls if call[0] in files]
+    return f"{os.path.relpath(found[-1][0])}, line {found[-1][1]}" if found else None
+
+
+def _files_of(module: str) -> list[str]:
+    """The file of a module, imported or not."""
+    loaded = sys.modules.get(module)
+    if loaded is not None:
+        return [file] if (file := getattr(loaded, "__file__", None)) else []
+    try:
+        spec = importlib.util.find_spec(module)
+    except Exception:  # of a package around it, which is run
+        return []
+    return [spec.origin] if spec is not None and spec.origin else []
 
 
 def is_named(name: str) -> bool:

@@ -42,6 +42,7 @@ from swamp_rl import __version__
 from swamp_rl.clipped import ACTS, printable
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import contents
+from swamp_rl.own_code import fault_in_own_code
 
 BAD_INPUT, INTERRUPTED, UNEXPECTED = 2, 130, 70
 STOPPED = {128 + number: word for number, word in ENDED.items()}
@@ -264,6 +265,8 @@ def _carried_out(signals: list[int]) -> tuple[int, str]:
             return INTERRUPTED, ""
         if os.environ.get(DEBUG):
             raise
+        if fault := fault_in_own_code(error):
+            return BAD_INPUT, f"{fault}; correct it ({DEBUG}=1 shows the calls)"
         what = " ".join(f"unexpected {type(error).__name__}: {error}".split())
         return UNEXPECTED, f"{what}; {DEBUG}=1 shows where, please report it"
 

@@ -5,6 +5,7 @@ experiment's `kind`, an argument); a stored pilot never imports anything, see `k
 """
 
 import hashlib
+import inspect
 import tempfile
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -26,7 +27,14 @@ SHIPPED = {"sb3": "swamp_rl.pilots.sb3_zip:SB3Zip", "onnx": "swamp_rl.export.onn
 "Pilots that follow the same protocol, imported where they are asked for."
 ANY = ("",)
 "Ends of the names of files that a pilot may save."
-NEEDED = ("train", "save", "load", "reset", "act")
+NEEDED = {
+    "train": ("training",),
+    "save": ("self", "folder"),
+    "load": ("folder", "settings"),
+    "reset": ("self", "n"),
+    "act": ("self", "observation"),
+}
+"Methods of a class, and what they are called with."
 
 _named: dict[str, type[Any]] = {}
 _models: set[str] = set()
@@ -142,7 +150,11 @@ class OwnPilot:
         if len(observation) != len(self._places):
             self.reset(len(observation))
         self._seen[self._places] = observation
-        levers = np.asarray(self.pilot.act(self._seen.copy()), dtype=np.float64)
+        given = self.pilot.act(self._seen.copy())
+        try:
+            levers = np.asarray(given, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise UserError(f"{self.kind}.act: gave no array of numbers ({error})") from error
         if levers.shape != (len(self._seen), 2):
             raise UserError(
                 f"{self.kind}.act: gave the shape {levers.shape}, ({len(self._seen)}, 2) is needed"
@@ -217,6 +229,12 @@ def _check(kind: str, found: Any) -> None:
     missing = [name for name in NEEDED if not callable(getattr(found, name, None))]
     if missing:
         raise UserError(f"{kind}: has no {', '.join(missing)}; see docs/own_pilot.md")
+    for name, given in NEEDED.items():
+        signature = inspect.signature(getattr(found, name))
+        try:
+            signature.bind(*given)
+        except TypeError as error:
+            raise UserError(f"{kind}.{name}{signature}: is called with ({', '.join(given)})") from error
     model = settings_of(found)
     if not (isinstance(model, type) and issubclass(model, BaseModel)):
         raise UserError(f"{kind}.Settings: must be a pydantic model, not {model!r}")

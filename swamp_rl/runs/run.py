@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
 from swamp_rl.runs.schema import RunMeta
 
 Array = NDArray[np.float64]
@@ -68,5 +69,6 @@ class Run:
         names = tuple(names)
         missing = [name for name in names if name not in self.columns]
         if missing:
-            raise UserError(f"run {self.name}: column {missing[0]} is missing; it is needed, record it too")
+            known = nearest(missing[0], self.columns)
+            raise UserError(f"run {self.name}: column {missing[0]} is needed and is missing{known}")
         return np.array([self.columns[name] for name in names]).T.reshape(len(self.time), len(names))

@@ -162,10 +162,28 @@ def test_boats_that_have_ended_may_be_dropped_and_others_begin_anew_with_the_mem
     np.testing.assert_allclose(pilot.act(np.array([[0.5], [-3.0]])), [[0.1, 0.5], [0.2, -1.0]])
 
 
+BROKEN = {
+    "def MyPilot(:": r"line 1: SyntaxError",
+    "import math\nMyPilot = maths.pi": r"line 2: NameError: name 'maths' is not defined",
+    "import torhc": r"line 1: ModuleNotFoundError: No module named 'torhc'; correct it",
+    "class MyPlot: pass": r"has no 'MyPilot'; did you mean 'MyPlot'\? known here: MyPlot",
+    "class MyPilot(dict):\n    train = save = load = reset = act = lambda self: 0": r"train\(self\): is",
+}
+
+
+@pytest.mark.parametrize("number", range(len(BROKEN)))
+def test_what_is_wrong_in_the_users_own_module_is_told_by_line(place: Path, number: int) -> None:
+    text, told = list(BROKEN.items())[number]
+    (place / f"broken_{number}.py").write_text(text)
+    with pytest.raises(UserError, match=rf"pilots\.mine\.kind: broken_{number}:MyPilot.*{told}"):
+        load_experiment(experiment(place, kind=f"broken_{number}:MyPilot"))
+
+
 @pytest.mark.parametrize(
-    ("levers", "told"), [(np.zeros((3, 3)), "shape"), (np.full((3, 2), np.nan), "finite")]
+    ("levers", "told"),
+    [(np.zeros((3, 3)), "shape"), (np.full((3, 2), np.nan), "finite"), ([[1.0], [1.0, 0.0]], "no array")],
 )
-def test_levers_that_are_none_are_told(levers: np.ndarray, told: str) -> None:
+def test_levers_that_are_none_are_told(levers: Any, told: str) -> None:
     steering = Counting()
     steering.act = lambda observation: levers  # type: ignore[method-assign]
     with pytest.raises(UserError, match=rf"a:B\.act: .*{told}"):
