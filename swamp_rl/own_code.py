@@ -43,7 +43,9 @@ def own_code(name: str) -> Any:
         made = importlib.import_module(module)
     except Exception as error:
         if isinstance(error, ModuleNotFoundError) and f"{module}.".startswith(f"{error.name}."):
-            raise UserError(f"{name}: there is no module {error.name!r}; put it on PYTHONPATH") from error
+            raise UserError(
+                f"{name}: cannot be imported, no module {error.name!r}; put it on PYTHONPATH"
+            ) from error
         raise UserError(f"{name}: {_told(error, _files_of(module))}; correct it") from error
     if not hasattr(made, attribute):
         own = [known for known in vars(made) if not known.startswith("_")]

@@ -70,5 +70,5 @@ class Run:
         missing = [name for name in names if name not in self.columns]
         if missing:
             known = nearest(missing[0], self.columns)
-            raise UserError(f"run {self.name}: column {missing[0]} is needed and is missing{known}")
+            raise UserError(f"run {self.name}: column {missing[0]} is missing and is needed{known}")
         return np.array([self.columns[name] for name in names]).T.reshape(len(self.time), len(names))

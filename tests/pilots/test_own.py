@@ -167,7 +167,7 @@ BROKEN = {
     "import math\nMyPilot = maths.pi": r"line 2: NameError: name 'maths' is not defined",
     "import torhc": r"line 1: ModuleNotFoundError: No module named 'torhc'; correct it",
     "class MyPlot: pass": r"has no 'MyPilot'; did you mean 'MyPlot'\? known here: MyPlot",
-    "class MyPilot(dict):\n    train = save = load = reset = act = lambda self: 0": r"train\(self\): is",
+    "class MyPilot:\n    train = save = load = reset = act = lambda self: 0": r"save\(self\): is called",
 }
 
 

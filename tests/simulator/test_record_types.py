@@ -68,9 +68,8 @@ def test_longer_tables_share_the_next_wider_record_type() -> None:
 
 def test_new_boats_with_as_many_thrusters_without_rudders_share_one_record_type(tmp_path: Path) -> None:
     boats = [new_boat(tmp_path, kind) for kind in KINDS if kind != "propeller-rudder"]
-    types = {len(boat.thrusters): file_record(boat).dtype for boat in boats}
-    assert [file_record(boat).dtype for boat in boats] == [types[len(boat.thrusters)] for boat in boats]
-    assert len(types) == 2
+    types = {(len(boat.thrusters), file_record(boat).dtype) for boat in boats}
+    assert sorted(count for count, _ in types) == [1, 2, 4]
 
 
 @pytest.mark.parametrize("throttles", [3, 20])
