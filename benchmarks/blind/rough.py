@@ -8,7 +8,7 @@ from swamp_rl.experiments.reports.experiment import table
 from benchmarks.blind.score import Z95, Judged, is_false_positive, share
 from benchmarks.blind.weather import LONGEST, least, rate, verdict
 
-SINGLE, ACCUSED = 0.85, 0.02  # bars: effects named alone, clean cases that are accused
+SINGLE, ALARMS = 0.85, 0.02  # bars: effects named alone, false alarms in clean cases
 
 
 def rough_table(results: Sequence[Judged]) -> str:
@@ -16,7 +16,7 @@ def rough_table(results: Sequence[Judged]) -> str:
     reached; and every wrong answer.
     """
     single = [r for r in results if r["kind"] == "single"]
-    accused = share([is_false_positive(r) for r in results if r["kind"] == "clean"])
+    alarms = share([is_false_positive(r) for r in results if r["kind"] == "clean"])
     numbers = [number for r in results for number in r["estimates"]]
     seconds = [r["processor_s"] for r in results]
     rows = [
@@ -25,8 +25,8 @@ def rough_table(results: Sequence[Judged]) -> str:
         ["one effect, identified, alone or with others", rate(share([_named(r) for r in single])), ""],
         [
             "no effect, a cause named",
-            rate(accused),
-            verdict(accused["rate"] <= ACCUSED, f"{ACCUSED:g}") if accused else "",
+            rate(alarms),
+            verdict(alarms["rate"] <= ALARMS, f"{ALARMS:g}") if alarms else "",
         ],
         ["interval coverage", rate(share([abs(n["away"]) <= Z95 for n in numbers])), ""],
         ["processor s, median", f"{np.median(seconds):.3g}", ""],

@@ -128,8 +128,8 @@ def test_a_case_of_the_other_simulator_is_right_where_nothing_else_is_named() ->
     assert not judged(truth, answer("unexplained", [*case.names, "mass"]))["right"]
     clean = truth | {"kind": "clean", "effects": []}
     assert judged(clean, answer("unexplained", []))["right"]
-    accused = judged(clean, answer("unexplained", ["mass"]))
-    assert not accused["right"] and is_false_positive(accused)
+    alarm = judged(clean, answer("unexplained", ["mass"]))
+    assert not alarm["right"] and is_false_positive(alarm)
 
 
 def answer(verdict: str, causes: list[str], sets: list[list[str]] | None = None) -> dict[str, object]:
