@@ -6,6 +6,7 @@ import pytest
 from swamp_rl.experiments.config.load import load_experiment, merged
 from swamp_rl.experiments.config.scene import config_files, read_scene
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 
 SMALL = """
@@ -162,8 +163,18 @@ def test_merging_replaces_lists_and_joins_mappings() -> None:
 )
 def test_a_wrong_value_or_key_is_named_with_what_is_allowed(tmp_path: Path, override: str, told: str) -> None:
     message = complaint(write(tmp_path, SMALL), override)
-    assert "small.yaml" in message
+    assert all(line.startswith(f"--set {clipped(override)[:30]}") for line in message.split("\n"))
     assert told in f"{message}\n"
+
+
+def test_of_several_overrides_the_one_at_fault_is_named_and_a_wrong_file_before_any(tmp_path: Path) -> None:
+    sound = ["evaluation.episodes=3", "evaluation.seed=5"]
+    wrong = complaint(write(tmp_path, SMALL), sound[0], "evaluation.episdes=3", sound[1])
+    assert wrong.startswith("--set evaluation.episdes=3: evaluation.episdes: unknown key")
+    together = complaint(write(tmp_path, SMALL), "targets.success.net.calm=0.5", "evaluation.levels=[severe]")
+    assert together.startswith("--set evaluation.levels=[severe]: targets: no level 'calm'")
+    file = write(tmp_path, SMALL.replace("seed", "sede"))
+    assert all(line.startswith(f"{file}: ") for line in complaint(file, *sound).split("\n"))
 
 
 @pytest.mark.parametrize(
