@@ -237,9 +237,9 @@ def test_a_file_that_is_no_yaml_is_not_called_missing(
         ),
         (
             {"name": "x", "motors": [{"power": 0.0}]},
-            "motors.0.power: input should be greater than 0, not 0.0",
+            "motors.0.power: must be greater than 0, not 0.0",
         ),
-        ({"name": 1, "motors": 2}, "name: input should be text, not 1"),
+        ({"name": 1, "motors": 2}, "name: must be text, not 1"),
     ],
 )
 def test_what_does_not_fit_is_named_by_dotted_key(data: dict[str, object], message: str) -> None:
