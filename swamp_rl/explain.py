@@ -126,6 +126,10 @@ def _told(fault: ErrorDetails, loc: Location, model: type[BaseModel] | None) -> 
         return f"unknown key{_suggestion(loc, model)}"
     if kind == "missing":
         return "is missing; add it"
+    if kind == "union_tag_not_found":
+        return f"{context['discriminator']} is missing; add it"
+    if kind == "union_tag_invalid":
+        return f"{context['discriminator']} must be one of {context['expected_tags']}"
     if kind in LENGTHS:
         return LENGTHS[kind].format(**context)
     if kind in KINDS:
@@ -134,13 +138,17 @@ def _told(fault: ErrorDetails, loc: Location, model: type[BaseModel] | None) -> 
         told = PATTERNS.get(context["pattern"], f"must match the pattern {context['pattern']}")
     else:  # a complaint of our own
         return clipped(fault["msg"].removeprefix("Value error, ").replace("\n", " "), 500)
-    value = _shown(fault["input"])
+    value = in_yaml(fault["input"])
     told += "" if len(value) > LONGEST_VALUE else f", not {value}"
     return clipped(told, 500) + (QUOTED if _is_quoted_number(fault) else "")
 
 
-def _shown(value: Any) -> str:
-    """A value as YAML writes it."""
+def in_yaml(value: Any) -> str:
+    """A value as a YAML file has it, on one line."""
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{key}: {in_yaml(held)}' for key, held in value.items())}}}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(in_yaml, value))}]"
     words = {None: "null", True: "true", False: "false"}
     return words[value] if value is None or isinstance(value, bool) else repr(value)
 

@@ -16,6 +16,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explain as explain
 from swamp_rl.explain import explanations as explanations
+from swamp_rl.explain import in_yaml
 from swamp_rl.explain import validated as validated
 from swamp_rl.ordinary import ordinary
 from swamp_rl.yaml_text import MOST_BYTES, dumped, parsed, remedy
@@ -150,7 +151,7 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
 def extended_config(kind: str, path: Path, extended: Any) -> Path:
     """The file that the one at `path` extends: a bare name of that kind, or a path from its own folder."""
     if not isinstance(extended, str) or not extended:
-        raise UserError(f"{path}: extends must be the name or the path of a file, not {extended!r}")
+        raise UserError(f"{path}: extends must be the name or the path of a file, not {in_yaml(extended)}")
     try:
         is_name = Path(extended).suffix == "" and len(Path(extended).parts) == 1
         return find_config(kind, extended if is_name else path.parent / extended)

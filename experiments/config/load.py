@@ -16,6 +16,7 @@ from swamp_rl.experiments.config.smoke import shrunk
 from swamp_rl import own_code
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
+from swamp_rl.explain import in_yaml
 from swamp_rl.files import config_beside, find_config, is_file, or_beside, read_yaml, validated
 from swamp_rl.own_code import is_code
 from swamp_rl.pilots.own import is_named, runs_code
@@ -152,7 +153,7 @@ def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> d
     if base is None:
         return data
     if not isinstance(base, str):
-        raise UserError(f"{path}: extends must name another experiment, not {base!r}")
+        raise UserError(f"{path}: extends must name another experiment, not {in_yaml(base)}")
     return merged(_extended(_base_of(path, base), (*seen, path.resolve()), allowed), data)
 
 
