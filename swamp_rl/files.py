@@ -4,7 +4,7 @@ import difflib
 import errno
 import os
 import uuid
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
@@ -59,7 +59,7 @@ def write_beside(path: Path | str) -> Iterator[Path]:
     OSError -> UserError.
     """
     path = Path(path)
-    part = path.with_name(f".part-{uuid.uuid4().hex[:8]}-{path.name}")
+    part = _part(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield part
@@ -71,6 +71,46 @@ def write_beside(path: Path | str) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             part.unlink()
+
+
+@contextmanager
+def new_files_beside(*paths: Path) -> Iterator[list[Path]]:
+    """Yield a temporary path for each new file of `paths`, all renamed once the block has ended well.
+
+    They are renamed in the order given: where a kill comes between, the last one, which is the result, is not
+    there. Whatever else ends the block or the renaming early leaves none of them. UserError where one of
+    `paths` exists by then. OSError -> UserError.
+    """
+    parts, begun = [_part(path) for path in paths], list[Path]()
+    try:
+        for path in paths:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        yield parts
+        for part in parts:
+            flush(part)
+        refuse_existing(paths)
+        for part, path in zip(parts, paths, strict=True):
+            begun.append(path)
+            os.replace(part, path)
+            flush(path.parent)
+        begun.clear()
+    except OSError as error:
+        raise os_error(error, paths[-1]) from error
+    finally:
+        for path in (*begun, *parts):
+            with suppress(OSError):
+                path.unlink()
+
+
+def _part(path: Path) -> Path:
+    return path.with_name(f".part-{uuid.uuid4().hex[:8]}-{path.name}")
+
+
+def refuse_existing(paths: Iterable[Path]) -> None:
+    """UserError for the first of `paths` that is there, be it a link to nothing."""
+    for path in paths:
+        if os.path.lexists(path):
+            raise UserError(f"{path}: already exists; name another --out or remove it")
 
 
 def refuse_to_replace(path: Path, replaces: Collection[str]) -> None:
