@@ -173,3 +173,15 @@ def test_a_column_in_degrees_that_passes_zero_often_is_one_line(
     (told,) = [line for line in said.splitlines() if "column heading" in line]
     assert code == 2
     assert "(in 40 of rows 2 to 60) (--degrees heading)" in told
+
+
+def test_the_option_that_a_complaint_offers_can_be_typed_as_it_stands(
+    call: Callable[..., Called], tmp_path: Path
+) -> None:
+    lines = [f"2026-05-04T09:20:{i:02d}Z,{i},0,0,calm sea" for i in range(12)]
+    (tmp_path / "log.csv").write_text("\n".join(["UTC time,north,east,heading,my notes", *lines]) + "\n")
+    said = call("import", "log.csv", "--out", "day")[2]
+    assert "read it as times: --map 'time=`UTC time`'" in said
+    assert "leave the column out: --drop 'my notes'" in said
+    again = [word for name in ("north", "east", "heading") for word in ("--map", f"{name}={name}")]
+    assert call("import", "log.csv", "--out", "day", "--map", "time=`UTC time`", *again)[0] == 0
