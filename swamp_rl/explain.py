@@ -126,6 +126,8 @@ def _told(fault: ErrorDetails, loc: Location, model: type[BaseModel] | None) -> 
         return f"unknown key{_suggestion(loc, model)}"
     if kind == "missing":
         return "is missing; add it"
+    if kind == "json_invalid":
+        return f"is not JSON ({context['error']})"
     if kind == "union_tag_not_found":
         return f"{context['discriminator']} is missing; add it"
     if kind == "union_tag_invalid":

@@ -57,8 +57,10 @@ def _read(path: Path) -> Diagnosis | FiguresDiagnosis:
         text = contents(path, MOST_JSON).decode("utf-8")
         model = FiguresDiagnosis if '"stages"' in text else Diagnosis
         return model.model_validate_json(text)
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: cannot be read ({error}); name a diagnosis.json") from error
+    except OSError as error:
+        raise UserError(f"{path}: {error.strerror}; name a diagnosis.json of swamp-rl diagnose") from error
+    except UnicodeDecodeError as error:
+        raise UserError(f"{path}: is not UTF-8 text; name a diagnosis.json of swamp-rl diagnose") from error
     except ValidationError as error:
         where, told = explanations(error, model)[0]
         raise UserError(

@@ -173,6 +173,8 @@ def test_a_column_in_degrees_that_passes_zero_often_is_one_line(
     (told,) = [line for line in said.splitlines() if "column heading" in line]
     assert code == 2
     assert "(in 40 of rows 2 to 60) (--degrees heading)" in told
+    said = call("import", "log.csv", "--out", "day", "--bad-rows", "split")[2]
+    assert said.count("column heading") == 1 and "(in 40 of rows 2 to 60); 67% of the rows are bad" in said
 
 
 def test_the_option_that_a_complaint_offers_can_be_typed_as_it_stands(
