@@ -77,17 +77,36 @@ def validated(path: Path | str, model: type[Model], data: Mapping[str, Any]) -> 
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise explain(path, error, model) from error
+        raise explain(path, error, model, lambda loc: _in_data(loc, data)) from error
 
 
-def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | None = None) -> UserError:
+def _in_data(loc: Location, data: Any) -> Location:
+    """A place without the parts on the way to it that `data` does not have: the kinds of a union."""
+    place = []
+    for part in loc[:-1]:
+        try:
+            data = data[part]
+        except (KeyError, IndexError, TypeError):
+            continue
+        place.append(part)
+    return (*place, *loc[-1:])
+
+
+def explain(
+    path: Path | str,
+    error: ValidationError,
+    model: type[BaseModel] | None = None,
+    told: Callable[[Location], Location] = lambda place: place,
+) -> UserError:
     """One line for each fault of a ValidationError: file, dotted key, what is allowed.
 
-    With `model`, an unknown key is answered with the nearest known one.
+    With `model`, an unknown key is answered with the nearest known one. told: as of `explanations`.
     """
-    told = [f"{path}: {key + ': ' if key else ''}{message}" for key, message in explanations(error, model)]
-    others = len(_faults(error)) - len(told)
-    return UserError("\n".join(told + ([f"{path}: and {others} more faults"] if others else [])))
+    lines = [
+        f"{path}: {key + ': ' if key else ''}{message}" for key, message in explanations(error, model, told)
+    ]
+    others = len(_faults(error)) - len(lines)
+    return UserError("\n".join(lines + ([f"{path}: and {others} more faults"] if others else [])))
 
 
 def explanations(

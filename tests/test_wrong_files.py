@@ -51,6 +51,13 @@ def _with(data: Any, key: Any, value: object) -> Any:
     return whole
 
 
+def test_a_fault_inside_one_of_several_kinds_is_told_by_the_key_that_the_file_has(tmp_path: Path) -> None:
+    path = tmp_path / "path.yaml"
+    path.write_text("name: a\nspeed: 1\npieces: [{kind: lawn_mower, length: -1, lines: 2, spacing: 5}]\n")
+    with pytest.raises(UserError, match=r"path.yaml: pieces\.0\.length: must be at least 0.1, not -1"):
+        load_path(path)
+
+
 @pytest.mark.parametrize("kind", READERS)
 def test_what_a_file_must_not_hold_is_explained_without_words_of_python(kind: str, tmp_path: Path) -> None:
     shipped, read = READERS[kind]
