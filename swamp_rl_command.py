@@ -4,6 +4,7 @@ import atexit
 import os
 import signal
 import sys
+import warnings
 from contextlib import suppress
 from typing import Any, NoReturn
 
@@ -11,7 +12,13 @@ EARLY = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGH
 
 
 def main() -> None:
-    """Run the command line; a signal before its verbs are there ends it in one line, after them in none."""
+    """Run the command line; a signal before its verbs are there ends it in one line, after them in none.
+
+    Warnings of libraries, about which its user can do nothing, are not printed, unless Python's own option
+    asks for them.
+    """
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")
     code: list[int] = []
     atexit.register(_last, code)  # the first to be registered is the last to be called
     for number in EARLY:

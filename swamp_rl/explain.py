@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -24,13 +24,50 @@ TELLING = {"literal_error": 0, "extra_forbidden": 1}
 KEY_ITSELF = "[key]"
 """What pydantic puts behind the place of a key that is wrong itself."""
 
-IDENTIFIER = "^[A-Za-z][A-Za-z0-9_]*$"
-"""Pattern of names in boat files."""
+NUMBER, WHOLE, MAPPING, LIST = "a number", "a whole number", "a mapping of keys to values", "a list"
+KINDS = {
+    "string_type": "text",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+    "int_type": WHOLE,
+    "int_parsing": WHOLE,
+    "int_from_float": WHOLE,
+    "int_parsing_size": "a whole number of fewer digits",
+    "float_type": NUMBER,
+    "float_parsing": NUMBER,
+    "finite_number": "a finite number",
+    "dict_type": MAPPING,
+    "mapping_type": MAPPING,
+    "model_type": MAPPING,
+    "model_attributes_type": MAPPING,
+    "list_type": LIST,
+    "tuple_type": LIST,
+    "none_required": "null",
+    "literal_error": "{expected}",
+    "greater_than": "greater than {gt}",
+    "greater_than_equal": "at least {ge}",
+    "less_than": "less than {lt}",
+    "less_than_equal": "at most {le}",
+}
+"""What must stand at the key, by pydantic's type of the fault; braces hold entries of its context."""
 
-LENGTHS = ("too_short", "too_long")
-"""Types of faults whose message has the number that there is."""
+LENGTHS = {
+    "string_too_short": "must have {min_length} or more characters",
+    "string_too_long": "must have {max_length} or fewer characters",
+    "too_short": "must have {min_length} or more entries, not {actual_length}",
+    "too_long": "must have {max_length} or fewer entries, not {actual_length}",
+}
+"""Likewise, of faults of which the value is not told."""
+
+PATTERNS = {
+    "^[A-Za-z][A-Za-z0-9_]*$": "must have letters, digits and _, a letter first",
+}
+"""What a text must be, by the pattern that it does not match."""
 
 QUOTED = "; leave the quotation marks out"
+LONGEST_VALUE = 60
+
+Location = tuple[int | str, ...]
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -40,26 +77,50 @@ def validated(path: Path | str, model: type[Model], data: Mapping[str, Any]) -> 
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise explain(path, error, model) from error
+        raise explain(path, error, model, lambda loc: _in_data(loc, data)) from error
 
 
-def explain(path: Path | str, error: ValidationError, model: type[BaseModel] | None = None) -> UserError:
+def _in_data(loc: Location, data: Any) -> Location:
+    """A place without the parts on the way to it that `data` does not have: the kinds of a union."""
+    place = []
+    for part in loc[:-1]:
+        try:
+            data = data[part]
+        except (KeyError, IndexError, TypeError):
+            continue
+        place.append(part)
+    return (*place, *loc[-1:])
+
+
+def explain(
+    path: Path | str,
+    error: ValidationError,
+    model: type[BaseModel] | None = None,
+    told: Callable[[Location], Location] = lambda place: place,
+) -> UserError:
     """One line for each fault of a ValidationError: file, dotted key, what is allowed.
 
-    With `model`, an unknown key is answered with the nearest known one.
+    With `model`, an unknown key is answered with the nearest known one. told: as of `explanations`.
     """
-    told = [f"{path}: {key + ': ' if key else ''}{message}" for key, message in explanations(error, model)]
-    others = len(_faults(error)) - len(told)
-    return UserError("\n".join(told + ([f"{path}: and {others} more faults"] if others else [])))
+    lines = [
+        f"{path}: {key + ': ' if key else ''}{message}" for key, message in explanations(error, model, told)
+    ]
+    others = len(_faults(error)) - len(lines)
+    return UserError("\n".join(lines + ([f"{path}: and {others} more faults"] if others else [])))
 
 
-def explanations(error: ValidationError, model: type[BaseModel] | None) -> list[tuple[str, str]]:
+def explanations(
+    error: ValidationError,
+    model: type[BaseModel] | None,
+    told: Callable[[Location], Location] = lambda place: place,
+) -> list[tuple[str, str]]:
     """The dotted key and the explanation of up to MOST faults in a ValidationError, the most telling first.
 
     A misspelt key is two faults, one that is unknown and one that is missing; a wrong choice, such as a
-    thruster's kind, makes keys unknown that are not.
+    thruster's kind, makes keys unknown that are not. told: the place of a fault as the file's reader knows
+    it, from pydantic's.
     """
-    return [_explanation(fault, model) for fault in _faults(error)[:MOST]]
+    return [_explanation(fault, told(fault["loc"]), model) for fault in _faults(error)[:MOST]]
 
 
 def _faults(error: ValidationError) -> list[ErrorDetails]:
@@ -70,40 +131,58 @@ def _faults(error: ValidationError) -> list[ErrorDetails]:
     return sorted(own, key=lambda fault: TELLING.get(fault["type"], len(TELLING)))
 
 
-def _explanation(fault: ErrorDetails, model: type[BaseModel] | None) -> tuple[str, str]:
-    key = clipped(".".join(clipped(part) for part in fault["loc"] if part != KEY_ITSELF), 200)
-    if fault["type"] == "extra_forbidden":
-        return key, f"unknown key{_suggestion(fault['loc'], model)}"
-    if fault["type"] == "missing":
-        return key, "is missing; add it"
-    message = clipped(fault["msg"].removeprefix("Value error, ").replace("\n", " "), 500)
-    if fault["type"] == "value_error":
-        return key, message
-    message, value = in_yaml_words(message), repr(fault["input"])
-    is_told = len(value) > 60 or fault["type"] in LENGTHS
-    told = message[:1].lower() + message[1:] + ("" if is_told else f", not {value}")
-    return key, told + (QUOTED if _is_quoted_number(fault) else "")
+def _explanation(fault: ErrorDetails, loc: Location, model: type[BaseModel] | None) -> tuple[str, str]:
+    key = clipped(".".join(clipped(part) for part in loc if part != KEY_ITSELF), 200)
+    return key, _told(fault, loc, model)
 
 
-def in_yaml_words(message: str) -> str:
-    """A message of pydantic with YAML's words for its types in place of Python's."""
-    message = re.sub("a valid dictionary( or instance of [A-Za-z]+)?", "a mapping of keys to values", message)
-    message = message.replace("a valid tuple", "a list").replace("Tuple", "The list")
-    message = message.replace("Dictionary", "The mapping").replace(" after validation", "")
-    message = message.replace("a valid string", "text")
-    message = message.replace(f"match pattern '{IDENTIFIER}'", "have letters, digits and _, a letter first")
-    return message.replace("a valid boolean", "true or false").replace("a valid integer", "a whole number")
+def _told(fault: ErrorDetails, loc: Location, model: type[BaseModel] | None) -> str:
+    kind = fault["type"]
+    context = {
+        key: f"{held:g}" if isinstance(held, float) else held for key, held in fault.get("ctx", {}).items()
+    }
+    if kind == "extra_forbidden":
+        return f"unknown key{_suggestion(loc, model)}"
+    if kind == "missing":
+        return "is missing; add it"
+    if kind == "json_invalid":
+        return f"is not JSON ({context['error']})"
+    if kind == "union_tag_not_found":
+        return f"{context['discriminator']} is missing; add it"
+    if kind == "union_tag_invalid":
+        return f"{context['discriminator']} must be one of {context['expected_tags']}"
+    if kind in LENGTHS:
+        return LENGTHS[kind].format(**context)
+    if kind in KINDS:
+        told = f"must be {KINDS[kind].format(**context)}"
+    elif kind == "string_pattern_mismatch":
+        told = PATTERNS.get(context["pattern"], f"must match the pattern {context['pattern']}")
+    else:  # a complaint of our own
+        return clipped(fault["msg"].removeprefix("Value error, ").replace("\n", " "), 500)
+    value = in_yaml(fault["input"])
+    told += "" if len(value) > LONGEST_VALUE else f", not {value}"
+    return clipped(told, 500) + (QUOTED if _is_quoted_number(fault) else "")
+
+
+def in_yaml(value: Any) -> str:
+    """A value as a YAML file has it, on one line."""
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{key}: {in_yaml(held)}' for key, held in value.items())}}}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(in_yaml, value))}]"
+    words = {None: "null", True: "true", False: "false"}
+    return words[value] if value is None or isinstance(value, bool) else repr(value)
 
 
 def _is_quoted_number(fault: ErrorDetails) -> bool:
     """Whether text stands where a number must, and is one."""
     text = fault["input"]
-    if fault["type"] not in ("int_type", "float_type") or not isinstance(text, str):
+    if KINDS.get(fault["type"]) not in (WHOLE, NUMBER) or not isinstance(text, str):
         return False
     return re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", text) is not None
 
 
-def _suggestion(loc: tuple[int | str, ...], model: type[BaseModel] | None) -> str:
+def _suggestion(loc: Location, model: type[BaseModel] | None) -> str:
     known = sorted(_known_keys(loc[:-1], model)) if model else []
     return nearest(str(loc[-1]), known) if known else "; remove it or correct its name"
 
@@ -131,7 +210,7 @@ def likeness(one: str, other: str) -> float:
     return max(edits, difflib.SequenceMatcher(None, one, other).ratio())
 
 
-def _known_keys(loc: tuple[int | str, ...], model: type[BaseModel]) -> set[str]:
+def _known_keys(loc: Location, model: type[BaseModel]) -> set[str]:
     """Keys of the models that may stand at `loc`, found by following the fields' annotations."""
     models = {model}
     for part in loc:

@@ -4,7 +4,7 @@ import difflib
 import errno
 import os
 import uuid
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
@@ -16,6 +16,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explain as explain
 from swamp_rl.explain import explanations as explanations
+from swamp_rl.explain import in_yaml
 from swamp_rl.explain import validated as validated
 from swamp_rl.ordinary import ordinary
 from swamp_rl.yaml_text import MOST_BYTES, dumped, parsed, remedy
@@ -58,7 +59,7 @@ def write_beside(path: Path | str) -> Iterator[Path]:
     OSError -> UserError.
     """
     path = Path(path)
-    part = path.with_name(f".part-{uuid.uuid4().hex[:8]}-{path.name}")
+    part = _part(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield part
@@ -70,6 +71,46 @@ def write_beside(path: Path | str) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             part.unlink()
+
+
+@contextmanager
+def new_files_beside(*paths: Path) -> Iterator[list[Path]]:
+    """Yield a temporary path for each new file of `paths`, all renamed once the block has ended well.
+
+    They are renamed in the order given: where a kill comes between, the last one, which is the result, is not
+    there. Whatever else ends the block or the renaming early leaves none of them. UserError where one of
+    `paths` exists by then. OSError -> UserError.
+    """
+    parts, begun = [_part(path) for path in paths], list[Path]()
+    try:
+        for path in paths:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        yield parts
+        for part in parts:
+            flush(part)
+        refuse_existing(paths)
+        for part, path in zip(parts, paths, strict=True):
+            begun.append(path)
+            os.replace(part, path)
+            flush(path.parent)
+        begun.clear()
+    except OSError as error:
+        raise os_error(error, paths[-1]) from error
+    finally:
+        for path in (*begun, *parts):
+            with suppress(OSError):
+                path.unlink()
+
+
+def _part(path: Path) -> Path:
+    return path.with_name(f".part-{uuid.uuid4().hex[:8]}-{path.name}")
+
+
+def refuse_existing(paths: Iterable[Path]) -> None:
+    """UserError for the first of `paths` that is there, be it a link to nothing."""
+    for path in paths:
+        if os.path.lexists(path):
+            raise UserError(f"{path}: already exists; name another --out or remove it")
 
 
 def refuse_to_replace(path: Path, replaces: Collection[str]) -> None:
@@ -150,7 +191,7 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
 def extended_config(kind: str, path: Path, extended: Any) -> Path:
     """The file that the one at `path` extends: a bare name of that kind, or a path from its own folder."""
     if not isinstance(extended, str) or not extended:
-        raise UserError(f"{path}: extends must be the name or the path of a file, not {extended!r}")
+        raise UserError(f"{path}: extends must be the name or the path of a file, not {in_yaml(extended)}")
     try:
         is_name = Path(extended).suffix == "" and len(Path(extended).parts) == 1
         return find_config(kind, extended if is_name else path.parent / extended)

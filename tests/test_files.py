@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict, Field
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import find_config, read_yaml, validated, write_beside, write_yaml
+from swamp_rl.files import find_config, new_files_beside, read_yaml, validated, write_beside, write_yaml
 from swamp_rl.unfinished import folder_beside
 
 # PyYAML folds the rare line ends of Unicode when it reads them.
@@ -54,6 +54,57 @@ def test_an_older_file_survives_a_writer_that_is_stopped(tmp_path: Path, stop: t
         raise stop
     assert [path.name for path in tmp_path.iterdir()] == ["file.txt"]
     assert target.read_text() == "old"
+
+
+def test_of_new_files_the_last_one_is_the_last_to_appear(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page, result = tmp_path / "made.html", tmp_path / "made.yaml"
+    there = []
+
+    def seen(part: Path, path: Path) -> None:
+        there.append(visible(tmp_path))
+        os.rename(part, path)
+
+    monkeypatch.setattr(os, "replace", seen)
+    with new_files_beside(page, result) as parts:
+        for part in parts:
+            part.write_text("whole")
+    assert there == [[], ["made.html"]]
+    assert sorted(os.listdir(tmp_path)) == ["made.html", "made.yaml"]
+
+
+@pytest.mark.parametrize("stopped_at", [0, 1])
+def test_new_files_whose_renaming_is_interrupted_are_not_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stopped_at: int
+) -> None:
+    calls = iter(range(2))
+
+    def stops(part: Path, path: Path) -> None:
+        os.rename(part, path)
+        if next(calls) == stopped_at:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "replace", stops)
+    with pytest.raises(KeyboardInterrupt), new_files_beside(tmp_path / "a", tmp_path / "b") as parts:
+        for part in parts:
+            part.write_text("whole")
+    assert os.listdir(tmp_path) == []
+
+
+def test_new_files_replace_nothing_that_appeared_meanwhile(tmp_path: Path) -> None:
+    with (
+        pytest.raises(UserError, match="b: already exists"),
+        new_files_beside(tmp_path / "a", tmp_path / "b") as parts,
+    ):
+        for part in parts:
+            part.write_text("ours")
+        (tmp_path / "b").write_text("theirs")
+    assert os.listdir(tmp_path) == ["b"] and (tmp_path / "b").read_text() == "theirs"
+
+
+def visible(folder: Path) -> list[str]:
+    return sorted(name for name in os.listdir(folder) if not name.startswith("."))
 
 
 def test_a_full_disk_names_the_file_that_was_asked_for(tmp_path: Path) -> None:
@@ -237,9 +288,9 @@ def test_a_file_that_is_no_yaml_is_not_called_missing(
         ),
         (
             {"name": "x", "motors": [{"power": 0.0}]},
-            "motors.0.power: input should be greater than 0, not 0.0",
+            "motors.0.power: must be greater than 0, not 0.0",
         ),
-        ({"name": 1, "motors": 2}, "name: input should be text, not 1"),
+        ({"name": 1, "motors": 2}, "name: must be text, not 1"),
     ],
 )
 def test_what_does_not_fit_is_named_by_dotted_key(data: dict[str, object], message: str) -> None:

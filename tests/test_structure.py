@@ -19,6 +19,7 @@ FLOORS = (
         "clipped",
         "constants",
         "explain",
+        "extras",
         "json_text",
         "names",
         "ordinary",

@@ -2,6 +2,7 @@
 
 import os
 import re
+import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -146,7 +147,7 @@ def record_scripted_runs(
     ] = None,
     count: Annotated[int, typer.Option(min=1, max=100_000, help="Number of successful runs.")] = 40,
     failed: Annotated[
-        int, typer.Option(min=0, max=100_000, help="Least number of failed runs, kept and marked.")
+        int, typer.Option(min=0, max=100_000, help="Number of failed runs, which are marked.")
     ] = 0,
     seed: Annotated[int, seed_option("Seed of the runs.")] = 0,
     skill: Annotated[
@@ -179,6 +180,7 @@ def record_scripted_runs(
             skills=[skill],
             tick=tick,
             new=True,
+            exact=True,
         )
     recorded = read_dataset(out)
     typer.echo(f"{out}: {len(recorded.runs)} runs, {len(recorded.successful)} of them successful")
@@ -203,6 +205,9 @@ guard_inputs(app)
 def main(stopped: Callable[[int], Any] = sys.exit) -> None:
     """Run the command line; whatever goes wrong is one line on the error stream and a non-zero exit.
 
+    A verb that one of SIGNALS has ended exits with 128 and its number, however it ends then. Only Ctrl-C may
+    be a verb's ordinary end, with 0: of those that go on until somebody ends them.
+
     stopped: ends the process with an exit code where a signal has ended the verb.
     """
     usable_streams()
@@ -214,10 +219,10 @@ def main(stopped: Callable[[int], Any] = sys.exit) -> None:
         except KeyboardInterrupt:  # between the verb and its exit code
             heed_no_more()
             code, line = INTERRUPTED, ""
-        if code and signals:
+        if signals and (code or signals[0] != signal.SIGINT):
+            line = line or ("only what was finished is kept" if code else "ended in order")
             code = 128 + signals[0]  # whatever became of the exception on its way
-        if code in STOPPED:
-            line = f"{STOPPED[code]}; {line or 'only what was finished is kept'}"
+            line = f"{STOPPED[code]}; {line}"
         if line:
             _complain(line)
         if code in STOPPED:

@@ -1,5 +1,6 @@
 """`swamp-rl demo`: runs of people and pilots, shown side by side."""
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -112,7 +113,8 @@ def _show(scene: "DemoScene", layout: "Layout", window: bool, port: int | None) 
         if window:
             open_viewer(recording)
         else:
-            serve(recording, port, lambda where: typer.echo(f"{where}\nCtrl-C ends it"))
+            with suppress(KeyboardInterrupt):  # how the page is ended
+                serve(recording, port, lambda where: typer.echo(f"{where}\nCtrl-C ends it"))
 
 
 def _check_names(asked: dict[str, tuple[Path | None, tuple[str, ...]]]) -> None:

@@ -77,7 +77,7 @@ def record(
     import numpy as np
     from swamp_rl.experiments.synthetic.cases import RTK
 
-    from swamp_rl.errors import UserError
+    from swamp_rl.extras import missing
     from swamp_rl.pilots.arguments import asked_pilot, opened
     from swamp_rl.teleop.guard import Guard
 
@@ -85,7 +85,7 @@ def record(
         from swamp_rl.teleop.hub import Hub
         from swamp_rl.teleop.server import bound, serve
     except ModuleNotFoundError as error:
-        raise UserError(f"{error.name} is missing; pip install 'swamp-rl[people]'") from error
+        raise missing(f"the recorder needs {error.name}", "people") from error
     from swamp_rl.teleop.lookout import Lookout
     from swamp_rl.teleop.session import Session
 

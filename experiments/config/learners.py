@@ -112,13 +112,17 @@ def learner(kind: str) -> Learner:
 
 
 def check_logged(where: str, plan: PilotPlan, columns: Sequence[str] = ()) -> None:
-    """UserError where a built-in learner from runs is to sense what runs with these columns do not tell."""
+    """UserError where a built-in learner from runs is to sense what no environment shows, or what runs with
+    these columns do not tell."""
     if plan.kind not in LEARNERS or not learner(plan.kind).from_runs:
         return
+    from swamp_rl.envs.observation import observed
+
     from swamp_rl.pilots.demonstrations import refuse_unlogged
 
     for senses in senses_in(plan.options):
         try:
+            observed(senses)
             refuse_unlogged(senses, columns)
         except UserError as error:
             raise UserError(f"{where}.senses: {error}") from error

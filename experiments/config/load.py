@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,38 +16,64 @@ from swamp_rl.experiments.config.smoke import shrunk
 from swamp_rl import own_code
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
+from swamp_rl.explain import in_yaml
 from swamp_rl.files import config_beside, find_config, is_file, or_beside, read_yaml, validated
 from swamp_rl.own_code import is_code
 from swamp_rl.pilots.own import is_named, runs_code
 from swamp_rl.pilots.settings import settings_from
 from swamp_rl.yaml_text import DEEPEST, parsed
 
+Override = tuple[str, dict[str, Any]]
+"""Where it was given, and its nested keys."""
 KEPT = "experiment.yaml"
 "The name of the configuration that a folder of results keeps."
 
 
-def load_experiment(name_or_path: str | Path, overrides: Iterable[str] = ()) -> Experiment:
+def load_experiment(
+    name_or_path: str | Path, overrides: Iterable[str] = (), given: Mapping[str, str] | None = None
+) -> Experiment:
     """The experiment of a file, given by path, by its bare name in configs/experiments or by its results.
 
     An `extends:` in the file names another whose keys it overrides; `overrides` are `key=value` with a dotted
-    key and a YAML value, and come last. UserError names the file and the key of the first fault.
+    key and a YAML value, and come last. UserError names the file, or the override, and the key of the first
+    fault. given: where an override comes from, by its text; by default from the option `--set`.
     """
-    path, overrides = _file_of(name_or_path), tuple(overrides)
-    allowed = {text for override in overrides for text in _texts(_parsed(override))}
-    return _read(path, _extended(path, (), allowed), overrides)
+    path, named = _file_of(name_or_path), _named(overrides, given or {})
+    allowed = {text for _, override in named for text in _texts(override)}
+    return _read(path, _extended(path, (), allowed), named)
 
 
 def overridden(
     where: str | Path, experiment: Experiment, changes: Mapping[str, Any], overrides: Iterable[str] = ()
 ) -> Experiment:
-    """The experiment with `changes` by key over it, then `overrides`; UserError names `where` and the key."""
-    return _read(where, merged(experiment.model_dump(mode="json"), changes), overrides)
+    """The experiment with `changes` by key over it, then `overrides`; UserError names `where`, or the
+    override at fault, and the key."""
+    return _read(where, merged(experiment.model_dump(mode="json"), changes), _named(overrides, {}))
 
 
-def _read(where: str | Path, data: dict[str, Any], overrides: Iterable[str]) -> Experiment:
-    for override in overrides:
-        data = merged(data, _parsed(override))
+def _read(where: str | Path, data: dict[str, Any], overrides: list[Override]) -> Experiment:
+    stages = [data]
+    for _, override in overrides:
+        stages.append(merged(stages[-1], override))
+    try:
+        return _checked(where, stages[-1])
+    except UserError:
+        for (name, _), (before, after) in reversed(list(zip(overrides, pairwise(stages), strict=True))):
+            if _is_sound(where, before):
+                _checked(name, after)
+        raise
+
+
+def _checked(where: str | Path, data: dict[str, Any]) -> Experiment:
     return _with_all_options(where, validated(where, Experiment, data))
+
+
+def _is_sound(where: str | Path, data: dict[str, Any]) -> bool:
+    try:
+        _checked(where, data)
+    except UserError:
+        return False
+    return True
 
 
 def _file_of(name_or_path: str | Path) -> Path:
@@ -126,7 +153,7 @@ def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> d
     if base is None:
         return data
     if not isinstance(base, str):
-        raise UserError(f"{path}: extends must name another experiment, not {base!r}")
+        raise UserError(f"{path}: extends must name another experiment, not {in_yaml(base)}")
     return merged(_extended(_base_of(path, base), (*seen, path.resolve()), allowed), data)
 
 
@@ -196,9 +223,14 @@ def _refuse_code(path: Path, data: dict[str, Any], allowed: Collection[str]) -> 
             )
 
 
-def _parsed(override: str) -> dict[str, Any]:
+def _named(overrides: Iterable[str], given: Mapping[str, str]) -> list[Override]:
+    named = [(clipped(given.get(text, f"--set {text}")), text) for text in overrides]
+    return [(name, _parsed(name, text)) for name, text in named]
+
+
+def _parsed(said: str, override: str) -> dict[str, Any]:
     key, equals, text = override.partition("=")
-    said, parts = f"--set {clipped(override)}", key.split(".")
+    parts = key.split(".")
     if not equals or not all(parts) or len(parts) > DEEPEST:
         raise UserError(f"{said}: must be key=value, with a dotted key such as evaluation.episodes=100")
     try:

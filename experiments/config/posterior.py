@@ -12,7 +12,7 @@ from swamp_rl.effects.correlated import factor_of
 from swamp_rl.effects.declare import LIBRARY, Parameter
 from swamp_rl.effects.random_entry import COMPONENTS
 from swamp_rl.errors import UserError
-from swamp_rl.explain import nearest
+from swamp_rl.explain import explanations, nearest
 from swamp_rl.files import find_config, read_yaml, write_yaml
 from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.printed_figures.result import FiguresDiagnosis
@@ -57,13 +57,14 @@ def _read(path: Path) -> Diagnosis | FiguresDiagnosis:
         text = contents(path, MOST_JSON).decode("utf-8")
         model = FiguresDiagnosis if '"stages"' in text else Diagnosis
         return model.model_validate_json(text)
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: cannot be read ({error}); name a diagnosis.json") from error
+    except OSError as error:
+        raise UserError(f"{path}: {error.strerror}; name a diagnosis.json of swamp-rl diagnose") from error
+    except UnicodeDecodeError as error:
+        raise UserError(f"{path}: is not UTF-8 text; name a diagnosis.json of swamp-rl diagnose") from error
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"])) or "the file"
+        where, told = explanations(error, model)[0]
         raise UserError(
-            f"{path}: {where}: {first['msg']}; name a diagnosis.json of swamp-rl diagnose"
+            f"{path}: {where or 'the file'}: {told}; name a diagnosis.json of swamp-rl diagnose"
         ) from error
 
 

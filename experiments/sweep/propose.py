@@ -9,7 +9,7 @@ import numpy as np
 from swamp_rl.experiments.sweep.schema import Parameter, Sweep
 from swamp_rl.experiments.sweep.store import Trial
 
-from swamp_rl.errors import UserError
+from swamp_rl.extras import missing
 
 Values = dict[str, Any]
 
@@ -22,9 +22,7 @@ def trials_of(sweep: Sweep) -> int:
 def refuse_without_optuna(sweep: Sweep) -> None:
     """UserError where values are to be drawn and Optuna is not installed; a grid needs none."""
     if sweep.trials is not None and importlib.util.find_spec("optuna") is None:
-        raise UserError(
-            f"sweep {sweep.name}: draws need Optuna; pip install 'swamp-rl[sweep]', or list a grid"
-        )
+        raise missing(f"sweep {sweep.name}: draws need Optuna", "sweep", "list a grid")
 
 
 def batches_of(sweep: Sweep) -> list[range]:

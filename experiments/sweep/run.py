@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable
+from itertools import starmap
 from pathlib import Path
 
 from swamp_rl.experiments.config.load import load_experiment
@@ -38,7 +39,7 @@ def run_sweep(
 
     sweep = load_sweep(name_or_path)
     refuse_without_optuna(sweep)
-    fixed = [*(override(key, value) for key, value in sweep.set.items()), *overrides]
+    fixed = [*starmap(override, sweep.set.items()), *overrides]
     base = checked(sweep, fixed)
     folder = Path(out) if out is not None else Path("results") / "sweeps" / sweep.name
     plan = {
@@ -95,13 +96,13 @@ def checked(sweep: Sweep, fixed: list[str]) -> Experiment:
     """The experiment before any parameter is set; UserError where a value, a pilot or a level cannot be."""
     from swamp_rl.experiments.config.scene import read_scene
 
-    base = load_experiment(sweep.experiment, fixed)
+    base = _experiment(sweep, fixed, {})
     _check_objective(base, sweep.objective)
     for key in {given.partition("=")[0] for given in fixed} & set(sweep.parameters):
         raise UserError(f"{key}: is one of the sweep's parameters, and set as well; drop one of the two")
     for key, parameter in sweep.parameters.items():
         for value in parameter.examples:
-            read_scene(load_experiment(sweep.experiment, [*fixed, override(key, value)]))
+            read_scene(_experiment(sweep, fixed, {key: value}))
     return base
 
 
@@ -122,6 +123,7 @@ def _check_objective(experiment: Experiment, objective: Objective) -> None:
 
 
 def _experiment(sweep: Sweep, fixed: list[str], values: Values) -> Experiment:
-    return load_experiment(
-        sweep.experiment, [*fixed, *(override(key, value) for key, value in values.items())]
-    )
+    own = [override(key, value) for key, value in values.items()]
+    given = {text: f"sweep {sweep.name}: parameters: {text}" for text in own}
+    given |= {text: f"sweep {sweep.name}: set: {text}" for text in starmap(override, sweep.set.items())}
+    return load_experiment(sweep.experiment, [*fixed, *own], given)

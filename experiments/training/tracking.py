@@ -17,6 +17,7 @@ from swamp_rl.experiments.artifacts.results import Tables
 from swamp_rl.experiments.config.schema import Experiment
 
 from swamp_rl.errors import UserError
+from swamp_rl.extras import command, missing
 from swamp_rl.pilots.callbacks import Log
 
 MLFLOW: dict[str, str] = {
@@ -96,7 +97,7 @@ def _summary_writer() -> Any:
     try:
         from torch.utils.tensorboard import SummaryWriter
     except ImportError:
-        say("no TensorBoard event files are written: pip install 'swamp-rl[tensorboard]'")
+        say(f"no TensorBoard event files are written: {command('tensorboard')}")
         return None
     return SummaryWriter
 
@@ -145,7 +146,7 @@ def _client(uri: str) -> tuple[Any, type[Exception]]:
         from mlflow import MlflowClient
         from mlflow.exceptions import MlflowException
     except ImportError as error:
-        raise UserError("tracking.mlflow: MLflow is not installed; install swamp-rl[mlflow]") from error
+        raise missing("tracking.mlflow needs MLflow", "mlflow") from error
     try:
         return MlflowClient(tracking_uri=uri), MlflowException
     except MlflowException as error:

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
-from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from swamp_rl.boat.applicable import refuse_inapplicable
 from swamp_rl.boat.battery import CURVE, MEASURED, SHAFT
@@ -20,7 +19,7 @@ from swamp_rl.boat.schema import JET, PROPELLER, Boat
 from swamp_rl.boat.screw import OPEN_WATER
 from swamp_rl.effects import parse_effects
 from swamp_rl.errors import UserError
-from swamp_rl.explain import explanations, in_yaml_words
+from swamp_rl.explain import explanations
 from swamp_rl.files import extended_config, find_config, read_yaml
 
 TAGS = (JET, PROPELLER, TABLE, DRIFT, *OPEN_WATER, CURVE, MEASURED, SHAFT)
@@ -83,7 +82,7 @@ def _validated(raw: dict[str, Any], origins: Mapping[Key, tuple[Path, Any]], ask
     try:
         boat = Boat.model_validate(raw)
     except ValidationError as error:
-        _refuse(explanations(_readable(error, raw), Boat), origins, asked)
+        _refuse(explanations(error, Boat, lambda loc: _place(loc, raw)), origins, asked)
         raise AssertionError("a ValidationError without a fault") from error
     _refuse(implausible(boat), origins, asked)
     return boat
@@ -110,25 +109,14 @@ def _with_others(line: str, *others: str) -> str:
     return f"{line} (and {', '.join(others)} alike)" if others else line
 
 
-def _readable(error: ValidationError, raw: Mapping[str, Any]) -> ValidationError:
-    """The same faults in YAML's words, with thrusters by name in place of their number."""
-    details: list[InitErrorDetails] = []
-    faults = error.errors()
-    inside = {fault["loc"][:end] for fault in faults for end in range(len(fault["loc"]))}
-    for fault in faults:
-        if fault["type"] == "too_short" and fault["loc"] in inside:
-            continue  # its items are there, but none is good
-        loc = tuple(part for part in fault["loc"] if part not in TAGS)
-        if len(loc) > 1 and loc[0] == "thrusters" and isinstance(loc[1], int):
-            thruster = raw["thrusters"][loc[1]]
-            name = thruster.get("name") if isinstance(thruster, Mapping) else None
-            loc = ("thrusters", name if isinstance(name, str) else loc[1], *loc[2:])
-        message = in_yaml_words(fault["msg"]).replace(
-            "'azimuth' or 'fixed'", "'azimuth', 'fixed' or 'propeller_rudder'"
-        )
-        kind = PydanticCustomError(fault["type"], "{message}", {"message": message})
-        details.append(InitErrorDetails(type=kind, loc=loc, input=fault["input"]))
-    return ValidationError.from_exception_data(error.title, details)
+def _place(loc: tuple[int | str, ...], raw: Mapping[str, Any]) -> tuple[int | str, ...]:
+    """The place of a fault without the tags of unions, thrusters by name in place of their number."""
+    loc = tuple(part for part in loc if part not in TAGS)
+    if len(loc) > 1 and loc[0] == "thrusters" and isinstance(loc[1], int):
+        thruster = raw["thrusters"][loc[1]]
+        name = thruster.get("name") if isinstance(thruster, Mapping) else None
+        loc = ("thrusters", name if isinstance(name, str) else loc[1], *loc[2:])
+    return loc
 
 
 def _origin(key: Key, origins: Mapping[Key, tuple[Path, Any]]) -> tuple[Path, Any] | None:

@@ -3,7 +3,8 @@
 import math
 from typing import Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 from swamp_rl.clipped import clipped
 
@@ -30,6 +31,17 @@ def _on_one_line(name: str) -> str:
 
 
 PRINTED = AfterValidator(_on_one_line)
+
+
+def _known_kind(kind: Any) -> Any:
+    # The models of two of them would not name the third.
+    if kind not in ("azimuth", "fixed", "propeller_rudder"):
+        known = {"expected": "'azimuth', 'fixed' or 'propeller_rudder'"}
+        raise PydanticCustomError("literal_error", "{expected}", known)
+    return kind
+
+
+KIND = BeforeValidator(_known_kind)
 
 
 class Part(BaseModel):

@@ -8,6 +8,8 @@ from typing import Any, Literal, get_args
 from pydantic import BaseModel, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from swamp_rl.explain import in_yaml
+
 Origin = Literal["measured", "fitted", "assumed"]
 ORIGINS = get_args(Origin)
 KEYS = ("value", "unit", "provenance", "source")
@@ -48,9 +50,9 @@ class Unit:
         faults = [f"lacks {key}" for key in KEYS if key not in given]
         faults += [f"has an unknown key {key!r}" for key in given if key not in (*KEYS, SPREAD)]
         if not faults and given["unit"] != self.name:
-            faults = [f"has unit {given['unit']!r}, allowed is {self.name!r}"]
+            faults = [f"has unit {in_yaml(given['unit'])}, allowed is {self.name!r}"]
         if not faults and given["provenance"] not in ORIGINS:
-            faults = [f"has provenance {given['provenance']!r}, allowed are {', '.join(ORIGINS)}"]
+            faults = [f"has provenance {in_yaml(given['provenance'])}, allowed are {', '.join(ORIGINS)}"]
         if not faults and not (isinstance(given["source"], str) and given["source"].strip()):
             faults = ["has an empty source; say where the number comes from"]
         if not faults and SPREAD in given and not _is_spread(given[SPREAD], given["value"]):

@@ -11,6 +11,7 @@ from swamp_rl.boat.part import (
     ANGLE,
     FRACTION,
     FROM_LIST,
+    KIND,
     NAME,
     NOT_NEGATIVE,
     NOT_POSITIVE,
@@ -66,7 +67,7 @@ class Thruster(Part):
 
     name: Annotated[str, NAME]
     "Name in runs, effects and the joypad."
-    kind: Literal["azimuth", "fixed"]
+    kind: Annotated[Literal["azimuth", "fixed"], KIND]
     "Whether it turns."
     x: Annotated[float, Unit("m")]
     "Forward of midship."

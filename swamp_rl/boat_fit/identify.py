@@ -1,9 +1,7 @@
 """Identification of a boat file from a folder of runs."""
 
-import os
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -30,7 +28,7 @@ from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.errors import UserError
-from swamp_rl.files import write_beside, yaml_text
+from swamp_rl.files import new_files_beside, refuse_existing, yaml_text
 from swamp_rl.one_thread import one_thread
 
 Array = NDArray[np.float64]
@@ -77,8 +75,7 @@ def identify_boat(
     run_set = _read(dataset, start, boat, ignore)
     other = _read(Path(holdout), start, boat, ignore) if holdout is not None else None
     data = split(run_set, other)
-    with ExitStack() as files:
-        part, page = (files.enter_context(write_beside(path)) for path in (out, out.with_suffix(REPORT)))
+    with new_files_beside(out.with_suffix(REPORT), out) as (page, part):
         made, others = _fitted_to_alike(data, positions, partial(_written, part, dataset, out.stem))
         here = advanced(data.held_out, made.wiring.advance)
         alike = without(here, others.names)
@@ -156,9 +153,7 @@ def refuse_to_overwrite(out: Path) -> None:
     """UserError unless `out` is the name of a new boat file."""
     if out.suffix != SUFFIX:
         raise UserError(f"{out}: is no name of a boat file; let --out end in {SUFFIX}")
-    for path in (out, out.with_suffix(REPORT)):
-        if os.path.lexists(path):
-            raise UserError(f"{path}: already exists; name another --out or remove it")
+    refuse_existing((out, out.with_suffix(REPORT)))
 
 
 def _read(folder: Path, boat: Boat, named: str | Path, ignore: Sequence[str]) -> RunSet:

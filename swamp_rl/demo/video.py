@@ -19,6 +19,7 @@ from swamp_rl.demo.scene import DemoScene, Shown, gate_colour
 from swamp_rl.demo.series import CURRENT, WIND, series_of
 from swamp_rl.demo.shapes import corners
 from swamp_rl.errors import UserError
+from swamp_rl.extras import missing
 from swamp_rl.figure_style import styled
 from swamp_rl.files import write_beside
 from swamp_rl.workers.signals import held
@@ -67,9 +68,7 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], size: tuple[in
     try:
         from imageio_ffmpeg import write_frames
     except ImportError as error:
-        raise UserError(
-            "an MP4 needs imageio-ffmpeg; pip install 'swamp-rl[video]', or end the name in .gif"
-        ) from error
+        raise missing("an MP4 needs imageio-ffmpeg", "video", "end the name in .gif") from error
     film = write_frames(str(path), size, fps=rate, codec="libx264", quality=8, macro_block_size=2)
     film.send(None)
     try:

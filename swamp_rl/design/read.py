@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from swamp_rl.boat.magnitude import out_of_range
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
+from swamp_rl.explain import in_yaml
 from swamp_rl.files import find_config, read_yaml, validated
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -35,7 +36,7 @@ def read_design(name_or_path: str | Path, kind: str, model: type[Model]) -> Mode
     path = find_config("designs", name_or_path)
     data = {"name": path.stem} | read_yaml(path)
     if data.get("design") != kind:
-        told = f"is {clipped(repr(data['design']))}" if "design" in data else "is missing"
+        told = f"is {clipped(in_yaml(data['design']))}" if "design" in data else "is missing"
         raise UserError(f"{path}: design: {told}; swamp-rl design {kind} takes files with design: {kind}")
     if faults := list(out_of_range(data)):
         raise UserError("\n".join(f"{path}: {key}: {told}" for key, told in faults))

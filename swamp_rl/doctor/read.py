@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
+from swamp_rl.extras import missing
 from swamp_rl.json_text import parsed_json, read_json
 from swamp_rl.names import YAML, file_in
 from swamp_rl.ordinary import ordinary
@@ -225,7 +226,7 @@ def _minari_episodes(path: Path) -> tuple[list[tuple[str, dict[str, Array]]], di
     try:
         import h5py
     except ImportError as error:
-        raise UserError("Minari's files need h5py; pip install 'swamp-rl[exchange]'") from error
+        raise missing("Minari's files need h5py", "exchange") from error
     found = []
     try:
         with h5py.File(path, "r") as file:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
-from swamp_rl.explain import nearest
+from swamp_rl.explain import in_yaml, nearest
 from swamp_rl.physics import force_curve as row
 
 KEYS = ("component", "covariate", "formula", "knots", "values", "standard_errors")
@@ -124,7 +124,7 @@ def parse_curve(given: Mapping[str, Any], where: str) -> tuple[Curve, dict[str, 
 def _one_of(given: Mapping[str, Any], key: str, known: tuple[str, ...], where: str) -> str:
     value = given.get(key)
     if not isinstance(value, str) or value not in known:
-        told = f"unknown {key} {value!r}" if key in given else f"{key} is missing"
+        told = f"unknown {key} {in_yaml(value)}" if key in given else f"{key} is missing"
         raise UserError(f"{where}: {told}{nearest(str(value), known)}")
     return value
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.effects.entries import is_number
 from swamp_rl.errors import UserError
+from swamp_rl.explain import in_yaml
 
 Array = NDArray[np.float64]
 KINDS = ("uniform", "log_uniform", "choice", "normal")
@@ -89,15 +90,15 @@ def parse_distribution(given: Any, where: str) -> Distribution:
     if not isinstance(given, Mapping) or len(given) != 1 or next(iter(given)) not in KINDS:
         raise UserError(
             f"{where}: must be a number, {{uniform: [a, b]}}, {{log_uniform: [a, b]}}, {{choice: [a, ...]}} "
-            f"or {{normal: [mean, deviation, low, high]}}, not {given!r}"
+            f"or {{normal: [mean, deviation, low, high]}}, not {in_yaml(given)}"
         )
     ((kind, numbers),) = given.items()
     if not isinstance(numbers, list | tuple) or not numbers or not all(map(is_number, numbers)):
-        raise UserError(f"{where}: {kind} must be a list of numbers, not {numbers!r}")
+        raise UserError(f"{where}: {kind} must be a list of numbers, not {in_yaml(numbers)}")
     if kind == "normal":
         _check_normal(numbers, where)
     elif kind != "choice" and (len(numbers) != 2 or not numbers[0] <= numbers[1]):
-        raise UserError(f"{where}: {kind} must be [low, high] with low at most high, not {numbers!r}")
+        raise UserError(f"{where}: {kind} must be [low, high] with low at most high, not {in_yaml(numbers)}")
     if kind == "log_uniform" and numbers[0] <= 0:
         raise UserError(f"{where}: log_uniform must begin above 0, not at {numbers[0]!r}")
     return Distribution(str(kind), tuple(map(float, numbers)))
@@ -107,7 +108,7 @@ def _check_normal(numbers: Sequence[float], where: str) -> None:
     if len(numbers) != 4 or not numbers[1] > 0.0 or not numbers[2] < numbers[3]:
         raise UserError(
             f"{where}: normal must be [mean, deviation, low, high] with a deviation above 0 and low below "
-            f"high, not {list(numbers)!r}"
+            f"high, not {in_yaml(numbers)}"
         )
     mean, deviation, low, high = numbers
     if not low - 3.0 * deviation <= mean <= high + 3.0 * deviation:

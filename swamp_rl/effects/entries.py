@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from swamp_rl.effects.curve import KEYS, Curve, parse_curve
 from swamp_rl.effects.declare import LIBRARY, Effect, Parameter
 from swamp_rl.errors import UserError
+from swamp_rl.explain import in_yaml
 
 ALL = "all"
 Selector = str | tuple[str, str] | None
@@ -84,7 +85,7 @@ def effect_and_keys(entry: Any, where: str, also: Collection[str] = ()) -> tuple
         raise UserError(f"{where}: must be a mapping with the key effect, one of {', '.join(LIBRARY)}")
     name = entry["effect"]
     if not isinstance(name, str) or name not in LIBRARY:
-        raise UserError(f"{where}: unknown effect {name!r}; {suggestion(name, LIBRARY)}")
+        raise UserError(f"{where}: unknown effect {in_yaml(name)}; {suggestion(name, LIBRARY)}")
     effect = LIBRARY[name]
     own = ["thruster", *KEYS] if effect.curve else ["thruster"] if effect.selects else []
     known = [*effect.parameter_names, *own, *also]
@@ -118,13 +119,17 @@ def check_thruster(name: Any, where: str, thruster_names: Sequence[str]) -> None
     if name is None:
         raise UserError(f"{where}: thruster is missing; add one of {', '.join((*thruster_names, ALL))}")
     if name not in (*thruster_names, ALL):
-        raise UserError(f"{where}: unknown thruster {name!r}; {suggestion(name, (*thruster_names, ALL))}")
+        raise UserError(
+            f"{where}: unknown thruster {in_yaml(name)}; {suggestion(name, (*thruster_names, ALL))}"
+        )
 
 
 def parameter_number(parameter: Parameter, value: Any, where: str) -> float:
     """`value` as a number that the parameter allows; UserError otherwise."""
     if not is_number(value):
-        raise UserError(f"{where}: {parameter.name} must be a number [{parameter.unit}], not {value!r}")
+        raise UserError(
+            f"{where}: {parameter.name} must be a number [{parameter.unit}], not {in_yaml(value)}"
+        )
     if not parameter.allows(float(value)):
         raise UserError(
             f"{where}: {parameter.name} {value:.6g} is out of range; allowed: {parameter.allowed}"

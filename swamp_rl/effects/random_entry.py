@@ -31,6 +31,7 @@ from swamp_rl.effects.entries import (
     parse_selector,
 )
 from swamp_rl.errors import UserError
+from swamp_rl.explain import in_yaml
 
 DISC = ("north", "east")
 COMPONENTS = "components"
@@ -163,14 +164,16 @@ def _components(effect: Effect, given: dict[str, Any], where: str) -> dict[str, 
         if name in given:
             raise UserError(f"{where}: {COMPONENTS} draws {size} and {direction}; remove {name}")
     if not isinstance(parts, Mapping) or set(parts) != set(DISC):
-        raise UserError(f"{where}: {COMPONENTS} must be {{north: ..., east: ...}}, each drawn, not {parts!r}")
+        raise UserError(
+            f"{where}: {COMPONENTS} must be {{north: ..., east: ...}}, each drawn, not {in_yaml(parts)}"
+        )
     unit = effect.parameter(size).unit
     return {name: parse_distribution(parts[name], f"{where}: {COMPONENTS}.{name} [{unit}]") for name in DISC}
 
 
 def _probability(given: Any, where: str) -> float:
     if not is_number(given) or not 0.0 < given <= 1.0:
-        raise UserError(f"{where}: probability must be above 0 and at most 1, not {given!r}")
+        raise UserError(f"{where}: probability must be above 0 and at most 1, not {in_yaml(given)}")
     return float(given)
 
 
@@ -179,7 +182,9 @@ def _selectors(effect: Effect, given: Any, where: str, thruster_names: Sequence[
     if isinstance(given, Mapping):
         names = given.get("choice", [])
         if len(given) != 1 or not isinstance(names, list) or not names:
-            raise UserError(f"{where}: thruster must be a name, all, or {{choice: [names]}}, not {given!r}")
+            raise UserError(
+                f"{where}: thruster must be a name, all, or {{choice: [names]}}, not {in_yaml(given)}"
+            )
     return tuple(parse_selector(effect, name, where, thruster_names) for name in names)
 
 
@@ -189,7 +194,7 @@ def _disc(effect: Effect, given: dict[str, Any], where: str) -> float:
         raise UserError(f"{where}: disc draws {' and '.join(DISC)}; remove {', '.join(given)}")
     if not is_number(radius) or radius < 0.0:
         unit = effect.parameter(DISC[0]).unit
-        raise UserError(f"{where}: disc must be a radius [{unit}] of at least 0, not {radius!r}")
+        raise UserError(f"{where}: disc must be a radius [{unit}] of at least 0, not {in_yaml(radius)}")
     return float(radius)
 
 

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from swamp_rl import __version__
-from swamp_rl.errors import UserError
 from swamp_rl.export.graph import Graph
 from swamp_rl.export.onnx_pilot import OnnxPilot
 from swamp_rl.export.steps import seen_by, step
+from swamp_rl.extras import missing
 from swamp_rl.files import write_beside
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.seal import BLANK, KEY, sealed
@@ -27,7 +27,7 @@ def write_onnx(pilot: Pilot, path: Path | str, about: dict[str, str] | None = No
     try:
         import onnx  # noqa: F401  needed by Graph
     except ImportError as error:
-        raise UserError("onnx is not installed; install swamp-rl[onnx]") from error
+        raise missing("an ONNX file needs onnx", "onnx") from error
     graph = Graph()
     senses = seen_by(pilot)
     levers = step(pilot, graph, graph.input("observation", len(senses)))

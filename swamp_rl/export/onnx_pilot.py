@@ -9,6 +9,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.export.graph import NEXT, STATE
 from swamp_rl.export.steps import FIRST_LEVERS
+from swamp_rl.extras import missing
 from swamp_rl.json_text import parsed_json
 from swamp_rl.own_code import refuse_unnamed
 from swamp_rl.pilots.arrays import Array
@@ -72,7 +73,7 @@ def _session(path: Path | str) -> Any:
     try:
         import onnxruntime
     except ImportError as error:
-        raise UserError("onnxruntime is not installed; install swamp-rl[onnx]") from error
+        raise missing("ONNX pilots need onnxruntime", "onnx") from error
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     content = sealed_file(path, "export the pilot again")

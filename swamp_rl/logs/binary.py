@@ -10,13 +10,13 @@ import numpy as np
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
+from swamp_rl.extras import missing
 from swamp_rl.files import os_error
 from swamp_rl.logs.log import LogTable
 from swamp_rl.runs.table import MOST_CELLS, MOST_COLUMNS, Table
 
 LARGEST = 2**32
 """Bytes of a log."""
-INSTALL = "pip install 'swamp-rl[logs]'"
 
 
 @contextmanager
@@ -29,7 +29,7 @@ def reading(path: Path, what: str) -> Iterator[None]:
     except UserError:
         raise
     except ImportError as error:
-        raise UserError(f"{path}: {what} needs a package that is not installed; {INSTALL}") from error
+        raise missing(f"{path}: {what} needs {error.name}", "logs") from error
     except OSError as error:
         raise os_error(error, path) from error
     except (Exception, RecursionError) as error:

@@ -1,9 +1,10 @@
 """Record runs of the scripted pilot as a dataset."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -92,6 +93,14 @@ class Driver(Protocol):
         """Levers (n, 2) from the observation (n, d)."""
 
 
+class Wanted(NamedTuple):
+    """Numbers of runs to be recorded: successful ones, failed ones, and the most failed ones."""
+
+    good: int
+    failed: int
+    most_failed: float
+
+
 MakeBoats = Callable[[int, tuple[str, ...]], Boats]
 """Builds a batch of n boats that are observed by the given names."""
 
@@ -110,13 +119,15 @@ def record_scripted(
     skills: Sequence[Skill] = ("usual",),
     tick: Callable[[int], None] = lambda good: None,
     new: bool = False,
+    exact: bool = False,
 ) -> None:
-    """Write `count` successful runs and at least `failed` failed ones into the dataset `out`.
+    """Write `count` successful runs and the failed ones driven meanwhile, at least `failed`, into `out`.
 
     make_boats: builds boats of `boat` on `course` at `step` [s] with the disturbances of the runs. Each run
     stores seed, initial state and disturbances of its episode. With several `skills` there are `count` of
     each, in the same episodes, and each run stores its skill; habits replaces those of the skills.
     `tick` is called with the number of successful runs. With `new`, no earlier dataset is replaced.
+    With `exact`, the first `failed` failed runs are written and no others.
     UserError where the folder holds other data or the pilot hardly ever succeeds.
     """
     vehicle = load_boat(boat)
@@ -128,7 +139,8 @@ def record_scripted(
                 pilot = ScriptedPilot(seed, habits or habits_of(skill, vehicle.length), step)
                 stored, prefix = ({"skill": skill}, f"{skill}-") if len(skills) > 1 else ({}, "")
                 report = partial(_after, tick, number * count)
-                _fill(part, boats, pilot, vehicle, (count, failed), seed, report, (stored, prefix))
+                wanted = Wanted(count, failed, failed if exact else math.inf)
+                _fill(part, boats, pilot, vehicle, wanted, seed, report, (stored, prefix))
     finally:
         boats.close()
 
@@ -142,32 +154,32 @@ def _fill(
     boats: Boats,
     pilot: ScriptedPilot,
     vehicle: Boat,
-    wanted: tuple[int, int],
+    wanted: Wanted,
     seed: int,
     tick: Callable[[int], None],
     named: tuple[Mapping[str, str], str],
 ) -> None:
-    """Append runs until there are `wanted` good and failed ones. named: their skill and prefix of names."""
+    """Append runs until there are those `wanted`. named: their skill and prefix of names."""
     # Larger than any seed of an evaluation, so that no pilot is evaluated on its training data.
     episodes = np.random.default_rng(seed)
     good = bad = 0
     pilot.reset(AT_ONCE)
-    for _ in range(1 + ATTEMPTS * sum(wanted) // AT_ONCE):
+    for _ in range(1 + ATTEMPTS * (wanted.good + wanted.failed) // AT_ONCE):
         for run in drive_episodes(
             boats, pilot, vehicle, episodes.integers(2**31, 2**32, AT_ONCE), pilot.step
         ):
             succeeded = run.meta.outcome == "success"
-            if succeeded and good == wanted[0]:
+            if good == wanted.good if succeeded else bad == wanted.most_failed:
                 continue
             number, good, bad = good + bad + 1, good + succeeded, bad + (not succeeded)
             meta = run.meta.model_copy(update=named[0])
             append_run(folder, Run(f"{named[1]}run-{number:03d}", run.columns, meta))
             tick(good)
-            if good == wanted[0] and bad >= wanted[1]:
+            if good == wanted.good and bad >= wanted.failed:
                 return
         pilot.reset_boats(np.ones(AT_ONCE, dtype=bool))
     raise UserError(
-        f"the scripted pilot drove {good} good and {bad} failed runs, not {wanted[0]} and {wanted[1]}; "
+        f"the scripted pilot drove {good} good and {bad} failed runs, not {wanted.good} and {wanted.failed}; "
         "ask for other numbers or disturbances, or for a course of the boat's size: a file with "
         f"`extends: camogli` and `scale: {max(vehicle.length / SWAMP_LENGTH, 0.1):.1f}`"
     )

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
 from swamp_rl.runs.check import STEP_TOLERANCE
-from swamp_rl.runs.faults import Fault
+from swamp_rl.runs.faults import Fault, condensed
 
 Array = NDArray[np.float64]
 BadRows = Literal["refuse", "cut", "split"]
@@ -63,7 +63,7 @@ def stretches(
     good = np.flatnonzero(~bad & np.isfinite(time))
     again = good[1:][np.diff(time[good]) == 0.0]
     good = np.setdiff1d(good, again)
-    told = [str(fault) for fault in faults]
+    told = [str(fault) for fault in condensed(faults)]
     told += [str(Fault(file, int(rows[i]), "time", "is that of the row before")) for i in again[:MOST_TOLD]]
     steps = np.diff(time[good])
     forward = steps[steps > 0.0]

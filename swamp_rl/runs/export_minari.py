@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from swamp_rl.errors import UserError
+from swamp_rl.extras import missing
 from swamp_rl.runs.apart import apart
 from swamp_rl.runs.dataset import Dataset
 from swamp_rl.runs.episodes_of import LEVERS, Split, split_columns
@@ -36,7 +36,7 @@ def write_minari(dataset: Dataset, folder: Path, name: str, copies: Mapping[str,
         import h5py  # noqa: F401
         import minari  # noqa: F401
     except ImportError as error:
-        raise UserError("Minari needs minari and h5py; pip install 'swamp-rl[exchange]'") from error
+        raise missing("Minari's files need minari and h5py", "exchange") from error
     return _written(dataset, folder, name, copies)
 
 

@@ -32,9 +32,9 @@ class Fault:
         column = [] if self.column is None else [f"column {self.column}"]
         told = self.message
         if self.alike:
-            told += f" (and {self.alike} more rows like it, the last row {self.last})"
+            told += f" (in {self.alike + 1} of rows {self.row} to {self.last})"
         elif self.row is not None and self.last is not None and self.last > self.row:
-            told += f" (and so on to row {self.last})"
+            told += f" (in each of rows {self.row} to {self.last}: {self.last - self.row + 1} rows)"
         return ": ".join([self.file, *filter(None, [", ".join(row + column)]), told])
 
 

@@ -68,11 +68,18 @@ def kind_of(sources: Sequence[Path]) -> str:
     """The kind of which all sources are, by their suffixes and those of the files in folders; UserError where
     these do not tell it.
     """
-    found = {kind for source in sources for kind in _kinds(source)}
-    kind = found.pop() if len(found) == 1 else None
-    if kind is None:
-        raise UserError(f"--from: {sources[0]} may be of several kinds; give one of {', '.join(SUFFIXES)}")
-    return kind
+    found = {kind: source for source in reversed(sources) for kind in _kinds(source)}
+    if None in found:
+        raise UserError(
+            f"{found[None]}: neither its suffix nor its header tells what it is; give --from, one of "
+            f"{', '.join(SUFFIXES)}"
+        )
+    if len(found) > 1:
+        raise UserError(
+            f"{sources[0]}{' and others' * (len(sources) > 1)}: files of several kinds "
+            f"({', '.join(sorted(map(str, found)))}); give --from with one of them"
+        )
+    return str(next(iter(found)))
 
 
 def _kinds(source: Path) -> set[str | None]:
@@ -88,7 +95,10 @@ def _kinds(source: Path) -> set[str | None]:
         logs = [path for path in shown if path.suffix.lower() in (*SURE, ".mcap") or is_bag_folder(path)]
         if logs:
             return {"rosbag" if is_bag_folder(path) else _kind_of_file(path) for path in logs}
-    return {None}
+    raise UserError(
+        f"{source}: neither it nor a folder in it has {', '.join(SURE)} or .mcap files; check the name, "
+        "or give --from telemetry"
+    )
 
 
 def _kind_of_file(path: Path) -> str | None:

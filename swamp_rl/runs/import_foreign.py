@@ -229,12 +229,21 @@ def _with_hint(wishes: Wishes, fault: Fault) -> str:
     elif "percent" in fault.message:
         hint += f" (--unit {fault.column}=percent)"
     elif "is not a number" in fault.message and TIME_OF_DAY.search(fault.message):
-        hint += f", or read it as times: --map time={theirs or fault.column}"
+        hint += f", or read it as times: {_option('--map time=', theirs or fault.column)}"
     elif "is not a number" in fault.message and fault.column not in REQUIRED:
-        hint += f", or leave the column out: --drop {theirs or fault.column}"
+        hint += f", or leave the column out: {_option('--drop ', theirs or fault.column)}"
     elif fault.row is not None and any(words in fault.message for words in ROW_ALONE):
         hint += " (--bad-rows cut or split)"
     return f"{fault}{hint}"
+
+
+def _option(words: str, column: str | None) -> str:
+    """An option of `runs import` that ends in a column's name, as a shell and `--map` take it."""
+    name = str(column)
+    option, space, begin = words.partition(" ")
+    if begin and not re.fullmatch(r"[^\W\d][\w.]*", name):
+        name = f"`{name}`"
+    return f"{option}{space}{shlex.quote(begin + name)}"
 
 
 def _place(

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.errors import UserError
+from swamp_rl.extras import missing
 
 Array = NDArray[np.float64]
 Place = tuple[float, float]
@@ -34,5 +34,5 @@ def _plane(origin: Place) -> Any:
     try:
         from pyproj import Proj
     except ImportError as error:
-        raise UserError("GPS places need pyproj; pip install 'swamp-rl[gps]'") from error
+        raise missing("latitude and longitude need pyproj", "gps") from error
     return Proj(proj="aeqd", ellps="WGS84", lat_0=origin[0], lon_0=origin[1])

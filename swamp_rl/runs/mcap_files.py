@@ -14,6 +14,7 @@ from pydantic import ValidationError
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
+from swamp_rl.extras import missing
 from swamp_rl.files import explain, write_beside
 from swamp_rl.json_text import parsed_json
 from swamp_rl.ordinary import ordinary
@@ -124,7 +125,7 @@ def _mcap(name: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        raise UserError("MCAP files need the package mcap; pip install 'swamp-rl[exchange]'") from error
+        raise missing("MCAP files need mcap", "exchange") from error
 
 
 @contextmanager

@@ -5,6 +5,7 @@ import socket
 from typing import Any, Self
 
 from swamp_rl.errors import UserError
+from swamp_rl.extras import missing
 from swamp_rl.workers.attempt import Work, attempt
 
 PATIENCE = 5.0  # s
@@ -18,7 +19,7 @@ class RayPool:
         try:
             import ray
         except ImportError as error:
-            raise UserError("Ray is not installed; install swamp-rl[ray]") from error
+            raise missing("a cluster needs Ray", "ray") from error
         _answers(address, ray.util.get_node_ip_address())
         try:
             ray.init(address, log_to_driver=False, logging_level=logging.ERROR, configure_logging=False)

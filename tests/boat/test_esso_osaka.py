@@ -217,7 +217,7 @@ def test_a_simulated_run_is_replayed_by_its_rudder_and_propeller_columns() -> No
 def test_a_run_without_revolutions_is_refused_by_the_missing_column() -> None:
     columns = recorded().columns
     del columns["propeller_main"]
-    with pytest.raises(UserError, match="column propeller_main is missing"):
+    with pytest.raises(UserError, match="column propeller_main is needed and is missing"):
         replay(BOAT, Run("one", columns))
 
 
@@ -231,11 +231,11 @@ def test_a_run_without_revolutions_is_refused_by_the_missing_column() -> None:
         ),
         (
             "thrusters: {main: {rudder: {area: 0}}}",
-            "thrusters.main.rudder.area: input should be greater",
+            "thrusters.main.rudder.area: must be greater",
         ),
         ("thrusters: {main: {kind: screw}}", "'azimuth', 'fixed' or 'propeller_rudder', not 'screw'"),
         ("thrusters: {main: {propeler: {}}}", "did you mean 'propeller'?"),
-        ("resistance: {x_0_ahead: 0.02}", "resistance.x_0_ahead: input should be less than or equal to 0"),
+        ("resistance: {x_0_ahead: 0.02}", "resistance.x_0_ahead: must be at most 0"),
     ],
 )
 def test_a_boat_file_that_cannot_be_is_refused(tmp_path: Path, line: str, told: str) -> None:

@@ -67,8 +67,13 @@ def test_all_faults_of_a_file_are_told_each_on_its_line(tmp_path: Path) -> None:
         "draught: {value: 14, unit: cm, provenance: measured, source: ruler}\n"
     )
     told = [line.removeprefix(f"{path}: ") for line in refused(path)]
-    begins = ["lenth: unknown", "mass: is missing", "draught: the number has unit 'cm'", "hull.x_vr: input"]
-    begins.append("thrusters.bs.azimuth_rate: input should be greater than 0, not -1 (and bp, ss, sp alike)")
+    begins = [
+        "lenth: unknown",
+        "mass: is missing",
+        "draught: the number has unit 'cm'",
+        "hull.x_vr: must be a number",
+    ]
+    begins.append("thrusters.bs.azimuth_rate: must be greater than 0, not -1 (and bp, ss, sp alike)")
     assert len(told) == len(begins)
     assert all(any(line.startswith(begin) for line in told) for begin in begins)
 

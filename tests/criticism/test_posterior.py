@@ -184,7 +184,10 @@ def test_the_start_and_the_other_effects_of_a_level_stay(tmp_path: Path) -> None
 
 def test_a_file_that_is_no_diagnosis_and_one_without_causes_are_refused(tmp_path: Path) -> None:
     (tmp_path / "other.json").write_text('{"verdict": "cause"}')
-    for path, told in (("other.json", "causes"), ("none.json", "cannot be read")):
+    for path, told in (
+        ("other.json", "causes"),
+        ("none.json", "No such file or directory; name a diagnosis"),
+    ):
         with pytest.raises(UserError, match=told):
             write_posterior(tmp_path / path, tmp_path / "found.yaml")
     with pytest.raises(UserError, match="names no cause"):

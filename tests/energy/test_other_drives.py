@@ -85,7 +85,7 @@ def test_power_leaves_the_digest_of_a_ship_as_it_is() -> None:
 @pytest.mark.parametrize(
     ("power", "told"),
     [
-        ({"throttle": [0.0, 1.0], "power": [1.0]}, "power.power: the list should have at least 2 items"),
+        ({"throttle": [0.0, 1.0], "power": [1.0]}, "power.power: must have 2 or more entries"),
         ({"throttle": [0.1, 1.0], "power": [1.0, 40.0]}, "throttle must increase from 0 to 1"),
         ({"idle": 1.0, "efficiency": 1.2}, "power.efficiency"),
         ({"throttle": [0.0, 1.0], "power": [1.0, 1e6]}, "power / thrust at full throttle"),

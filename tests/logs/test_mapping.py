@@ -270,7 +270,9 @@ def test_all_faults_are_listed_with_what_to_do(tmp_path: Path, boat: str) -> Non
     with pytest.raises(UserError) as told:
         imported(with_faults(tmp_path), boat, MAP)
     lines = str(told.value).splitlines()
-    assert any("row 51 (line 52), column latitude" in line and "to row 53" in line for line in lines)
+    assert any(
+        "row 51 (line 52), column latitude" in line and "rows 51 to 53: 3 rows" in line for line in lines
+    )
     assert any("without a fix" in line for line in lines)
     assert any("row 201" in line and "column heading" in line for line in lines)
     assert any("--bad-rows" in line for line in lines) and not (tmp_path / "out").exists()

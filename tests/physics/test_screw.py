@@ -286,7 +286,7 @@ def test_at_rest_allocation_sees_what_the_simulator_gives() -> None:
         ({"thrust_quadratic": 12.0}, "has propeller and a thrust curve; set"),
         ({"thrust_table": TABLE}, "has both propeller and thrust_table; give one"),
         ({"propeller": {"open_water": {"kind": "disk"}}}, "open_water"),
-        ({"propeller": {"wake": 1.0}}, "wake: input should be less than 1"),
+        ({"propeller": {"wake": 1.0}}, "wake: must be less than 1"),
         ({"propeller": {"diameter": 2.0}}, "diameter / length"),
         ({"propeller": {"wash": {"of": "bow", "share": 0.5}}}, "wash.of must name a thruster"),
     ],

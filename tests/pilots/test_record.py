@@ -60,6 +60,19 @@ def test_drivers_of_several_skills_drive_the_same_episodes_and_their_runs_say_wh
         choose_runs(runs, None, skill="champion")
 
 
+@pytest.mark.parametrize("failed", [0, 1])
+def test_exactly_the_failed_runs_asked_for_are_kept_where_others_failed_too(
+    recorded: Dataset, failed: int, tmp_path: Path
+) -> None:
+    record_scripted(boats_at("standard"), tmp_path / "data", count=6, failed=failed, seed=4, exact=True)
+    runs = read_dataset(tmp_path / "data").runs
+    assert [run.meta.outcome == "success" for run in runs].count(False) == failed
+    seeds = [
+        [run.meta.seed for run in among if run.meta.outcome == "success"] for among in (runs, recorded.runs)
+    ]
+    assert seeds[0] == seeds[1]
+
+
 def test_no_failed_run_need_be_asked_for(tmp_path: Path) -> None:
     record_scripted(boats_at("calm"), tmp_path / "data", count=3)
     assert len(read_dataset(tmp_path / "data").successful) == 3

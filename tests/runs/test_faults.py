@@ -171,7 +171,7 @@ def test_a_column_wholly_in_degrees_is_one_fault_with_its_extent(good: Path) -> 
     columns["azimuth_bs"] = np.full(ROWS, 45.0)
     (fault,) = faults_of(good, columns)
     assert (fault.row, fault.column) == (1, "azimuth_bs")
-    assert f"and so on to row {ROWS}" in str(fault)
+    assert str(fault).endswith(f"(in each of rows 1 to {ROWS}: {ROWS} rows)")
 
 
 def test_rows_with_the_same_fault_here_and_there_are_told_in_one_line() -> None:
@@ -181,7 +181,7 @@ def test_rows_with_the_same_fault_here_and_there_are_told_in_one_line() -> None:
     faults = faults_at("a.csv", "heading", rows, np.abs(heading) > 1.0, lambda i: of(heading[i]))
     assert [(one.row, one.last) for one in faults] == [(1, 1), (3, 4), (6, 6)]
     whole, late = condensed([*faults[:2], Fault("a.csv", 5, "heading", "is missing", 5)])
-    assert str(whole).endswith("359 is outside [-1, 1] rad (and 2 more rows like it, the last row 4)")
+    assert str(whole).endswith("359 is outside [-1, 1] rad (in 3 of rows 1 to 4)")
     assert str(late) == "a.csv: row 5 (line 6), column heading: is missing"
 
 

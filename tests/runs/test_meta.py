@@ -10,14 +10,14 @@ from tests.support.runs import circling, described
 
 WRONG = {
     "mass: 58.0": {
-        "mass: -1.0": "mass: input should be greater than 0, not -1.0",
-        "mass: .nan": "mass: input should be",
-        "mass: heavy": "mass: input should be a valid number, not 'heavy'",
+        "mass: -1.0": "mass: must be greater than 0, not -1.0",
+        "mass: .nan": "mass: must be",
+        "mass: heavy": "mass: must be a number, not 'heavy'",
         "mas: 58.0": "mas: unknown key; did you mean 'mass'?",
         "mass: 58.0\nmass: 48.0": "'mass' is given twice",
         "mass: [58.0": "malformed YAML",
     },
-    "source: simulated": {"source: dreamt": "source: input should be 'measured', 'simulated'"},
+    "source: simulated": {"source: dreamt": "source: must be 'measured', 'simulated'"},
     "vehicle: swamp": {
         "vehicle: swap": "did you mean 'swamp'?",
         "vehicle: ../swamp.yaml": "vehicle: '../swamp.yaml' must be a plain name",
@@ -27,7 +27,7 @@ WRONG = {
     "swamp.yaml: ": {
         "gone.yaml: ": "gone.yaml: no such file, but dataset.yaml lists it under copies",
         "../swamp.yaml: ": "copies: '../swamp.yaml' must be a plain name",
-        "swamp.yaml: 0": "copies.swamp.yaml: string should match pattern",
+        "swamp.yaml: 0": "copies.swamp.yaml: must match the pattern",
     },
     "file: one.csv": {
         "file: ../one.csv": "must be the name of a .csv or .parquet file",
@@ -35,7 +35,7 @@ WRONG = {
         "name: one": "runs.0.file is missing",
         "file: gone.csv": "is listed in dataset.yaml but is not here",
     },
-    "seed: 1\n": {"seed: -1\n": "runs.0.seed: input should be greater than or equal to 0"},
+    "seed: 1\n": {"seed: -1\n": "runs.0.seed: must be at least 0"},
 }
 
 

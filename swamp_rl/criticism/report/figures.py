@@ -202,7 +202,7 @@ def draw_forces(figure: Any, finding: Finding) -> None:
     titles = ("surge force [N]", "sway force [N]", "yaw moment [N m]")
     for row, title in enumerate(titles):
         every = [np.abs(forces.force[:, row]) for forces in (before, finding.forces)[: 1 + finding.extended]]
-        reach = 1.3 * max(float(np.quantile(one, 0.93)) for one in every)
+        reach = 1.3 * max(float(np.quantile(one, 0.93)) for one in every) or 1.0  # where all are zero
         for column, (name, (label, factor)) in enumerate(chosen.items()):
             ax = axes[row, column]
             ax.axhline(0, color="#888888", lw=0.8)

@@ -170,6 +170,6 @@ def test_the_web_viewer_listens_on_this_machine_only_and_ends_when_told(results:
         process.send_signal(told)
         _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == 128 + told
-    assert said.count("\n") == 1 and "only what was finished is kept" in said
+    assert said.count("\n") == 1 and "ended in order" in said
     gone, left = psutil.wait_procs(children, timeout=PATIENCE)
     assert left == [] and len(gone) == len(children)

@@ -58,6 +58,14 @@ def stopped(process: "subprocess.Popen[str]", how: signal.Signals) -> tuple[int,
     return process.returncode, out
 
 
+def listens(address: str) -> bool:
+    try:
+        urllib.request.urlopen(address, timeout=PATIENCE).close()
+    except OSError:
+        return False
+    return True
+
+
 def drive_for_rows(host: str, table: Path, wanted: int, then: Callable[[], object]) -> None:
     """Drive until so many rows are in the run's table, then do something while still connected."""
     with connect(f"ws://{host}/socket", origin=f"http://{host}") as socket:
@@ -96,7 +104,10 @@ def test_a_recorder_told_twice_to_end_ends_in_order(tmp_path: Path, first: signa
         with connect(f"ws://{host}/socket", origin=f"http://{host}") as socket:
             socket.recv(timeout=PATIENCE)
             process.send_signal(first)
-            assert stopped(process, signal.SIGINT) == (0, f"{folder}: 0 runs\n")
+            until(lambda: not listens(address), "the recorder heeds the first signal")
+            code, said = stopped(process, signal.SIGINT)
+    told = {signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}[first]
+    assert (code, said) == (128 + first, f"{folder}: 0 runs\nswamp-rl: {told}; ended in order\n")
 
 
 def push(socket: ClientConnection, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:

@@ -120,10 +120,11 @@ def test_the_kind_of_a_log_is_that_of_its_suffix_where_only_one_has_it(
 ) -> None:
     assert call("import", log, "--list") == call("import", log, "--from", "csv", "--list")
     (tmp_path / "drive.mcap").write_bytes(b"")
-    for source in ("drive.mcap", tmp_path):
-        code, _, said = call("import", source, "--list")
-        assert (code, said.count("\n")) == (2, 1)
-        assert "may be of several kinds; give one of csv, parquet, mcap" in said
+    code, _, said = call("import", "drive.mcap", "--list")
+    assert (code, said.count("\n")) == (2, 1)
+    assert "drive.mcap: neither its suffix nor its header tells what it is; give --from, one of csv" in said
+    code, _, said = call("import", log, "drive.mcap", "--list")
+    assert (code, said.count("\n")) == (2, 1)
     code, _, said = call("import", "none.csv", "--list")
     assert (code, said) == (2, "swamp-rl: none.csv: no such file or folder; check the name\n")
 
@@ -138,7 +139,17 @@ def test_the_kind_of_a_folder_is_that_of_the_logs_in_it_or_in_its_folders(
     for source in (day, tmp_path / "sea"):
         assert call("import", source, "--list") == call("import", source, "--from", "csv", "--list")
     (day / "log.ulg").write_bytes(b"")
-    assert "may be of several kinds" in call("import", day, "--list")[2]
+    assert f"{day}: files of several kinds (csv, ulog); give --from" in call("import", day, "--list")[2]
+
+
+def test_a_folder_without_logs_is_refused_as_such(call: Callable[..., Called], tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "notes").mkdir()
+    (tmp_path / "notes" / "calm.md").write_text("calm")
+    for folder in ("empty", "notes"):
+        code, _, said = call("import", folder, "--list")
+        assert (code, said.count("\n")) == (2, 1)
+        assert said.startswith(f"swamp-rl: {folder}: neither it nor a folder in it has .csv, .parquet")
 
 
 def test_the_kind_of_an_mcap_file_is_that_of_the_program_that_wrote_it(
@@ -161,4 +172,18 @@ def test_a_column_in_degrees_that_passes_zero_often_is_one_line(
     code, _, said = call("import", "log.csv", "--out", "day")
     (told,) = [line for line in said.splitlines() if "column heading" in line]
     assert code == 2
-    assert "(and 39 more rows like it, the last row 60) (--degrees heading)" in told
+    assert "(in 40 of rows 2 to 60) (--degrees heading)" in told
+    said = call("import", "log.csv", "--out", "day", "--bad-rows", "split")[2]
+    assert said.count("column heading") == 1 and "(in 40 of rows 2 to 60); 67% of the rows are bad" in said
+
+
+def test_the_option_that_a_complaint_offers_can_be_typed_as_it_stands(
+    call: Callable[..., Called], tmp_path: Path
+) -> None:
+    lines = [f"2026-05-04T09:20:{i:02d}Z,{i},0,0,calm sea" for i in range(12)]
+    (tmp_path / "log.csv").write_text("\n".join(["UTC time,north,east,heading,my notes", *lines]) + "\n")
+    said = call("import", "log.csv", "--out", "day")[2]
+    assert "read it as times: --map 'time=`UTC time`'" in said
+    assert "leave the column out: --drop 'my notes'" in said
+    again = [word for name in ("north", "east", "heading") for word in ("--map", f"{name}={name}")]
+    assert call("import", "log.csv", "--out", "day", "--map", "time=`UTC time`", *again)[0] == 0

@@ -115,6 +115,30 @@ def test_a_library_that_aborts_while_the_process_ends_does_not_change_the_exit_c
     assert (called.returncode, called.stdout, called.stderr) == (3, "ended in order\n", "")
 
 
+WARNS = """
+import sys, warnings
+from swamp_rl.experiments import cli
+
+def warned(stopped):
+    warnings.warn("identical limits", UserWarning)
+    sys.exit(0)
+
+cli.main = warned
+from swamp_rl_command import main
+main()
+"""
+
+
+@pytest.mark.parametrize(("asked", "printed"), [((), False), (("-W", "default"), True)])
+def test_warnings_of_libraries_are_printed_only_where_python_is_asked_for_them(
+    asked: tuple[str, ...], printed: bool
+) -> None:
+    called = subprocess.run(
+        [sys.executable, *asked, "-c", WARNS], cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert (called.returncode, "identical limits" in called.stderr) == (0, printed)
+
+
 @contextmanager
 def endless(notes: Path, *more: str, terminal: int | None = None) -> Iterator[subprocess.Popen[str]]:
     """The verb of `tests.support.endless` in a session of its own, temporary files in `notes`/tmp."""
@@ -200,6 +224,24 @@ def test_worker_processes_that_are_still_starting_do_not_heed_ctrl_c(tmp_path: P
 
 
 @pytest.mark.timed
+@pytest.mark.parametrize("number", signals.SIGNALS)
+def test_of_a_verb_that_a_signal_ends_in_order_only_ctrl_c_is_the_ordinary_end(
+    number: int, tmp_path: Path
+) -> None:
+    (tmp_path / "end").touch()
+    with endless(tmp_path, "--keeps") as process:
+        numbers(tmp_path / "at-work", process)
+        os.kill(process.pid, number)
+        out, said = process.communicate(timeout=PATIENCE)
+    code, word = ENDED[signal.Signals(number)]
+    assert out == "kept\n" and (tmp_path / "kept").exists()
+    ordinary = number == signal.SIGINT
+    assert (process.returncode, said) == (
+        (0, "") if ordinary else (code, f"swamp-rl: {word}; ended in order\n")
+    )
+
+
+@pytest.mark.timed
 def test_what_a_command_keeps_it_keeps_when_its_terminal_is_closed(tmp_path: Path) -> None:
     ours, theirs = pty.openpty()
     (tmp_path / "end").touch()
@@ -207,6 +249,6 @@ def test_what_a_command_keeps_it_keeps_when_its_terminal_is_closed(tmp_path: Pat
         os.close(theirs)
         workers = numbers(tmp_path / "at-work", process)
         os.close(ours)  # the system hangs up
-        assert process.wait(timeout=PATIENCE) == 0
+        assert process.wait(timeout=PATIENCE) == 129
     assert (tmp_path / "kept").exists() and (tmp_path / "out" / "half").exists()
     assert_nothing_left(tmp_path, workers)

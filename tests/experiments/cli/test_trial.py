@@ -87,7 +87,7 @@ def test_a_measured_track_alone_is_analysed_once_its_manoeuvre_and_marks_are_tol
             ["--angle", "90"],
         ),
         (["trial", "turning-circle", "--angle", "x", "--throttle", "0.6", "--out", "a"], ["--angle"]),
-        (["trial", "zig-zag", "--angle", "20", "--throttle", "60", "--out", "a"], ["throttle", "less than"]),
+        (["trial", "zig-zag", "--angle", "20", "--throttle", "60", "--out", "a"], ["throttle", "at most 1"]),
         (["trial", "zig-zag", "--angle", "0", "--throttle", "0.6", "--out", "a"], ["0 steers nowhere"]),
         (
             ["trial", "zig-zag", "--angle", "20", "--throttle", "0.6", "--pattern", "odd", "--out", "a"],
@@ -123,9 +123,9 @@ def test_wrong_arguments_are_one_line_and_leave_nothing(
 @pytest.mark.parametrize(
     ("asked", "told"),
     [
-        ("turning-circle --angle 400 --throttle 0.5", "swamp-rl: --angle: input should be less than"),
-        ("straight --throttle 0.5 --throttle 7", "swamp-rl: --throttle: input should be less than"),
-        ("stopping --throttle 0.5 --start-speed -3", "swamp-rl: --start-speed: input should be greater than"),
+        ("turning-circle --angle 400 --throttle 0.5", "swamp-rl: --angle: must be at most 90"),
+        ("straight --throttle 0.5 --throttle 7", "swamp-rl: --throttle: must be at most 1"),
+        ("stopping --throttle 0.5 --start-speed -3", "swamp-rl: --start-speed: must be greater than"),
         (
             "zig-zag --angle 9 --throttle 0.5 --heading 3 --heading 4",
             "--heading: give one for each of --angle",

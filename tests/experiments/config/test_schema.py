@@ -6,6 +6,7 @@ import pytest
 from swamp_rl.experiments.config.load import load_experiment, merged
 from swamp_rl.experiments.config.scene import config_files, read_scene
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 
 SMALL = """
@@ -149,21 +150,31 @@ def test_merging_replaces_lists_and_joins_mappings() -> None:
         ("step=.nan", "step"),
         ("name=../elsewhere", "name"),
         ("name=my first try", "name: 'my first try' may have letters, digits"),
-        ("evaluation.levels=calm", "evaluation.levels: input should be a list, not 'calm'"),
-        ("evaluation.levels=[]", "evaluation.levels: the list should have at least 1 item, not 0\n"),
-        (f"name={'a' * 101}", "name: string should have at most 100 characters"),
-        ("boat=3", "boat: input should be text, not 3"),
+        ("evaluation.levels=calm", "evaluation.levels: must be a list, not 'calm'"),
+        ("evaluation.levels=[]", "evaluation.levels: must have 1 or more entries, not 0\n"),
+        (f"name={'a' * 101}", "name: must have 100 or fewer characters"),
+        ("boat=3", "boat: must be text, not 3"),
         ("evaluation.episodes='5'", "a whole number, not '5'; leave the quotation marks out"),
-        ("evaluation.seed='1, 2'", "evaluation.seed: input should be a whole number, not '1, 2'\n"),
-        ("pilots.net=cloning", "pilots.net: input should be a mapping of keys to values, not 'cloning'"),
-        ("bounds.top=40.0", "bounds.top: input should be 'south', 'north', 'west' or 'east', not 'top'"),
+        ("evaluation.seed='1, 2'", "evaluation.seed: must be a whole number, not '1, 2'\n"),
+        ("pilots.net=cloning", "pilots.net: must be a mapping of keys to values, not 'cloning'"),
+        ("bounds.top=40.0", "bounds.top: must be 'south', 'north', 'west' or 'east', not 'top'"),
         ("reward.tim=1.0", "reward: no term 'tim'; did you mean 'time'? known here: progress"),
     ],
 )
 def test_a_wrong_value_or_key_is_named_with_what_is_allowed(tmp_path: Path, override: str, told: str) -> None:
     message = complaint(write(tmp_path, SMALL), override)
-    assert "small.yaml" in message
+    assert all(line.startswith(f"--set {clipped(override)[:30]}") for line in message.split("\n"))
     assert told in f"{message}\n"
+
+
+def test_of_several_overrides_the_one_at_fault_is_named_and_a_wrong_file_before_any(tmp_path: Path) -> None:
+    sound = ["evaluation.episodes=3", "evaluation.seed=5"]
+    wrong = complaint(write(tmp_path, SMALL), sound[0], "evaluation.episdes=3", sound[1])
+    assert wrong.startswith("--set evaluation.episdes=3: evaluation.episdes: unknown key")
+    together = complaint(write(tmp_path, SMALL), "targets.success.net.calm=0.5", "evaluation.levels=[severe]")
+    assert together.startswith("--set evaluation.levels=[severe]: targets: no level 'calm'")
+    file = write(tmp_path, SMALL.replace("seed", "sede"))
+    assert all(line.startswith(f"{file}: ") for line in complaint(file, *sound).split("\n"))
 
 
 @pytest.mark.parametrize(

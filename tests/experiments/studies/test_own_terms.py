@@ -153,7 +153,7 @@ def test_stable_baselines3_learns_on_a_batch_with_own_terms_for_a_moment(place: 
 
 def test_a_pilot_whose_term_cannot_be_imported_any_more_is_refused_in_one_line(place: Path) -> None:
     (place / "their_terms.py").unlink()
-    with pytest.raises(UserError, match="their_terms:near_buoy: cannot be imported") as error:
+    with pytest.raises(UserError, match="their_terms:near_buoy: there is no module") as error:
         load_experiment(experiment(place))
     assert "\n" not in str(error.value)
 
@@ -165,6 +165,12 @@ def test_who_learns_from_recorded_runs_can_sense_only_what_they_tell(
 ) -> None:
     with pytest.raises(UserError, match=rf"pilots\.{pilot}\.options\.senses: the runs have no {sense}"):
         load_experiment(experiment(place, pilot, ["north", "east", sense]))
+
+
+@pytest.mark.parametrize("pilot", ["net", "reservoir", "ppo"])
+def test_a_misspelt_sense_is_answered_with_the_name_meant(place: Path, pilot: str) -> None:
+    with pytest.raises(UserError, match=rf"pilots\.{pilot}\.options\.senses: .*did you mean 'gate_ahead'"):
+        read_scene(load_experiment(experiment(place, pilot, ["gate_ahed", "yaw_rate"])))
 
 
 def test_who_learns_from_runs_may_sense_the_last_action_as_the_environment_shows_it(place: Path) -> None:

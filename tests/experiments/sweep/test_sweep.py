@@ -203,6 +203,24 @@ def test_a_parameter_of_the_sweep_cannot_be_set_as_well(tmp_path: Path) -> None:
         checked(load_sweep(file), ["evaluation.episodes=3"])
 
 
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"set": {"evaluation.episods": 3}}, "set: evaluation.episods=3: evaluation.episods: unknown key"),
+        ({"parameters": {"evaluation.episodes": {"grid": [1, 0]}}}, "parameters: evaluation.episodes=0: "),
+    ],
+)
+def test_a_wrong_value_of_the_sweep_is_told_of_the_sweep(
+    changes: dict[str, Any], told: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "sweep.yaml"
+    file.write_text(json.dumps(sweep_trials.FORMULA | changes))
+    sweep = load_sweep(file)
+    with pytest.raises(UserError) as refused:
+        checked(sweep, [override(key, value) for key, value in sweep.set.items()])
+    assert str(refused.value).startswith(f"sweep {sweep.name}: {told}")
+
+
 @pytest.mark.parametrize("name", ["reservoir_grid", "reservoir_search"])
 def test_the_sweeps_that_come_along_are_sound_and_leave_the_main_jobs_episodes_unseen(name: str) -> None:
     sweep = load_sweep(name)
