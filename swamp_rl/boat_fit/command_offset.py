@@ -71,7 +71,7 @@ def _smooth(values: Array, rows: int, order: int, dt: float) -> Array:
 
     if len(values) < rows:
         return np.full(values.shape, np.nan)
-    made = savgol_filter(values, rows, 2, deriv=order, delta=dt, axis=0)
+    made = savgol_filter(values, rows, 2, deriv=order, delta=dt, axis=0, mode="nearest")
     made[: rows // 2], made[len(made) - rows // 2 :] = np.nan, np.nan
     return np.asarray(made)
 

@@ -50,6 +50,13 @@ def test_runs_of_one_command_have_no_offset(wired: RunSet) -> None:
     assert command_offset(replace(wired, commands=np.full_like(wired.commands, 0.3))) == 0.0
 
 
+def test_a_row_lost_at_the_beginning_or_the_end_of_a_run_does_not_move_the_offset(wired: RunSet) -> None:
+    measured = wired.measured.copy()
+    measured[:, 1] = np.nan
+    measured[np.arange(len(measured)), wired.lengths - 2] = np.nan
+    assert command_offset(replace(wired, measured=measured)) == pytest.approx(command_offset(wired), abs=0.11)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seconds", [-1.5, 1.5])
 def test_wiring_and_offset_are_found_together(tmp_path: Path, seconds: float) -> None:

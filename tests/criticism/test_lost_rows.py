@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.initial_states import levels_and_slopes, smoothed_states
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
+from swamp_rl.criticism.options import using
+from swamp_rl.criticism.selection import continuation
+from swamp_rl.criticism.selection.continuation import with_corrected_commands
 from tests.support.criticism import commands, driven
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
@@ -36,6 +40,29 @@ def test_an_unlogged_command_between_two_equal_rows_is_found() -> None:
     assert (
         with_unlogged_commands(better, fit(better, Hypothesis(), np.zeros(0), at.states, fresh=True)) is None
     )
+
+
+def test_commands_in_lost_rows_are_given_up_once_they_cannot_make_the_residual_noise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    sailed = driven(
+        [{"effect": "resistance", "scale": 1.1}], np.stack([commands(0), commands(2)]), 0.0, seed=11
+    )
+    measured = sailed.measured.copy()
+    measured[:, [ROW, 260]] = np.nan
+    found = replace(sailed, measured=measured)
+    problem = Shooting(found, weights(found, noise_levels(found)), np.inf)
+    at = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states(), fresh=True)
+    rounds = list[int]()
+
+    def counted(*given: Shooting) -> RunSet | None:
+        rounds.append(1)
+        return with_unlogged_commands(*given)
+
+    monkeypatch.setattr(continuation, "with_unlogged_commands", counted)
+    with using(nearly_noise=np.inf):
+        assert with_corrected_commands(problem, at) == (problem, at)
+    assert len(rounds) == 1
 
 
 def test_smoothing_is_exact_on_a_parabola_and_on_a_line_through_two_samples() -> None:

@@ -13,6 +13,7 @@ from swamp_rl.criticism.nuisance.process_noise import correlation_samples, in_no
 from swamp_rl.criticism.selection.stepwise_selection import (
     RatioTests,
     best_confirmed,
+    most_likely,
     select_under_model_error,
     single_stage,
 )
@@ -71,6 +72,23 @@ def test_sets_of_effects_are_compared_without_what_held_out_windows_do_not_confi
     best, confirmed = best_confirmed(continuation, fits, RatioTests(found, weight, 3))
     assert best.hypothesis.label == "resistance + wind"
     assert all(one.holds for one in confirmed.values())
+
+
+def test_of_effects_that_held_out_windows_do_not_separate_the_more_likely_is_selected() -> None:
+    found = simulated_runs([{"effect": "position_delay", "delay": 0.4}], velocities=False)
+    weight = weights(found, noise_levels(found))
+    continuation = single_stage(model_error(found, weight, Hypothesis(), np.zeros(0), 10.0))
+    known, states = by_label(candidates(found.boat, SECONDS)), continuation.problems[0].initial_states()
+    names = ("position_delay", "clock_offset")
+    fits = [continuation.fit(0, Hypothesis((known[n],)), np.array([0.3]), states) for n in names]
+    for likely in fits:
+        tests = RatioTests(found, weight, 3)
+        for one in fits:
+            at = tests.marginal(one)
+            worse = replace(at, deviance=at.deviance + 20.0 * (one is not likely))
+            tests.marginals[one.hypothesis.label, one.x.tobytes()] = worse
+        best, confirmed = most_likely(continuation, *best_confirmed(continuation, fits, tests), fits, tests)
+        assert best is likely and all(one.holds for one in confirmed.values())
 
 
 def test_adequacy_is_tested_against_the_measurement_noise_not_the_model_error() -> None:

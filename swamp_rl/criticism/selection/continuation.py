@@ -199,10 +199,16 @@ def fit_whole_runs(
 def with_corrected_commands(problem: Shooting, made: Fit) -> tuple[Shooting, Fit]:
     """Whole runs with commands that only stood in lost rows, where the residual is then noise, and the fit;
     its penalty holds `unlogged_gain` for each such command, so that an effect is preferred to many of them.
+
+    Each round takes the best command of every run, so it lowers the excess over noise less than the one
+    before: the rounds end where as much in each that remains would not suffice.
     """
-    before, corrected = (problem, made), 0
-    for _ in range(options().most_corrections):
-        if adequacy(problem, made).adequate or made.chi2 > options().nearly_noise * problem.samples:
+    before, corrected, excess = (problem, made), 0, math.inf
+    for remaining in range(options().most_corrections, 0, -1):
+        last, excess = excess, adequacy(problem, made).worst
+        enough = excess - remaining * (last - excess) < options().whiteness_limit
+        noise = excess < options().whiteness_limit
+        if noise or not enough or made.chi2 > options().nearly_noise * problem.samples:
             break
         run_set = with_unlogged_commands(problem, made)
         if run_set is None:

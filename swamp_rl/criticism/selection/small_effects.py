@@ -122,10 +122,11 @@ def _fitted(
     scores: Sequence[ScoreTest],
     stage: int,
 ) -> list[Fit]:
-    """Fits at a stage of the given score tests, best first."""
-    known = by_label(instances)
-    made = [
-        continuation.fit(stage, at.hypothesis.with_instance(known[one.instance.label]), one.x, at.states)
-        for one in scores
-    ]
-    return sorted(made, key=continuation.criterion)
+    """Fits at a stage of the given score tests, in their order up to one far above the best, best first."""
+    criterion, known, made = continuation.criterion, by_label(instances), list[Fit]()
+    for one in scores:
+        if made and criterion.expected(one) > min(map(criterion, made)) + options().follow_fit:
+            break
+        hypothesis = at.hypothesis.with_instance(known[one.instance.label])
+        made.append(continuation.fit(stage, hypothesis, one.x, at.states))
+    return sorted(made, key=criterion)

@@ -101,7 +101,8 @@ def _selected(
     others = [best, *_exchanged(continuation, best, singles)]
     unidentifiable = [one.instance.label for one in first if one.information < options().least_information]
     best, confirmed = best_confirmed(continuation, others, tests)
-    rivals = equivalent(continuation, best, [*singles, *others]) if best.hypothesis.instances else []
+    best, confirmed = most_likely(continuation, best, confirmed, [*singles, *others], tests)
+    rivals = equivalent(continuation, best, [*singles, *others])
     tried = [*singles, *(one for one in others if one is not best), best]
     found = Selection(best, False, 0, rivals, tried, first, unidentifiable, confirmed)
     return weighted.run_set, continuation, found
@@ -251,6 +252,29 @@ def _eliminated(
             return best, found
         doubtful = [label for label, one in found.items() if not one.holds]
         best = without(continuation, best, min(doubtful, key=lambda label: found[label].low), 0)
+
+
+def most_likely(
+    continuation: Continuation,
+    best: Fit,
+    confirmed: dict[str, Confirmation],
+    others: Sequence[Fit],
+    tests: RatioTests,
+) -> tuple[Fit, dict[str, Confirmation]]:
+    """The fit of least information criterion beside errors of the model's curves, of the best one and those
+    confirmed whole that held-out windows do not separate from it; and what confirms it.
+    """
+
+    def criterion(one: Fit) -> float:
+        return tests.marginal(one).deviance + continuation.criterion.charge(one.hypothesis)
+
+    for rival in sorted(equivalent(continuation, best, others), key=criterion):
+        if criterion(rival) >= criterion(best):
+            break
+        kept, found = _eliminated(continuation, rival, tests)
+        if kept is rival:
+            return rival, found
+    return best, confirmed
 
 
 def equivalent(continuation: Continuation, winner: Fit, others: Sequence[Fit]) -> list[Fit]:
