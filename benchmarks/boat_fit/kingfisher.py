@@ -9,8 +9,6 @@ heading, speed and the commands of both thrusters at 10 Hz, and no position.
 import argparse
 from pathlib import Path
 
-import numpy as np
-
 from benchmarks.boat_fit.tables import error_table, findings, number_table, run_table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat.estimate import annotated, boat_file
@@ -23,7 +21,6 @@ from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.runs.import_dataset import About
 from swamp_rl.runs.import_foreign import Wishes
 
-FIELDS = ("time", "kfhd", "kfspd", "portcmd", "stbdcmd")
 SIZES = {"length": 1.35, "breadth": 0.98, "mass": 28.0, "thrust": 41.4, "top_speed": 1.6, "draught": 0.12}
 """The maker's sizes [m, kg], bollard pull [N] of `tcurve_nohead.csv` beside the data, top speed [m/s]."""
 MAPPING = {
@@ -41,33 +38,19 @@ MAPPING = {
 NOTES = "Kingfisher M200 on a lake, 14 February 2018; position by dead reckoning from speed and heading"
 
 
-def tables_of(source: Path, folder: Path) -> list[Path]:
-    """The runs as CSV files in the new folder."""
-    from scipy.io import loadmat
-
-    folder.mkdir(parents=True)
-    made = []
-    for path in sorted(source.glob("14FEB_LakeTest_Run*.mat")):
-        held = loadmat(path, squeeze_me=True)
-        rows = min(len(held[name]) for name in FIELDS)
-        columns = np.column_stack([held[name][:rows] for name in FIELDS])
-        made.append(folder / f"{path.stem}.csv")
-        np.savetxt(made[-1], columns, "%.6g", ",", header=",".join(FIELDS), comments="")
-    if not made:
-        raise UserError(f"{source}: has no file 14FEB_LakeTest_Run*.mat; name the folder LakeTest_14FEB")
-    return made
-
-
 def identified(source: Path, out: Path) -> Identification:
     """From the .mat files to an identified boat, all in the new folder `out`."""
-    logs = tables_of(source, out / "logs")
+    logs = sorted(source.glob("14FEB_LakeTest_Run*.mat"))
+    if not logs:
+        raise UserError(f"{source}: has no file 14FEB_LakeTest_Run*.mat; name the folder LakeTest_14FEB")
+    out.mkdir(parents=True)
     boat = out / "kingfisher.yaml"
     boat.write_text(
         annotated(boat_file("kingfisher", "twin-fixed", **SIZES), "Kingfisher M200."), encoding="utf-8"
     )
     write_yaml(out / "mapping.yaml", MAPPING)
     mapping = mapping_of([str(out / "mapping.yaml")])
-    import_logs(logs, "csv", out / "runs", About(boat=str(boat), notes=NOTES), Wishes(), Reading(mapping))
+    import_logs(logs, "matlab", out / "runs", About(boat=str(boat), notes=NOTES), Wishes(), Reading(mapping))
     return identify_boat(out / "runs", boat, out / "identified.yaml")
 
 

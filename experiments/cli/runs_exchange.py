@@ -30,7 +30,8 @@ NOTED = (
 
 Sources = Annotated[list[Path], typer.Argument(help="Files, or folders of them.")]
 From = Annotated[
-    Literal["csv", "parquet", "mcap", "telemetry", "free-running", "dataflash", "ulog", "rosbag"] | None,
+    Literal["csv", "parquet", "mcap", "telemetry", "free-running", "matlab", "dataflash", "ulog", "rosbag"]
+    | None,
     typer.Option("--from", help="Format; by default by the suffix."),
 ]
 Out = Annotated[Path | None, typer.Option(help="The new dataset.")]
@@ -146,7 +147,7 @@ def import_(
     commands_earlier: Earlier = 0.0,
 ) -> None:
     """Convert logs to a dataset: tables, messages, telemetry, free-running tests."""
-    from swamp_rl.logs.import_logs import BINARY, Reading, import_logs
+    from swamp_rl.logs.import_logs import MAPPED, Reading, import_logs
     from swamp_rl.logs.mapping import mapping_of
     from swamp_rl.runs.import_dataset import About, Kind, import_runs, kind_of
     from swamp_rl.runs.import_foreign import Wishes
@@ -162,7 +163,7 @@ def import_(
         return
     if out is None:
         raise UserError("--out: the new dataset has no name; give one, or --list")
-    if kind in BINARY or map_ or frame or clock or join or join_folders:
+    if kind in MAPPED or map_ or frame or clock or join or join_folders:
         if renamed or dropped or rate:
             raise UserError(
                 "--column, --drop, --rate: a mapping replaces these options; give --map OUR=THEIRS"

@@ -12,6 +12,7 @@ from swamp_rl.boat_fit.numbers import Number
 from swamp_rl.effects import LIBRARY
 from swamp_rl.effects.entries import entry_mapping
 
+THRUST = "thrust_scale"  # effect on all thrusters
 DIGITS = 5  # significant, of a number in the file
 SHOWN = (
     0.7  # of the prior's standard deviation, below which a standard error says that the data show a number
@@ -41,8 +42,10 @@ class Fitted:
         return abs(math.log(self.value / start)) * abs(self.value) / sd if sd * self.value != 0.0 else 0.0
 
 
-def identified_mapping(boat: Boat, name: str, fitted: Sequence[Fitted], told_from: str) -> dict[str, Any]:
-    """The boat file of a fit; told_from: the dataset's name, for the sources.
+def identified_mapping(
+    boat: Boat, name: str, fitted: Sequence[Fitted], told_from: str, level: float = 1.0
+) -> dict[str, Any]:
+    """The boat file of a fit; told_from: the dataset's name, for the sources; level: of the thrust [1].
 
     A number that the data show has provenance `fitted`; another one keeps its own. The start boat's effects
     on numbers that were fitted are in those numbers, and left out.
@@ -60,9 +63,19 @@ def identified_mapping(boat: Boat, name: str, fitted: Sequence[Fitted], told_fro
             _add_effect(made["effects"], boat, one)
         else:
             _set_number(made, boat, one, told_from)
+    _scale_thrust(made["effects"], level)
     if not made["effects"]:
         del made["effects"]
     return made
+
+
+def _scale_thrust(effects: list[dict[str, Any]], level: float) -> None:
+    """Multiply all thrust by the level, in one effect with that of the start file."""
+    scales = [entry for entry in effects if entry["effect"] == THRUST]
+    level *= math.prod(entry["scale"] for entry in scales)
+    effects[:] = [entry for entry in effects if entry not in scales]
+    if level != 1.0:
+        effects.append({"effect": THRUST, "scale": _rounded(level)})
 
 
 def _rounded(value: float) -> float:

@@ -18,7 +18,17 @@ from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.recent_thrust import chosen_gains, recent_errors
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
-from swamp_rl.boat_fit.run_thrust import FEWEST, RunThrust, UnlikeRuns, run_thrusts, unlike, without
+from swamp_rl.boat_fit.run_thrust import (
+    FEWEST,
+    RunThrust,
+    ThrustLevel,
+    UnlikeRuns,
+    at_level,
+    run_thrusts,
+    thrust_level,
+    unlike,
+    without,
+)
 from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
 from swamp_rl.criticism.data.checks import refuse_other_vehicle
 from swamp_rl.criticism.data.consistency import refuse_inconsistent
@@ -41,11 +51,13 @@ FITS = 3  # at most, each without the runs of another thrust that the one before
 
 @dataclass(frozen=True)
 class _FittedFile:
-    """The wiring and the fit, the numbers by it, and the boat of the file that has them."""
+    """The wiring and the fit, the numbers by it, the level of the thrust, and the boat of the file that has
+    them."""
 
     wiring: Wiring
     fit: BoatFit
     numbers: list[Fitted]
+    level: ThrustLevel
     boat: Boat
 
 
@@ -97,23 +109,25 @@ def identify_boat(
             gains,
             recent_errors(here, made.boat, gains) if gains != "none" else [],
             tried,
+            made.level,
         )
         page.write_text(page_of(found), encoding="utf-8")
     return found
 
 
 def _fitted_to_alike(
-    data: Split, positions: bool, written: Callable[[Boat, list[Fitted]], Boat]
+    data: Split, positions: bool, written: Callable[[Boat, list[Fitted], ThrustLevel], Boat]
 ) -> tuple[_FittedFile, UnlikeRuns]:
     """The fit to the training runs that have the thrust of most runs, and the runs that have another.
 
     These are sought with the fit to short windows of all, and again with each fit without them, until the
-    runs left out are those found. written: the boat of the file with these numbers.
+    runs left out are those found. The thrust of the last fit is brought to the mean of the runs fitted to.
+    written: the boat of the file with these numbers and this level of the thrust.
     """
     begun, rest = searched(data.training, positions), data.training
     wiring, short = short_fitted(rest, begun, positions)
     judged = len(rest.lengths) + len(data.held_out.lengths) >= FEWEST
-    thrusts = _thrusts(data, wiring, written(wiring.boat, short)) if judged else []
+    thrusts = _thrusts(data, wiring, written(wiring.boat, short, ThrustLevel())) if judged else []
     for _ in range(FITS):
         alike = _without(data.training, unlike(thrusts))
         if alike.names != rest.names:
@@ -121,12 +135,12 @@ def _fitted_to_alike(
             rest, (wiring, short) = alike, short_fitted(alike, begun, positions)
         made = fitted_boat(rest, wiring, short)
         numbers = numbers_of(made)
-        boat = written(wiring.boat, numbers)
-        thrusts = _thrusts(data, wiring, boat) if judged else []
+        thrusts = _thrusts(data, wiring, written(wiring.boat, numbers, ThrustLevel())) if judged else []
         if _without(data.training, unlike(thrusts)).names == rest.names:
             break
-    found = replace(unlike(thrusts), fitted=rest.names)
-    return _FittedFile(wiring, made, numbers, boat), found
+    level = thrust_level([one for one in thrusts if one.name in rest.names])
+    found = replace(unlike(at_level(thrusts, level)), fitted=rest.names)
+    return _FittedFile(wiring, made, numbers, level, written(wiring.boat, numbers, level)), found
 
 
 def _without(training: RunSet, found: UnlikeRuns) -> RunSet:
@@ -142,9 +156,11 @@ def _thrusts(data: Split, wiring: Wiring, boat: Boat) -> list[RunThrust]:
     return [one for part in parts for one in run_thrusts(part, boat)]
 
 
-def _written(part: Path, dataset: Path, name: str, boat: Boat, numbers: list[Fitted]) -> Boat:
-    """The boat of the file with these numbers, written to `part`."""
-    mapping = identified_mapping(boat, name, numbers, _told(dataset))
+def _written(
+    part: Path, dataset: Path, name: str, boat: Boat, numbers: list[Fitted], level: ThrustLevel
+) -> Boat:
+    """The boat of the file with these numbers and this level of the thrust, written to `part`."""
+    mapping = identified_mapping(boat, name, numbers, _told(dataset), level.mean)
     part.write_text(yaml_text(mapping), encoding="utf-8")
     return _loaded(part, dataset)
 

@@ -60,6 +60,12 @@ def summary(found: Identification) -> list[str]:
             "taken that much earlier. A boat file has no parameter for it: import the runs again with "
             f"--commands-earlier {found.wiring.advance:g}."
         )
+    if found.level.standard_error > 0.0:
+        level = f"{found.level.mean:.3f} ± {found.level.standard_error:.3f} (one standard error)"
+        said.append(
+            f"The thrust of the fit is multiplied by {level}, the mean of the runs that it is fitted to "
+            "(effect `thrust_scale`)."
+        )
     said += unlike_runs(found)
     said += far_from_start(found.fitted)
     said.append(prediction_sentence(found))

@@ -10,7 +10,7 @@ from swamp_rl.boat_fit.boat_file import Fitted
 from swamp_rl.boat_fit.fit import BoatFit
 from swamp_rl.boat_fit.pieces import Split
 from swamp_rl.boat_fit.recent_thrust import Gains, RecentErrors
-from swamp_rl.boat_fit.run_thrust import UnlikeRuns
+from swamp_rl.boat_fit.run_thrust import ThrustLevel, UnlikeRuns
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.criticism.result import Predictors
 
@@ -26,7 +26,8 @@ class Identification:
     unlike: runs of another thrust or of other commands, which the fit leaves out; alike: as `after`, on the
     held-out runs without these, none where all or no held-out runs are such; gains: of the thrust, from each
     run's own recent past, that predict the training runs best; recent: errors on the held-out runs with
-    them, as `after` where they are none; recent_training: errors on the training runs by choice.
+    them, as `after` where they are none; recent_training: errors on the training runs by choice; level: of
+    the thrust in the runs fitted to.
     """
 
     start: Boat
@@ -44,6 +45,7 @@ class Identification:
     gains: Gains = "none"
     recent: list[RecentErrors] = field(default_factory=list)
     recent_training: dict[Gains, list[RecentErrors]] = field(default_factory=dict)
+    level: ThrustLevel = field(default_factory=ThrustLevel)
 
     @property
     def predicted(self) -> list[Predictors]:

@@ -13,6 +13,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit, fit_states, losses
 from swamp_rl.criticism.model.candidates import Hypothesis, instances_of
+from swamp_rl.criticism.nuisance.random_effect import random_effect
 from swamp_rl.effects import LIBRARY
 
 Array = NDArray[np.float64]
@@ -65,6 +66,33 @@ def unlike(every: Sequence[RunThrust]) -> UnlikeRuns:
     undriven = with_other_commands(every)
     driven = [one for one in every if one not in undriven]
     return UnlikeRuns(tuple(with_other_thrust(driven)), tuple(undriven))
+
+
+@dataclass(frozen=True)
+class ThrustLevel:
+    """Mean [1] of the thrust of runs as a share of a boat's, and its standard error."""
+
+    mean: float = 1.0
+    standard_error: float = 0.0
+
+
+def thrust_level(usual: Sequence[RunThrust]) -> ThrustLevel:
+    """The mean of the normal distribution that the shares of these runs are drawn from, by restricted maximum
+    likelihood; 1 where there are fewer than two.
+    """
+    if len(usual) < 2:
+        return ThrustLevel()
+    shares, errors = (np.array([getattr(one, key) for one in usual]) for key in ("share", "standard_error"))
+    found = random_effect(shares[:, None], np.diag(errors**2), np.ones(1))
+    return ThrustLevel(float(found.mean[0]), float(np.sqrt(found.covariance[0, 0])))
+
+
+def at_level(every: Sequence[RunThrust], level: ThrustLevel) -> list[RunThrust]:
+    """The same as shares of the boat whose thrust has this level."""
+    return [
+        replace(one, share=one.share / level.mean, standard_error=one.standard_error / level.mean)
+        for one in every
+    ]
 
 
 @np.errstate(over="ignore", invalid="ignore")  # where the boat diverges at a scale

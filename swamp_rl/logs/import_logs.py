@@ -15,6 +15,7 @@ from swamp_rl.logs.dataflash import read_dataflash
 from swamp_rl.logs.defaults import default_mapping, ros_kinds, wanted_messages
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.mapping import Mapping
+from swamp_rl.logs.matlab import read_matlab
 from swamp_rl.logs.restarts import parts_between_restarts
 from swamp_rl.logs.ros import read_bag
 from swamp_rl.logs.tables import read_folder_log, read_table_log
@@ -28,6 +29,8 @@ ABOUT_ONE = 1.2
 """Greatest ratio of the rates of logs that are joined at one rate."""
 TABLES = ("csv", "parquet")
 BINARY = ("dataflash", "ulog", "rosbag")
+MAPPED = ("matlab", *BINARY)
+"""Kinds that only a mapping imports, by default that of BINARY."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,7 @@ def import_logs(
 
     UserError lists the faults with file, row and column, and then there is no `out`.
     """
-    if kind not in (*TABLES, *BINARY):
+    if kind not in (*TABLES, *MAPPED):
         raise UserError(f"--map: is not for --from {kind}; leave it out, or give --column")
     mapping = replace(reading.mapping, units={**reading.mapping.units, **wishes.units})
     boat = load_boat(about.boat or "swamp")
@@ -162,7 +165,7 @@ def read_log(path: Path, kind: str, wanted: Collection[str] | None = None) -> Lo
         return read_ulog(path, wanted)
     if kind == "rosbag":
         return read_bag(path, wanted, ros_kinds())
-    return read_table_log(path)
+    return read_matlab(path) if kind == "matlab" else read_table_log(path)
 
 
 def _as_one(logs: Sequence[Log], name: str) -> Log:

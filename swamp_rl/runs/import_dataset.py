@@ -37,14 +37,16 @@ SUFFIXES = {
     "mcap": (".mcap",),
     "telemetry": (".txt", ".log", ".dat"),
     "free-running": (".csv",),
+    "matlab": (".mat",),
     "dataflash": (".bin",),
     "ulog": (".ulg",),
     "rosbag": (".bag", ".db3", ".mcap"),
 }
-"""The last three are read by `swamp_rl.logs`."""
+"""The last four are read by `swamp_rl.logs`."""
 SURE = {
     ".csv": "csv",
     ".parquet": "parquet",
+    ".mat": "matlab",
     ".bin": "dataflash",
     ".ulg": "ulog",
     ".bag": "rosbag",

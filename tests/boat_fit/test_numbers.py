@@ -123,6 +123,16 @@ def test_effects_of_the_start_file_on_fitted_numbers_are_in_these_numbers(tmp_pa
     assert mapping["hull"]["n_r"]["value"] == pytest.approx(2.0 * boat.hull.n_r)
 
 
+def test_the_level_of_the_thrust_multiplies_that_of_the_start_file(tmp_path: Path) -> None:
+    for text, scale in (("[]", 0.8), ("[{effect: thrust_scale, scale: 0.9}]", 0.72)):
+        (tmp_path / "worn.yaml").write_text(f"extends: swamp\neffects: {text}\n")
+        boat = load_boat(tmp_path / "worn.yaml")
+        write_yaml(tmp_path / "new.yaml", identified_mapping(boat, "new", [], "runs", level=0.8))
+        made = load_boat(tmp_path / "new.yaml")
+        assert parameters(made)["thrust_scale"][0] == pytest.approx(scale)
+        assert len(made.effects) == 1
+
+
 def test_saturation_is_free_unless_the_start_file_has_a_curve_below_full_throttle(tmp_path: Path) -> None:
     def named(text: str) -> list[str]:
         (tmp_path / "bent.yaml").write_text(f"extends: swamp\neffects: [{text}]\n")

@@ -9,8 +9,10 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.boat_fit.run_thrust import (
     RunThrust,
+    at_level,
     run_thrusts,
     standardised,
+    thrust_level,
     unlike,
     with_other_thrust,
     without,
@@ -84,6 +86,24 @@ def test_the_spread_between_runs_is_found_beside_the_errors_of_the_runs(spread: 
     errors = rng.uniform(0.02, 0.3, 4000)
     _, found = standardised(rng.normal(0.0, np.hypot(spread, errors)), errors)
     assert found == pytest.approx(spread, rel=0.1)
+
+
+def test_the_level_of_the_thrust_is_the_mean_between_runs_within_its_error() -> None:
+    rng = np.random.default_rng(2)
+    errors = rng.uniform(0.01, 0.2, 12)
+    away = []
+    for _ in range(60):
+        drawn = rng.normal(0.9, np.hypot(0.12, errors))
+        level = thrust_level([RunThrust("", *one) for one in zip(drawn, errors, strict=True)])
+        away.append((level.mean - 0.9) / level.standard_error)
+    assert np.mean(np.abs(away) < 1.96) > 0.87  # 95 % of 60, less three standard deviations
+    assert thrust_level(shares(0.8, 0.9, 1.0)).mean == pytest.approx(0.9)
+    assert thrust_level(shares(0.5)) == thrust_level([])
+
+
+def test_shares_are_those_of_the_boat_at_the_level() -> None:
+    (found,) = at_level(shares(0.45, error=0.09), thrust_level(shares(0.8, 0.9, 1.0)))
+    assert (found.share, found.standard_error) == pytest.approx((0.5, 0.1))
 
 
 def test_runs_are_left_out_by_name(tmp_path: Path) -> None:
