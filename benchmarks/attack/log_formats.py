@@ -13,13 +13,14 @@ from benchmarks.attack.log_samples import (
     make_bag,
     make_dataflash,
     make_mapping,
+    make_matlab,
     make_table,
     make_ulog,
 )
 from benchmarks.attack.samples import make_boat, make_text
 
 Make, Read = Callable[[Path], Path], Callable[[Path], Any]
-KINDS = {".csv": "csv", ".parquet": "parquet", ".bin": "dataflash", ".ulg": "ulog"}
+KINDS = {".csv": "csv", ".parquet": "parquet", ".mat": "matlab", ".bin": "dataflash", ".ulg": "ulog"}
 
 
 def imported(log: Path, options: Sequence[str], beside: Path, clock: Sequence[str] = ()) -> Any:
@@ -99,6 +100,7 @@ LOG_FORMATS: dict[str, tuple[Make, Read]] = {
     "ros2.mcap": (make_bag("mcap", ".mcap"), by(*POSE)),
     "ros2 metadata.yaml": (make_bag("mcap", ".yaml"), _bag),
     "mapped.csv": (make_table(".csv"), by(*OPTIONS)),
+    "mapped.mat": (make_matlab, by(*OPTIONS)),
     "mapped.parquet": (make_table(".parquet"), by(*OPTIONS)),
     "mapping.yaml": (make_mapping, _mapping),
     "--map": (make_text("where(x > 50, abs(`y`) / 1e2, -rate(compass)) ** 2"), _expression),

@@ -53,6 +53,16 @@ def make_table(suffix: str) -> Callable[[Path], Path]:
     return make
 
 
+def make_matlab(folder: Path) -> Path:
+    """A MATLAB file with the numbers of that table."""
+    from scipy.io import savemat
+
+    path = folder / "one.mat"
+    numbers = {name: np.asarray(values, float) for name, values in stranger().items() if name != "mode"}
+    savemat(path, numbers, oned_as="column")
+    return path
+
+
 def make_mapping(folder: Path) -> Path:
     """A mapping's file, beside the table that it is for."""
     make_table(".csv")(folder)
