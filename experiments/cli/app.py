@@ -220,9 +220,10 @@ def main(stopped: Callable[[int], Any] = sys.exit) -> None:
             heed_no_more()
             code, line = INTERRUPTED, ""
         if signals and (code or signals[0] != signal.SIGINT):
-            line = line or ("only what was finished is kept" if code else "ended in order")
+            line = line or ("" if code else "ended in order")
             code = 128 + signals[0]  # whatever became of the exception on its way
-            line = f"{STOPPED[code]}; {line}"
+        if code in STOPPED:
+            line = f"{STOPPED[code]}; {line or 'only what was finished is kept'}"
         if line:
             _complain(line)
         if code in STOPPED:
