@@ -25,7 +25,7 @@ NOT_RUN = {  # blocks that no test can run: servers, hours, logs of others
     "docs/fleet.md": 1,
     "docs/formats.md": 1,
     "docs/identify_boat.md": 2,
-    "docs/import.md": 2,
+    "docs/import.md": 3,
     "docs/kingfisher.md": 2,
     "docs/learners.md": 1,
     "docs/link.md": 3,
