@@ -152,6 +152,11 @@ class OrderlyServer(uvicorn.Server):
     A closed terminal (SIGHUP) ends it in order too, where that is heeded.
     """
 
+    def run(self, sockets: list[socket.socket] | None = None) -> None:
+        """As uvicorn's own; a signal before its loop runs ends it in order too."""
+        with self.capture_signals():
+            super().run(sockets)
+
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
         """As uvicorn's own, with SIGHUP."""
