@@ -39,8 +39,8 @@ def read_matlab(path: Path) -> Log:
                 raise UserError(f"{path}: has more than {MOST_CELLS} values; divide the log")
             values = loadmat(path, variable_names=list(sizes)) if sizes else {}
         except NotImplementedError as error:
-            told = "is of MATLAB's version 7.3, which is not read; save it with save(NAME, '-v7')"
-            raise UserError(f"{path}: {told}") from error
+            why = "is of MATLAB's version 7.3, which is not read; save it with save(NAME, '-v7')"
+            raise UserError(f"{path}: {why}") from error
         except OSError as error:
             raise error if error.errno else EOFError(str(error)) from error  # scipy's, of a file cut off
     if not sizes:
