@@ -9,7 +9,7 @@ as a CSV file for each topic.
 import argparse
 from pathlib import Path
 
-from benchmarks.boat_fit.tables import error_table, findings, number_table
+from benchmarks.boat_fit.tables import error_table, findings, number_table, thrust_table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat.estimate import annotated, boat_file
 from swamp_rl.boat_fit.identify import identify_boat
@@ -83,6 +83,7 @@ def main() -> None:
         "doctor": doctor,
         "findings": findings(found),
         "errors": error_table(found),
+        "thrust": thrust_table(found),
         "numbers": number_table(found),
     }
     write_parts(DOCS / "ferry.md", parts)

@@ -1,11 +1,21 @@
 """The tables of a page on a measured boat."""
 
+from dataclasses import replace
+
+import numpy as np
 from swamp_rl.experiments.reports.experiment import table
 
 from swamp_rl.boat_fit.identify import errors_on
 from swamp_rl.boat_fit.recent_thrust import recent_errors
 from swamp_rl.boat_fit.report import gains_sentence, held_out_sentence, summary
 from swamp_rl.boat_fit.result import Identification
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.likelihood.prediction_error import (
+    blocks_of,
+    boat_file_errors,
+    change,
+    without_thrust,
+)
 from swamp_rl.criticism.report.evidence import TRIVIAL
 
 SHOWN = 5.0  # s, horizon of the table by run
@@ -57,6 +67,21 @@ def run_table(found: Identification) -> str:
         rows.append([name.split(",")[0].split("_")[-1], *spans, *(f"{error:.2f}" for error in errors)])
     names = [f"throttle of {thruster.name}" for thruster in found.boat.thrusters]
     return table(["run", *names, *PREDICTORS], rows)
+
+
+def thrust_table(found: Identification) -> str:
+    """Errors [m] on the held-out runs without thrust and with it, and the interval of their difference."""
+    held = replace(found.data.held_out, boat=found.boat)
+    weight, rows = weights(held, noise_levels(held)), []
+    for horizon in (one.horizon_s for one in found.after):
+        before, after = (boat_file_errors(runs, weight, horizon) for runs in (without_thrust(held), held))
+        block, _ = blocks_of(after, horizon)
+        paired = change(before.error[:, :2], after.error[:, :2], block, np.random.default_rng(0))
+        if paired:
+            low, high = paired.ci95
+            span = f"{low:.4f} to {high:.4f}"
+            rows.append([f"{horizon:g}", f"{paired.before:.4f}", f"{paired.after:.4f}", span])
+    return table(["horizon, s", "no thrust", "without gains", "95 % interval of the difference"], rows)
 
 
 def findings(found: Identification) -> str:

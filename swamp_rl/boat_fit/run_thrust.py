@@ -26,6 +26,7 @@ FEWEST = 6  # runs, of which most can be taken to be alike
 CHI2_MEDIAN = 0.454936  # of one degree of freedom
 EXPLAINED = 0.5  # of chi2 without thrust, that commands explain of the motion that they drive
 UNUSUAL = 3.0  # times the median residual, beyond which a run's is unusual
+DIFFERS = 1.96  # standard errors of the mean thrust, beyond which it is not the boat's
 DRAWS = 1000
 HALVINGS = 40
 
@@ -77,11 +78,17 @@ class ThrustLevel:
 
 
 def thrust_level(usual: Sequence[RunThrust]) -> ThrustLevel:
-    """The mean of the normal distribution that the shares of these runs are drawn from, by restricted maximum
-    likelihood; 1 where there are fewer than two.
-    """
+    """The mean thrust of these runs where it differs from the boat's, else the boat's: 1 without error."""
     if len(usual) < 2:
         return ThrustLevel()
+    level = mean_thrust(usual)
+    return level if abs(level.mean - 1.0) > DIFFERS * level.standard_error else ThrustLevel()
+
+
+def mean_thrust(usual: Sequence[RunThrust]) -> ThrustLevel:
+    """The mean of the normal distribution that the shares of two or more runs are drawn from, by restricted
+    maximum likelihood.
+    """
     shares, errors = (np.array([getattr(one, key) for one in usual]) for key in ("share", "standard_error"))
     found = random_effect(shares[:, None], np.diag(errors**2), np.ones(1))
     return ThrustLevel(float(found.mean[0]), float(np.sqrt(found.covariance[0, 0])))

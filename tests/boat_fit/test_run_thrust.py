@@ -9,7 +9,9 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.boat_fit.run_thrust import (
     RunThrust,
+    ThrustLevel,
     at_level,
+    mean_thrust,
     run_thrusts,
     standardised,
     thrust_level,
@@ -88,21 +90,27 @@ def test_the_spread_between_runs_is_found_beside_the_errors_of_the_runs(spread: 
     assert found == pytest.approx(spread, rel=0.1)
 
 
-def test_the_level_of_the_thrust_is_the_mean_between_runs_within_its_error() -> None:
+def test_the_mean_thrust_of_runs_is_within_its_error_as_often_as_stated() -> None:
     rng = np.random.default_rng(2)
     errors = rng.uniform(0.01, 0.2, 12)
     away = []
     for _ in range(60):
         drawn = rng.normal(0.9, np.hypot(0.12, errors))
-        level = thrust_level([RunThrust("", *one) for one in zip(drawn, errors, strict=True)])
-        away.append((level.mean - 0.9) / level.standard_error)
+        mean = mean_thrust([RunThrust("", *one) for one in zip(drawn, errors, strict=True)])
+        away.append((mean.mean - 0.9) / mean.standard_error)
     assert np.mean(np.abs(away) < 1.96) > 0.87  # 95 % of 60, less three standard deviations
-    assert thrust_level(shares(0.8, 0.9, 1.0)).mean == pytest.approx(0.9)
-    assert thrust_level(shares(0.5)) == thrust_level([])
+    assert mean_thrust(shares(0.8, 0.9, 1.0)).mean == pytest.approx(0.9)
+
+
+def test_the_level_of_the_thrust_is_the_mean_of_the_runs_only_where_it_differs() -> None:
+    low = (0.9, 0.85, 0.88, 0.95, 0.82, 0.91)
+    assert thrust_level(shares(*low)).mean == pytest.approx(np.mean(low))
+    for unclear in ((0.7, 1.3, 0.9, 1.2, 0.8, 1.0), (0.5,), ()):
+        assert thrust_level(shares(*unclear)) == ThrustLevel()
 
 
 def test_shares_are_those_of_the_boat_at_the_level() -> None:
-    (found,) = at_level(shares(0.45, error=0.09), thrust_level(shares(0.8, 0.9, 1.0)))
+    (found,) = at_level(shares(0.45, error=0.09), ThrustLevel(0.9, 0.02))
     assert (found.share, found.standard_error) == pytest.approx((0.5, 0.1))
 
 

@@ -182,7 +182,7 @@ def trivial_predictors(run_set: RunSet, weight: Array) -> list[Predictors]:
                 boat_file=position_rmse(own),
                 at_rest=position_rmse(errors_of(run_set, weight, horizon, _at_rest)),
                 constant_velocity=position_rmse(errors_of(run_set, weight, horizon, _constant_velocity)),
-                no_thrust=position_rmse(boat_file_errors(_without_thrust(run_set), weight, horizon)),
+                no_thrust=position_rmse(boat_file_errors(without_thrust(run_set), weight, horizon)),
             )
         )
     return found
@@ -205,7 +205,8 @@ def _constant_velocity(run: int, start: Restarts) -> Array:
     return states
 
 
-def _without_thrust(run_set: RunSet) -> RunSet:
+def without_thrust(run_set: RunSet) -> RunSet:
+    """The runs with all thrusters stopped."""
     commands = run_set.commands.copy()
     commands[..., commands.shape[2] // 2 :] = 0.0
     return replace(run_set, commands=commands)
