@@ -88,5 +88,5 @@ def test_a_misspelt_key_of_the_only_gate_is_not_told_as_a_course_without_gates(t
         load_course(course_file(tmp_path, gates=[gate]))
     assert "did you mean 'centre'?" in str(error.value)
     assert "at least" not in str(error.value)
-    with pytest.raises(UserError, match="at least 1 item"):
+    with pytest.raises(UserError, match="must have 1 or more entries, not 0"):
         load_course(course_file(tmp_path, gates=[]))

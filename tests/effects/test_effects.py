@@ -186,7 +186,7 @@ def test_a_parameter_left_out_takes_its_neutral_value() -> None:
         ({"effect": "current", "nort": 0.1}, "unknown key 'nort'; did you mean 'north'?"),
         ({"effect": "current", "thruster": "bs", "north": 0.1}, "unknown key 'thruster'"),
         ({"effect": "current", "north": "0.1"}, "north must be a number [m/s], not '0.1'"),
-        ({"effect": "current", "north": True}, "north must be a number [m/s], not True"),
+        ({"effect": "current", "north": True}, "north must be a number [m/s], not true"),
         ({"effect": "current", "north": 10**400}, "north must be a number [m/s]"),
         ({"effect": "current", "north": float("nan")}, "north must be a number [m/s], not nan"),
         ({"effect": "current", "north": {"uniform": [0, 1]}}, "north must be a number [m/s]"),

@@ -150,7 +150,7 @@ def test_a_boat_file_with_a_curve_stands_alone_and_has_a_digest_of_its_own(tmp_p
     ("change", "told"),
     [
         ({"component": "surg"}, "unknown component 'surg'; did you mean 'surge'?"),
-        ({"component": None}, "unknown component None"),
+        ({"component": None}, "unknown component null"),
         ({"covariate": "roll"}, "unknown covariate 'roll'"),
         ({"knots": [1.0, 0.0]}, "knots must be 2 to 9 numbers that increase"),
         ({"knots": list(range(10)), "values": [0.0] * 10}, "knots must be 2 to 9 numbers"),

@@ -201,7 +201,7 @@ def test_simulate_of_a_run_without_commands_is_one_line(call: Call, tmp_path: Pa
     track = {name: circling()[name] for name in ("time", "north", "east", "heading")}
     write_run(tmp_path / "track.csv", Run("track", track))
     words = ["simulate", "--commands", "track.csv", "--out", "a.csv"]
-    assert_complains(call(*words), "throttle_bs is needed and is missing")
+    assert_complains(call(*words), "throttle_bs is missing")
     assert not Path("a.csv").exists()
 
 

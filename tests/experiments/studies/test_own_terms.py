@@ -153,7 +153,7 @@ def test_stable_baselines3_learns_on_a_batch_with_own_terms_for_a_moment(place: 
 
 def test_a_pilot_whose_term_cannot_be_imported_any_more_is_refused_in_one_line(place: Path) -> None:
     (place / "their_terms.py").unlink()
-    with pytest.raises(UserError, match="their_terms:near_buoy: there is no module") as error:
+    with pytest.raises(UserError, match="their_terms:near_buoy: cannot be imported") as error:
         load_experiment(experiment(place))
     assert "\n" not in str(error.value)
 
