@@ -40,7 +40,7 @@ class Endless(Aboard):
 @contextmanager
 def vehicle() -> Iterator[None]:
     """A virtual vehicle in a process of its own."""
-    words = [sys.executable, "-m", "swamp_rl.experiments.cli", "vehicle", "swamp", "--address", ADDRESS]
+    words = [sys.executable, "-m", "swamp_rl", "vehicle", "swamp", "--address", ADDRESS]
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         process.stdout.readline()  # it answers from now on

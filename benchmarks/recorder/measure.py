@@ -32,8 +32,7 @@ from benchmarks.markers import write_parts
 PRESSES = 60
 HOURS, KEPT = 8, 8  # hours sailed; one in so many runs is accepted, the others are discarded
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
-DEMO = "from swamp_rl.experiments.cli import main; main()"
-RECORD = "import sys; from swamp_rl.experiments.cli import main; sys.argv[0] = 'swamp-rl'; main()"
+COMMAND = [sys.executable, "-m", "swamp_rl"]
 
 
 def chromium() -> str | None:
@@ -44,7 +43,7 @@ def chromium() -> str | None:
 @contextmanager
 def recorder(out: Path, *words: str) -> Iterator[str]:
     """The address of a recorder in a process of its own."""
-    command = [sys.executable, "-c", RECORD, "record", "--out", str(out), "--port", "0", "--scripted", *words]
+    command = [*COMMAND, "record", "--out", str(out), "--port", "0", "--scripted", *words]
     server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert server.stdout is not None
     try:
@@ -153,7 +152,7 @@ def hundred(folder: Path) -> dict[str, Any]:
     taken = {}
     for name, words in (("written", ["--save", f"{folder}.rrd"]), ("served", ["--web"])):
         begun = time.perf_counter()
-        command = [sys.executable, "-c", DEMO, "demo", str(folder), *words]
+        command = [*COMMAND, "demo", str(folder), *words]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as demo:
             assert demo.stdout is not None
             demo.stdout.readline()

@@ -9,6 +9,9 @@ from swamp_rl.experiments.cli import app as cli
 
 Called = tuple[int, str, str]
 
+COMMAND = str(Path(sys.executable).with_name("swamp-rl"))
+"""The installed command, for a test that needs it in a process of its own."""
+
 
 Call = Callable[..., Called]
 

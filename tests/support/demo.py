@@ -2,10 +2,10 @@
 
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
+from tests.support.command_line import COMMAND
 from tests.support.runs import circling, described
 
 
@@ -17,10 +17,9 @@ def dataset(folder: Path, source: str, names: list[str], **changes: object) -> P
 
 
 def started(*words: object, **environment: str) -> subprocess.Popen[str]:
-    start = [sys.executable, "-c", "from swamp_rl.experiments.cli import main; main()"]
     without = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
     return subprocess.Popen(
-        [*start, *map(str, words)],
+        [COMMAND, *map(str, words)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.command_line import COMMAND
+
 pytestmark = pytest.mark.timed
 
 ROOT = Path(__file__).parents[2]
@@ -55,12 +57,9 @@ def test_an_export_onto_a_full_disk_is_one_line_and_leaves_nothing(
         resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048))
 
     words = ["runs", "export", str(folder), "--to", to, "--out", str(tmp_path / "out")]
-    code = "import sys; from swamp_rl.experiments.cli import main; sys.argv[0] = 'swamp-rl'; main()"
     # No caches of compiled code are written meanwhile.
     env = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
-    done = subprocess.run(
-        [sys.executable, "-c", code, *words], preexec_fn=little_room, capture_output=True, text=True, env=env
-    )
+    done = subprocess.run([COMMAND, *words], preexec_fn=little_room, capture_output=True, text=True, env=env)
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr.count("\n") == 1 and "File too large" in done.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == [folder.name]

@@ -19,7 +19,7 @@ from swamp_rl import __version__
 from swamp_rl.boat import load_boat
 from swamp_rl.runs import Run, RunMeta, append_run, read_dataset, read_run, write_run
 from swamp_rl.simulator import replay
-from tests.support.command_line import Call, assert_complains
+from tests.support.command_line import COMMAND, Call, assert_complains
 from tests.support.patience import PATIENCE
 from tests.support.runs import circling
 
@@ -30,9 +30,8 @@ HEAVY = ("torch", "starlette", "matplotlib", "numba", "pyarrow", "scipy", "reser
 
 def separately(*words: object, **options: object) -> subprocess.CompletedProcess[str]:
     """The command line in a process of its own."""
-    start = [sys.executable, "-c", "from swamp_rl.experiments.cli import main; main()"]
     return subprocess.run(
-        [*start, *map(str, words)], capture_output=True, text=True, timeout=PATIENCE, **options
+        [COMMAND, *map(str, words)], capture_output=True, text=True, timeout=PATIENCE, **options
     )
 
 
@@ -359,14 +358,7 @@ def test_a_bug_is_one_line_for_users_and_a_traceback_for_those_who_ask(
 def test_output_may_be_cut_short_by_its_reader(folder: Path) -> None:
     reading, writing = os.pipe()
     os.close(reading)
-    start = [
-        sys.executable,
-        "-c",
-        "from swamp_rl.experiments.cli import main; main()",
-        "runs",
-        "check",
-        str(folder),
-    ]
+    start = [COMMAND, "runs", "check", str(folder)]
     called = subprocess.run(start, stdout=writing, stderr=subprocess.PIPE, text=True, timeout=PATIENCE)
     os.close(writing)
     assert called.returncode == 1

@@ -14,7 +14,7 @@ from swamp_rl.experiments.cli.help import EXAMPLES, PANELS, verb_name
 
 from tests.support.command_line import Call
 
-CLI = [sys.executable, "-m", "swamp_rl.experiments.cli"]
+CLI = [sys.executable, "-m", "swamp_rl"]
 HEAVY = {"torch", "numba", "scipy", "matplotlib", "pandas", "pyarrow", "rerun", "stable_baselines3", "ray"}
 
 

@@ -4,7 +4,6 @@ import json
 import re
 import signal
 import subprocess
-import sys
 import threading
 import urllib.request
 from collections.abc import Callable, Iterator
@@ -17,6 +16,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from swamp_rl.link.vehicle import Conduct
 from swamp_rl.runs import read_dataset
+from tests.support.command_line import COMMAND
 from tests.support.driving import aim
 from tests.support.link import own_network, served, vehicle_of
 from tests.support.patience import PATIENCE, until
@@ -24,16 +24,12 @@ from tests.support.web import hear
 
 pytestmark = [pytest.mark.slow, pytest.mark.timed]
 
-RECORD = "import sys; from swamp_rl.experiments.cli import main; sys.argv[0] = 'swamp-rl'; main()"
-
 
 @contextmanager
 def started(folder: Path, *more: str) -> Iterator[tuple["subprocess.Popen[str]", list[str], str]]:
     """A recorder in a process of its own, the lines it said so far, and its address."""
     words = ["record", "--out", str(folder), "--course", "camogli", "--port", "0", "--scripted", *more]
-    process = subprocess.Popen(
-        [sys.executable, "-c", RECORD, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    )
+    process = subprocess.Popen([COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert process.stdout is not None
     # A first start compiles, which takes a while.
     guard = threading.Timer(PATIENCE, process.kill)

@@ -2,14 +2,11 @@
 
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from tests.support.command_line import Call
-
-CODE = "import sys; from swamp_rl.experiments.cli import main; sys.argv[0] = 'swamp-rl'; main()"
+from tests.support.command_line import COMMAND, Call
 
 
 def closed(number: int) -> None:
@@ -21,7 +18,7 @@ def test_a_verb_does_its_work_without_a_standard_stream_and_writes_nothing_of_it
     folder: Path, tmp_path: Path, number: int
 ) -> None:
     words = ["runs", "export", str(folder), "--to", "csv"]
-    whole = [sys.executable, "-c", CODE, *words, "--out"]
+    whole = [COMMAND, *words, "--out"]
     subprocess.run([*whole, str(tmp_path / "with")], check=True, capture_output=True)
     done = subprocess.run([*whole, str(tmp_path / "without")], preexec_fn=lambda: closed(number))
     assert done.returncode == 0
@@ -34,7 +31,7 @@ def test_a_verb_does_its_work_without_a_standard_stream_and_writes_nothing_of_it
 def test_letters_that_a_terminal_lacks_are_question_marks(folder: Path) -> None:
     environment = os.environ | {"PYTHONIOENCODING": "ascii:strict", "COLUMNS": "20"}
     for words in (["--help"], ["runs", "show", str(folder)], ["runs", "show", "naïve—"]):
-        done = subprocess.run([sys.executable, "-c", CODE, *words], env=environment, capture_output=True)
+        done = subprocess.run([COMMAND, *words], env=environment, capture_output=True)
         assert done.returncode == (2 if words[-1].startswith("na") else 0), done.stderr
         assert done.stdout.isascii() and done.stderr.isascii()
         assert b"?" in done.stdout + done.stderr
