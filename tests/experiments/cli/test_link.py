@@ -13,6 +13,9 @@ from tests.support.patience import PATIENCE
 
 pytestmark = pytest.mark.timed
 
+VOYAGES = 10  # a machine too busy to hear enough telemetry in a row is given so many
+BROKEN = "rows without a fault follow one another"
+
 
 def test_a_pilot_drives_a_served_vehicle_and_its_log_is_a_dataset(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -20,11 +23,15 @@ def test_a_pilot_drives_a_served_vehicle_and_its_log_is_a_dataset(
     monkeypatch.setattr(driving, "PATIENCE", PATIENCE)  # the vehicle may wait long for a processor
     vehicle = vehicle_of(Conduct(), own_network().text)
     with served(vehicle, speed=1.0):
-        code, said, _ = call(
-            *("helm", "line-of-sight", "--link", vehicle.addresses.text, "--seconds", "2", "--log", "log")
-        )
+        for number in range(VOYAGES):
+            code, said, refused = call(
+                *("helm", "line-of-sight", "--link", vehicle.addresses.text),
+                *("--seconds", "2", "--log", f"log-{number}"),
+            )
+            if BROKEN not in refused:
+                break
     assert code == 0 and "99th percentile" in said
-    assert len(read_dataset(tmp_path / "log").runs[0].time) >= 10
+    assert len(read_dataset(tmp_path / f"log-{number}").runs[0].time) >= 10
     assert not any(module.runs(0) for module in vehicle.modules)
 
 
