@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.finding import Finding
 from swamp_rl.criticism.inference.residual_force import Forces, residual_forces
 from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES, errors_at, restarts
 from swamp_rl.criticism.model.candidates import Hypothesis
-from swamp_rl.criticism.report.words import Z95, force_name
+from swamp_rl.criticism.report.words import force_name
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.figure_style import sheet
 
