@@ -18,6 +18,7 @@ from swamp_rl.runs.import_foreign import UNITS, Wishes
 from swamp_rl.runs.local_frame import to_local
 from swamp_rl.runs.mcap_files import read_mcap
 from swamp_rl.runs.resample import ALWAYS, MOST_CELLS, most_rows, resampled
+from swamp_rl.runs.schema import META
 from tests.support.runs import circling, described
 
 TIME = np.arange(40) * 0.1
@@ -70,6 +71,7 @@ def refused(
     lines = str(told.value).splitlines()
     assert len(lines) <= 21 and all(path.name in line for line in lines[:20])
     assert all(part in str(told.value) for part in parts), str(told.value)
+    assert META not in str(told.value)
     assert sorted(tmp_path.iterdir()) == before
 
 
@@ -109,6 +111,11 @@ def with_cell(name: str, row: int, value: object) -> dict[str, object]:
             {**foreign(), "throttle_bs": [1500.0] * 40},
             WISHES,
             ["looks like a pulse width", "(pwm - 1500) / 400"],
+        ),
+        (
+            {**foreign(), "throttle_left": [0.1] * 40},
+            WISHES,
+            ["has no thruster 'left'", "--column OURS=throttle_left, --drop throttle_left or --boat BOAT"],
         ),
         ({**foreign(), " Sway": [0.1] * 40}, WISHES, ["is sway of the run format", "--column sway=' Sway'"]),
         ({**foreign(), "THROTTLE_BS": [0.1] * 40}, WISHES, ["--column throttle_bs=THROTTLE_BS"]),
