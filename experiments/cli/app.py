@@ -272,7 +272,7 @@ def _carried_out(signals: list[int]) -> tuple[int, str]:
         if os.environ.get(DEBUG):
             raise
         if fault := fault_in_own_code(error):
-            return BAD_INPUT, f"{fault}; correct it ({DEBUG}=1 shows the calls)"
+            return BAD_INPUT, f"{fault} ({DEBUG}=1 shows the calls)"
         what = " ".join(f"unexpected {type(error).__name__}: {error}".split())
         return UNEXPECTED, f"{what}; {DEBUG}=1 shows where, please report it"
 
