@@ -55,7 +55,7 @@ def own_code(name: str) -> Any:
 
 
 def fault_in_own_code(error: BaseException) -> str | None:
-    """Where in the code that the user named an exception arose and what it says; None if it arose elsewhere."""
+    """Where in code that the user named an exception arose and what it says; None if it arose elsewhere."""
     files = {file for module in _modules for file in _files_of(module)}
     return _told(error, files) if _place(error, files) else None
 
