@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -386,3 +387,12 @@ def test_an_outcome_cannot_be_worked_out_without_a_course(tmp_path: Path) -> Non
     with pytest.raises(UserError, match=r"--outcome auto: .*--course NAME"):
         import_runs([tmp_path / "one.csv"], "csv", tmp_path / "out", About(outcome="auto"))
     assert not (tmp_path / "out").exists()
+
+
+def test_what_all_files_lack_is_told_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyproj", None)
+    columns = {"time": TIME.tolist(), "latitude": [44.0] * 40, "longitude": [9.0] * 40, "heading": [0.1] * 40}
+    files = [write_csv(tmp_path / f"{name}.csv", columns) for name in ("one", "two")]
+    with pytest.raises(UserError) as told:
+        import_runs(files, "csv", tmp_path / "out")
+    assert str(told.value) == "latitude and longitude need pyproj; pip install 'swamp-rl[gps]'"
