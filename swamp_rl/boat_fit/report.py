@@ -17,6 +17,10 @@ from swamp_rl.html_page import document, table
 
 GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
 FAR = 3.0  # standard deviations of the prior, beyond which a number contradicts the start file
+WIRED = (
+    "The boat file has it among its effects, so pilots would drive a boat wired so. If only the log has it, "
+    "correct it by the --map of runs import and identify again."
+)
 
 
 def page_of(found: Identification) -> str:
@@ -52,7 +56,7 @@ def summary(found: Identification) -> list[str]:
     shown = sum(one.shown for one in found.fitted)
     said = [
         f"{shown} of {len(found.fitted)} numbers are fitted to the runs; the others keep their prior.",
-        *(f"Commands: {change}. The boat file has it among its effects." for change in found.wiring.changes),
+        *(f"Commands: {change}. {WIRED}" for change in found.wiring.changes),
     ]
     if found.wiring.advance > 0.0:
         said.append(
