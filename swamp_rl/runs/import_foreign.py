@@ -225,7 +225,7 @@ def _with_hint(wishes: Wishes, fault: Fault) -> str:
     elif fault.column == "time" and "resample" in fault.message:
         hint += " (--resample HZ), or divide it (--bad-rows split)"
     elif NO_THRUSTER in fault.message:
-        hint += f": --column OURS={theirs or fault.column}, --drop {theirs or fault.column} or --boat BOAT"
+        hint += " (--map or --column, --drop, --boat)"
     elif "degrees" in fault.message and fault.column not in ("latitude", "longitude"):
         hint += f" (--degrees {fault.column})"
     elif "percent" in fault.message:

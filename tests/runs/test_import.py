@@ -116,7 +116,7 @@ def with_cell(name: str, row: int, value: object) -> dict[str, object]:
         (
             {**foreign(), "throttle_left": [0.1] * 40},
             WISHES,
-            ["has no thruster 'left'", "--column OURS=throttle_left, --drop throttle_left or --boat BOAT"],
+            ["has no thruster 'left'", "the boat that has it (--map or --column, --drop, --boat)"],
         ),
         ({**foreign(), " Sway": [0.1] * 40}, WISHES, ["is sway of the run format", "--column sway=' Sway'"]),
         ({**foreign(), "THROTTLE_BS": [0.1] * 40}, WISHES, ["--column throttle_bs=THROTTLE_BS"]),
@@ -391,7 +391,8 @@ def test_an_outcome_cannot_be_worked_out_without_a_course(tmp_path: Path) -> Non
 
 def test_what_all_files_lack_is_told_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyproj", None)
-    columns = {"time": TIME.tolist(), "latitude": [44.0] * 40, "longitude": [9.0] * 40, "heading": [0.1] * 40}
+    columns = {"time": TIME.tolist(), "heading": [0.1] * 40}
+    columns |= {"latitude": [43.21] * 40, "longitude": [8.76] * 40}
     files = [write_csv(tmp_path / f"{name}.csv", columns) for name in ("one", "two")]
     with pytest.raises(UserError) as told:
         import_runs(files, "csv", tmp_path / "out")
