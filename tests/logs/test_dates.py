@@ -56,9 +56,8 @@ def test_a_cell_that_is_no_moment_is_missing_and_words_are_no_times() -> None:
 
 
 def test_a_listing_tells_a_column_of_times_from_one_of_other_words(tmp_path: Path) -> None:
-    (tmp_path / "log.csv").write_text(
-        "UTC,mode\n2025-06-03T09:15:01+00:00,AUTO\n2025-06-03T09:15:02+00:00,AUTO\n"
-    )
+    rows = ["UTC,mode", "2025-06-03T09:15:01+00:00,AUTO", "2025-06-03T09:15:02+00:00,AUTO"]
+    (tmp_path / "log.csv").write_text("\n".join(rows) + "\n")
     assert list(listing(read_log(tmp_path / "log.csv", "csv")))[1:] == [
         "  UTC: times, as '2025-06-03T09:15:01+00:00'",
         "  mode: no numbers, as 'AUTO'",
