@@ -180,7 +180,10 @@ def perfect_run_set(finding: Finding, rng: np.random.Generator) -> RunSet:
 
 
 def _plain_ticks(axes: Any, horizons: list[float]) -> None:
-    """Ticks at the horizons, and vertical ones at 1, 2 and 5 times powers of ten, as decimal numbers."""
+    """Ticks at the horizons, and vertical ones at 1, 2 and 5 times powers of ten, as decimal numbers.
+
+    Over more than three decades, as of simulated runs without noise, at powers of ten only.
+    """
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axes.set_xticks(horizons, labels=[f"{horizon:g}" for horizon in horizons])
@@ -189,7 +192,7 @@ def _plain_ticks(axes: Any, horizons: list[float]) -> None:
     low, high = axes.get_ylim()
     wider = max(1.3, math.sqrt(6.0 * low / high))
     axes.set_ylim(low / wider, high * wider)
-    axes.yaxis.set_major_locator(LogLocator(subs=[1.0, 2.0, 5.0]))
+    axes.yaxis.set_major_locator(LogLocator(subs=[1.0] if high > 1e3 * low else [1.0, 2.0, 5.0]))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
 
