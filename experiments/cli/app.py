@@ -279,13 +279,13 @@ def _carried_out(signals: list[int]) -> tuple[int, str]:
 
 
 def _in_our_words(error: typer.TyperException) -> None:
-    """Explain a value that an option cannot take as those in files are explained."""
+    """Explain a value that an option cannot take as those in files are explained; every one is text."""
     from pydantic import ValidationError
 
     if isinstance(error.__cause__, ValidationError):
-        from swamp_rl.explain import explanations
+        from swamp_rl.explain import QUOTED, explanations
 
-        error.message = explanations(error.__cause__, None)[0][1]
+        error.message = explanations(error.__cause__, None)[0][1].removesuffix(QUOTED)
 
 
 def _refuse_odd_arguments() -> None:
