@@ -19,6 +19,7 @@ def main() -> None:
     """
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
+        os.environ["PYTHONWARNINGS"] = "ignore"  # of the processes that the command starts
     code: list[int] = []
     atexit.register(_last, code)  # the first to be registered is the last to be called
     for number in EARLY:

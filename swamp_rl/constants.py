@@ -1,7 +1,8 @@
-"""Constants of nature and units of others, in SI."""
+"""Constants of nature and of statistics, and units of others, in SI."""
 
 GRAVITY = 9.81  # m/s2
 KNOT = 1852.0 / 3600.0  # m/s
 FOOT = 0.3048  # m
 DAY = 86_400.0  # s
+Z95 = 1.959964  # standard deviations of a normal distribution, within which 95 % lie
 SWAMP_LENGTH = 1.24  # m; gains and habits chosen for SWAMP serve boats of other lengths by Froude's law

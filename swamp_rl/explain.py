@@ -72,12 +72,17 @@ Location = tuple[int | str, ...]
 Model = TypeVar("Model", bound=BaseModel)
 
 
-def validated(path: Path | str, model: type[Model], data: Mapping[str, Any]) -> Model:
-    """`data`, read from `path`, as a `model`; UserError by `explain` if it does not fit."""
+def validated(
+    path: Path | str, model: type[Model], data: Mapping[str, Any], below: tuple[str, ...] = ()
+) -> Model:
+    """`data`, read from `path`, as a `model`; UserError by `explain` if it does not fit.
+
+    below: the keys of the file under which `data` stands, by default none.
+    """
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise explain(path, error, model, lambda loc: _in_data(loc, data)) from error
+        raise explain(path, error, model, lambda loc: _in_data(loc, data), below) from error
 
 
 def _in_data(loc: Location, data: Any) -> Location:
@@ -97,13 +102,16 @@ def explain(
     error: ValidationError,
     model: type[BaseModel] | None = None,
     told: Callable[[Location], Location] = lambda place: place,
+    below: tuple[str, ...] = (),
 ) -> UserError:
     """One line for each fault of a ValidationError: file, dotted key, what is allowed.
 
-    With `model`, an unknown key is answered with the nearest known one. told: as of `explanations`.
+    With `model`, an unknown key is answered with the nearest known one. told: as of `explanations`; below: as
+    of `validated`.
     """
     lines = [
-        f"{path}: {key + ': ' if key else ''}{message}" for key, message in explanations(error, model, told)
+        ": ".join(filter(None, (str(path), ".".join(filter(None, (*below, key))), message)))
+        for key, message in explanations(error, model, told)
     ]
     others = len(_faults(error)) - len(lines)
     return UserError("\n".join(lines + ([f"{path}: and {others} more faults"] if others else [])))

@@ -46,7 +46,7 @@ def own_code(name: str) -> Any:
             raise UserError(
                 f"{name}: cannot be imported, no module {error.name!r}; put it on PYTHONPATH"
             ) from error
-        raise UserError(f"{name}: {_told(error, _files_of(module))}; correct it") from error
+        raise UserError(f"{name}: {_told(error, _files_of(module))}") from error
     if not hasattr(made, attribute):
         own = [known for known in vars(made) if not known.startswith("_")]
         raise UserError(f"{name}: the module has no {attribute!r}{nearest(attribute, own[:MOST_NAMED])}")
@@ -55,7 +55,7 @@ def own_code(name: str) -> Any:
 
 
 def fault_in_own_code(error: BaseException) -> str | None:
-    """Where in what the user named an exception arose, and what it says; None where it did elsewhere."""
+    """Where in code that the user named an exception arose and what it says; None if it arose elsewhere."""
     files = {file for module in _modules for file in _files_of(module)}
     return _told(error, files) if _place(error, files) else None
 
@@ -63,7 +63,7 @@ def fault_in_own_code(error: BaseException) -> str | None:
 def _told(error: BaseException, files: Collection[str]) -> str:
     place = _place(error, files)
     says = error.msg if isinstance(error, SyntaxError) else str(error)
-    return f"{place + ': ' if place else ''}{type(error).__name__}: {' '.join(says.split())}"
+    return f"{place + ': ' if place else ''}{type(error).__name__}: {' '.join(says.split())}; correct it"
 
 
 def _place(error: BaseException, files: Collection[str]) -> str | None:

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.blind.score import Z95, Judged, is_false_positive, share
+from benchmarks.blind.score import Judged, is_false_positive, share
 from benchmarks.blind.weather import LONGEST, least, rate, verdict
+from swamp_rl.constants import Z95
 
 SINGLE, ALARMS = 0.85, 0.02  # bars: effects named alone, false alarms in clean cases
 

@@ -7,9 +7,9 @@ import numpy as np
 from swamp_rl.experiments.synthetic.cases import POWER, ROUGH
 
 from swamp_rl.angles import wrapped_below
+from swamp_rl.constants import Z95
 
 Judged = Mapping[str, Any]
-Z95 = 1.959964
 AT_MOST = 3  # explanations in a set that still counts as an answer
 WITHIN = 1.5  # of the Cramér-Rao bound
 

@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.blind.score import Z95, Judged, share
+from benchmarks.blind.score import Judged, share
+from swamp_rl.constants import Z95
 
 Rate = Mapping[str, float] | None
 ALONE, BESIDE = "single", "pair"  # kinds of its cases

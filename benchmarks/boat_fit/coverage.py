@@ -23,6 +23,7 @@ from swamp_rl.boat.quantity import SPREAD
 from swamp_rl.boat_fit.fit import fit_boat
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.numbers import free_numbers
+from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.rollout import roll
@@ -54,7 +55,6 @@ RUNS, ROWS = 2, 2000
 AFTER = 30  # rows simulated beyond the last, for a receiver whose clock is behind
 NOISE = np.array([0.02, 0.02, 0.01, 0.02, 0.02, 0.02])  # in `state_scale`
 GUSTY, GUST = 0.1, 0.03  # of the air's speed, in top speeds; mean wind and gusts
-Z95 = 1.96
 FASTEST = 3.0  # top speeds of the start boat, beyond which a draw is left out
 
 

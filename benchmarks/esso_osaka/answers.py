@@ -11,9 +11,10 @@ from pathlib import Path
 
 from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.esso_osaka.diagnosis import Z95, measured_wind, named_causes, sets_of
+from benchmarks.esso_osaka.diagnosis import measured_wind, named_causes, sets_of
 from benchmarks.esso_osaka.wind import HORIZON, apart
 from benchmarks.markers import DOCS, write_parts
+from swamp_rl.constants import Z95
 from swamp_rl.criticism.report.words import readable
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.runs import Run, inspect_dataset

@@ -9,13 +9,12 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.esso_osaka.wind import anemometer, apart
 from swamp_rl.boat import Boat
+from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.run_set import run_set_of
 from swamp_rl.criticism.diagnose import examine
 from swamp_rl.criticism.report.words import readable
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.runs import Run
-
-Z95 = 1.959964
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.esso_osaka.diagnosis import Z95, Told, diagnosed, measured_wind
+from benchmarks.esso_osaka.diagnosis import Told, diagnosed, measured_wind
 from benchmarks.esso_osaka.pond import BOAT, DATA, pond
 from benchmarks.esso_osaka.sway import errors, sway_scales, with_sway_drag
 from benchmarks.esso_osaka.wind import anemometer, apart, named
+from swamp_rl.constants import Z95
 from swamp_rl.runs import Run
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("pond")]  # what they share is made once

@@ -14,9 +14,8 @@ from swamp_rl.demo.conditions import conditions
 from swamp_rl.demo.scene import Align, DemoScene, demo_scene
 from swamp_rl.errors import UserError
 from swamp_rl.files import shipped_folders
-from swamp_rl.json_text import parsed_json
+from swamp_rl.json_text import read_json
 from swamp_rl.names import YAML, file_in
-from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.pilots.arguments import BUILT_IN, Asked, asked_pilot, known_names, names_pilot
 from swamp_rl.runs import DatasetMeta, Run, read_dataset, read_run
 from swamp_rl.runs.copies import course_file
@@ -164,11 +163,13 @@ def _read_file(path: Path) -> Found:
 
 def _read_results(folder: Path) -> Found:
     """The runs learned from and the pilots' own; those of the race are chosen."""
+    results = read_json(folder / RESULTS, "make the results again")
     try:
-        results = parsed_json(contents(folder / RESULTS, MOST_JSON))
         race, data_source = dict(results["race"]["runs"]), str(results["data"]["source"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UserError(f"{folder / RESULTS}: cannot be read ({error}); make the results again") from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise UserError(
+            f"{folder / RESULTS}: lacks race.runs or data.source; make the results again"
+        ) from error
     driven = sorted(path for path in (folder / "driven").glob("*") if path.is_dir())
     if not driven:
         raise UserError(f"{folder}: keeps no runs of its pilots (driven/); make the results again")

@@ -248,6 +248,7 @@ def _carried_out(signals: list[int]) -> tuple[int, str]:
         return app(prog_name=NAME, standalone_mode=False) or 0, ""
     except typer.TyperException as error:
         # Without any argument Typer has printed the help and has nothing to add.
+        _in_our_words(error)
         line, verb = error.format_message(), " ".join([NAME, *_verb(sys.argv[1:])])
         return error.exit_code, f"{line} (see {verb} --help)" if line else ""
     except UserError as error:
@@ -272,9 +273,19 @@ def _carried_out(signals: list[int]) -> tuple[int, str]:
         if os.environ.get(DEBUG):
             raise
         if fault := fault_in_own_code(error):
-            return BAD_INPUT, f"{fault}; correct it ({DEBUG}=1 shows the calls)"
+            return BAD_INPUT, f"{fault} ({DEBUG}=1 shows the calls)"
         what = " ".join(f"unexpected {type(error).__name__}: {error}".split())
         return UNEXPECTED, f"{what}; {DEBUG}=1 shows where, please report it"
+
+
+def _in_our_words(error: typer.TyperException) -> None:
+    """Explain a value that an option cannot take as those in files are explained; every one is text."""
+    from pydantic import ValidationError
+
+    if isinstance(error.__cause__, ValidationError):
+        from swamp_rl.explain import QUOTED, explanations
+
+        error.message = explanations(error.__cause__, None)[0][1].removesuffix(QUOTED)
 
 
 def _refuse_odd_arguments() -> None:

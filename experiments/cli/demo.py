@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
+from swamp_rl.experiments.cli.outputs import refuse_suffix
 
 from swamp_rl.clipped import printable
 from swamp_rl.errors import UserError
@@ -60,9 +61,9 @@ def demo(
     from swamp_rl.demo.viewer import has_display
 
     window = not (web or save or video or html)
-    _check_names(
-        {"--save": (save, (".rrd",)), "--video": (video, (".mp4", ".gif")), "--html": (html, (".html",))}
-    )
+    refuse_suffix("--save", save, ".rrd")
+    refuse_suffix("--video", video, ".mp4", ".gif")
+    refuse_suffix("--html", html, ".html")
     refuse_missing(sources or [])
     if window and not has_display():
         raise UserError(NOTHING_TO_DO)
@@ -115,9 +116,3 @@ def _show(scene: "DemoScene", layout: "Layout", window: bool, port: int | None) 
         else:
             with suppress(KeyboardInterrupt):  # how the page is ended
                 serve(recording, port, lambda where: typer.echo(f"{where}\nCtrl-C ends it"))
-
-
-def _check_names(asked: dict[str, tuple[Path | None, tuple[str, ...]]]) -> None:
-    for option, (path, suffixes) in asked.items():
-        if path is not None and path.suffix.lower() not in suffixes:
-            raise UserError(f"{option} {path}: end the name in {' or '.join(suffixes)}")

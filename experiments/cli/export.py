@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from swamp_rl.experiments.cli.outputs import refuse_suffix
 
 
 def export(
@@ -19,6 +20,7 @@ def export(
     from swamp_rl.pilots.arguments import asked_pilot
     from swamp_rl.pilots.store import describe_pilot, load_pilot
 
+    refuse_suffix("--out", out, ".onnx")
     folder = asked_pilot(str(pilot)).folder
     if folder is None:
         raise UserError(f"{pilot}: only a stored pilot can be exported; name its folder")

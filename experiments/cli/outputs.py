@@ -24,6 +24,12 @@ def guard_inputs(app: typer.Typer) -> None:
             guard_inputs(group.typer_instance)
 
 
+def refuse_suffix(option: str, path: Path | None, *suffixes: str) -> None:
+    """UserError where what an option names to be written ends in none of `suffixes`."""
+    if path is not None and path.suffix.lower() not in suffixes:
+        raise UserError(f"{option} {path}: end the name in {' or '.join(suffixes)}")
+
+
 def _guarded(verb: Any) -> Any:
     @functools.wraps(verb)
     def guarded(**given: Any) -> Any:

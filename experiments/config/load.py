@@ -10,6 +10,7 @@ import yaml
 from swamp_rl.envs.own_terms import own_term
 from swamp_rl.envs.reward import weights_of
 from swamp_rl.experiments.config.learners import check_logged, in_order, learner
+from swamp_rl.experiments.config.named_files import refuse_missing
 from swamp_rl.experiments.config.schema import Experiment, PilotPlan, senses_in
 from swamp_rl.experiments.config.smoke import shrunk
 
@@ -20,7 +21,6 @@ from swamp_rl.explain import in_yaml
 from swamp_rl.files import config_beside, find_config, is_file, or_beside, read_yaml, validated
 from swamp_rl.own_code import is_code
 from swamp_rl.pilots.own import is_named, runs_code
-from swamp_rl.pilots.settings import settings_from
 from swamp_rl.yaml_text import DEEPEST, parsed
 
 Override = tuple[str, dict[str, Any]]
@@ -93,11 +93,16 @@ def _file_of(name_or_path: str | Path) -> Path:
 
 
 def _with_all_options(path: str | Path, experiment: Experiment) -> Experiment:
-    """The experiment with every option of its pilots written out; UserError for an unknown or wrong one."""
+    """The experiment with every option of its pilots written out.
+
+    UserError for an unknown or wrong one, and for a boat, course or level that is not there.
+    """
+    refuse_missing(path, experiment)
     pilots = {}
     for name, plan in experiment.pilots.items():
         _check_keys_of_kind(f"{path}: pilots.{name}", plan)
-        settings = settings_from(f"{path}: pilots.{name}.options", learner(plan.kind).settings, plan.options)
+        below = "pilots", name, "options"
+        settings = validated(path, learner(plan.kind).settings, plan.options, below)
         pilots[name] = plan.model_copy(update={"options": settings.model_dump(mode="json")})
         if experiment.data.folder is None:
             check_logged(f"{path}: pilots.{name}.options", pilots[name])

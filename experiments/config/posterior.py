@@ -64,7 +64,7 @@ def _read(path: Path) -> Diagnosis | FiguresDiagnosis:
     except ValidationError as error:
         where, told = explanations(error, model)[0]
         raise UserError(
-            f"{path}: {where or 'the file'}: {told}; name a diagnosis.json of swamp-rl diagnose"
+            f"{path}: {where + ': ' if where else ''}{told}; name a diagnosis.json of swamp-rl diagnose"
         ) from error
 
 

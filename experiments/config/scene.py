@@ -9,6 +9,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.envs.task import Task
+from swamp_rl.experiments.config.named_files import levels_of
 from swamp_rl.experiments.config.schema import Experiment, senses_in
 
 from swamp_rl.boat import Boat, load_boat
@@ -61,9 +62,8 @@ class Scene:
         return make
 
 
-def read_scene(experiment: Experiment) -> Scene:
-    """The files that an experiment names; UserError for the first that is wrong."""
-    _refuse_missing(experiment)
+def read_scene(experiment: Experiment, given: Path | str = "experiment") -> Scene:
+    """The files that an experiment, `given` so, names; UserError for the first that is wrong."""
     boat = load_boat(experiment.boat)
     course = fitted(load_course(experiment.course), boat.length, reference_of(boat).speed)
     course = limited(
@@ -73,14 +73,14 @@ def read_scene(experiment: Experiment) -> Scene:
         experiment.depth.model_dump() if experiment.depth else None,
     )
     scene = Scene(experiment, boat, course)
-    for level in (None, *_levels(experiment)):
+    for level in (None, *levels_of(experiment)):
         scene.boats_at(level)(1, ("north",)).close()
     for name, plan in experiment.pilots.items():
         for senses in senses_in(plan.options):
             try:
                 Task.read(boat=boat, course=course, observation=senses)
             except UserError as error:
-                raise UserError(f"pilots.{name}.options.senses: {error}") from error
+                raise UserError(f"{given}: pilots.{name}.options.senses: {error}") from error
     return scene
 
 
@@ -91,37 +91,12 @@ def config_files(scene: Scene) -> dict[str, Path]:
     """
     named = [("boats", file) for file in _boat_files(scene.experiment.boat)]
     named += [("courses", file) for file in course_files(scene.experiment.course)]
-    named += [("disturbances", find_config("disturbances", level)) for level in _levels(scene.experiment)]
+    named += [("disturbances", find_config("disturbances", level)) for level in levels_of(scene.experiment)]
     files: dict[str, Path] = {}
     for kind, file in named:
         if not files.setdefault(f"{kind}/{file.name}", file).samefile(file):
             raise UserError(f"{file}: another of the {kind} has the same name; rename one of the two")
     return files
-
-
-def _refuse_missing(experiment: Experiment) -> None:
-    """UserError with the key that names a boat, course or level that is not there."""
-    named = [("boat", "boats", experiment.boat), ("course", "courses", experiment.course)]
-    named += [(key, "disturbances", level) for level, key in _levels(experiment).items()]
-    for key, kind, name in named:
-        try:
-            find_config(kind, name)
-        except UserError as error:
-            raise UserError(f"{key}: {error}") from error
-
-
-def _levels(experiment: Experiment) -> dict[str, str]:
-    """Every level that an experiment names, each once, with the first key that names it."""
-    named: list[tuple[str, str | None]]
-    named = [("evaluation.levels", level) for level in experiment.evaluation.levels]
-    named += [("data.record.disturbances", experiment.data.record.disturbances)]
-    named += [(f"pilots.{name}.disturbances", plan.disturbances) for name, plan in experiment.pilots.items()]
-    named += [("hidden.logs.disturbances", experiment.hidden.logs.disturbances)] if experiment.hidden else []
-    levels: dict[str, str] = {}
-    for key, level in named:
-        if level is not None:
-            levels.setdefault(level, key)
-    return levels
 
 
 def _boat_files(name: str) -> Iterator[Path]:

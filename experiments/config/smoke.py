@@ -48,6 +48,7 @@ def shrunk(experiment: Experiment) -> Experiment:
             ),
             "hidden": hidden,
             "claims": claims,
+            "smoke": False,  # done: what is asked of its results later is not made small again
         }
     )
 

@@ -35,7 +35,8 @@ def print_results(results: Mapping[str, Any], folder: Path) -> None:
         return
     levels = results["evaluation"]["levels"]
     episodes = results["evaluation"]["episodes"]
-    table = Table(title=f"{results['name']}: success in {episodes} episodes, percent", box=SIMPLE_HEAD)
+    title = f"{results['name']}: success in {episodes} episodes, percent"
+    table = Table(title=title, box=SIMPLE_HEAD, collapse_padding=True)
     table.add_column("pilot", overflow="fold")
     for level in levels:
         table.add_column(level, justify="right", no_wrap=True)

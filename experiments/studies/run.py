@@ -112,7 +112,7 @@ def _sound(experiment: Experiment, given: str | Path) -> tuple[Scene, Work]:
     from swamp_rl.experiments.studies.closed_loop import close_loop, true_scene
 
     hashed = with_pilot_hashes(with_data_hash(experiment, str(given)), str(given))
-    scene = read_scene(hashed)
+    scene = read_scene(hashed, given)
     if experiment.claims is not None:
         check_claims(scene)
         return scene, examine_claims

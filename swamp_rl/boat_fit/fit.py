@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.hypothesis import FreeBoat
+from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, fit_states, inverse
@@ -33,7 +34,6 @@ SOFT = np.array([0.03, 0.03, 0.05, 0.05, 0.05, 0.05])
 ROUNDS = 2  # repetitions of fit and weights
 STEPS, STATE_ROUNDS = 6, 12  # Jacobians of a fit, iterations of its first initial states
 LEAST_LEFT = 0.2  # of the independent samples, that a fit leaves at least
-Z95 = 1.959964
 LAST_STEPS = 3  # Jacobians of the fit whose likelihood is scaled down
 EXCESS = 1.2  # of the jackknife's variance over that of independent noise, from which it is
 SHARE = 0.3  # of a number's variance that must be the data's, to be counted in that ratio

@@ -13,24 +13,28 @@ from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.report.evidence import TRIVIAL
 from swamp_rl.criticism.result import Predictors
-from swamp_rl.html_page import document, table
+from swamp_rl.html_page import document, prose, table
 
 GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
 FAR = 3.0  # standard deviations of the prior, beyond which a number contradicts the start file
+WIRED = (
+    "The boat file has it among its effects, so pilots would drive a boat wired so. If only the log has it, "
+    "correct it by the --map of runs import and identify again."
+)
 
 
 def page_of(found: Identification) -> str:
     """The whole HTML page."""
-    title = f"Identification of {found.boat.name}"
+    title = f"Boat file {found.boat.name}, identified from runs"
     return document(
         title,
         (
             f"<h1>{html.escape(title)}</h1>",
-            *(f"<p>{html.escape(line)}</p>" for line in summary(found)),
+            *(f"<p>{prose(line)}</p>" for line in summary(found)),
             "<h2>Prediction error on held-out runs</h2>",
-            f"<p>{html.escape(held_out_sentence(found))}</p>",
+            f"<p>{prose(held_out_sentence(found))}</p>",
             table(error_columns(found), error_rows(found)),
-            f"<p>{html.escape(gains_sentence(found))}</p>",
+            f"<p>{prose(gains_sentence(found))}</p>",
             "<h2>Numbers</h2>",
             "<p>± is one standard error (sandwich covariance, prior included). Information: share of the "
             "posterior precision that the runs gave; the rest is the prior's.</p>",
@@ -40,9 +44,9 @@ def page_of(found: Identification) -> str:
             ),
             "<h2>Residual</h2>",
             table(("channel", "noise", "residual", "unit"), residual_rows(found)),
-            f"<p>{html.escape(residual_sentence(found))}</p>",
+            f"<p>{prose(residual_sentence(found))}</p>",
             "<h2>What to record next</h2>",
-            "<ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in next_runs(found)) + "</ul>",
+            "<ul>" + "".join(f"<li>{prose(line)}</li>" for line in next_runs(found)) + "</ul>",
         ),
     )
 
@@ -52,7 +56,7 @@ def summary(found: Identification) -> list[str]:
     shown = sum(one.shown for one in found.fitted)
     said = [
         f"{shown} of {len(found.fitted)} numbers are fitted to the runs; the others keep their prior.",
-        *(f"Commands: {change}. The boat file has it among its effects." for change in found.wiring.changes),
+        *(f"Commands: {change}. {WIRED}" for change in found.wiring.changes),
     ]
     if found.wiring.advance > 0.0:
         said.append(

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.fit import SHORT, soft_weights
+from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
@@ -26,7 +27,6 @@ FEWEST = 6  # runs, of which most can be taken to be alike
 CHI2_MEDIAN = 0.454936  # of one degree of freedom
 EXPLAINED = 0.5  # of chi2 without thrust, that commands explain of the motion that they drive
 UNUSUAL = 3.0  # times the median residual, beyond which a run's is unusual
-DIFFERS = 1.96  # standard errors of the mean thrust, beyond which it is not the boat's
 DRAWS = 1000
 HALVINGS = 40
 
@@ -82,7 +82,7 @@ def thrust_level(usual: Sequence[RunThrust]) -> ThrustLevel:
     if len(usual) < 2:
         return ThrustLevel()
     level = mean_thrust(usual)
-    return level if abs(level.mean - 1.0) > DIFFERS * level.standard_error else ThrustLevel()
+    return level if abs(level.mean - 1.0) > Z95 * level.standard_error else ThrustLevel()
 
 
 def mean_thrust(usual: Sequence[RunThrust]) -> ThrustLevel:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.constants import Z95
 from swamp_rl.energy import missing, pack_power, range_left
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_areas, jet_power, path_length
@@ -98,7 +99,7 @@ def summary(table: Table) -> dict[str, Any]:
 def _mean_return(returns: NDArray[np.float64]) -> dict[str, Any]:
     """The mean over all episodes with its 95 % interval, by the central limit theorem."""
     mean, n = float(returns.mean()), len(returns)
-    half = 1.96 * float(returns.std(ddof=1)) / n**0.5 if n > 1 else None
+    half = Z95 * float(returns.std(ddof=1)) / n**0.5 if n > 1 else None
     return {"mean_return": mean, "return_95": None if half is None else [mean - half, mean + half]}
 
 

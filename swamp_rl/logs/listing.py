@@ -6,6 +6,7 @@ import numpy as np
 
 from swamp_rl.clipped import clipped
 from swamp_rl.logs.log import Log, LogTable
+from swamp_rl.logs.stamps import from_words
 
 MOST_FIELDS = 200
 
@@ -32,7 +33,9 @@ def _span(table: LogTable, name: str, values: np.ndarray) -> str:
     known = values[np.isfinite(values)]
     if name in table.table.words or not len(known):
         words = table.table.words.get(name)
-        first = "" if words is None or not len(words) else f", as {clipped(words[0].as_py(), 40)!r}"
-        return f"no numbers{first}"
+        if words is None or not len(words):
+            return "no numbers"
+        kind = "no numbers" if from_words(words) is None else "times"
+        return f"{kind}, as {clipped(words[0].as_py(), 40)!r}"
     lost = f", {len(values) - len(known)} missing" if len(known) < len(values) else ""
     return f"{known.min():.9g} to {known.max():.9g}, {len(np.unique(known))} values{lost}"

@@ -1,10 +1,8 @@
 """Settings of pilots: strict models that refuse unknown keys."""
 
-from typing import Annotated, Any, TypeVar
+from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
-
-from swamp_rl.files import validated
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -35,11 +33,3 @@ class Settings(BaseModel):
     """Base of every pilot's settings: frozen, with unknown keys and infinite numbers refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
-
-
-AnySettings = TypeVar("AnySettings", bound=Settings)
-
-
-def settings_from(where: str, kind: type[AnySettings], options: dict[str, Any]) -> AnySettings:
-    """Settings of a kind from options read in `where` (a file); UserError names the first wrong key."""
-    return validated(where, kind, options)

@@ -50,6 +50,10 @@ WIDEST = {  # of any boat's command
 }
 
 
+NO_THRUSTER = "has no thruster"
+"Words by which an importer knows the fault, to name its options."
+
+
 class UnknownThrusterError(ValueError):
     """A command column names a thruster that the boat does not have."""
 
@@ -73,9 +77,9 @@ def _thruster_span(kind: str, name: str, applied: bool, boat: Boat) -> Span:
     named = [found for found in boat.thrusters if f"{kind}_{name}" in found.command_columns]
     if not named:
         raise UnknownThrusterError(
-            f"boat {boat.name} has no thruster {name!r} whose command is {kind} "
+            f"boat {boat.name} {NO_THRUSTER} {name!r} whose command is {kind} "
             f"(it has {', '.join(boat.thruster_names)}); "
-            "correct the column, or vehicle in dataset.yaml"
+            "correct the column's name, or name the boat that has it"
         )
     thruster = named[0]
     if kind in ("throttle", "propeller"):

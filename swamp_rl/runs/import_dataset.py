@@ -185,6 +185,7 @@ def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]
         except UserError as error:
             refused += str(error).splitlines()
     if refused:
+        refused = list(dict.fromkeys(refused))  # what every file lacks, such as a package, is told once
         raise UserError("\n".join(refused[:MOST_TOLD] + _others(len(refused) - MOST_TOLD)))
     return runs
 

@@ -17,7 +17,7 @@ from swamp_rl.constants import FOOT, KNOT
 from swamp_rl.errors import UserError
 from swamp_rl.runs.bad_rows import BadRows, listed, stretches
 from swamp_rl.runs.check import MISSING, check_table
-from swamp_rl.runs.columns import REQUIRED, UnknownThrusterError, span_of
+from swamp_rl.runs.columns import NO_THRUSTER, REQUIRED, UnknownThrusterError, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
 from swamp_rl.runs.local_frame import Place, to_local
 from swamp_rl.runs.resample import ANGLES, resampled
@@ -224,6 +224,8 @@ def _with_hint(wishes: Wishes, fault: Fault) -> str:
         hint = f", or name it: --column {fault.column}=THEIRS, or --map (--list shows what is there)"
     elif fault.column == "time" and "resample" in fault.message:
         hint += " (--resample HZ), or divide it (--bad-rows split)"
+    elif NO_THRUSTER in fault.message:
+        hint += " (--map or --column, --drop, --boat)"
     elif "degrees" in fault.message and fault.column not in ("latitude", "longitude"):
         hint += f" (--degrees {fault.column})"
     elif "percent" in fault.message:

@@ -4,11 +4,13 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
-from swamp_rl.clipped import printable
+from swamp_rl.clipped import clipped, printable
 from swamp_rl.errors import UserError
+from swamp_rl.explain import explanations
 
 LARGEST = 1024  # bytes of a message; the longest that a page sends has under 200
 NICKNAME_LENGTH = 24
+LONGEST_FAULT = 160
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Signed = Annotated[float, Field(ge=-1.0, le=1.0)]
@@ -57,13 +59,13 @@ _ANY: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator=
 def parse(text: str | bytes) -> Message:
     """The message in `text`; UserError, in one printable line, if it is none."""
     if len(text) > LARGEST:
-        raise UserError(f"a message of {len(text)} bytes; {LARGEST} are allowed")
+        raise UserError(f"a message of {len(text)} bytes, at most {LARGEST} are read; load the page again")
     try:
         return _ANY.validate_json(text)
     except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False, include_context=False)[0]
-        told = f"{'.'.join(str(part) for part in first['loc'])}: {first['msg']}"[:120]
-        raise UserError(f"malformed message: {printable(told)}") from error
+        place, told = explanations(error, None)[0]
+        fault = clipped(f"{place}: {told}" if place else told, LONGEST_FAULT)
+        raise UserError(f"malformed message ({fault}); load the page again") from error
 
 
 def clean_nickname(name: str) -> str:

@@ -39,3 +39,19 @@ def test_a_horizon_longer_than_the_runs_has_no_error_of_a_perfect_model(
     assert {tuple(known) for known in perfect.values()} == {(1.0,)}
     assert perfect["position_rmse_m"][1.0] == pytest.approx(0.1 * np.sqrt(2.0))
     assert not recwarn.list
+
+
+def test_errors_of_runs_without_noise_have_few_enough_ticks_to_be_read() -> None:
+    def gain(horizon: float, after: float) -> Any:
+        none = dict.fromkeys(figures.QUANTITIES)
+        one = SimpleNamespace(before=1.0, after=after)
+        return SimpleNamespace(horizon_s=horizon, **(none | {"position_rmse_m": one}))
+
+    gains = [gain(1.0, 1e-2), gain(5.0, 1e-4), gain(30.0, 1e-7)]
+    told = SimpleNamespace(gain=gains, gain_on="other_runs", noise=dict.fromkeys(CHANNELS, 0.01))
+    finding: Any = SimpleNamespace(diagnosis=told, extended=True)
+    figure = Figure()
+    draw_errors(figure, finding)
+    low, high = figure.axes[0].get_ylim()
+    ticks = [tick for tick in figure.axes[0].get_yticks() if low <= tick <= high]
+    assert 3 <= len(ticks) <= 9

@@ -1,10 +1,13 @@
 """Dates and times as spreadsheets write them."""
 
 from datetime import UTC, datetime
+from pathlib import Path
 
 import pyarrow as pa
 import pytest
 
+from swamp_rl.logs.import_logs import read_log
+from swamp_rl.logs.listing import listing
 from swamp_rl.logs.stamps import Stamps, from_words
 
 START = datetime(2024, 5, 14, 9, 20, tzinfo=UTC).timestamp()
@@ -50,3 +53,12 @@ def test_a_cell_that_is_no_moment_is_missing_and_words_are_no_times() -> None:
     found = stamps("14.05.2024 09:20:00", "31.02.2024 09:20:00", "")
     assert found.time == pytest.approx([0.0, float("nan"), float("nan")], nan_ok=True)
     assert from_words(pa.chunked_array([pa.array(["AUTO", "MANUAL"])])) is None
+
+
+def test_a_listing_tells_a_column_of_times_from_one_of_other_words(tmp_path: Path) -> None:
+    rows = ["UTC,mode", "2025-06-03T09:15:01+00:00,AUTO", "2025-06-03T09:15:02+00:00,AUTO"]
+    (tmp_path / "log.csv").write_text("\n".join(rows) + "\n")
+    assert list(listing(read_log(tmp_path / "log.csv", "csv")))[1:] == [
+        "  UTC: times, as '2025-06-03T09:15:01+00:00'",
+        "  mode: no numbers, as 'AUTO'",
+    ]

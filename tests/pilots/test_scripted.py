@@ -8,8 +8,8 @@ from swamp_rl.envs.batched import GatesVectorEnv
 
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation.rollout import Rollout, drive
+from swamp_rl.files import validated
 from swamp_rl.pilots.scripted import SKILLS, Habits, ScriptedPilot
-from swamp_rl.pilots.settings import settings_from
 
 SENSES = ScriptedPilot(0).senses
 STEADY = Habits(aim_spread=0.0, guess_interval=1e9, hesitation_interval=1e9, messy=0.0, gentle=0.0)
@@ -60,7 +60,7 @@ def test_a_boat_that_starts_beyond_a_gate_goes_round_for_it(tmp_path: Path) -> N
 
 def test_a_range_whose_ends_are_exchanged_is_refused() -> None:
     with pytest.raises(UserError, match=r"a\.yaml: reaction: the first number is above the second"):
-        settings_from("a.yaml", Habits, {"reaction": [1.0, 0.1]})
+        validated("a.yaml", Habits, {"reaction": [1.0, 0.1]})
 
 
 def test_what_is_seen_is_acted_on_after_the_reaction_time() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from swamp_rl.runs.import_foreign import UNITS, Wishes
 from swamp_rl.runs.local_frame import to_local
 from swamp_rl.runs.mcap_files import read_mcap
 from swamp_rl.runs.resample import ALWAYS, MOST_CELLS, most_rows, resampled
+from swamp_rl.runs.schema import META
 from tests.support.runs import circling, described
 
 TIME = np.arange(40) * 0.1
@@ -70,6 +72,7 @@ def refused(
     lines = str(told.value).splitlines()
     assert len(lines) <= 21 and all(path.name in line for line in lines[:20])
     assert all(part in str(told.value) for part in parts), str(told.value)
+    assert META not in str(told.value)
     assert sorted(tmp_path.iterdir()) == before
 
 
@@ -109,6 +112,11 @@ def with_cell(name: str, row: int, value: object) -> dict[str, object]:
             {**foreign(), "throttle_bs": [1500.0] * 40},
             WISHES,
             ["looks like a pulse width", "(pwm - 1500) / 400"],
+        ),
+        (
+            {**foreign(), "throttle_left": [0.1] * 40},
+            WISHES,
+            ["has no thruster 'left'", "the boat that has it (--map or --column, --drop, --boat)"],
         ),
         ({**foreign(), " Sway": [0.1] * 40}, WISHES, ["is sway of the run format", "--column sway=' Sway'"]),
         ({**foreign(), "THROTTLE_BS": [0.1] * 40}, WISHES, ["--column throttle_bs=THROTTLE_BS"]),
@@ -379,3 +387,13 @@ def test_an_outcome_cannot_be_worked_out_without_a_course(tmp_path: Path) -> Non
     with pytest.raises(UserError, match=r"--outcome auto: .*--course NAME"):
         import_runs([tmp_path / "one.csv"], "csv", tmp_path / "out", About(outcome="auto"))
     assert not (tmp_path / "out").exists()
+
+
+def test_what_all_files_lack_is_told_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyproj", None)
+    columns = {"time": TIME.tolist(), "heading": [0.1] * 40}
+    columns |= {"latitude": [43.21] * 40, "longitude": [8.76] * 40}
+    files = [write_csv(tmp_path / f"{name}.csv", columns) for name in ("one", "two")]
+    with pytest.raises(UserError) as told:
+        import_runs(files, "csv", tmp_path / "out")
+    assert str(told.value) == "latitude and longitude need pyproj; pip install 'swamp-rl[gps]'"

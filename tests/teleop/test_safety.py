@@ -282,6 +282,26 @@ def test_whatever_is_sent_is_a_message_or_a_refusal(text: str | bytes) -> None:
         parse(text)
 
 
+@pytest.mark.parametrize(
+    ("message", "fault"),
+    [
+        ({"type": "command", "throttle": 1.5, "angle": 0.0}, "command.throttle: must be at most 1, not 1.5"),
+        ({"type": "command", "angle": 0.0}, "command.throttle: is missing; add it"),
+        (
+            {"type": "act", "act": "helm", "speed": 1.0},
+            "act.speed: unknown key; remove it or correct its name",
+        ),
+        ({"type": "sink"}, "'type' must be one of 'command', 'act', 'choose'"),
+        ([], "must be a mapping of keys to values, not []"),
+    ],
+)
+def test_a_refusal_names_the_key_what_is_allowed_and_the_remedy(message: Any, fault: str) -> None:
+    with pytest.raises(UserError) as refused:
+        parse(json.dumps(message))
+    told = str(refused.value)
+    assert told.startswith(f"malformed message ({fault}") and told.endswith("); load the page again")
+
+
 @given(
     st.fixed_dictionaries(
         {"type": st.sampled_from(["command", "act", "choose"])},

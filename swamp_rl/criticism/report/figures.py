@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.finding import Finding
 from swamp_rl.criticism.inference.residual_force import Forces, residual_forces
 from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES, errors_at, restarts
 from swamp_rl.criticism.model.candidates import Hypothesis
-from swamp_rl.criticism.report.words import Z95, force_name
+from swamp_rl.criticism.report.words import force_name
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.figure_style import sheet
 
@@ -179,7 +180,10 @@ def perfect_run_set(finding: Finding, rng: np.random.Generator) -> RunSet:
 
 
 def _plain_ticks(axes: Any, horizons: list[float]) -> None:
-    """Ticks at the horizons, and vertical ones at 1, 2 and 5 times powers of ten, as decimal numbers."""
+    """Ticks at the horizons, and vertical ones at 1, 2 and 5 times powers of ten, as decimal numbers.
+
+    Over more than three decades, as of simulated runs without noise, at powers of ten only.
+    """
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axes.set_xticks(horizons, labels=[f"{horizon:g}" for horizon in horizons])
@@ -188,7 +192,7 @@ def _plain_ticks(axes: Any, horizons: list[float]) -> None:
     low, high = axes.get_ylim()
     wider = max(1.3, math.sqrt(6.0 * low / high))
     axes.set_ylim(low / wider, high * wider)
-    axes.yaxis.set_major_locator(LogLocator(subs=[1.0, 2.0, 5.0]))
+    axes.yaxis.set_major_locator(LogLocator(subs=[1.0] if high > 1e3 * low else [1.0, 2.0, 5.0]))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
 

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from swamp_rl.boat import Boat
+from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Limit
 from swamp_rl.effects import LIBRARY
 from swamp_rl.html_page import minus, plain, rounded
 
-Z95 = 1.959964
 EQUAL = 9.0  # held-out chi2 within which two functions of the residual force are not separated
 DIFFERS = {"by_run": "another in each run", "by_day": "another on each day"}
 

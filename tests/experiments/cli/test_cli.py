@@ -68,6 +68,10 @@ def test_help_waits_for_no_heavy_library() -> None:
         (["dance"], "No such command 'dance'"),
         (["run"], "Missing argument"),
         (["run", "a", "--fast"], "No such option"),
+        (["evaluate", "a", "--episodes", "many"], "'--episodes': must be a whole number, not 'many'"),
+        (["evaluate", "a", "--episodes", "1.5"], "must be a whole number, not '1.5' (see"),
+        (["evaluate", "a", "--episodes", "0"], "'--episodes': must be at least 1"),
+        (["runs", "export", "a", "--to", "xls", "--out", "b"], "'--to': 'xls' is not one of 'minari', "),
         (["simulate"], "Missing option"),
         (["simulate", "--commands", "a.csv"], "Missing option '--out'"),
         (["record-scripted"], "Missing option '--out'"),
@@ -86,6 +90,7 @@ def test_help_waits_for_no_heavy_library() -> None:
         (["runs", "check"], "(see swamp-rl runs check --help)"),
         (["dance"], "(see swamp-rl --help)"),
         (["trial", "zig-zag", "--angle"], "(see swamp-rl trial zig-zag --help)"),
+        (["export", "cloning", "--out", "a.txt"], "--out a.txt: end the name in .onnx"),
         (["runs", "show", "a", "--out", "a.jpg"], "end the name in .png"),
     ],
 )

@@ -75,9 +75,21 @@ def test_what_cannot_be_shown_is_said(results: Path, tmp_path: Path) -> None:
     elsewhere = dataset(tmp_path / "pond", "human", ["x"], course=None)
     with pytest.raises(UserError, match="different courses"):
         labels([results, elsewhere])
-    (results / "results.json").write_text("{}")
-    with pytest.raises(UserError, match=r"results\.json: cannot be read"):
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("{}", "lacks race.runs or data.source"),
+        ('{"race": null, "data": {"source": "human"}}', "lacks race.runs or data.source"),
+        ("[1, 2]", "holds no JSON object"),
+    ],
+)
+def test_damaged_results_are_told_without_the_words_of_python(results: Path, text: str, fault: str) -> None:
+    (results / "results.json").write_text(text)
+    with pytest.raises(UserError) as refused:
         labels([results])
+    assert str(refused.value) == f"{results / 'results.json'}: {fault}; make the results again"
 
 
 @pytest.mark.parametrize(

@@ -140,8 +140,8 @@ def test_merging_replaces_lists_and_joins_mappings() -> None:
         ("evaluation.episodes=many", "evaluation.episodes"),
         ("pilots.net.tkeover=1", "takeover"),
         ("pilots.net.kind=clonning", "'cloning'"),
-        ("pilots.net.options.epocs=1", "epochs"),
-        ("pilots.net.options.epochs=-1", "pilots.net.options"),
+        ("pilots.net.options.epocs=1", ": pilots.net.options.epocs: unknown key; did you mean 'epochs'?"),
+        ("pilots.net.options.epochs=-1", ": pilots.net.options.epochs: must be at least 1"),
         ("pilots.net.disturbances=calm", "drop the key"),
         ("pilots.scripted.runs=3", "drop the key"),
         ("targets.success.nett={calm: 0.5}", "no pilot 'nett'"),
@@ -188,10 +188,23 @@ def test_of_several_overrides_the_one_at_fault_is_named_and_a_wrong_file_before_
     ],
 )
 def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path: Path, override: str, told: str) -> None:
-    experiment = load_experiment(write(tmp_path, SMALL), [override])
-    with pytest.raises(UserError) as refused:
-        read_scene(experiment)
-    assert str(refused.value).startswith(told)
+    assert complaint(write(tmp_path, SMALL), override).startswith(f"--set {override}: {told}")
+
+
+@pytest.mark.parametrize(
+    ("key", "wrong"),
+    [
+        ("boat: swmp", "boat"),
+        ("course: mine.yaml", "course"),
+        ("evaluation: {levels: [clm]}", "evaluation.levels"),
+    ],
+)
+def test_a_wrong_boat_course_or_level_is_told_with_the_experiments_file(
+    tmp_path: Path, key: str, wrong: str
+) -> None:
+    base = write(tmp_path, SMALL, "base.yaml")
+    file = write(tmp_path, f"extends: {base}\n{key}\n")
+    assert complaint(file).startswith(f"{file}: {wrong}: ")
 
 
 def test_an_experiment_that_extends_one_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -38,3 +38,5 @@ def test_a_smoke_run_is_small_and_has_a_name_of_its_own_and_the_same_when_read_a
     assert small.pilots["ppo"].options["hold"] == whole.pilots["ppo"].options["hold"]
     (tmp_path / "again.yaml").write_text(json.dumps(small.model_dump(mode="json")))
     assert load_experiment(tmp_path / "again.yaml") == small
+    more = load_experiment(tmp_path / "again.yaml", ["evaluation.episodes=20"])
+    assert more.evaluation.episodes == 20  # as `evaluate --episodes` asks of a folder of results
