@@ -6,7 +6,8 @@ from swamp_rl.simulator.sensors.observe import (
     is_altered,
     observe,
     rows_ahead,
+    sensors_of,
     true_motion,
 )
 
-__all__ = ["CHANNELS", "add_noise", "is_altered", "observe", "rows_ahead", "true_motion"]
+__all__ = ["CHANNELS", "add_noise", "is_altered", "observe", "rows_ahead", "sensors_of", "true_motion"]

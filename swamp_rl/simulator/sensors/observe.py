@@ -13,6 +13,10 @@ Array = NDArray[np.float64]
 
 CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
 
+# fields of the record, of effects that are the same at all times and of those that are not
+CONSTANT = ("antenna_x", "antenna_y", "heading_bias", "gyro_bias")
+VARYING = ("position_delay", "clock_offset", "clock_drift", "heading_drift")
+
 
 def observe(track: Array, params: NDArray[Any], dt: float, began: Array | None = None) -> Array:
     """Measured channels (n, T, 6), in the order of `CHANNELS`, of tracks (n, T, S) in rows of dt [s].
@@ -39,16 +43,22 @@ def observe(track: Array, params: NDArray[Any], dt: float, began: Array | None =
     return measured
 
 
+def sensors_of(params: NDArray[Any]) -> NDArray[Any]:
+    """(n,) what `observe` reads of parameter records (n,), which are many times as large to repeat."""
+    made = np.empty(len(params), [(field, float) for field in CONSTANT + VARYING])
+    for field in CONSTANT + VARYING:
+        made[field] = params[field]
+    return made
+
+
 def is_altered(params: NDArray[Any]) -> bool:
     """Whether what is measured of any boat is anything but midship's motion itself."""
-    constant = ("antenna_x", "antenna_y", "heading_bias", "gyro_bias")
-    return any(params[field].any() for field in constant) or bool(ran_off(params).any())
+    return any(params[field].any() for field in CONSTANT) or bool(ran_off(params).any())
 
 
 def ran_off(params: NDArray[Any]) -> NDArray[np.bool_]:
     """(n,) whether something that is measured depends on the time since the run began, or on another row."""
-    fields = ("position_delay", "clock_offset", "clock_drift", "heading_drift")
-    return np.any([params[field] != 0.0 for field in fields], axis=0)
+    return np.any([params[field] != 0.0 for field in VARYING], axis=0)
 
 
 def clock_error(time: Array, params: NDArray[Any]) -> Array:
