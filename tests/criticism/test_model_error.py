@@ -7,8 +7,10 @@ import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.likelihood.adequacy import adequacy
+from swamp_rl.criticism.likelihood.cross_validation import Confirmation
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.nuisance.curve_errors import Marginal
 from swamp_rl.criticism.nuisance.process_noise import correlation_samples, in_noise_units, model_error
 from swamp_rl.criticism.selection.stepwise_selection import (
     RatioTests,
@@ -16,10 +18,13 @@ from swamp_rl.criticism.selection.stepwise_selection import (
     most_likely,
     select_under_model_error,
     single_stage,
+    without_dispensable,
 )
 from tests.support.criticism import SECONDS, gauss_markov_noise, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
+
+CONFIRMED = Confirmation(gain=30.0, low=10.0, level=0.999)
 
 
 def test_an_error_lasts_as_long_as_its_autocorrelation_says() -> None:
@@ -89,6 +94,21 @@ def test_of_effects_that_held_out_windows_do_not_separate_the_more_likely_is_sel
             tests.marginals[one.hypothesis.label, one.x.tobytes()] = worse
         best, confirmed = most_likely(continuation, *best_confirmed(continuation, fits, tests), fits, tests)
         assert best is likely and all(one.holds for one in confirmed.values())
+
+
+@pytest.mark.parametrize(("gain", "label"), [(1.1, "position_delay"), (0.9, "nothing")])
+def test_an_effect_of_less_likelihood_than_its_parameters_cost_is_left_out(gain: float, label: str) -> None:
+    found = simulated_runs([{"effect": "position_delay", "delay": 0.4}], velocities=False)
+    weight = weights(found, noise_levels(found))
+    continuation = single_stage(model_error(found, weight, Hypothesis(), np.zeros(0), 10.0))
+    whole = Hypothesis((by_label(candidates(found.boat, SECONDS))["position_delay"],))
+    best = continuation.fit(0, whole, np.array([0.3]), continuation.problems[0].initial_states())
+    tests = RatioTests(found, weight, 3)
+    cost = continuation.criterion.charge(whole) - continuation.criterion.charge(Hypothesis())
+    for key, deviance in (((whole.label, best.x.tobytes()), -gain * cost), (("nothing", b""), 0.0)):
+        tests.marginals[key] = Marginal(deviance, np.zeros(0), np.zeros(3), 0.0)
+    kept, _ = without_dispensable(continuation, best, {whole.label: CONFIRMED}, tests)
+    assert kept.hypothesis.label == label
 
 
 def test_adequacy_is_tested_against_the_measurement_noise_not_the_model_error() -> None:

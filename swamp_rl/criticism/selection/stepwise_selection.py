@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,6 +103,7 @@ def _selected(
     unidentifiable = [one.instance.label for one in first if one.information < options().least_information]
     best, confirmed = best_confirmed(continuation, others, tests)
     best, confirmed = most_likely(continuation, best, confirmed, [*singles, *others], tests)
+    best, confirmed = without_dispensable(continuation, best, confirmed, tests)
     rivals = equivalent(continuation, best, [*singles, *others])
     tried = [*singles, *(one for one in others if one is not best), best]
     found = Selection(best, False, 0, rivals, tried, first, unidentifiable, confirmed)
@@ -264,10 +266,7 @@ def most_likely(
     """The fit of least information criterion beside errors of the model's curves, of the best one and those
     confirmed whole that held-out windows do not separate from it; and what confirms it.
     """
-
-    def criterion(one: Fit) -> float:
-        return tests.marginal(one).deviance + continuation.criterion.charge(one.hypothesis)
-
+    criterion = partial(_criterion, continuation, tests)
     for rival in sorted(equivalent(continuation, best, others), key=criterion):
         if criterion(rival) >= criterion(best):
             break
@@ -275,6 +274,26 @@ def most_likely(
         if kept is rival:
             return rival, found
     return best, confirmed
+
+
+def without_dispensable(
+    continuation: Continuation, best: Fit, confirmed: dict[str, Confirmation], tests: RatioTests
+) -> tuple[Fit, dict[str, Confirmation]]:
+    """The fit less the effects whose removal lowers the information criterion beside errors of the model's
+    curves, and what confirms the others: an effect with parameters for each run has more to pay than the
+    ratio test asks of it.
+    """
+    for label in confirmed:
+        less = without(continuation, best, label, 0)
+        if _criterion(continuation, tests, less) < _criterion(continuation, tests, best):
+            rest = {kept: one for kept, one in confirmed.items() if kept != label}
+            return without_dispensable(continuation, less, rest, tests)
+    return best, confirmed
+
+
+def _criterion(continuation: Continuation, tests: RatioTests, one: Fit) -> float:
+    """Information criterion beside errors of the model's curves."""
+    return tests.marginal(one).deviance + continuation.criterion.charge(one.hypothesis)
 
 
 def equivalent(continuation: Continuation, winner: Fit, others: Sequence[Fit]) -> list[Fit]:
