@@ -31,9 +31,16 @@ def predictors_of(runs: RunSet) -> dict[float, dict[str, float]]:
     return {one.horizon_s: one.model_dump(exclude={"horizon_s"}) for one in found}
 
 
-def share(without: float, with_cause: float, interval: tuple[float, float] = (0.0, 1.0)) -> Share:
+def share(
+    without: float, with_cause: float, interval: tuple[float, float] = (0.0, 1.0), moved: float = 0.01
+) -> Share:
     return Share(
-        horizon_s=10.0, quantity="position_rmse_m", without=without, with_cause=with_cause, ci95=interval
+        horizon_s=10.0,
+        quantity="position_rmse_m",
+        without=without,
+        with_cause=with_cause,
+        ci95=interval,
+        moved=moved,
     )
 
 
@@ -81,8 +88,11 @@ def test_to_fit_the_numbers_is_advised_unless_a_cause_mends_the_prediction(
 def test_a_cause_is_minor_only_below_two_percent_and_below_the_noise() -> None:
     assert is_minor([share(2.0, 1.99)], NOISE)
     assert not is_minor([share(2.0, 1.9)], NOISE)  # 5 % of the error
-    assert not is_minor([share(4.0, 3.95)], NOISE)  # above the noise
     assert not is_minor([], NOISE)
+
+
+def test_a_cause_that_moves_predictions_by_more_than_the_noise_matters_beside_a_larger_error() -> None:
+    assert not is_minor([share(2.0, 1.99, moved=0.2)], NOISE)  # 2.0^2 = 1.99^2 + 0.2^2
 
 
 def test_a_cause_whose_interval_lies_below_zero_does_not_carry_over() -> None:

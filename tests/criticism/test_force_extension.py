@@ -51,6 +51,7 @@ def share(horizon: float, quantity: str, without: float, with_cause: float, low:
         without=without,
         with_cause=with_cause,
         ci95=(low, high),
+        moved=abs(without - with_cause),
     )
 
 

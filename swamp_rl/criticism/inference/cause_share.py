@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,24 +122,36 @@ def shares_of(
         columns = QUANTITIES[name]
         one = change(before[:, columns], after[:, columns], block, rng)
         if one is not None:
-            less, more = one.before, one.after
             found.append(
                 Share(
-                    horizon_s=horizon, quantity=name, without=less, with_cause=more, ci95=one.ci95, wind=wind
+                    horizon_s=horizon,
+                    quantity=name,
+                    without=one.before,
+                    with_cause=one.after,
+                    ci95=one.ci95,
+                    moved=_distance(before[:, columns], after[:, columns]),
+                    wind=wind,
                 )
             )
     return found
 
 
+def _distance(before: Array, after: Array) -> float:
+    """Root mean square distance of predictions with errors (n, k) before and after, measured alike."""
+    return float(np.sqrt(np.nanmean(((before - after) ** 2).sum(axis=1))))
+
+
 def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
-    """Whether a cause changes every error by less than `minor` of it and by less than the sensor's noise.
+    """Whether a cause changes every error by less than `minor` of it, and moves every prediction by less than
+    the sensor's noise. Independent errors add in squares: their difference says little of a cause beside a
+    larger error.
 
     noise: standard deviation by channel (SI, rad). False where no error could be measured.
     """
     position = np.hypot(noise.get("north", 0.0), noise.get("east", 0.0))
     sizes = dict(zip(JUDGED, (position, noise.get("heading", 0.0)), strict=True))
     return bool(shares) and all(
-        abs(one.without - one.with_cause) < min(options().minor * one.without, sizes[one.quantity])
+        abs(one.without - one.with_cause) < options().minor * one.without and one.moved < sizes[one.quantity]
         for one in shares
     )
 
@@ -232,6 +244,17 @@ def list_causes(
         nuisance=[cause for cause in claimed if LIBRARY[cause.effect].nuisance and not alone],
         sound=len(claimed) == len(every),
     )
+
+
+def without_minor_rivals(found: Selection, listed: CauseList) -> Selection:
+    """The selection less the rivals that have all causes that matter: these differ from it in place of a
+    minor cause alone, which has no part in the verdict.
+    """
+    if not (listed.minor and listed.causes):
+        return found
+    matter = {cause.label for cause in listed.causes}
+    rivals = [one for one in found.rivals if not matter <= {i.label for i in one.hypothesis.instances}]
+    return replace(found, rivals=rivals)
 
 
 def _size(cause: Cause) -> float:
