@@ -14,7 +14,14 @@ from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet, read_run_set
-from swamp_rl.criticism.inference.cause_share import CauseList, Witness, list_causes, witnesses, written_fit
+from swamp_rl.criticism.inference.cause_share import (
+    CauseList,
+    Witness,
+    list_causes,
+    without_minor_rivals,
+    witnesses,
+    written_fit,
+)
 from swamp_rl.criticism.inference.estimate import causes_of, correlation
 from swamp_rl.criticism.inference.finding import Finding
 from swamp_rl.criticism.inference.force_extension import extend_by_force
@@ -136,7 +143,7 @@ def examine(
     LOG.info("confirmation on held-out runs, prediction errors")
     written, shares, left_out = written_fit(continuation, found.winner, found.stage, witnesses(on, rng), rng)
     listed = list_causes(judged, found, shares, left_out, noise)
-    found = found if listed.sound else replace(found, adequate=False)
+    found = without_minor_rivals(found if listed.sound else replace(found, adequate=False), listed)
 
     extension = None
     leftover = list[ResidualForce]()

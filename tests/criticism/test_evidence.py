@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -11,10 +13,18 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.diagnose import diagnose
-from swamp_rl.criticism.inference.cause_share import carries_over, is_minor
+from swamp_rl.criticism.inference.cause_share import (
+    CauseList,
+    carries_over,
+    is_minor,
+    without_minor_rivals,
+)
+from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.report.evidence import predictors_sentence
-from swamp_rl.criticism.result import Diagnosis, Gain, Paired, Predictors, Share
+from swamp_rl.criticism.result import Cause, Diagnosis, Gain, Paired, Predictors, Share
+from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.effects import parse_effects
 from swamp_rl.runs import Run, write_run
 from swamp_rl.simulator.replay import replay
@@ -93,6 +103,19 @@ def test_a_cause_is_minor_only_below_two_percent_and_below_the_noise() -> None:
 
 def test_a_cause_that_moves_predictions_by_more_than_the_noise_matters_beside_a_larger_error() -> None:
     assert not is_minor([share(2.0, 1.99, moved=0.2)], NOISE)  # 2.0^2 = 1.99^2 + 0.2^2
+
+
+@pytest.mark.parametrize(("minor", "others"), [(["mass"], ["wind"]), ([], ["current + resistance", "wind"])])
+def test_a_rival_in_place_of_a_minor_cause_alone_is_none(minor: list[str], others: list[str]) -> None:
+    known = by_label(candidates(load_boat("swamp"), 40.0))
+    every = [("current", "mass"), ("current", "resistance"), ("wind",)]
+    hypotheses = [Hypothesis(tuple(known[name] for name in names)) for names in every]
+    best, *rivals = [cast(Fit, SimpleNamespace(hypothesis=one)) for one in hypotheses]
+    matter = [one for one in ("current", "mass") if one not in minor]
+    causes, least = ([Cause(effect=one, parameters={}) for one in names] for names in (matter, minor))
+    found = Selection(best, True, 1, rivals, [], [], [])
+    kept = without_minor_rivals(found, CauseList(causes, least, [], True)).rivals
+    assert [one.hypothesis.label for one in kept] == others
 
 
 def test_a_cause_whose_interval_lies_below_zero_does_not_carry_over() -> None:
