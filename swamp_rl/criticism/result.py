@@ -62,8 +62,8 @@ class HeldOut(Part):
 class Share(Part):
     """Root mean square error [m, rad] of predictions at a horizon on held-out runs, without a cause, the
     others fitted anew, and with it; ci95: of the difference, without less with; moved: root mean square
-    distance between the two predictions. wind: whether the effects of weather that were fitted act, or the
-    measured wind that was left out of the fit.
+    distance between the two predictions, None in a diagnosis made before this was recorded. wind: whether the
+    effects of weather that were fitted act, or the measured wind that was left out of the fit.
     """
 
     horizon_s: float
@@ -71,7 +71,7 @@ class Share(Part):
     without: float
     with_cause: float
     ci95: tuple[float, float]
-    moved: float
+    moved: float | None = None
     wind: Wind = "fitted"
 
 

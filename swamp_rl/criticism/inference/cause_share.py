@@ -151,7 +151,9 @@ def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
     position = np.hypot(noise.get("north", 0.0), noise.get("east", 0.0))
     sizes = dict(zip(JUDGED, (position, noise.get("heading", 0.0)), strict=True))
     return bool(shares) and all(
-        abs(one.without - one.with_cause) < options().minor * one.without and one.moved < sizes[one.quantity]
+        abs(one.without - one.with_cause) < options().minor * one.without
+        and one.moved is not None
+        and one.moved < sizes[one.quantity]
         for one in shares
     )
 

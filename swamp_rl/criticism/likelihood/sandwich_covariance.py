@@ -3,14 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.constants import Z95
 from swamp_rl.criticism.likelihood.cross_validation import folds_of, numbers_without
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, moved_together
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
-
-Z95 = 1.959964
 
 
 def sandwich_covariance(problem: Shooting, at: Fit) -> Array:

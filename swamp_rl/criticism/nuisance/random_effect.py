@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.constants import Z95
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
-CHI2_95, Z95 = 3.841459, 1.959964  # of one degree of freedom, and its root
+CHI2_95 = 3.841459  # of one degree of freedom
 
 
 @dataclass(frozen=True)
