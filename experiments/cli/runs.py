@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from swamp_rl.experiments.cli.outputs import refuse_suffix
 
 runs_app = typer.Typer(help="Check, show, import and export recorded runs.", no_args_is_help=True)
 
@@ -56,12 +57,10 @@ def show(
     from rich.console import Console
     from swamp_rl.experiments.reports.runs import draw_tracks, run_table
 
-    from swamp_rl.errors import UserError
     from swamp_rl.runs import read_dataset
 
     out = out or Path("results") / f"{folder.resolve().name}-tracks.png"
-    if out.suffix.lower() != ".png":
-        raise UserError(f"{out}: the tracks are drawn as PNG; end the name in .png")
+    refuse_suffix("--out", out, ".png")
     dataset = read_dataset(folder, boat_for(folder, boat))
     Console(markup=False).print(run_table(dataset))
     draw_tracks(dataset, out)
