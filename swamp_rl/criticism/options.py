@@ -93,6 +93,8 @@ class Options:
     # in `acceleration_scale`, of the finite difference
     acceleration_step: tuple[float, ...] = (0.00646, 0.00646, 0.00801)
     chunk_bytes: int = 2**26  # bytes of Jacobians or tracks that are computed at once
+    # rows of tracks that are turned to measurements at once: 0.8 MB, which a cache holds
+    observed_rows: int = 2**14
     # ---- Gauss-Markov measurement noise
     wander_times: tuple[float, ...] = (1.0, 3.0, 10.0, 30.0, 100.0)  # s, time constants tried
     # standard deviations tried, in those of the white noise

@@ -29,7 +29,6 @@ from swamp_rl.simulator.substeps import substeps_of
 Array = NDArray[np.float64]
 
 NO_ACCELERATION = np.zeros((0, 1, 3))
-OBSERVED_ROWS = 2**14  # that are turned to measurements at once: a copy of 0.8 MB, which a cache holds
 
 
 def cut(run_set: RunSet, weight: Array, seconds: float, before: float | None = None) -> Windows:
@@ -226,7 +225,7 @@ class Shooting:
         roll(*given, self.dt, self.substeps, acceleration, block, track)
         if altered:
             each = np.tile(which, len(start) // len(which))
-            boats = max(1, OBSERVED_ROWS // track.shape[1])
+            boats = max(1, options().observed_rows // track.shape[1])
             sensors = sensors_of(records)
             for part in (slice(one, one + boats) for one in range(0, len(track), boats)):
                 track[part] = observe(track[part], sensors[each[part]], self.dt, start[part, TIME])

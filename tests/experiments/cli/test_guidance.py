@@ -63,8 +63,8 @@ def test_a_station_is_held_and_one_that_cannot_be_is_refused(call: Call, tmp_pat
     assert_complains(call("hold", "--heading", 400, "--out", "far"), "--heading")
     assert_complains(call("hold", "--current", "nan", "--out", "far"), "current")
     for verb in (["hold"], ["follow", "eight"], ["follow-vehicle", "run.csv", "--behind", "5"]):
-        assert_complains(call(*verb, "--current", "400", "--out", "far"), "less than or equal to 20")
-        assert_complains(call(*verb, "--wind", "inf", "--out", "far"), "less than or equal to 60")
+        assert_complains(call(*verb, "--current", "400", "--out", "far"), "--current", "at most 20")
+        assert_complains(call(*verb, "--wind", "inf", "--out", "far"), "--wind", "at most 60")
     assert not (tmp_path / "far").exists()
 
 
