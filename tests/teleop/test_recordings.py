@@ -47,7 +47,7 @@ def record(folder):
         if game.journal is None:
             game.drop(again=False)
         else:
-            print("accepted", accept(game), flush=True)
+            print(f"accepted {accept(game)}\\n", end="", flush=True)  # one write, which no kill divides
 
 warm = session(Path(sys.argv[1]), "standard")
 drive(warm)
