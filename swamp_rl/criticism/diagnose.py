@@ -31,7 +31,6 @@ from swamp_rl.criticism.inference.force_regression import (
 )
 from swamp_rl.criticism.inference.identifiability import contrast, hidden_effects, separating_manoeuvre
 from swamp_rl.criticism.inference.next_trial import Designed, design_trial, question_of, write_trial
-from swamp_rl.criticism.inference.residual_force import residual_forces
 from swamp_rl.criticism.inference.self_trial import TWINS, Each, Method, self_trial, serially
 from swamp_rl.criticism.inference.special_cases import with_sufficient_special_cases
 from swamp_rl.criticism.likelihood.adequacy import adequacy
@@ -130,7 +129,7 @@ def examine(
     sigmas, weight, every, hull = known.sigmas, known.weight, known.instances, known.hull
     with_noise, continuation, found = select_model(run_set, weight, every, hull)
     run_set = replace(run_set, commands=with_noise.commands)  # reconstructed
-    LOG.info("the best hypothesis is %s; adequacy and missing forces", found.winner.hypothesis.label)
+    LOG.info("the best hypothesis is %s; adequacy", found.winner.hypothesis.label)
     on = Witness(run_set, weight, others=False)
     if other is not None:
         on = Witness(other, weights(other, noise_levels(other)), others=True)
@@ -138,7 +137,6 @@ def examine(
     found = with_sufficient_special_cases(continuation, found, every, on, rng)
     judged = continuation.problem(found.stage, found.winner.hypothesis)
     measure = adequacy(judged, in_noise_units(found.winner, judged, weight))
-    forces = residual_forces(run_set, weight, found.winner.hypothesis, found.winner.x)
 
     LOG.info("confirmation on held-out runs, prediction errors")
     written, shares, left_out = written_fit(continuation, found.winner, found.stage, witnesses(on, rng), rng)
@@ -193,7 +191,7 @@ def examine(
     )
     trial = _next_trial(with_noise, sigmas, judged, found, limits, rng) if limits else None
     diagnosis.next_trial = trial.told if trial else None
-    return Finding(diagnosis, run_set, weight, continuation, found, forces, written, extension, trial)
+    return Finding(diagnosis, run_set, weight, continuation, found, written, extension, trial)
 
 
 def _models(winner: Fit) -> list[tuple[Hypothesis, Array]]:

@@ -8,6 +8,7 @@ import errno
 import hashlib
 import logging
 import os
+import re
 import shutil
 from collections.abc import Callable
 from functools import lru_cache
@@ -35,21 +36,37 @@ INSIDE = NUMERICS | {"forceinline": True}
 THREADED = NUMERICS | {"nogil": True}
 
 
-def compiled_sources() -> list[Path]:
-    """Every source of the sub-packages that hold a compiled function, their own folders included, in order.
+USES_THE_CACHE = b"from swamp_rl.physics.compile import"
+IMPORT = re.compile(rb"^ *from swamp_rl([.\w]*) import (\([^)]*\)|.*)", re.MULTILINE)
 
-    Whole sub-packages, for a constant that stands beside compiled functions is compiled into them.
+
+def compiled_sources() -> list[Path]:
+    """Every source that compiles a function or uses the cache, and those that it imports from, in order.
+
+    A constant is compiled into the functions that name it, whether of their own module or imported.
     """
     library = Path(__file__).resolve().parents[1]
     envs = library / "envs" if (library / "envs").is_dir() else library.parent / "envs"
-    packages = [folder for folder in library.iterdir() if (folder / "__init__.py").is_file()] + [envs]
-    sources = {package: sorted(package.rglob("*.py")) for package in sorted(set(packages))}
-    return [
-        source
-        for inside in sources.values()
-        if any(b"@compiled" in source.read_bytes() for source in inside)
-        for source in inside
-    ]
+    texts = {source: source.read_bytes() for top in (library, envs) for source in top.rglob("*.py")}
+    users = {source: text for source, text in texts.items() if USES_THE_CACHE in text}
+    imported = {
+        path.with_suffix(".py") if path.with_suffix(".py").is_file() else path / "__init__.py"
+        for text in users.values()
+        for module in _modules(text)
+        for path in (library.joinpath(*module), envs.parent.joinpath(*module))
+    }
+    return sorted({*users, *(path for path in imported if path.is_file())})
+
+
+def _modules(text: bytes) -> set[tuple[str, ...]]:
+    """Parts of the names of this package's modules that a source imports from, without the package's own;
+    a name imported from one may be a module too.
+    """
+    return {
+        (*module.decode().split(".")[1:], *more)
+        for module, names in IMPORT.findall(text)
+        for more in ((), *((name,) for name in re.findall(r"\w+", names.decode())))
+    }
 
 
 @lru_cache(maxsize=1)

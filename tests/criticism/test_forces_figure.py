@@ -24,9 +24,7 @@ def test_a_residual_force_that_is_zero_is_drawn_without_a_warning(
     monkeypatch.setattr(figures, "residual_forces", lambda *given: none)
     run_set = SimpleNamespace(boat=load_boat("swamp"))
     diagnosis = SimpleNamespace(causes=[], leftover=[])
-    finding: Any = SimpleNamespace(
-        run_set=run_set, weight=None, diagnosis=diagnosis, extended=False, forces=none
-    )
+    finding: Any = SimpleNamespace(run_set=run_set, weight=None, diagnosis=diagnosis, extended=False)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert figures.draw(tmp_path / "forces.png", finding, figures.draw_forces).stat().st_size > 1000

@@ -1,6 +1,7 @@
 """Compiled code: an edit of any source gives another cache folder, and no array is freed while it is used."""
 
 import ast
+import importlib
 import os
 import stat
 from pathlib import Path
@@ -18,33 +19,60 @@ Array = NDArray[np.float64]
 
 @pytest.fixture
 def nested(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A source in a sub-folder of a package that holds a compiled function, in a library of its own."""
+    """A module of constants that a compiled function imports, in a library of its own."""
     package = tmp_path / "swamp_rl" / "physics"
-    (package / "deeper" / "still").mkdir(parents=True)
-    (package / "__init__.py").write_text("")
-    (package / "step.py").write_text("@compiled\ndef step(): ...\n")
+    source = package / "deeper" / "forces.py"
+    source.parent.mkdir(parents=True)
     (tmp_path / "envs").mkdir()
-    source = package / "deeper" / "still" / "force.py"
+    for folder in (package, source.parent):
+        (folder / "__init__.py").write_text("")
+    uses = (
+        "from swamp_rl.physics.compile import compiled\nfrom swamp_rl.physics.deeper import (\n    forces,\n)"
+    )
+    (package / "step.py").write_text(f"{uses}\n\n\n@compiled\ndef step(): ...\n")
     source.write_text("GAIN = 1.0\n")
     monkeypatch.setattr(module, "__file__", str(package / "compile.py"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     return source
 
 
-def test_an_edit_in_a_sub_package_of_a_compiled_package_gives_another_cache_folder(nested: Path) -> None:
+@pytest.mark.parametrize("name", ["deeper/forces.py", "deeper/__init__.py", "step.py"])
+def test_an_edit_of_a_compiled_source_or_one_it_imports_gives_another_cache_folder(
+    nested: Path, name: str
+) -> None:
     before = module.cache_folder.__wrapped__()
     assert module.cache_folder.__wrapped__() == before
-    nested.write_text("GAIN = 2.0\n")
+    with (nested.parents[1] / name).open("a") as source:
+        source.write("GAIN = 2.0\n")
     assert module.cache_folder.__wrapped__() != before
 
 
-def test_a_package_without_a_compiled_function_is_not_hashed(nested: Path) -> None:
-    other = nested.parents[3] / "runs"
-    other.mkdir()
+def test_a_source_that_no_compiled_one_imports_is_not_hashed(nested: Path) -> None:
     before = module.cache_folder.__wrapped__()
-    for name in ("__init__.py", "table.py"):
-        (other / name).write_text("ROWS = 3\n")
+    for name in ("rows.py", "deeper/rows.py"):
+        (nested.parents[1] / name).write_text("ROWS = 3\n")
     assert module.cache_folder.__wrapped__() == before
+
+
+def test_every_constant_of_a_compiled_function_is_assigned_in_a_hashed_source() -> None:
+    package = Path(module.__file__).parents[1]
+    sources, missing = module.compiled_sources(), list[str]()
+    assigned = {name for source in sources for name in assigned_in(source)}
+    for source in sources:
+        if b"@compiled" in source.read_bytes():
+            inside = source.relative_to(package if source.is_relative_to(package) else package.parent)
+            made = importlib.import_module(".".join(("swamp_rl", *inside.with_suffix("").parts)))
+            functions = [one.py_func for one in vars(made).values() if hasattr(one, "py_func")]
+            names = {name for function in functions for name in function.__code__.co_names}
+            constants = {name for name in names if isinstance(vars(made).get(name), int | float | np.ndarray)}
+            missing += [f"{made.__name__}: {name}" for name in constants - assigned]
+    assert len(sources) > 1 and not missing
+
+
+def assigned_in(source: Path) -> set[str]:
+    """The names that a module assigns."""
+    made = [one for one in ast.parse(source.read_bytes()).body if isinstance(one, ast.Assign | ast.AnnAssign)]
+    return {one.id for each in made for one in ast.walk(each) if isinstance(one, ast.Name)}
 
 
 def test_where_no_cache_can_be_written_functions_are_compiled_without_one(

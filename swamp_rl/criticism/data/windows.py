@@ -1,6 +1,7 @@
 """Windows of runs that are compared with simulations."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +35,7 @@ class Windows:
         """W."""
         return len(self.run)
 
-    @property
+    @cached_property
     def samples(self) -> int:
         """Number of samples that are compared."""
         return int((self.weight[:, self.pad :] > 0).sum())

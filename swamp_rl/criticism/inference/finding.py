@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.force_extension import ForceExtension
 from swamp_rl.criticism.inference.next_trial import Designed
-from swamp_rl.criticism.inference.residual_force import Forces
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.result import Diagnosis
@@ -30,7 +29,6 @@ class Finding:
     weight: Array
     continuation: Continuation
     selection: Selection
-    forces: Forces
     written: Fit
     extension: ForceExtension | None = None
     next_trial: Designed | None = None

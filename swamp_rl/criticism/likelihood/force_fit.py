@@ -5,9 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.likelihood.force_sensitivity import AXES, ForceGrid, force_normal_equations
+from swamp_rl.criticism.likelihood.force_sensitivity import AXES, ForceGrid, force_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import fit_states, losses, next_damping
+from swamp_rl.criticism.likelihood.normal_equations import normal_equations
+from swamp_rl.criticism.likelihood.output_error import (
+    chosen_windows,
+    fit_states,
+    losses,
+    next_damping,
+    state_reach,
+)
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 
@@ -25,7 +32,7 @@ class ForceFit:
 
 
 def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceGrid) -> ForceFit:
-    """The forces, constant in each interval, at least chi2."""
+    """The forces, constant in each interval, at least chi2; a Jacobian is kept until its window moves."""
     states, track, residual = fit_states(
         problem, hypothesis, x, problem.initial_states(), options().force_rounds
     )
@@ -39,14 +46,19 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
         return losses(residual) + force.reshape(shape[0], -1) ** 2 @ prior
 
     damping = np.zeros(shape[0])
+    moved = np.ones(shape[0], dtype=bool)
+    by_state = np.empty((*residual.shape, 6))
+    by_force = np.moveaxis(
+        np.empty((AXES * grid.count, *residual.shape)), 0, -1
+    )  # as `force_jacobian` has it
     covariance = np.zeros((shape[0], AXES * shape[1], AXES * shape[1]))
     for _ in range(options().force_rounds):
-        acting = force.reshape(-1, grid.count, AXES)
-        acceleration: Array = acting / grid.inertia
-        by_state = problem.state_jacobian(hypothesis, x, states, track, acceleration, grid.block)
-        normal = force_normal_equations(
-            problem, hypothesis, x, states, grid, (0, 1, 2), by_state, residual, acting, damping=damping
-        )
+        if moved.any():
+            part, where = chosen_windows(problem, moved), (hypothesis, x, states[moved])
+            acceleration = force[moved] / grid.inertia
+            by_state[moved] = part.state_jacobian(*where, track[moved], acceleration, grid.block)
+            by_force[moved] = force_jacobian(part, *where, grid, (0, 1, 2), force[moved])
+        normal = normal_equations(by_state, by_force, residual, damping[:, None] / state_reach(problem))
         H = normal.information + np.diag(prior)
         covariance = np.asarray(np.linalg.inv(H))
         H = H + (damping[:, None] * np.einsum("wii->wi", H))[..., None] * np.eye(H.shape[1])
@@ -57,10 +69,10 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
         shift = normal.shift(step)
         tried: Array = force + step.reshape(shape)
         acceleration = np.asarray(tried / grid.inertia)
-        moved = problem.predict(hypothesis, x[None], (states + shift)[None], acceleration, grid.block)[0]
-        left = problem.residuals(moved)
-        better = chi2(left, tried) < chi2(residual, force)
-        states[better] += shift[better]
-        force[better], track[better], residual[better] = tried[better], moved[better], left[better]
-        damping = next_damping(damping, better, options().force_damping)
+        ahead = problem.predict(hypothesis, x[None], (states + shift)[None], acceleration, grid.block)[0]
+        left = problem.residuals(ahead)
+        moved = chi2(left, tried) < chi2(residual, force)
+        states[moved] += shift[moved]
+        force[moved], track[moved], residual[moved] = tried[moved], ahead[moved], left[moved]
+        damping = next_damping(damping, moved, options().force_damping)
     return ForceFit(states, track, force, covariance)

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import Normal, normal_equations
-from swamp_rl.criticism.likelihood.output_error import state_reach
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import acceleration_scale
 from swamp_rl.criticism.options import options
@@ -62,12 +61,11 @@ def force_normal_equations(
     residual: Array,
     forces: Array | None = None,
     beside: Array | None = None,
-    damping: Array | None = None,
 ) -> Normal:
     """Normal equations of a force [N, N m] along each axis in each interval, in bounded memory.
 
     by_state: (W, M, 6); residual: (W, M); forces: (W, B, 3) about which is linearised; beside: (W, M, p)
-    Jacobian by other parameters, whose columns come first; damping: (W,) of the initial states, in reaches.
+    Jacobian by other parameters, whose columns come first.
     """
     windows = problem.windows.count
     size = grid.count * len(axes) * residual.shape[1] * residual.itemsize
@@ -82,8 +80,7 @@ def force_normal_equations(
         slopes = force_jacobian(part, hypothesis, x, states[rows], grid, axes, acting)
         if beside is not None and beside.shape[2]:
             slopes = np.concatenate([beside[rows], slopes], axis=2)
-        damped = 0.0 if damping is None else damping[rows, None] / state_reach(problem)
-        parts.append(normal_equations(by_state[rows], slopes, residual[rows], damped))
+        parts.append(normal_equations(by_state[rows], slopes, residual[rows]))
     return Normal(
         *(np.concatenate(field) for field in zip(*(vars(one).values() for one in parts), strict=True))
     )

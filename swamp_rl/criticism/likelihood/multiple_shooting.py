@@ -116,7 +116,6 @@ class Shooting:
         self.windows = windows or self._with_start_prior(cut(run_set, weight, seconds, before))
         finer = 1.0 if math.isfinite(seconds) else options().substep_of_runs
         self.substeps = substeps_of(run_set.dt / finer, run_set.boat)
-        self.samples = self.windows.samples
         process = run_set.gauss_markov
         self.filter = None if process is None else kalman_filter(self.windows, process, run_set.dt)
         self.last = int(self.windows.first.max()) + 1
@@ -124,7 +123,10 @@ class Shooting:
         self.correlation_samples = 1.0
         # (p,) variances of a fit's parameters that no estimate from these runs is below, where known
         self.least_variances: Callable[[Any], Array] | None = None
+        # of all tracks asked for, kept ones as well: what is kept does not change how long a search goes on
         self.boat_steps = [0]  # shared by all parts of this problem
+        # the last ones, by windows and steps, records and starts; None: not kept
+        self.tracks: dict[tuple[bytes, ...], Array] | None = {}
         self.histories: dict[tuple[str, bytes], Array] = {}
         self.last_records: list[Any] = []  # hypothesis, numbers and what `_records` made of them
         self.last_slopes: list[Any] = []  # the same of `state_jacobian`, by window and initial state
@@ -139,6 +141,11 @@ class Shooting:
             windows.weight[:, 0] = 1.0 / np.maximum(least, options().start_sd_in_noise * noise)
         return windows
 
+    @property
+    def samples(self) -> int:
+        """Number of samples that are compared."""
+        return self.windows.samples
+
     @cached_property
     def boat_thrust(self) -> Array:
         """(K,) greatest thrust [N] of each thruster, at rest."""
@@ -152,11 +159,11 @@ class Shooting:
         return self.actuators(Hypothesis(), np.zeros((1, 0)))[0]
 
     def part(self, chosen: NDArray[np.bool_]) -> "Shooting":
-        """The problem on some of its windows (W,)."""
+        """The problem on some of its windows (W,); it keeps no tracks, for a fit asks for each once."""
         made = copy(self)
+        made.tracks = None
         made.windows = self.windows.part(chosen)
         made.filter = self.filter.part(chosen) if self.filter is not None else None
-        made.samples = made.windows.samples
         made.plain_actuators = self.plain_actuators[chosen]
         return made
 
@@ -164,6 +171,7 @@ class Shooting:
         """The same windows with the commands of other runs."""
         made = copy(self)
         made.run_set, made.histories, made.last_records, made.last_slopes = run_set, {}, [], []
+        made.tracks = {}
         made.plain_actuators = made.actuators(Hypothesis(), np.zeros((1, 0)))[0]
         return made
 
@@ -191,7 +199,8 @@ class Shooting:
         if not (self.last_records and self.last_records[0] is hypothesis and self.last_records[1] == key):
             made = hypothesis.records(self.boat, x, self.record, self.run_set.origins).reshape(len(x), -1)
             every = np.broadcast_to(made, (len(x), len(self.run_set.lengths)))
-            self.last_records[:] = [hypothesis, key, every.reshape(-1), is_altered(made)]
+            # copied, for numba would compile the simulation of a view that is read-only once more
+            self.last_records[:] = [hypothesis, key, every.flatten(), is_altered(made)]
         return self.last_records[2], self.last_records[3]
 
     def predict(
@@ -203,12 +212,12 @@ class Shooting:
         block: int = 1,
     ) -> Array:
         """(V, W, T + 1, 6) predicted measurements for x (V, p) and rigid states (V, W, 6) at the starts;
-        acceleration: (V W or 0, B, 3) and block as in `roll`.
+        acceleration: (V W or 0, B, 3) and block as in `roll`. Without one the last tracks of all windows are
+        kept: an effect at its neutral values leaves what was predicted before.
         """
         win, variants, runs = self.windows, len(x), len(self.run_set.lengths)
         own = x[:1] if (x == x[:1]).all() else x
         records, altered = self._records(hypothesis, own)
-        which = (runs * np.arange(len(own))[:, None] + win.run).reshape(-1)
         ahead = rows_ahead(records, float(self.run_set.lengths.max()) * self.dt, self.dt) if altered else 0
         start = np.empty((variants, win.count, 6 + self.plain_actuators.shape[1]))
         start[..., :6] = states
@@ -217,19 +226,51 @@ class Shooting:
             start[..., 6:] = self.actuators(hypothesis, rows)[place.reshape(-1)]
         else:
             start[..., 6:] = self.plain_actuators
-        start = start.reshape(variants * win.count, -1)
-        track, steps = np.empty((len(start), win.rows + ahead, 6)), win.steps + ahead
-        self.boat_steps[0] += int(steps.sum()) * variants * self.substeps
-        inputs = self.run_set.commands, self.run_set.weather, win.run, win.first, steps
-        given = records, which, self.tank, start, *inputs, np.zeros(len(which), np.uint64)
+        self.boat_steps[0] += int((win.steps + ahead).sum()) * variants * self.substeps
+        records = records.reshape(len(own), runs)
+        if len(acceleration) or self.tracks is None:
+            return self._simulated(records, start, ahead, altered, acceleration, block)
+        where = np.concatenate([win.run, win.first, win.steps, [self.substeps, ahead]]).tobytes()
+        boats = [one.tobytes() for one in records]
+        keys = [(where, boats[v % len(boats)], one.tobytes()) for v, one in enumerate(start)]
+        new = np.array([key not in self.tracks for key in keys])
+        if new.any():
+            boats_of_new = records[new] if len(own) > 1 else records
+            simulated = self._simulated(boats_of_new, start[new], ahead, altered)
+            self.tracks.update(zip((keys[v] for v in np.flatnonzero(new)), simulated, strict=True))
+        for key in keys:  # those asked for last are the last to go
+            self.tracks[key] = self.tracks.pop(key)
+        found = np.stack([self.tracks[key] for key in keys])
+        while len(self.tracks) > options().most_tracks:
+            del self.tracks[next(iter(self.tracks))]
+        return found
+
+    def _simulated(
+        self,
+        records: NDArray[Any],
+        start: Array,
+        ahead: int,
+        altered: bool,
+        acceleration: Array = NO_ACCELERATION,
+        block: int = 1,
+    ) -> Array:
+        """(V, W, T + 1, 6) measured of boats with records (V or 1, R) from states (V, W, S); ahead: rows that
+        are simulated beyond a window's last; altered: whether sensors alter the motion.
+        """
+        win, runs = self.windows, records.shape[1]
+        which = (runs * np.arange(len(records))[:, None] + win.run).reshape(-1)
+        records, begun = records.reshape(-1), start.reshape(-1, start.shape[2])
+        track = np.empty((len(begun), win.rows + ahead, 6))
+        inputs = self.run_set.commands, self.run_set.weather, win.run, win.first, win.steps + ahead
+        given = records, which, self.tank, begun, *inputs, np.zeros(len(which), np.uint64)
         roll(*given, self.dt, self.substeps, acceleration, block, track)
         if altered:
-            each = np.tile(which, len(start) // len(which))
+            each = np.tile(which, len(begun) // len(which))
             boats = max(1, options().observed_rows // track.shape[1])
             sensors = sensors_of(records)
             for part in (slice(one, one + boats) for one in range(0, len(track), boats)):
-                track[part] = observe(track[part], sensors[each[part]], self.dt, start[part, TIME])
-        return track[:, : win.rows].reshape(variants, win.count, win.rows, 6)
+                track[part] = observe(track[part], sensors[each[part]], self.dt, begun[part, TIME])
+        return track[:, : win.rows].reshape(len(start), win.count, win.rows, 6)
 
     def track(self, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
         """(W, T + 1, 6) predicted measurements for x (p,) and rigid states (W, 6) at the starts."""

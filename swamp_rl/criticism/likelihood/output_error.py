@@ -108,14 +108,14 @@ def fit_states(
     active = moved = np.ones(count, dtype=bool)
     for _ in range(rounds):
         if moved.any():
-            slopes = _chosen(problem, moved).state_jacobian(hypothesis, x, states[moved], base[moved])
+            slopes = chosen_windows(problem, moved).state_jacobian(hypothesis, x, states[moved], base[moved])
             transposed = np.swapaxes(slopes, 1, 2)
             A[moved], b[moved] = transposed @ slopes, (transposed @ residual[moved, :, None])[..., 0]
         step = np.linalg.solve(_ridged(A, damping), b[..., None])[..., 0]
         active &= (step * b).sum(axis=1) > options().window_decrease
         if not active.any():
             break
-        part, tried = _chosen(problem, active), states[active] + step[active]
+        part, tried = chosen_windows(problem, active), states[active] + step[active]
         prediction = part.track(hypothesis, x, tried)
         left = part.residuals(prediction)
         better = losses(residual[active]) - losses(left) > 0.0
@@ -171,7 +171,8 @@ def min_decrease(problem: Shooting, chi2: float) -> float:
     return max(options().least_decrease, options().least_decrease_share * above_noise)
 
 
-def _chosen(problem: Shooting, chosen: NDArray[np.bool_]) -> Shooting:
+def chosen_windows(problem: Shooting, chosen: NDArray[np.bool_]) -> Shooting:
+    """The problem on some of its windows (W,), itself where those are all."""
     return problem if chosen.all() else problem.part(chosen)
 
 

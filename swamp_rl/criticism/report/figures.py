@@ -200,19 +200,23 @@ def _plain_ticks(axes: Any, horizons: list[float]) -> None:
 def draw_forces(figure: Any, finding: Finding) -> None:
     """Residual surge and sway force and yaw moment against the boat's motion and commands."""
     before = residual_forces(finding.run_set, finding.weight, Hypothesis(), np.zeros(0))
+    every = [before]
+    if finding.extended:
+        winner = finding.winner
+        every.append(residual_forces(finding.run_set, finding.weight, winner.hypothesis, winner.x))
     chosen = shown_variables(finding.run_set, before, thrusters_of_causes(finding.diagnosis))
     figure.set_size_inches(10.5, 6.3)
     axes = figure.subplots(3, len(chosen), squeeze=False, sharey="row", sharex="col")
     titles = ("surge force [N]", "sway force [N]", "yaw moment [N m]")
     for row, title in enumerate(titles):
-        every = [np.abs(forces.force[:, row]) for forces in (before, finding.forces)[: 1 + finding.extended]]
-        reach = 1.3 * max(float(np.quantile(one, 0.93)) for one in every) or 1.0  # where all are zero
+        largest = max(float(np.quantile(np.abs(one.force[:, row]), 0.93)) for one in every)
+        reach = 1.3 * largest or 1.0  # where all are zero
         for column, (name, (label, factor)) in enumerate(chosen.items()):
             ax = axes[row, column]
             ax.axhline(0, color="#888888", lw=0.8)
-            _scatter(ax, factor * before.variables[name], before.force[:, row], BEFORE)
-            if finding.extended and name in finding.forces.variables:
-                _scatter(ax, factor * finding.forces.variables[name], finding.forces.force[:, row], AFTER)
+            for forces, colour in zip(every, (BEFORE, AFTER), strict=False):
+                if name in forces.variables:
+                    _scatter(ax, factor * forces.variables[name], forces.force[:, row], colour)
             ax.set_ylim(-reach, reach)
             if row == 2:
                 ax.set_xlabel(label)
