@@ -154,6 +154,9 @@ def test_keys_drive_through_both_gates_and_the_kept_run_is_replayed_and_sound(
             t.value = t.max * 0.6; t.dispatchEvent(new Event("input")); }""")
         page.wait_for_function("Number(document.getElementById('speed').textContent) > 0.3")
         page.screenshot(path=tmp_path / "replay.png")
+        page.evaluate("""() => { const t = document.getElementById("replay-time");
+            t.value = t.max; t.dispatchEvent(new Event("input")); }""")
+        page.wait_for_function("`${clock.innerText} s` === document.querySelector('#board li i').innerText")
     found = inspect_dataset(folder)
     assert found.faults == []
     run = found.runs[0]
