@@ -180,8 +180,9 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
     if not is_file(found):
         if given.suffix and is_file(given):
             raise UserError(f"{clipped(given)}: is no YAML file; name one of {kind} that ends in .yaml")
-        near = difflib.get_close_matches(clipped(given), config_names(kind), 1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
+        beside = [name for name in (f"{given}.yaml", f"{given}.yml") if is_file(Path(name))]
+        near = beside or difflib.get_close_matches(clipped(given), config_names(kind), 1)
+        hint = f"did you mean {clipped(near[0])!r}? " if near else ""
         raise UserError(
             f"no {kind} file named {clipped(given)!r}; {hint}give a path or one of {_known(kind)}"
         )

@@ -93,14 +93,17 @@ def _old(path: Path) -> Path:
 
 @contextmanager
 def locked(path: Path) -> Iterator[None]:
-    """Hold the lock of `path`, a file beside it; UserError where another process holds it.
+    """Hold the lock of `path`, a file beside it; UserError where another process does or it cannot be made.
 
     Folders made for it are removed at the end if they are empty then.
     """
     made = [folder for folder in path.parents if not folder.exists()]
-    path.parent.mkdir(parents=True, exist_ok=True)
     lock = path.with_name(f".part-{path.name}.lock")
-    handle = _lock(lock)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle = _lock(lock)
+    except OSError as error:
+        raise os_error(error, path) from error
     if handle is None:
         raise UserError(f"{path}: another command is at work on it; wait for its end, or name another folder")
     try:

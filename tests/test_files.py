@@ -248,6 +248,15 @@ def test_a_config_is_found_by_bare_name_or_by_path(tmp_path: Path) -> None:
     assert find_config("boats", tmp_path / "mine.yaml") == tmp_path / "mine.yaml"
 
 
+def test_a_config_named_without_its_suffix_is_answered_with_the_file_beside(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "swamq.yaml").write_text("extends: swamp")
+    with pytest.raises(UserError, match=r"no boats file named 'swamq'; did you mean 'swamq\.yaml'\?"):
+        find_config("boats", "swamq")
+
+
 def test_an_unknown_config_lists_those_there_are() -> None:
     with pytest.raises(UserError, match=r"no boats file named 'swmp'; did you mean 'swamp'\?.*swamp-light"):
         find_config("boats", "swmp")

@@ -134,6 +134,13 @@ def test_an_interrupt_between_the_two_renames_leaves_the_earlier_result_in_its_p
     assert (out / "mark").read_text() == "earlier"
 
 
+def test_a_lock_that_cannot_be_made_is_told_with_the_path_that_was_asked_for(tmp_path: Path) -> None:
+    (tmp_path / ".part-out.lock").mkdir()
+    with pytest.raises(UserError) as told, locked(tmp_path / "out"):
+        pytest.fail("no work may be done without the lock")
+    assert str(told.value).startswith(f"{tmp_path / 'out'}: ")
+
+
 def test_a_lock_leaves_no_folder_that_it_made(tmp_path: Path) -> None:
     with locked(tmp_path / "a" / "b" / "out.yaml"):
         assert (tmp_path / "a" / "b").is_dir()

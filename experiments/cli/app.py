@@ -249,7 +249,8 @@ def _carried_out(signals: list[int]) -> tuple[int, str]:
     except typer.TyperException as error:
         # Without any argument Typer has printed the help and has nothing to add.
         _in_our_words(error)
-        line, verb = error.format_message(), " ".join([NAME, *_verb(sys.argv[1:])])
+        line = " ".join(error.format_message().split())
+        verb = " ".join([NAME, *_verb(sys.argv[1:])])
         return error.exit_code, f"{line} (see {verb} --help)" if line else ""
     except UserError as error:
         return BAD_INPUT, str(error)

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from swamp_rl.experiments.cli.outputs import refuse_suffix
 
 from swamp_rl.errors import UserError
 
@@ -48,8 +49,7 @@ def new(
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,63}", name):
         raise UserError(f"{name!r}: a boat's name has letters, digits, _ and -, a letter first, 64 at most")
     path = out or Path(f"{name}.yaml")
-    if path.suffix not in (".yaml", ".yml"):
-        raise UserError(f"{path}: a boat file ends in .yaml; name another")
+    refuse_suffix("--out", path, ".yaml", ".yml")
     if path.exists():
         raise UserError(f"{path}: already exists; name another, or remove it")
     content = boat_file(name, kind, length, breadth, mass, thrust, top_speed, draught)

@@ -1,8 +1,8 @@
 """Experiment files read strictly, with `extends:` and with overrides from the command line."""
 
 import os
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from itertools import pairwise
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +23,8 @@ from swamp_rl.own_code import is_code
 from swamp_rl.pilots.own import is_named, runs_code
 from swamp_rl.yaml_text import DEEPEST, parsed
 
-Override = tuple[str, dict[str, Any]]
-"""Where it was given, and its nested keys."""
+Layer = tuple[str | Path, dict[str, Any]]
+"""Where it was given, a file or an override, and its nested keys; each layer overrides those below it."""
 KEPT = "experiment.yaml"
 "The name of the configuration that a folder of results keeps."
 
@@ -40,7 +40,7 @@ def load_experiment(
     """
     path, named = _file_of(name_or_path), _named(overrides, given or {})
     allowed = {text for _, override in named for text in _texts(override)}
-    return _read(path, _extended(path, (), allowed), named)
+    return _read([*_extended(path, (), allowed), *named])
 
 
 def overridden(
@@ -48,32 +48,33 @@ def overridden(
 ) -> Experiment:
     """The experiment with `changes` by key over it, then `overrides`; UserError names `where`, or the
     override at fault, and the key."""
-    return _read(where, merged(experiment.model_dump(mode="json"), changes), _named(overrides, {}))
+    changed = merged(experiment.model_dump(mode="json"), changes)
+    return _read([(where, changed), *_named(overrides, {})])
 
 
-def _read(where: str | Path, data: dict[str, Any], overrides: list[Override]) -> Experiment:
-    stages = [data]
-    for _, override in overrides:
-        stages.append(merged(stages[-1], override))
+def _read(layers: Sequence[Layer]) -> Experiment:
+    """The experiment of all layers; UserError names the layer from which on its first fault is the same."""
+    stages = list(accumulate((data for _, data in layers), merged))
+    at_fault, fault = layers[-1][0], _fault(stages[-1])
+    if fault is not None:
+        for (where, _), stage in zip(layers[::-1], stages[::-1], strict=True):
+            if _fault(stage) != fault:
+                break
+            at_fault = where
+    return _checked(at_fault, stages[-1])
+
+
+def _fault(data: dict[str, Any]) -> str | None:
+    """The first fault of an experiment, if any."""
     try:
-        return _checked(where, stages[-1])
-    except UserError:
-        for (name, _), (before, after) in reversed(list(zip(overrides, pairwise(stages), strict=True))):
-            if _is_sound(where, before):
-                _checked(name, after)
-        raise
+        _checked("", data)
+    except UserError as error:
+        return str(error).splitlines()[0]
+    return None
 
 
 def _checked(where: str | Path, data: dict[str, Any]) -> Experiment:
     return _with_all_options(where, validated(where, Experiment, data))
-
-
-def _is_sound(where: str | Path, data: dict[str, Any]) -> bool:
-    try:
-        _checked(where, data)
-    except UserError:
-        return False
-    return True
 
 
 def _file_of(name_or_path: str | Path) -> Path:
@@ -146,7 +147,8 @@ def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]
     return result
 
 
-def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> dict[str, Any]:
+def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> list[Layer]:
+    """The layers of the file at `path`: those of the experiment that it extends, then its own."""
     if path.resolve() in seen:
         raise UserError(f"{path}: extends itself by way of {seen[-1].name}; end the circle")
     data = read_yaml(path)
@@ -156,10 +158,10 @@ def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> d
         _find_beside(path, data)
     base = data.pop("extends", None)
     if base is None:
-        return data
+        return [(path, data)]
     if not isinstance(base, str):
         raise UserError(f"{path}: extends must name another experiment, not {in_yaml(base)}")
-    return merged(_extended(_base_of(path, base), (*seen, path.resolve()), allowed), data)
+    return [*_extended(_base_of(path, base), (*seen, path.resolve()), allowed), (path, data)]
 
 
 def _base_of(path: Path, base: str) -> Path:
@@ -228,7 +230,7 @@ def _refuse_code(path: Path, data: dict[str, Any], allowed: Collection[str]) -> 
             )
 
 
-def _named(overrides: Iterable[str], given: Mapping[str, str]) -> list[Override]:
+def _named(overrides: Iterable[str], given: Mapping[str, str]) -> list[Layer]:
     named = [(clipped(given.get(text, f"--set {text}")), text) for text in overrides]
     return [(name, _parsed(name, text)) for name, text in named]
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from swamp_rl.experiments.config.schema import Experiment
 
 from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
 from swamp_rl.files import find_config
 
 
@@ -17,6 +18,14 @@ def refuse_missing(where: Path | str, experiment: Experiment) -> None:
             find_config(kind, name)
         except UserError as error:
             raise UserError(f"{where}: {key}: {error}") from error
+    evaluated = [Path(level).stem for level in experiment.evaluation.levels]
+    for pilot, rates in experiment.targets.success.items():
+        for level in rates:
+            if level not in evaluated:
+                key = f"targets.success.{pilot}"
+                raise UserError(
+                    f"{where}: {key}: level {level!r} is not in evaluation.levels{nearest(level, evaluated)}"
+                )
 
 
 def levels_of(experiment: Experiment) -> dict[str, str]:

@@ -213,12 +213,8 @@ class Experiment(Part):
         return self
 
     @model_validator(mode="after")
-    def _targets_name_what_is_there(self) -> Self:
-        levels = [Path(level).stem for level in self.evaluation.levels]
+    def _targets_name_its_pilots(self) -> Self:
         for name in (*self.targets.success, *self.targets.smoother_than_data):
             if name not in self.pilots:
                 raise ValueError(f"targets: no pilot {name!r}{nearest(name, self.pilots)}")
-        for name in (level for by in self.targets.success.values() for level in by):
-            if name not in levels:
-                raise ValueError(f"targets: no level {name!r}{nearest(name, levels)}")
         return self

@@ -46,14 +46,14 @@ def diagnose_fleet(
     What an earlier life has finished is kept where the dataset, the boat and the version are the same; what
     it has begun is removed. boat: what all are compared with, by default each dataset's own. workers:
     processes, by default one for each processor; ray: the address of a cluster in their place. A dataset that
-    cannot be diagnosed has its line in the report. UserError for a folder that is none of a fleet, and for a
-    `boat` that is none.
+    cannot be diagnosed has its line in the report. UserError for a dataset that is no folder, for an
+    `out` that is none of a fleet, and for a `boat` that is none.
     """
     out, given = Path(out), [Path(one) for one in datasets]
     members = members_of(given, boat)
     if boat is not None:
         load_boat(boat)  # a wrong name is one fault, and not one of every dataset
-    refuse_sources_inside(out, [one for one in given if one.exists()])
+    refuse_sources_inside(out, given)
     for dataset in given:
         if out.resolve().is_relative_to(dataset.resolve()):
             raise UserError(f"{out}: lies in the dataset {dataset}; name a folder outside with --out")
@@ -79,7 +79,8 @@ def diagnose_fleet(
 
 def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member]:
     """The datasets sorted by name. Where they lie in several folders, a folder is a boat and its datasets are
-    that boat's days; where all lie in one, each is a boat of its own. UserError for one given twice.
+    that boat's days; where all lie in one, each is a boat of its own. UserError for one that is no folder
+    or is given twice.
     """
     whole = [Path(os.path.abspath(one)) for one in datasets]
     for path, times in Counter(whole).items():
@@ -97,6 +98,9 @@ def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member
     for name, times in Counter(member.name.lower() for member in found).items():
         if times > 1:
             raise UserError(f"{name}: {times} datasets would have this name; rename their folders")
+    for one in datasets:
+        if not one.is_dir():
+            raise UserError(f"{clipped(one, 200)}: no such folder; name folders that hold a dataset.yaml")
     return sorted(found, key=lambda one: one.name)
 
 
@@ -120,9 +124,6 @@ def _jobs(
     jobs, wrong = {}, {}
     for member in members:
         dataset, folder = Path(member.dataset), out / member.name
-        if not dataset.is_dir():
-            wrong[member.name] = f"{dataset}: no such folder"
-            continue
         try:
             note = input_of(dataset, boat, list(ignore), __version__)
         except (UserError, OSError) as error:

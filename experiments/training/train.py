@@ -26,7 +26,7 @@ from swamp_rl.pilots.record import record_scripted
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import load_pilot, save_pilot
 from swamp_rl.pilots.takeover import TakeoverPilot
-from swamp_rl.runs import Dataset, read_dataset
+from swamp_rl.runs import Dataset, Run, read_dataset
 from swamp_rl.unfinished import folder_beside
 
 
@@ -80,6 +80,8 @@ def train_pilots(
     columns = set.intersection(*(set(run.columns) for run in dataset.runs)) if dataset.runs else set()
     for name in order:
         check_logged(f"pilots.{name}.options", plans[name], sorted(columns))
+        if learner(plans[name].kind).from_runs:
+            _runs_of(name, plans[name], dataset)
     pilots: dict[str, Pilot] = {}
     for name in order:
         if not (folder / name).exists():
@@ -88,6 +90,14 @@ def train_pilots(
         _checkpoint(folder, name).unlink(missing_ok=True)
         pilots[name] = load_pilot(folder / name)
     return {name: pilots[name] for name in plans if name in order}
+
+
+def _runs_of(name: str, plan: PilotPlan, dataset: Dataset) -> list[Run]:
+    """The runs that a pilot learns from; UserError where the dataset has none or too few."""
+    try:
+        return choose_runs(dataset.runs, plan.runs, plan.outcomes, plan.skill)
+    except UserError as error:
+        raise UserError(f"{dataset.folder}: pilots.{name}: {error}") from error
 
 
 def _train_into(
@@ -103,7 +113,7 @@ def _train_into(
     curve: list[dict[str, float]] = []
     # With a takeover another pilot drives at the start.
     if learner(plan.kind).from_runs and plan.takeover == 0.0:
-        runs = choose_runs(dataset.runs, plan.runs, plan.outcomes, plan.skill)
+        runs = _runs_of(name, plan, dataset)
         for line in (warning(scene, name, runs), calm_warning(scene, name, runs)):
             if line is not None:
                 say(line)

@@ -41,7 +41,8 @@ def choose_runs(
         )
     if count is not None and len(chosen) < count:
         raise UserError(
-            f"{count} runs with the outcome {wanted} are asked for, {len(chosen)} are there; record more"
+            f"{count} runs with the outcome {wanted} are asked for, {len(chosen)} are there; record more, or "
+            "ask for fewer"
         )
     return chosen[:count]
 

@@ -102,7 +102,9 @@ def replayed(run: Run, session: Session) -> dict[str, Any]:
     columns = {name: _list(run, name) for name in ("time", *MOTION)}
     return {
         "name": run.name,
-        "about": {key: about.get(key) for key in ("nickname", "level", "helm", "seconds", "outcome")},
+        "about": {
+            key: about.get(key) for key in ("nickname", "level", "helm", "seconds", "outcome", "gates")
+        },
         "columns": columns,
         "azimuth": [_list(run, f"applied_{angle}") or _list(run, str(angle)) for angle, _ in channels],
         "throttle": [_list(run, f"applied_{level}") or _list(run, level) for _, level in channels],

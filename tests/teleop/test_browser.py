@@ -154,6 +154,9 @@ def test_keys_drive_through_both_gates_and_the_kept_run_is_replayed_and_sound(
             t.value = t.max * 0.6; t.dispatchEvent(new Event("input")); }""")
         page.wait_for_function("Number(document.getElementById('speed').textContent) > 0.3")
         page.screenshot(path=tmp_path / "replay.png")
+        page.evaluate("""() => { const t = document.getElementById("replay-time");
+            t.value = t.max; t.dispatchEvent(new Event("input")); }""")
+        page.wait_for_function("`${clock.innerText} s` === document.querySelector('#board li i').innerText")
     found = inspect_dataset(folder)
     assert found.faults == []
     run = found.runs[0]
@@ -368,7 +371,7 @@ def test_a_page_that_loses_the_focus_or_freezes_stops_the_thrusters(
 
 
 def test_others_watch_and_the_page_works_under_its_own_policy(tmp_path: Path, browser: Browser) -> None:
-    with serving(tmp_path / "runs") as (address, _):
+    with serving(tmp_path / "runs") as (address, hub):
         errors: list[str] = []
         first, second = patient(browser.new_page()), patient(browser.new_page())
         for page in (first, second):
@@ -379,11 +382,18 @@ def test_others_watch_and_the_page_works_under_its_own_policy(tmp_path: Path, br
         first.wait_for_selector("#seat:has-text('Leave')")
         second.goto(address)
         second.wait_for_selector("body.watching #seat:has-text('Taken')")
+        second.keyboard.press("r")
+        said, title = (second.locator(name).bounding_box() for name in ("#said.shown", "#banner h1"))
+        assert said and title and said["y"] >= title["y"] + title["height"]
+        first.fill("#nickname", "Ada")
+        first.press("#nickname", "Enter")
+        until(lambda: hub.session.nickname == "Ada", "the name is heard")
         first.click("#seat")
         second.wait_for_selector("#seat:has-text('Drive'):enabled")
         second.click("#seat")
         second.wait_for_selector("#seat:has-text('Leave')")
         first.wait_for_selector("body.watching")
+        until(lambda: hub.session.nickname == "anonymous", "the second driver's runs are not the first one's")
         assert errors == []
         for page in (first, second):
             page.close()

@@ -80,7 +80,7 @@ function stand(message) {
   const before = status;
   status = message;
   document.body.classList.toggle("watching", !status.driving);
-  if (status.driving && !before.driving && by("nickname").value) send({ type: "choose", nickname: by("nickname").value });
+  if (status.driving && !before.driving) send({ type: "choose", nickname: by("nickname").value });
   by("seat").textContent = status.driving ? "Leave" : status.seat_taken ? "Taken" : "Drive";
   by("seat").disabled = !status.driving && status.seat_taken;
   if (status.driving) sessionStorage.setItem("driver", "yes");
@@ -131,7 +131,7 @@ function headline() {
   if (performance.now() - arrived > SILENT) return ["The recorder does not answer", "Accepted runs are safe. Its screen says more."];
   if (document.body.dataset.replay) return ["", ""];
   if (frame.trouble) return ["The levers are off", frame.trouble];
-  if (!status.driving) return ["Watching", status.seat_taken ? "Someone is at the levers." : "The seat is free."];
+  if (!status.driving) return ["Watching", status.seat_taken ? "Someone is at the levers." : "The seat is free: press Drive."];
   const next = scene.course.gates[Math.min(frame.passed, scene.course.gates.length - 1)].name;
   switch (frame.phase) {
     case "ready": return ["Ready", `Push the throttle: through ${scene.course.gates.map((gate) => gate.name).join(", then ")}.`];

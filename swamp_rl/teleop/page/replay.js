@@ -39,7 +39,8 @@ export class Replay {
   look(elapsed, gates) {
     if (!this.paused) this.clock = Math.min(this.clock + elapsed, this.length);
     slider.value = this.clock;
-    const { columns: c, azimuth, throttle, levers, wind, current } = this.run;
+    const { about, columns: c, azimuth, throttle, levers, wind, current } = this.run;
+    const time = this.start + this.clock;
     const at = Math.min(this.clock / (this.length / (c.time.length - 1)), c.time.length - 1);
     const [i, j] = [Math.floor(at), Math.min(Math.floor(at) + 1, c.time.length - 1)];
     const mix = (column) => column[i] + (at - i) * (column[j] - column[i]);
@@ -47,9 +48,10 @@ export class Replay {
     const heading = c.heading[i] + (at - i) * Math.atan2(Math.sin(turn), Math.cos(turn));
     const passed = gates.filter((gate) => passedBy(gate, c, j)).length;
     const boat = {
-      phase: "replay", time: this.start + this.clock, north: mix(c.north), east: mix(c.east), heading, u: mix(c.surge), v: mix(c.sway),
+      phase: "replay", time, north: mix(c.north), east: mix(c.east), heading, u: mix(c.surge), v: mix(c.sway),
       azimuth: azimuth.map((column) => column[i] ?? 0), throttle: throttle.map((column) => column[i] ?? 0), levers: levers.map((column) => column[i] ?? 0),
-      wind: wind[0].length ? [wind[0][i] * Math.cos(wind[1][i]), wind[0][i] * Math.sin(wind[1][i])] : [0, 0], current, known: wind[0].length > 0, passed, runTime: this.clock,
+      wind: wind[0].length ? [wind[0][i] * Math.cos(wind[1][i]), wind[0][i] * Math.sin(wind[1][i])] : [0, 0], current, known: wind[0].length > 0, passed,
+      runTime: Math.max(0, time - (about.gates?.[0] ?? time)),
     };
     const trail = c.time.slice(0, i + 1).map((time, k) => ({ time, north: c.north[k], east: c.east[k], heading: c.heading[k], speed: Math.hypot(c.surge[k], c.sway[k]) }));
     return { boat, trail: [...trail, { ...boat, speed: Math.hypot(boat.u, boat.v) }] };

@@ -57,7 +57,10 @@ def test_the_check_writes_a_report_with_its_figures(call: Call) -> None:
     [
         (["skiff", "--kind", "sail", *SIZES], "--kind sail"),
         (["../skiff", "--kind", "azimuth", *SIZES], "a boat's name has letters"),
-        (["skiff", "--kind", "azimuth", *SIZES, "--out", "skiff.txt"], "ends in .yaml"),
+        (
+            ["skiff", "--kind", "azimuth", *SIZES, "--out", "skiff.txt"],
+            "end the name in .yaml or .yml",
+        ),
         (["skiff", "--kind", "azimuth", *SIZES[:-1], -4], "--thrust -4"),
         (["skiff", "--kind", "azimuth", *SIZES, "--top-speed", 0], "--top-speed 0"),
         (["skiff", "--kind", "azimuth", *SIZES[:-1], 1e9], "--thrust"),

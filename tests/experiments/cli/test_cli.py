@@ -86,6 +86,7 @@ def test_help_waits_for_no_heavy_library() -> None:
         (["simulate", "--commands", ".", "--out", "a.csv"], ".: is a folder; name the .csv or .parquet"),
         (["runs", "check"], "Missing argument"),
         (["runs", "show"], "Missing argument"),
+        (["runs", "export", "runs"], "Missing option '--to'. Choose from: minari, lerobot, mcap"),
         (["runs", "dance"], "No such command"),
         (["runs", "check"], "(see swamp-rl runs check --help)"),
         (["dance"], "(see swamp-rl --help)"),

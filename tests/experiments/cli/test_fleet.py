@@ -2,18 +2,27 @@
 
 from pathlib import Path
 
-from tests.support.command_line import Call
+from tests.support.command_line import Call, assert_complains
 
 
 def test_a_fleet_of_which_none_is_diagnosed_ends_with_1_and_keeps_its_report(call: Call) -> None:
-    code, said, _ = call("fleet", "nowhere", "--out", "out", "--workers", "1")
+    Path("empty").mkdir()
+    code, said, _ = call("fleet", "empty", "--out", "out", "--workers", "1")
     assert code == 1
-    assert "nowhere: no such folder" in said
+    assert "empty/dataset.yaml: is missing" in said
     assert "0 of 0 causes kept, 1 of 1 datasets not diagnosed" in said
     assert Path("out/fleet.json").is_file()
 
 
+def test_a_dataset_that_is_no_folder_is_refused_in_one_line_before_anything_is_written(call: Call) -> None:
+    Path("red").mkdir()
+    assert_complains(call("fleet", "red", "nowhere", "--out", "out"), "nowhere: no such folder")
+    assert not Path("out").exists()
+
+
 def test_a_fleet_says_which_folder_is_a_boat(call: Call) -> None:
+    for folder in ("boats/red", "boats/blue", "logs/red"):
+        Path(folder).mkdir(parents=True)
     _, out, _ = call("fleet", "boats/red", "boats/blue", "--out", "one")
     assert out.splitlines()[0] == "diagnosing 2 datasets of 2 boats"
     _, out, _ = call("fleet", "boats/red", "boats/blue", "logs/red", "--out", "two")
@@ -21,6 +30,8 @@ def test_a_fleet_says_which_folder_is_a_boat(call: Call) -> None:
 
 
 def test_a_fleet_with_an_unknown_boat_is_refused_before_anything_is_written(call: Call) -> None:
+    for folder in ("boats/red", "boats/blue"):
+        Path(folder).mkdir(parents=True)
     code, _, told = call("fleet", "boats/red", "boats/blue", "--boat", "swampy", "--out", "out")
     assert code == 2
     assert told.count("no boats file named 'swampy'") == 1

@@ -145,7 +145,7 @@ def test_merging_replaces_lists_and_joins_mappings() -> None:
         ("pilots.net.disturbances=calm", "drop the key"),
         ("pilots.scripted.runs=3", "drop the key"),
         ("targets.success.nett={calm: 0.5}", "no pilot 'nett'"),
-        ("targets.success.net={clam: 0.5}", "no level 'clam'"),
+        ("targets.success.net={clam: 0.5}", "targets.success.net: level 'clam' is not in evaluation.levels"),
         ("evaluation.levels=[calm, calm]", "same name"),
         ("step=.nan", "step"),
         ("name=../elsewhere", "name"),
@@ -172,7 +172,9 @@ def test_of_several_overrides_the_one_at_fault_is_named_and_a_wrong_file_before_
     wrong = complaint(write(tmp_path, SMALL), sound[0], "evaluation.episdes=3", sound[1])
     assert wrong.startswith("--set evaluation.episdes=3: evaluation.episdes: unknown key")
     together = complaint(write(tmp_path, SMALL), "targets.success.net.calm=0.5", "evaluation.levels=[severe]")
-    assert together.startswith("--set evaluation.levels=[severe]: targets: no level 'calm'")
+    assert together.startswith(
+        "--set evaluation.levels=[severe]: targets.success.net: level 'calm' is not in"
+    )
     file = write(tmp_path, SMALL.replace("seed", "sede"))
     assert all(line.startswith(f"{file}: ") for line in complaint(file, *sound).split("\n"))
 
@@ -183,12 +185,14 @@ def test_of_several_overrides_the_one_at_fault_is_named_and_a_wrong_file_before_
         ("boat=swmp", "boat: no boats file named 'swmp'; did you mean 'swamp'?"),
         ("course=mine.yaml", "course: mine.yaml: no such file"),
         ("evaluation.levels=[calm, standrd]", "evaluation.levels: no disturbances file named 'standrd'"),
+        ("evaluation={levels: [clam], episodes: 3}", "evaluation.levels: no disturbances file named 'clam'"),
         ("data.record.disturbances=stormy", "data.record.disturbances: no disturbances file named 'stormy'"),
         ("pilots.net={kind: ppo, disturbances: svere}", "pilots.net.disturbances: no disturbances file"),
     ],
 )
 def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path: Path, override: str, told: str) -> None:
-    assert complaint(write(tmp_path, SMALL), override).startswith(f"--set {override}: {told}")
+    small = write(tmp_path, f"{SMALL}\ntargets: {{success: {{net: {{calm: 0.5}}}}}}")
+    assert complaint(small, override).startswith(f"--set {override}: {told}")
 
 
 @pytest.mark.parametrize(
@@ -205,6 +209,18 @@ def test_a_wrong_boat_course_or_level_is_told_with_the_experiments_file(
     base = write(tmp_path, SMALL, "base.yaml")
     file = write(tmp_path, f"extends: {base}\n{key}\n")
     assert complaint(file).startswith(f"{file}: {wrong}: ")
+
+
+def test_a_fault_is_told_with_the_extended_file_that_has_it(tmp_path: Path) -> None:
+    sound = write(tmp_path, SMALL)
+    base = write(tmp_path, f"extends: {sound}\nevaluation: {{episdes: 3}}\n", "base.yaml")
+    top = write(tmp_path, f"extends: {base}\nname: top\n", "top.yaml")
+    told = f"{base}: evaluation.episdes: unknown key; did you mean 'episodes'?"
+    assert complaint(top).startswith(told)
+    assert complaint(top, "evaluation.seed=5").startswith(told)
+    write(tmp_path, f"extends: {sound}\nevaluation: {{episodes: 3}}\n", "base.yaml")
+    top.write_text(f"extends: {base}\nevaluation: {{sed: 3}}\n")
+    assert complaint(top).startswith(f"{top}: evaluation.sed: unknown key")
 
 
 def test_an_experiment_that_extends_one_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -124,6 +124,8 @@ def test_killed_at_any_moment_the_same_command_goes_on(tmp_path: Path) -> None:
 
 
 def test_a_boat_is_a_folder_where_datasets_lie_in_several(tmp_path: Path) -> None:
+    for boat in ("red", "blue"):
+        (tmp_path / boat / "may").mkdir(parents=True)
     several = members_of([tmp_path / "red" / "may", tmp_path / "blue" / "may"])
     assert [(one.name, one.boat) for one in several] == [("blue_may", "blue"), ("red_may", "red")]
     alone = members_of([tmp_path / "red", tmp_path / "blue"])
@@ -288,13 +290,14 @@ def test_parameters_at_the_end_of_floating_point_end_no_fleet(
     assert len(told) == drifts
 
 
-def test_a_missing_dataset_has_its_line_and_does_not_stop_the_others(folder: Path) -> None:
+def test_a_folder_without_a_dataset_has_its_line_and_does_not_stop_the_others(folder: Path) -> None:
     given = [folder / "in" / "red" / "may", folder / "in" / "red" / "never"]
+    given[1].mkdir()
     found = diagnose_fleet(given, folder / "out", pool=PoolHere(pretend, 1, 0))
     assert [one.verdict for one in found.members] == [None, "cause"] or [
         one.verdict for one in found.members
     ] == ["cause", None]
-    assert any("no such folder" in (one.error or "") for one in found.members)
+    assert any("No such file" in (one.error or "") for one in found.members)
     shutil.rmtree(folder / "out")
 
 
