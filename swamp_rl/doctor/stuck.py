@@ -22,6 +22,8 @@ SELDOM = 3.0
 PARTNERS = {"heading": ("yaw_rate",), "yaw_rate": ("heading",), "sway": ("yaw_rate", "heading")}
 """Channels that move where that channel must; on a straight course without noise all three stand still."""
 MEASURED = ("north", "east", "heading", "surge", "sway", "yaw_rate", "latitude", "longitude", "wind_speed")
+CALM = {"wind_speed": 0.0}
+"""Values that a sound sensor stays at: an anemometer reads 0 in a calm."""
 
 
 def stuck_findings(runs: Sequence[Run], measured: bool = True) -> list[Finding]:
@@ -36,7 +38,8 @@ def stuck_findings(runs: Sequence[Run], measured: bool = True) -> list[Finding]:
         for name in names:
             partners = [other for other in PARTNERS.get(name, ()) if other in names]
             others = [run.columns[other] for other in partners or names if other != name]
-            if stay := _stay(run.columns[name], others):
+            stay = _stay(run.columns[name], others)
+            if stay and run.columns[name][stay[0]] != CALM.get(name):
                 first, last = stay
                 places.setdefault(name, []).append((run.name, run.time[first], run.time[last]))
             elif (hold := _usual_hold(run.columns[name])) >= SELDOM:

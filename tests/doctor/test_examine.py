@@ -70,6 +70,17 @@ def test_a_slow_wind_sensor_that_repeats_a_value_is_not_stuck(sound: list[Run], 
     assert [one.code for one in faults(windy, twin)] == ["stuck"]
 
 
+@pytest.mark.parametrize("calm_from", [0, 300])
+def test_an_anemometer_that_reads_zero_in_a_calm_is_not_stuck(
+    sound: list[Run], twin: Boat, calm_from: int
+) -> None:
+    gusty = np.random.default_rng(8).uniform(1.0, 3.0, 601)
+    wind = {"wind_speed": np.where(np.arange(601) >= calm_from, 0.0, gusty), "wind_from": np.zeros(601)}
+    calm = [Run(run.name, dict(run.columns) | wind) for run in sound]
+    assert examine(calm, twin, measured=False) == examine(sound, twin, measured=False)
+    assert faults(calm, twin) == []
+
+
 def test_sound_runs_have_no_fault(sound: list[Run], twin: Boat) -> None:
     assert faults(sound, twin) == []
     assert faults(sound, None) == []
