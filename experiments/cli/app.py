@@ -41,6 +41,7 @@ from swamp_rl.experiments.cli.watch import watch
 
 from swamp_rl import __version__
 from swamp_rl.clipped import ACTS, printable
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import contents
 from swamp_rl.own_code import fault_in_own_code
@@ -183,7 +184,7 @@ def record_scripted_runs(
             exact=True,
         )
     recorded = read_dataset(out)
-    typer.echo(f"{out}: {len(recorded.runs)} runs, {len(recorded.successful)} of them successful")
+    typer.echo(f"{out}: {counted(len(recorded.runs), 'run')}, {len(recorded.successful)} of them successful")
 
 
 @app.command()

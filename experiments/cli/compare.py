@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 from swamp_rl.experiments.cli.options import seed_option
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 
 FOLDER, PAGE = Path("comparison"), Path("leaderboard.html")
@@ -41,7 +42,7 @@ def compare(
         write_text(out or PAGE, page(found))
         for line in found.left_out:
             typer.echo(f"left out: {line}")
-        typer.echo(f"{out or PAGE}: {len(found.rows)} rows of {found.folders} results")
+        typer.echo(f"{out or PAGE}: {counted(len(found.rows), 'row')} of {counted(found.folders, 'result')}")
         return
     from swamp_rl.experiments.evaluation.comparison import compare as compared
     from swamp_rl.experiments.reports.comparison import report

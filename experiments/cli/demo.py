@@ -8,6 +8,7 @@ import typer
 from swamp_rl.experiments.cli.outputs import refuse_suffix
 
 from swamp_rl.clipped import printable
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def demo(
     if window and not has_display():
         raise UserError(NOTHING_TO_DO)
     scene = read_shown(sources or [], runs or [], align)
-    typer.echo(printable(f"{len(scene.shown)} runs: {scene.about}"))
+    typer.echo(printable(f"{counted(len(scene.shown), 'run')}: {scene.about}"))
     layout: Layout = "side-by-side" if side_by_side else "overlay"
     _write(scene, layout, save, html, video, speed)
     if web or window:

@@ -10,6 +10,8 @@ import typer
 from swamp_rl.experiments.cli.options import BoatOption, CourseOption, seed_option
 from swamp_rl.experiments.cli.place import place_of
 
+from swamp_rl.counted import counted
+
 if TYPE_CHECKING:
     from swamp_rl.envs.aboard import Aboard
 
@@ -215,7 +217,9 @@ def _write_log(log: Path, voyage: "Voyage", boat: str, course: str, kind: str) -
     source: Literal["scripted", "learned"] = "scripted" if kind == "line-of-sight" else "learned"
     about = About(boat=boat, source=source, course=course, notes="Driven over the vehicle's link.")
     made = write_voyage(log, voyage, load_boat(boat), about)
-    typer.echo(f"{log}: {len(made.runs)} runs, {sum(run.rows or 0 for run in made.runs)} rows")
+    typer.echo(
+        f"{log}: {counted(len(made.runs), 'run')}, {counted(sum(run.rows or 0 for run in made.runs), 'row')}"
+    )
 
 
 def _counted(ignored: Mapping[str, int]) -> str:

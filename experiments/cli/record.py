@@ -12,6 +12,8 @@ from swamp_rl.experiments.cli.link import OriginOption
 from swamp_rl.experiments.cli.options import CourseOption
 from swamp_rl.experiments.cli.place import place_of
 
+from swamp_rl.counted import counted
+
 if TYPE_CHECKING:
     from swamp_rl.teleop.afloat import Afloat
     from swamp_rl.teleop.berth import Berth
@@ -115,7 +117,7 @@ def record(
             stack.close()  # the motors are stopped before anything waits for the disk
             session.close()
     for kept in session.opened:
-        typer.echo(f"{kept.folder}: {kept.count} runs")
+        typer.echo(f"{kept.folder}: {counted(kept.count, 'run')}")
 
 
 def _refuse_of_the_other_kind(

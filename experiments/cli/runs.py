@@ -6,6 +6,8 @@ from typing import Annotated
 import typer
 from swamp_rl.experiments.cli.outputs import refuse_suffix
 
+from swamp_rl.counted import counted
+
 runs_app = typer.Typer(help="Check, show, import and export recorded runs.", no_args_is_help=True)
 
 Folder = Annotated[Path, typer.Argument(help="A folder of runs.")]
@@ -38,7 +40,7 @@ def check(folder: Folder, boat: BoatOption = None) -> None:
     count = len(found.faults)
     rows = sum(len(run.columns[name]) for run in found.runs for name in list(run.columns)[:1])
     typer.echo(
-        f"{folder}: {len(found.runs)} runs, {rows} rows, "
+        f"{folder}: {counted(len(found.runs), 'run')}, {rows} rows, "
         + (f"{count} fault{'s' * (count > 1)}" if count else "no faults")
     )
     if count:

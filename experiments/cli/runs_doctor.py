@@ -15,6 +15,7 @@ def doctor(
     """Find swapped, inverted, stuck or filtered columns, wrong units, times, latency; exit code 1 if any."""
     import json
 
+    from swamp_rl.counted import counted
     from swamp_rl.doctor.examine import examine
     from swamp_rl.doctor.read import read_records
 
@@ -45,7 +46,8 @@ def doctor(
             if records.boat
             else "; no boat is known: commands were recognised by their names (--boat NAME)"
         )
-        counted = f"{faults} fault{'s' * (faults != 1)}, {len(found) - faults} notes"
-        typer.echo(f"{folder} ({records.layout}): {len(records.runs)} runs, {rows} rows, {counted}{without}")
+        of = f"{counted(len(records.runs), 'run')}, {rows} rows"
+        faulty = f"{counted(faults, 'fault')}, {counted(len(found) - faults, 'note')}"
+        typer.echo(f"{folder} ({records.layout}): {of}, {faulty}{without}")
     if faults or records.faults:
         raise typer.Exit(1)

@@ -8,6 +8,7 @@ from swamp_rl.experiments.cli.place import place_of
 from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
 
 from swamp_rl.clipped import clipped
+from swamp_rl.counted import counted
 from swamp_rl.errors import LONGEST, UserError
 
 if TYPE_CHECKING:
@@ -197,7 +198,9 @@ def _tell(out: Path, made: "DatasetMeta") -> None:
         for line in told.get("rows_left_out", ()):
             typer.echo(clipped(f"{run.file}: {line}", LONGEST))
     rows = sum(run.rows or 0 for run in made.runs)
-    typer.echo(f"{out}: {len(made.runs)} runs, {rows} rows at {made.sample_rate:g} Hz, {made.source}")
+    typer.echo(
+        f"{out}: {counted(len(made.runs), 'run')}, {rows} rows at {made.sample_rate:g} Hz, {made.source}"
+    )
 
 
 @runs_app.command()
@@ -211,7 +214,7 @@ def export(
     from swamp_rl.runs.export_dataset import export_runs
 
     count = export_runs(dataset, to, out, boat_for(dataset, boat))
-    typer.echo(f"{out}: {count} runs")
+    typer.echo(f"{out}: {counted(count, 'run')}")
 
 
 def _pairs(option: str, given: list[str] | None) -> dict[str, str]:

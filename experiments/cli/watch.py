@@ -8,6 +8,8 @@ from typing import Annotated
 import typer
 from swamp_rl.experiments.cli.options import BoatOption
 
+from swamp_rl.counted import counted
+
 
 def watch(
     link: Annotated[
@@ -53,4 +55,4 @@ def watch(
             f"{link or mcap}: {last:.0f} s; the first 30 s calibrate the noise, monitoring begins then"
         )
     if not as_json:
-        typer.echo(f"{last:.1f} s, {count} samples, notices: {monitor.notices}")
+        typer.echo(f"{last:.1f} s, {counted(count, 'sample')}, notices: {monitor.notices}")

@@ -5,6 +5,7 @@ from urllib.parse import quote
 
 from swamp_rl.experiments.fleet.result import Fleet
 
+from swamp_rl.counted import counted
 from swamp_rl.html_page import document, minus, table
 
 
@@ -19,7 +20,7 @@ def _opening(fleet: Fleet) -> str:
     failed = sum(one.verdict is None for one in fleet.members)
     kept = sum(one.kept for one in fleet.findings)
     return (
-        f"<h1>{len(fleet.members)} datasets of {boats} boat{'s' * (boats != 1)}</h1>"
+        f"<h1>{counted(len(fleet.members), 'dataset')} of {counted(boats, 'boat')}</h1>"
         f"<p>{kept} of {len(fleet.findings)} causes are kept at a false discovery rate of {fleet.rate:.0%} "
         f"(Benjamini and Hochberg, {fleet.tests} tests). {failed} dataset{'s' * (failed != 1)} could not be "
         "diagnosed.</p>"

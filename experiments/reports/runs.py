@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from rich.table import Table
 from swamp_rl.experiments.reports.figures import DRIVEN, FAILED, draw_course
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 from swamp_rl.figure_style import styled
 from swamp_rl.files import write_beside
@@ -50,7 +51,9 @@ def draw_tracks(dataset: Dataset, path: Path) -> None:
                 label = "_"  # one entry in the legend is enough
         _draw_surroundings(axes, dataset)
         axes.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
-        axes.set_title(f"{dataset.folder.resolve().name}: {len(dataset.runs)} runs, {dataset.meta.source}")
+        axes.set_title(
+            f"{dataset.folder.resolve().name}: {counted(len(dataset.runs), 'run')}, {dataset.meta.source}"
+        )
         figure.legend(loc="outside lower center", ncols=4)
         figure.savefig(part)
 

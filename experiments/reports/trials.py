@@ -12,6 +12,7 @@ from swamp_rl.experiments.reports.trial_figures import draw_trials
 
 from swamp_rl.boat import Boat
 from swamp_rl.clipped import in_markdown
+from swamp_rl.counted import counted
 from swamp_rl.manoeuvres.analysis.analyse import analyse_dataset
 from swamp_rl.manoeuvres.analysis.figure import Figure, Result
 from swamp_rl.manoeuvres.analysis.pairs import Pair, pairs
@@ -114,7 +115,7 @@ def report(
 ) -> str:
     """The Markdown report."""
     parts = [
-        f"# Trials of {in_markdown(boat.name)}\n\n{len(results)} runs, {dataset.meta.source}; "
+        f"# Trials of {in_markdown(boat.name)}\n\n{counted(len(results), 'run')}, {dataset.meta.source}; "
         f"L = {boat.length:g} m. "
         "Angles in deg, positive to starboard; rates in deg/s, times in s, speeds in m/s. In brackets the "
         "95 % bootstrap interval of the value before them; left out where it is narrower than "

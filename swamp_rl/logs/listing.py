@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from swamp_rl.clipped import clipped
+from swamp_rl.counted import counted
 from swamp_rl.logs.log import Log, LogTable
 from swamp_rl.logs.stamps import from_words
 
@@ -18,7 +19,7 @@ def listing(log: Log) -> Iterator[str]:
         rate = f", {table.rate:.3g} Hz" if table.rate else ""
         origin = f" ({clipped(table.origin)})" if table.origin not in ("", table.name) else ""
         kind = f", {clipped(table.kind)}" if table.kind else ""
-        yield f"{clipped(table.name)}{origin}{kind}: {len(table.table.rows)} rows{rate}"
+        yield f"{clipped(table.name)}{origin}{kind}: {counted(len(table.table.rows), 'row')}{rate}"
         for name, values in list(table.table.columns.items())[:MOST_FIELDS]:
             yield f"  {_named(log, table, name)}: {_span(table, name, values)}"
     if "not_read" in log.told:

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.runs import Run
@@ -37,7 +38,8 @@ def choose_runs(
     wanted = " or ".join(outcomes) + ("" if skill is None else f" and the skill {skill}")
     if not chosen:
         raise UserError(
-            f"none of {len(runs)} runs has the outcome {wanted}; record some, or allow another outcome"
+            f"none of {counted(len(runs), 'run')} has the outcome {wanted}; record some, or allow another "
+            "outcome"
         )
     if count is not None and len(chosen) < count:
         raise UserError(
@@ -94,7 +96,9 @@ def examples(
         levers.append(run.joypad[late:])
         demonstrated.append(is_demonstration(run)[late:])
     if not any(rows.any() for rows in demonstrated):
-        raise UserError(f"none of {len(runs)} runs has a row that a person drove; record some by hand")
+        raise UserError(
+            f"none of {counted(len(runs), 'run')} has a row that a person drove; record some by hand"
+        )
     return observations, levers, demonstrated
 
 

@@ -230,7 +230,7 @@ def test_the_verb_lists_imports_and_refuses(call: Call, tmp_path: Path) -> None:
     assert code == 0 and "  GPS.Lat: " in said
     boat = written(tmp_path, "twin")
     code, said, _ = call("runs", "import", log, "--from", "dataflash", "--boat", boat, "--out", "runs")
-    assert code == 0 and "joined: GPS 5 Hz" in said and "1 runs, 61 rows at 5 Hz" in said
+    assert code == 0 and "joined: GPS 5 Hz" in said and "1 run, 61 rows at 5 Hz" in said
     (tmp_path / "other.bin").write_bytes(b"no log")
     for words, part in (
         (["other.bin", "--out", "a"], "is no DataFlash log"),

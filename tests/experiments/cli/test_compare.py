@@ -42,7 +42,7 @@ def test_a_folder_of_results_becomes_a_page(tmp_path: Path) -> None:
     asked = ["compare", "--leaderboard", str(tmp_path / "results"), "--out", str(page)]
     run = CliRunner().invoke(app, asked)
     assert run.exit_code == 0, run.output
-    assert "1 rows of 1 results" in run.output
+    assert "1 row of 1 result" in run.output
     assert page.read_text().startswith("<!doctype html>")
 
 

@@ -146,7 +146,7 @@ def test_a_page_drives_a_served_vehicle_and_neither_its_end_nor_the_vehicles_goe
                 hear(socket, lambda message: message["type"] == "accepted")
                 vehicle.dead.clear()
                 push(socket, lambda seen: seen["phase"] == "run")
-            assert stopped(process, signal.SIGINT) == (0, f"{folder}: 1 runs\n")
+            assert stopped(process, signal.SIGINT) == (0, f"{folder}: 1 run\n")
         assert not any(module.runs(0) for module in vehicle.modules)
     dataset = read_dataset(folder)
     assert dataset.meta.source == "scripted" and vehicle.addresses.text in str(dataset.meta.notes)

@@ -50,12 +50,12 @@ def test_a_log_becomes_a_dataset_and_goes_out_again(call: Callable[..., Called],
     code, said, _ = call(
         "import", log, "--from", "csv", "--out", "day", "--source", "human", *RENAMED, *units
     )
-    assert (code, said) == (0, "day: 1 runs, 31 rows at 10 Hz, human\n")
+    assert (code, said) == (0, "day: 1 run, 31 rows at 10 Hz, human\n")
     run = read_dataset("day").runs[0]
     assert run.columns["north"].tobytes() == circling()["north"].tobytes()
     assert run.columns["surge"][0] == pytest.approx(0.514444, abs=1e-6)
     assert call("check", "day")[0] == 0
-    assert call("export", "day", "--to", "mcap", "--out", "bags") == (0, "bags: 1 runs\n", "")
+    assert call("export", "day", "--to", "mcap", "--out", "bags") == (0, "bags: 1 run\n", "")
     assert sorted(path.name for path in Path("bags").iterdir()) == ["SHA256SUMS", "log.mcap"]
 
 
