@@ -17,6 +17,7 @@ FLOORS = (
         "angles",
         "errors",
         "clipped",
+        "counted",
         "constants",
         "explain",
         "extras",
