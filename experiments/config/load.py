@@ -55,12 +55,15 @@ def overridden(
 def _read(layers: Sequence[Layer]) -> Experiment:
     """The experiment of all layers; UserError names the layer from which on its first fault is the same."""
     stages = list(accumulate((data for _, data in layers), merged))
-    at_fault, fault = layers[-1][0], _fault(stages[-1])
-    if fault is not None:
-        for (where, _), stage in zip(layers[::-1], stages[::-1], strict=True):
-            if _fault(stage) != fault:
-                break
-            at_fault = where
+    at_fault = layers[-1][0]
+    try:
+        return _checked(at_fault, stages[-1])
+    except UserError:
+        fault = _fault(stages[-1])
+    for (where, _), stage in zip(layers[::-1], stages[::-1], strict=True):
+        if _fault(stage) != fault:
+            break
+        at_fault = where
     return _checked(at_fault, stages[-1])
 
 
