@@ -23,13 +23,13 @@ test: $(READY)
 	ln -s $(CURDIR)/swamp_rl_command.py build/types/
 	cd build/types && $(CURDIR)/$(BIN)/mypy --config-file $(CURDIR)/pyproject.toml \
 	  --cache-dir $(CURDIR)/.mypy_cache # laid out as installed; a second check looks at what changed
-	$(BIN)/python -m pytest -n 2 --dist loadgroup --max-worker-restart 0
+	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
 # A kernel that OpenBLAS does not choose by itself on this processor, for sums that end in other last bits.
 KERNEL := $(shell grep -qs avx512f /proc/cpuinfo && echo Haswell || echo Prescott)
 
 test-kernels: $(READY)
-	OPENBLAS_CORETYPE=$(KERNEL) $(BIN)/python -m pytest -n 2 --dist loadgroup --max-worker-restart 0 -m numerical
+	OPENBLAS_CORETYPE=$(KERNEL) $(BIN)/python -m pytest -n 2 --dist loadgroup -m numerical
 
 smoke: $(READY)
 	$(BIN)/python -m pytest -n 2 tests/experiments/studies/test_smoke.py
