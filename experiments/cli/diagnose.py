@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from swamp_rl.experiments.cli.options import BoatOption, IgnoreOption
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 
 if TYPE_CHECKING:
@@ -284,7 +285,7 @@ def simulate_windows(
     position, heading = np.sqrt(np.mean(found.miss**2, axis=0))
     typer.echo(
         f"{out}: {found.run.duration:.1f} s, restarted every {seconds:g} s; error at the end of "
-        f"{len(found.miss)} window{'s' * (len(found.miss) > 1)} (root mean square): {position:.3g} m, "
+        f"{counted(len(found.miss), 'window')} (root mean square): {position:.3g} m, "
         f"{np.degrees(heading):.3g} degrees"
     )
 

@@ -8,6 +8,8 @@ from typing import Annotated
 import typer
 from swamp_rl.experiments.cli.options import IgnoreOption, Ray, Workers
 
+from swamp_rl.counted import counted
+
 
 def fleet(
     dataset: Annotated[
@@ -31,7 +33,7 @@ def fleet(
         typer.echo(f"{name}: {said}")
 
     days = Counter(member.boat for member in members_of(dataset, boat))
-    typer.echo(f"diagnosing {len(dataset)} dataset{'s' * (len(dataset) > 1)} of {_boats(days)}")
+    typer.echo(f"diagnosing {counted(len(dataset), 'dataset')} of {_boats(days)}")
     found = diagnose_fleet(dataset, out, boat, ignore or [], workers, ray, tell)
     for shared in found.shared:
         typer.echo(f"  {len(shared.boats)} boats share {shared.cause}: {', '.join(shared.boats)}")
@@ -50,7 +52,7 @@ def fleet(
 
 def _boats(days: Mapping[str, int]) -> str:
     """The number of boats, and where a boat has several datasets, which folder is which boat."""
-    count = f"{len(days)} boat{'s' * (len(days) > 1)}"
+    count = counted(len(days), "boat")
     if max(days.values()) == 1:
         return count
     return f"{count}, a folder each: {', '.join(f'{boat} ({number})' for boat, number in days.items())}"

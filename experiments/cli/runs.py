@@ -41,7 +41,7 @@ def check(folder: Folder, boat: BoatOption = None) -> None:
     rows = sum(len(run.columns[name]) for run in found.runs for name in list(run.columns)[:1])
     typer.echo(
         f"{folder}: {counted(len(found.runs), 'run')}, {rows} rows, "
-        + (f"{count} fault{'s' * (count > 1)}" if count else "no faults")
+        + (counted(count, "fault") if count else "no faults")
     )
     if count:
         raise typer.Exit(1)

@@ -5,6 +5,8 @@ from typing import Annotated
 import typer
 from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
 
+from swamp_rl.counted import counted
+
 
 @runs_app.command()
 def doctor(
@@ -15,7 +17,6 @@ def doctor(
     """Find swapped, inverted, stuck or filtered columns, wrong units, times, latency; exit code 1 if any."""
     import json
 
-    from swamp_rl.counted import counted
     from swamp_rl.doctor.examine import examine
     from swamp_rl.doctor.read import read_records
 

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 from swamp_rl.experiments.cli.options import BoatOption, seed_option
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 
 trial_app = typer.Typer(help="Automatic ITTC manoeuvres and their analysis.", no_args_is_help=True)
@@ -221,7 +222,7 @@ def commands(
 
     for run in record_commands(out, boat, file):
         typer.echo(f"{run.name}: {run.duration:.1f} s, {run.path_length:.1f} m")
-    typer.echo(f"{out}: {len(file)} run{'s' * (len(file) > 1)}")
+    typer.echo(f"{out}: {counted(len(file), 'run')}")
 
 
 @trial_app.command()

@@ -22,7 +22,7 @@ def _opening(fleet: Fleet) -> str:
     return (
         f"<h1>{counted(len(fleet.members), 'dataset')} of {counted(boats, 'boat')}</h1>"
         f"<p>{kept} of {len(fleet.findings)} causes are kept at a false discovery rate of {fleet.rate:.0%} "
-        f"(Benjamini and Hochberg, {fleet.tests} tests). {failed} dataset{'s' * (failed != 1)} could not be "
+        f"(Benjamini and Hochberg, {fleet.tests} tests). {counted(failed, 'dataset')} could not be "
         "diagnosed.</p>"
     )
 

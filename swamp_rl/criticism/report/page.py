@@ -5,6 +5,7 @@ import html
 from collections.abc import Mapping
 from pathlib import Path
 
+from swamp_rl.counted import counted
 from swamp_rl.criticism.data.measurement_noise import noise_floor
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.finding import Finding
@@ -80,8 +81,8 @@ def opening(found: Diagnosis, run_set: RunSet) -> str:
     return (
         f'<span class="badge {found.verdict}">{said}</span>'
         f"<h1>{html.escape(headline(found))}</h1>{_honest(found)}<p>{html.escape(meaning(found))}</p>"
-        f'<p class="soft">Boat file <b>{html.escape(run_set.boat.name)}</b> against {len(run_set.lengths)} '
-        f"run{'s' * (len(run_set.lengths) > 1)}, {minutes:.1f} minutes in all, "
+        f'<p class="soft">Boat file <b>{html.escape(run_set.boat.name)}</b> against '
+        f"{counted(len(run_set.lengths), 'run')}, {minutes:.1f} minutes in all, "
         f"{1 / run_set.dt:.3g} samples a second.</p>"
     )
 
