@@ -117,7 +117,10 @@ GOLDEN: dict[str, Golden] = {
     "azimuth_lag": Golden("thrust", "cause", [one("azimuth_lag", time_constant=0.7)]),
     "thrust_deduction": Golden("thrust", "cause", [one("thrust_deduction", low=0.7, high=0.8)]),
     "thrust_scale": Golden("thrust", "cause", [one("thrust_scale", scale=0.85)]),
-    "channel_swap": Golden("thrust", "cause", [one("channel_swap", thruster=["bs", "sp"])]),
+    "channel_swap": Golden("thrust", "cause", [one("channel_swap", thruster=["bs", "sp"])], seed=2),
+    "channel_swap_of_equal_pairs": Golden(  # any bow and any stern thruster, of which each two act alike
+        "indistinguishable", "indistinguishable", [one("channel_swap", thruster=["bs", "sp"])]
+    ),
     "azimuth_reversed": Golden("thrust", "cause", [one("azimuth_reversed", thruster="bs")]),
     "azimuth_reversed_all": Golden(
         "thrust", "cause", [one("azimuth_reversed", thruster="all")], level="B", runs=2

@@ -176,8 +176,8 @@ def _expand(
     """Fits to the shortest windows of the sets of least expected criterion with one more effect, best first.
 
     Sets whose expected criterion is far above that of the first `always_fitted` are not fitted, effects
-    without parameters excepted as long as nothing is adequate and a part of the windows does not refute
-    them; once the step budget is spent, only the first are.
+    without parameters excepted as long as nothing is adequate on longer windows too and a part of the windows
+    does not refute them; once the step budget is spent, only the first are.
     """
     if not beam:
         return []
@@ -199,12 +199,12 @@ def _expand(
     ]
     chosen = [*ranked[: options().shortlist], *discrete]
     fitted: list[Fit] = []
-    limit, enough = np.inf, False
+    limit, explained = np.inf, False
     for number, one in enumerate(chosen):
         if number >= options().always_fitted and continuation.boat_steps > step_budget:
             break
         expected = criterion.expected(one)  # which may overflow
-        jump = not (one.instance.size or enough) and not _is_hopeless(continuation, one, beam)
+        jump = not (one.instance.size or explained) and not _is_hopeless(continuation, one, beam)
         if not fitted or expected < limit or jump:
             made = continuation.fit(0, one.hypothesis, one.x, one.states)
             previous = min(at.chi2 for at in beam if at.hypothesis.label == _base(one).label)
@@ -213,6 +213,8 @@ def _expand(
             fitted.append(made)
         best = min(fitted, key=criterion)
         enough = continuation.is_adequate(0, best)
+        if enough and one.instance.size:  # one jump is no reason to leave out another
+            explained = continuation.is_adequate(MIDDLE, continuation.at(MIDDLE, best))
         if enough or number + 1 >= options().always_fitted:
             gained = max(at.chi2 - best.chi2 for at in beam)
             share = (1 if enough else 2) * options().follow_share

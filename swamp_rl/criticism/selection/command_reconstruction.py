@@ -9,7 +9,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, min_decrease
-from swamp_rl.criticism.model.candidates import joined
+from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.criticism.nuisance.command_timing import command_changes, fit_shares, interpolated_at
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection, fit_by_continuation
@@ -50,10 +50,9 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     the actuators in time, or None. A log that lags behind the commands is equivalent to faster actuators.
     """
     problem = continuation.problems[MIDDLE]
-    parts = [(instance, own) for instance, own in at.parts() if not instance.moves_actuators]
-    if len(parts) == len(at.hypothesis.instances):
+    less, x = without_timing(at)
+    if less == at.hypothesis:
         return None
-    less, x = joined(parts)
     plain = fit(problem, less, x, at.states, options().again_steps)
     most = continuation.criterion(at) + options().separation - continuation.criterion.charge(less)
     share, shared = fit_common_share(problem, plain, logged)
@@ -62,6 +61,11 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     each, made, count = fit_switching_times(problem, shared, logged, share)
     saves = made.chi2 + options().instant_gain * count < most
     return each if saves and adequacy(problem, made).adequate else None
+
+
+def without_timing(at: Fit) -> tuple[Hypothesis, Array]:
+    """The effects of a fit that do not shift the actuators in time, and their parameters (p,)."""
+    return joined((instance, own) for instance, own in at.parts() if not instance.moves_actuators)
 
 
 def fit_common_share(problem: Shooting, at: Fit, logged: RunSet) -> tuple[float, Fit]:

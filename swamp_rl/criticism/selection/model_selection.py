@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.likelihood.adequacy import near
+from swamp_rl.criticism.likelihood.adequacy import adequacy, near
 from swamp_rl.criticism.likelihood.discretisation import discretisation_errors
 from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
@@ -33,12 +33,14 @@ from swamp_rl.criticism.selection.command_reconstruction import (
     is_simpler,
     reconstruction_without_timing,
     sufficient_reconstruction,
+    without_timing,
 )
 from swamp_rl.criticism.selection.continuation import (
     LAST,
     MIDDLE,
     Continuation,
     continuation_of,
+    states_carried,
 )
 from swamp_rl.criticism.selection.stepwise_selection import select_under_model_error
 
@@ -68,9 +70,11 @@ def select_model(
     run_set, continuation, found = _with_reconstruction(run_set, continuation, *given, options().step_budget)
     if found.adequate and found.stage >= LAST:
         return run_set, continuation, found
+    if found.adequate and diverged(continuation, found.winner):
+        if is_adequate_on_longer(continuation, found.winner):
+            return run_set, continuation, found
+        found = replace(found, adequate=False, stage=MIDDLE, rivals=[])
     winner, stage = found.winner, LAST if found.adequate else MIDDLE
-    if found.adequate and diverged(continuation, winner):
-        return run_set, continuation, found
     source = correlated_noise(continuation, winner, stage)
     if source != "measurement" and winner.hypothesis.instances and not found.adequate:
         nothing = continuation.boat_file(MIDDLE)
@@ -133,10 +137,11 @@ def _with_better_commands(
 ) -> tuple[RunSet, Continuation, Selection]:
     """A search, repeated with reconstructed commands while they fit clearly better; adds to `tried`."""
     for _ in range(options().most_reconstructions):
-        if (found.adequate and not found.winner.hypothesis.instances) or is_budget_spent(tried):
+        spent = is_budget_spent(tried)
+        if not found.winner.hypothesis.instances if found.adequate else spent:
             break
         at = continuation.at(MIDDLE, found.winner)
-        other, accepts = better_reconstruction(continuation, at, logged), is_better
+        other, accepts = None if spent else better_reconstruction(continuation, at, logged), is_better
         if other is None and found.adequate:
             other, accepts = reconstruction_without_timing(continuation, at, logged), is_simpler
         if other is None:
@@ -146,7 +151,11 @@ def _with_better_commands(
         tried.append(wider)
         if accepts is is_better and is_refuted(continuation, found, wider):
             break
-        again = beam_search(wider, instances, hull, options().step_budget_again)
+        if spent:  # no search, but the effects that do not shift the actuators in time
+            previous = [continuation.fit(stage, *without_timing(at)) for stage in (0, MIDDLE)]
+            again = beam_search(wider, instances, hull, 0.0, None, previous)
+        else:
+            again = beam_search(wider, instances, hull, options().step_budget_again)
         if not accepts(continuation, found, wider, again):
             break
         run_set, continuation, found = other, wider, again
@@ -214,6 +223,18 @@ def diverged(continuation: Continuation, winner: Fit) -> bool:
     whole = continuation.at(LAST, winner)
     left = [one.chi2 / continuation.problems[stage].samples for stage, one in enumerate((middle, whole), 1)]
     return left[1] > options().model_error_chi2 * left[0]
+
+
+def is_adequate_on_longer(continuation: Continuation, winner: Fit) -> bool:
+    """Whether the residual is noise on windows twice as long as the middle ones too: as of a boat that is
+    unstable on course, but not of a wrong model, whose error accumulates.
+    """
+    middle = continuation.at(MIDDLE, winner)
+    shorter = continuation.problem(MIDDLE, middle.hypothesis)
+    longer = Shooting(shorter.run_set, shorter.weight, 2.0 * shorter.seconds)
+    states = states_carried(shorter, middle.states, longer, longer.initial_states())
+    made = fit(longer, middle.hypothesis, middle.x, states, options().stage_steps[MIDDLE])
+    return adequacy(longer, made).adequate
 
 
 def nearly_equal(one: Array, other: Array) -> bool:
