@@ -112,7 +112,7 @@ def neutral_start(instance: EffectInstance, boat: Boat) -> tuple[float, ...]:
 def failure_start(added: _Added) -> float:
     """The best instant of a failure, from one simulation without the thruster."""
     problem, at, by_x = added.problem, added.at, added.by_x
-    dead = problem.residuals(problem.track(added.hypothesis, added.x(np.zeros((1, 1)))[0], at.states))
+    _, dead = nearer_states(problem, added.hypothesis, added.x(np.zeros((1, 1)))[0], at)
     both = [normal_equations(at.states_jacobian, by_x, r) for r in (at.residual, dead)]
     times = problem.windows.first * problem.dt
     best, found = np.inf, 0.0
@@ -125,6 +125,21 @@ def failure_start(added: _Added) -> float:
         if loss < best:
             best, found = loss, float(time)
     return _refined(added, found)
+
+
+def nearer_states(problem: Shooting, hypothesis: Hypothesis, x: Array, at: Fit) -> tuple[Array, Array]:
+    """States (W, 6) and residual (W, M) under a large jump, such as a failure, at x (p,): of each window those
+    of the fit or those measured, whichever leave less: the fit may have bent its own for want of the jump.
+    """
+    states, residual = at.states, problem.residuals(problem.track(hypothesis, x, at.states))
+    if at.chi2 < options().large_chi2 * problem.samples:
+        return states, residual
+    measured = problem.initial_states()
+    other = problem.residuals(problem.track(hypothesis, x, measured))
+    none = np.zeros((*residual.shape, 0))
+    own, others = (normal_equations(at.states_jacobian, none, r).profile_chi2 for r in (residual, other))
+    nearer = (others < own)[:, None]
+    return np.where(nearer, measured, states), np.where(nearer, other, residual)
 
 
 def _refined(added: _Added, found: float) -> float:
@@ -175,13 +190,15 @@ def _profile_chi2(at: Fit, by_x: Array, residual: Array) -> float:
 def _score_step(added: _Added, start: Array) -> ScoreTest:
     problem, at, hypothesis, place = added.problem, added.at, added.hypothesis, added.place
     (x,) = added.x(start[None])
-    base = problem.track(hypothesis, x, at.states)
-    states, residual = at.states, problem.residuals(base)
+    jump = added.instance.effect.begin == "changepoint"
+    states = nearer_states(problem, hypothesis, x, at)[0] if jump else at.states
+    base = problem.track(hypothesis, x, states)
+    residual = problem.residuals(base)
     if not len(start) and at.chi2 > options().large_chi2 * problem.samples:  # a large jump
         states, _, residual = fit_states(problem, hypothesis, x, at.states, options().score_rounds)
     slopes = np.zeros((*residual.shape, len(place)))
     slopes[..., ~place] = added.by_x
-    slopes[..., place] = problem.parameter_jacobian(hypothesis, x, at.states, base, place)
+    slopes[..., place] = problem.parameter_jacobian(hypothesis, x, states, base, place)
     normal = normal_equations(at.states_jacobian, slopes, residual)
     mean, precision = hypothesis.prior()
     H = normal.information.sum(axis=0) + np.diag(precision)
