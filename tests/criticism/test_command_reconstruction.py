@@ -8,6 +8,7 @@ import pytest
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.candidates import candidates
+from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.command_reconstruction import (
     interpolated,
@@ -31,13 +32,13 @@ def moving(run: int) -> np.ndarray:
     return np.concatenate([np.outer(swing, [1, 1, -1, -1]), np.outer(beat, np.ones(4))], axis=1)
 
 
-def logged(held: bool) -> RunSet:
-    """Runs of a boat with less thrust, whose log has every fifth row; held: the commands stood between."""
+def logged(held: bool, every: int = EVERY) -> RunSet:
+    """Runs of a boat with less thrust, whose log has one row of so many; held: the commands stood between."""
     given = np.stack([moving(run) for run in range(3)])
     if held:
-        given = np.repeat(given[:, ::EVERY], EVERY, axis=1)
+        given = np.repeat(given[:, ::every], every, axis=1)
     sailed = driven([{"effect": "thrust_scale", "scale": 0.8}], given, 0.0, seed=4)
-    slow = replace(sailed, commands=given[:, ::EVERY], measured=sailed.measured[:, ::EVERY], dt=DT * EVERY)
+    slow = replace(sailed, commands=given[:, ::every], measured=sailed.measured[:, ::every], dt=DT * every)
     return replace(slow, lengths=np.full(3, slow.commands.shape[1]))
 
 
@@ -70,6 +71,17 @@ def test_commands_that_moved_between_rows_are_interpolated_and_held_ones_are_not
     # Between rows the commands are not linear to the last digit: what that leaves may be fitted, of no size.
     assert all(x == pytest.approx(1.0, abs=0.01) for x in others)
     assert np.array_equal(read.commands, log.commands) == held
+
+
+def test_no_faster_actuator_stands_for_moving_commands_however_long_the_search_was() -> None:
+    log = logged(held=False, every=2)
+    names = ("thrust_scale", "command_delay", "azimuth_lag", "pump_lag")
+    instances = [instance for instance in candidates(log.boat, SECONDS) if instance.effect.name in names]
+    with using(total_budget=1.0):
+        read, _, found = select_model(log, weights(log, noise_levels(log)), instances, None)
+    assert found.adequate and found.winner.hypothesis.label == "thrust_scale"
+    assert found.winner.x == pytest.approx([0.8], abs=0.002)
+    assert not np.array_equal(read.commands, log.commands)
 
 
 def jumping(run: int) -> np.ndarray:
