@@ -19,6 +19,7 @@ from swamp_rl.experiments.synthetic.cases import (
     Array,
     Case,
     Voyage,
+    acting_share,
     draw_case,
     mooring,
     sail,
@@ -36,6 +37,7 @@ VARIANT = "X"
 KINDS = ("single",) * 6 + ("pair", "pair", "clean", "clean", "outside")
 TICK = 0.05  # s, of commands and of the truth
 MOST = 3000  # rows of all runs, but for two that there always are
+LEAST_ACTING = 0.1  # share of the time of all runs in which a force outside the library acts
 
 # What may be wrong with the model ship; forces against its own, which weigh four times SWAMP's
 SHIP: dict[str, Callable[[Rng, float], dict[str, Any]]] = {
@@ -97,21 +99,29 @@ def draw_instruments(rng: Rng) -> Instruments:
 
 
 def write_variant(rng: Rng, data: Path, truth: Path) -> None:
-    """Simulate a case of level X; write its runs into the folder `data`, its causes into the file `truth`."""
+    """Simulate a case of level X; write its runs into the folder `data`, its causes into the file `truth`.
+
+    A case outside the library that hardly acts is drawn again.
+    """
     name = str(rng.choice(["swamp", "swamp-light", "esso_osaka"], p=[0.4, 0.35, 0.25]))
     boat, instruments = load_boat(name), draw_instruments(rng)
     case = draw_variant(rng, boat)
     runs = int(rng.integers(2, 13))
     lengths = rng.uniform(100.0 if is_ship(boat) else 30.0, 300.0, runs)
     lengths = lengths[: max(2, int((np.cumsum(lengths) * instruments.rate <= MOST).sum()))]
-    data.mkdir(parents=True)
     tables = []
+    acting = 0.0
     for length in lengths:
         start = np.array([*rng.uniform(-5, 5, 2), rng.uniform(-math.pi, math.pi)])
         driver = driver_of(boat, rng)
         driver = driver if instruments.between else held(driver, 1.0 / instruments.rate)
         voyage = sail(boat, case, driver, start, round(length / TICK), tick=TICK)
+        acting += length * acting_share(case, boat, voyage)
         tables.append(rows_of(boat, voyage, instruments, rng))
+    if case.outside and acting < LEAST_ACTING * lengths.sum():
+        write_variant(rng, data, truth)
+        return
+    data.mkdir(parents=True)
     write_runs(data, name, boat, tables, "measured", "csv", instruments.rate)
     truth.parent.mkdir(parents=True, exist_ok=True)
     told = vars(instruments) | {"white": instruments.white.tolist()}

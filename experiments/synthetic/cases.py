@@ -239,6 +239,16 @@ def sail(
     return Voyage(track[before:], asked[before : before + steps + 1], true)
 
 
+def acting_share(case: Case, boat: Boat, voyage: Voyage) -> float:
+    """Share of a run's rows in which what no library effect is does anything."""
+    hook, acts = hook_of(case.outside, boat), 0
+    for state, command in zip(voyage.track, voyage.commands, strict=False):
+        params, arrived = voyage.record.copy(), command.copy()
+        hook(params, state, arrived)
+        acts += bool(params != voyage.record or (arrived != command).any())
+    return acts / len(voyage.commands)
+
+
 def true_record(boat: Boat, case: Case) -> NDArray[Any]:
     """(1,) parameter record of the boat with what is wrong with it."""
     params = parameters(boat)
