@@ -1,5 +1,7 @@
 """The error of the integration is no cause: it counts as noise of the measurement."""
 
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,8 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.diagnose import examine
 from swamp_rl.criticism.likelihood.discretisation import discretisation_errors
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.sensors import observe
 from swamp_rl.simulator.substeps import substeps_of
@@ -49,4 +53,16 @@ def test_the_error_of_the_integration_is_far_below_the_noise_of_a_receiver() -> 
     runs = simulated_runs([])
     errors = discretisation_errors(runs, weights(runs, noise_levels(runs)))
     assert (errors > 0.0).all()
+    assert (errors < 0.2 * np.broadcast_to(SIGMA, 6)).all()
+
+
+def test_a_heading_half_a_turn_from_the_boat_file_has_no_larger_error() -> None:
+    """Its residual wraps round, with one step at other samples than with another."""
+    runs = simulated_runs([])
+    weight = weights(runs, noise_levels(runs))
+    problem = Shooting(runs, weight, math.inf)
+    fine = problem.track(Hypothesis(), np.zeros(0), problem.initial_states())
+    measured, first = runs.measured.copy(), runs.measured.shape[1] - fine.shape[1] + 100
+    measured[:, first:, 2] = fine[:, 100:, 2] + np.pi
+    errors = discretisation_errors(replace(runs, measured=measured), weight)
     assert (errors < 0.2 * np.broadcast_to(SIGMA, 6)).all()

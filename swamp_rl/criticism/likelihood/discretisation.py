@@ -29,7 +29,7 @@ def discretisation_errors(run_set: RunSet, weight: Array) -> Array:
     problem.substeps = substeps_of(run_set.dt, run_set.boat)
     if problem.substeps == finer:
         return np.zeros(len(CHANNELS))
-    change = problem.residuals(problem.track(nothing, x, states)) - problem.residuals(fine)
+    change = problem.standardised(fine - problem.track(nothing, x, states))  # no residuals: these wrap round
     power = np.zeros(len(CHANNELS))
     for own, slopes in zip(change, by_state, strict=True):
         if np.isfinite(own).all() and np.isfinite(slopes).all():

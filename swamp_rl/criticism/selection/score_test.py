@@ -128,8 +128,8 @@ def failure_start(added: _Added) -> float:
 
 
 def nearer_states(problem: Shooting, hypothesis: Hypothesis, x: Array, at: Fit) -> tuple[Array, Array]:
-    """States (W, 6) and residual (W, M) under a large jump, such as a failure, at x (p,): of each window those
-    of the fit or those measured, whichever leave less: the fit may have bent its own for want of the jump.
+    """States (W, 6) and residual (W, M) under a large jump, such as a failure, at x (p,): of each window the
+    fit's or the measured ones, whichever leave less: the fit may have bent its own for want of the jump.
     """
     states, residual = at.states, problem.residuals(problem.track(hypothesis, x, at.states))
     if at.chi2 < options().large_chi2 * problem.samples:
