@@ -33,6 +33,11 @@ CONFIG_KINDS = (
     "experiments",
     "sweeps",
 )
+SUFFIXES_OF_FILES = (
+    *(".csv", ".gif", ".html", ".jpg", ".json", ".mcap", ".md", ".mp4", ".onnx"),
+    *(".parquet", ".pdf", ".png", ".rrd", ".svg", ".txt", ".yaml", ".yml", ".zip"),
+)
+"""Of files that commands write or that are asked of them, in lower case."""
 HINTS = {
     errno.ENOSPC: "free some room",
     errno.EDQUOT: "free some room",
@@ -113,8 +118,18 @@ def refuse_existing(paths: Iterable[Path]) -> None:
             raise UserError(f"{path}: already exists; name another --out or remove it")
 
 
+def refuse_name_of_file(path: Path) -> None:
+    """UserError where folder `path` is to be made under a name that ends as those of files do."""
+    if path.suffix.lower() in SUFFIXES_OF_FILES and not path.exists():
+        raise UserError(
+            f"{path}: a folder is written here, and {path.suffix} ends the name of a file; name a folder, "
+            f"such as {path.stem}"
+        )
+
+
 def refuse_to_replace(path: Path, replaces: Collection[str]) -> None:
     """UserError unless folder `path` is absent, empty, or holds one of the files named `replaces`."""
+    refuse_name_of_file(path)
     if path.is_symlink():
         raise UserError(f"{path}: is a link, a folder was to be written here; name that or remove the link")
     if not path.exists():

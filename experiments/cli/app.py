@@ -30,7 +30,7 @@ from swamp_rl.experiments.cli.identify import identify_app
 from swamp_rl.experiments.cli.link import helm, vehicle
 from swamp_rl.experiments.cli.mission import mission
 from swamp_rl.experiments.cli.options import BoatOption, CourseOption, IgnoreOption, seed_option
-from swamp_rl.experiments.cli.outputs import guard_inputs
+from swamp_rl.experiments.cli.outputs import guard_inputs, refuse_suffix
 from swamp_rl.experiments.cli.record import record
 from swamp_rl.experiments.cli.runs import runs_app
 from swamp_rl.experiments.cli.signals import ENDED, heed_no_more, stoppable
@@ -194,6 +194,7 @@ def bench(
     """Measure speed relative to Gymnasium's Pendulum-v1."""
     from swamp_rl.experiments.studies.speed import run_bench
 
+    refuse_suffix("--out", out, ".json")
     for name, value in run_bench(out).items():
         typer.echo(f"{name:<42} {value:>16,.4g}")
     typer.echo(f"written to {out}")

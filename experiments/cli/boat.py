@@ -59,8 +59,9 @@ def new(
             parameters(load_boat(part))
         except UserError as error:
             first = str(error).splitlines()[0].replace(str(part), "these sizes")
+            fault = first.partition("; check these numbers")[0]
             raise UserError(
-                f"{first}; check --length, --breadth, --mass, --thrust and --top-speed"
+                f"{fault}; check --length, --breadth, --mass, --thrust and --top-speed"
             ) from error
     draught, quoted = content["draught"]["value"], shlex.quote(str(path))
     typer.echo(f"{path}: {kind}, draught {draught:.3g} m; check it with: swamp-rl boat check {quoted}")

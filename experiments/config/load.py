@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 from swamp_rl.envs.own_terms import own_term
 from swamp_rl.envs.reward import weights_of
+from swamp_rl.experiments.config.layers import Layer, merged, with_targets_evaluated
 from swamp_rl.experiments.config.learners import check_logged, in_order, learner
 from swamp_rl.experiments.config.named_files import refuse_missing
 from swamp_rl.experiments.config.schema import Experiment, PilotPlan, senses_in
@@ -23,8 +24,6 @@ from swamp_rl.own_code import is_code
 from swamp_rl.pilots.own import is_named, runs_code
 from swamp_rl.yaml_text import DEEPEST, parsed
 
-Layer = tuple[str | Path, dict[str, Any]]
-"""Where it was given, a file or an override, and its nested keys; each layer overrides those below it."""
 KEPT = "experiment.yaml"
 "The name of the configuration that a folder of results keeps."
 
@@ -35,12 +34,13 @@ def load_experiment(
     """The experiment of a file, given by path, by its bare name in configs/experiments or by its results.
 
     An `extends:` in the file names another whose keys it overrides; `overrides` are `key=value` with a dotted
-    key and a YAML value, and come last. UserError names the file, or the override, and the key of the first
-    fault. given: where an override comes from, by its text; by default from the option `--set`.
+    key and a YAML value, and come last. A file or overrides that give other levels remove the targets of the
+    files below at levels that are no longer evaluated. UserError names the file, or the override, and the
+    key of the first fault. given: where an override comes from, by its text; by default from `--set`.
     """
     path, named = _file_of(name_or_path), _named(overrides, given or {})
     allowed = {text for _, override in named for text in _texts(override)}
-    return _read([*_extended(path, (), allowed), *named])
+    return _read(with_targets_evaluated([*([layer] for layer in _extended(path, (), allowed)), named]))
 
 
 def overridden(
@@ -48,8 +48,8 @@ def overridden(
 ) -> Experiment:
     """The experiment with `changes` by key over it, then `overrides`; UserError names `where`, or the
     override at fault, and the key."""
-    changed = merged(experiment.model_dump(mode="json"), changes)
-    return _read([(where, changed), *_named(overrides, {})])
+    below, above = [(where, experiment.model_dump(mode="json"))], [(where, dict(changes))]
+    return _read(with_targets_evaluated([below, [*above, *_named(overrides, {})]]))
 
 
 def _read(layers: Sequence[Layer]) -> Experiment:
@@ -137,17 +137,6 @@ def _check_keys_of_kind(where: str, plan: PilotPlan) -> None:
         raise UserError(f"{where}.disturbances: {plan.kind} does not train among them; drop the key")
     if plan.takeover > 0.0 and plan.kind == "scripted":
         raise UserError(f"{where}.takeover: it would take over from itself; drop the key")
-
-
-def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    """`below` with the keys of `above` over it, mapping into mapping; other values replace those below."""
-    result = dict(below)
-    for key, value in above.items():
-        under = result.get(key)
-        if isinstance(under, Mapping) and isinstance(value, Mapping):
-            value = merged(under, value)
-        result[key] = value
-    return result
 
 
 def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> list[Layer]:

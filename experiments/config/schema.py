@@ -145,10 +145,29 @@ class Evaluation(Part):
         return self
 
 
-class Targets(Part):
-    """To be reached: success rates by pilot and level, and the pilots to be smoother than the data."""
+def _without_null(success: Any) -> Any:
+    """The targets by pilot and level without those set to null."""
+    if not isinstance(success, dict):
+        return success
+    kept = {pilot: rates for pilot, rates in success.items() if rates is not None}
+    return {
+        pilot: {level: rate for level, rate in rates.items() if rate is not None}
+        if isinstance(rates, dict)
+        else rates
+        for pilot, rates in kept.items()
+    }
 
-    success: dict[str, dict[str, Rate]] = {}
+
+class Targets(Part):
+    """To be reached: success rates by pilot and level, and the pilots to be smoother than the data.
+
+    A pilot or a level set to null has no target.
+    """
+
+    success: Annotated[
+        dict[str, dict[str, Rate]],
+        BeforeValidator(_without_null, json_schema_input_type=dict[str, dict[str, Rate | None] | None]),
+    ] = {}
     smoother_than_data: Annotated[tuple[str, ...], Field(strict=False)] = ()
 
 

@@ -58,9 +58,7 @@ def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], 
     """The pilots in the folder; its own place gets the results where nothing else is asked of them."""
     with same_configs(home / CONFIG):
         kept = load_experiment(home)
-        without_targets = kept.model_copy(update={"targets": Targets()})
-        levels = overridden(home, without_targets, asked, overrides).evaluation.levels
-        experiment = overridden(home, _with_targets_at(levels, kept), asked, overrides)
+        experiment = overridden(home, kept, asked, overrides)
         fixed = set(Experiment.model_fields) - set(CHANGEABLE)
         if any(getattr(experiment, key) != getattr(kept, key) for key in fixed):
             raise UserError(f"{home}: only {' and '.join(CHANGEABLE)} can be set, nothing is trained again")
@@ -141,18 +139,6 @@ def _home(folder: Path) -> Path | None:
         return config.resolve().parent
     home = folder.resolve().parent.parent
     return home if (home / CONFIG / EXPERIMENT).is_file() else None
-
-
-def _with_targets_at(levels: Sequence[str], experiment: Experiment) -> Experiment:
-    """The experiment with the targets that are set at these levels."""
-    told = {Path(level).stem for level in levels}
-    success = {
-        pilot: kept
-        for pilot, rates in experiment.targets.success.items()
-        if (kept := {level: rate for level, rate in rates.items() if level in told})
-    }
-    targets = experiment.targets.model_copy(update={"success": success})
-    return experiment.model_copy(update={"targets": targets})
 
 
 def restricted(experiment: Experiment, names: Sequence[str]) -> Experiment:

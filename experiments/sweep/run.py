@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable
+from contextlib import ExitStack
 from itertools import starmap
 from pathlib import Path
 
@@ -9,11 +10,12 @@ from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.schema import Experiment
 from swamp_rl.experiments.sweep.propose import Values, batches_of, propose, refuse_without_optuna, trials_of
 from swamp_rl.experiments.sweep.schema import Objective, Sweep, load_sweep, override
-from swamp_rl.experiments.sweep.store import Store, Trial, opened
+from swamp_rl.experiments.sweep.store import FILE, Store, Trial, opened
 from swamp_rl.experiments.sweep.trial import carry_out, job_of
 
 from swamp_rl import __version__
 from swamp_rl.errors import UserError
+from swamp_rl.files import refuse_name_of_file
 from swamp_rl.unfinished import locked
 from swamp_rl.workers import Ended, Pool, completed, open_pool
 
@@ -42,6 +44,7 @@ def run_sweep(
     fixed = [*starmap(override, sweep.set.items()), *overrides]
     base = checked(sweep, fixed)
     folder = Path(out) if out is not None else Path("results") / "sweeps" / sweep.name
+    refuse_name_of_file(folder)
     plan = {
         "sweep": sweep.model_dump(mode="json", exclude={"description", "retries"}),
         "experiment": base.model_dump(mode="json"),
@@ -51,11 +54,17 @@ def run_sweep(
     def job(values: Values) -> str:
         return job_of(_experiment(sweep, fixed, values), sweep.objective)
 
-    with locked(folder.absolute()), opened(folder, plan) as store:
-        if len(store.trials()) < trials_of(sweep):
-            with open_pool(carry_out, workers, ray) as pool:
+    with locked(folder.absolute()), ExitStack() as pools:
+        if not (folder / FILE).exists():  # a cluster that does not answer then leaves no file
+            pool = pools.enter_context(open_pool(carry_out, workers, ray))
+        else:
+            pool = None
+        with opened(folder, plan) as store:
+            if len(store.trials()) < trials_of(sweep):
+                pool = pool or pools.enter_context(open_pool(carry_out, workers, ray))
                 carry_on(sweep, store, pool, job, tell)
-        write_report(folder, sweep, fixed, store.trials())
+            pools.close()
+            write_report(folder, sweep, fixed, store.trials())
     return folder
 
 
@@ -97,7 +106,7 @@ def checked(sweep: Sweep, fixed: list[str]) -> Experiment:
     from swamp_rl.experiments.config.scene import read_scene
 
     base = _experiment(sweep, fixed, {})
-    _check_objective(base, sweep.objective)
+    _check_objective(f"sweep {sweep.name}", base, sweep.objective)
     for key in {given.partition("=")[0] for given in fixed} & set(sweep.parameters):
         raise UserError(f"{key}: is one of the sweep's parameters, and set as well; drop one of the two")
     for key, parameter in sweep.parameters.items():
@@ -106,19 +115,19 @@ def checked(sweep: Sweep, fixed: list[str]) -> Experiment:
     return base
 
 
-def _check_objective(experiment: Experiment, objective: Objective) -> None:
+def _check_objective(where: str, experiment: Experiment, objective: Objective) -> None:
     levels = [Path(level).stem for level in experiment.evaluation.levels]
     if experiment.hidden is not None:
-        raise UserError("experiment: one with a hidden boat is not swept; name another")
+        raise UserError(f"{where}: experiment: one with a hidden boat is not swept; name another")
     if objective.pilot not in experiment.pilots:
         known = ", ".join(experiment.pilots)
         raise UserError(
-            f"objective.pilot: no pilot {objective.pilot!r} in the experiment; name one of {known}"
+            f"{where}: objective.pilot: no pilot {objective.pilot!r} in the experiment; name one of {known}"
         )
     if objective.level not in levels:
         known = ", ".join(levels)
         raise UserError(
-            f"objective.level: no level {objective.level!r} in the experiment; name one of {known}"
+            f"{where}: objective.level: no level {objective.level!r} in the experiment; name one of {known}"
         )
 
 

@@ -8,6 +8,7 @@ import yaml
 from pydantic import Field, model_validator
 from swamp_rl.experiments.config.schema import Count, Name, Part, Seed
 
+from swamp_rl.explain import in_yaml
 from swamp_rl.files import config_beside, find_config, read_yaml, validated
 
 MOST_TRIALS = 100_000
@@ -38,9 +39,12 @@ class Parameter(Part):
         if self.kind in ("uniform", "log_uniform", "integers"):
             low, high = getattr(self, self.kind)
             if not low < high:
-                raise ValueError(f"{self.kind}: {high} must be more than {low}")
+                raise ValueError(f"{self.kind}: the upper end {high} must be more than the lower, {low}")
             if self.kind == "log_uniform" and low <= 0.0:
                 raise ValueError(f"log_uniform: {low} must be more than 0")
+        for i, value in enumerate(self.grid or ()):
+            if value in (self.grid or ())[:i]:
+                raise ValueError(f"grid: {in_yaml(value)} is there twice; name each value once")
         return self
 
     @property

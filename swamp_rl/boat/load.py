@@ -23,6 +23,7 @@ from swamp_rl.explain import explanations
 from swamp_rl.files import extended_config, find_config, read_yaml
 
 TAGS = (JET, PROPELLER, TABLE, DRIFT, *OPEN_WATER, CURVE, MEASURED, SHAFT)
+REPLACES = ", or write thrusters: {NAME: {KEY: VALUE}} (a list replaces all thrusters of the extended file)"
 
 
 def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = None) -> Boat:
@@ -51,7 +52,8 @@ def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = Non
     whole = resolved(raw, asked)
     added = defaults_of(whole)
     origins |= {key: (asked, leaf) for key, leaf in leaves(added)}
-    boat = _validated(merge(whole, added), origins, asked)
+    listed = len(chain) > 1 and isinstance(chain[-1][1].get("thrusters"), list)
+    boat = _validated(merge(whole, added), origins, asked, REPLACES if listed else "")
     effects = [
         entry
         for path, data in chain
@@ -78,11 +80,19 @@ def boat_chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:
             raise UserError(f"{way} -> {path}: extends forms a cycle; remove one of them")
 
 
-def _validated(raw: dict[str, Any], origins: Mapping[Key, tuple[Path, Any]], asked: Path) -> Boat:
+def _validated(
+    raw: dict[str, Any], origins: Mapping[Key, tuple[Path, Any]], asked: Path, missing_hint: str
+) -> Boat:
+    """The boat; UserError for its faults, with the hint where a thruster lacks a key."""
     try:
         boat = Boat.model_validate(raw)
     except ValidationError as error:
-        _refuse(explanations(error, Boat, lambda loc: _place(loc, raw)), origins, asked)
+        faults = explanations(error, Boat, lambda loc: _place(loc, raw))
+        hinted = (
+            (key, message + missing_hint * (key.startswith("thrusters.") and "is missing" in message))
+            for key, message in faults
+        )
+        _refuse(hinted, origins, asked)
         raise AssertionError("a ValidationError without a fault") from error
     _refuse(implausible(boat), origins, asked)
     return boat

@@ -59,8 +59,8 @@ def implausible(boat: Boat) -> list[tuple[str, str]]:
 
 def _complaint(limit: Limit, unit: str) -> str:
     return (
-        f"{limit.value:.6g} {unit} is implausible: {limit.what} is {limit.ratio:.3g}, but of boats within "
-        f"[{limit.low:.3g}, {limit.high:.3g}]; check these numbers and their units"
+        f"{limit.value:.6g} {unit} is implausible: {limit.what} is {limit.ratio:.3g}; that of boats is "
+        f"within [{limit.low:.3g}, {limit.high:.3g}]; check these numbers and their units"
     )
 
 

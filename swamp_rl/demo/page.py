@@ -104,7 +104,7 @@ def _run(scene: DemoScene, fleet: Fleet, item: Shown) -> dict[str, Any]:
         "flows": {
             name: [_numbers(column, 2) for column in values_at(item, flow, times).T]
             for name, flow in flows.items()
-            if flow is not None and scene.few
+            if flow is not None and np.any(np.nan_to_num(flow)) and scene.few
         },
     }
 

@@ -32,7 +32,7 @@ def flows(scene: DemoScene, shown: Sequence[Shown], times: Array) -> list[Flow]:
     for item in shown:
         for name, measured in FLOWS.items():
             flow = measured(item.run)
-            if flow is not None:
+            if flow is not None and np.any(np.nan_to_num(flow)):  # recorders write 0 where none is known
                 own = item.start + item.run.time - item.run.time[0]
                 towards = np.stack([np.interp(times, own, column) for column in flow.T], axis=-1)
                 found.append(Flow(name, scene.called(item) if len(shown) > 1 else "", towards))

@@ -25,7 +25,11 @@ def is_command(name: str) -> bool:
 
 
 def command_findings(runs: Sequence[Run]) -> list[Finding]:
-    """Commands that never vary (a fault where none does), and those cut off below full command."""
+    """Commands that are missing, never vary (a fault where none does), or are cut off below full command."""
+    if runs and not any(is_command(name) for run in runs for name in run.columns):
+        told = "no run has a column of them"
+        advice = "diagnose and identify boat need them; name them with --map in runs import"
+        return [Finding("note", "commands_missing", ("commands",), told, advice)]
     names = [name for name in runs[0].columns if is_command(name)] if runs else []
     joined = {
         name: np.concatenate([run.columns[name] for run in runs])

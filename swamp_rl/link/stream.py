@@ -65,7 +65,14 @@ def samples(
 
 def mcap_samples(path: Path, boat: Boat, topic: str | None = None) -> Iterator[Sample]:
     """Yield the rows of a run in an MCAP file, as `runs export --to mcap` writes it."""
-    run = runs_from(read_mcap(path, topic), Wishes(), boat)[0]
+    found = read_mcap(path, topic)
+    for column in (one for thruster in boat.thrusters for one in thruster.command_columns):
+        if column is not None and column not in found.table.columns:
+            raise UserError(
+                f"{path}: column {column}, by which boat {boat.name} is commanded, is missing; name the boat "
+                "of this run by --boat"
+            )
+    run = runs_from(found, Wishes(), boat)[0]
     commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
     senses = run.stacked(SENSES)
     for time, command, sense in zip(run.time - run.time[0], commands, senses, strict=True):

@@ -94,7 +94,7 @@ def _foreign(log: Log, mapping: Mapping, given: Mapping, kind: str, boat: Boat, 
         known = ", ".join(list(log.tables)[:12])
         raise UserError(f"{log.file}: none of the usual messages is there ({known}); see --list, and --map")
     own = {key: value for key, value in log.told.items() if not key.startswith("parameter ")}
-    own |= _without_commands(boat, mapping) if kind in BINARY else {}
+    own |= _without_commands(boat, mapping, None if kind in BINARY else log)
     convert = partial(foreign_of, replace(log, told=own), rate=wishes.resample, fill=wishes.fill)
     by_type = kind == "rosbag" and {"u", "v"} <= mapping.columns.keys() - given.columns.keys()
     found = foreign_in_its_axes(mapping, convert) if by_type else convert(mapping)
@@ -105,19 +105,20 @@ def _foreign(log: Log, mapping: Mapping, given: Mapping, kind: str, boat: Boat, 
     return found
 
 
-def _without_commands(boat: Boat, mapping: Mapping) -> dict[str, str]:
-    """What to tell where the mapping lacks commands of the boat's thrusters."""
+def _without_commands(boat: Boat, mapping: Mapping, tables: Log | None) -> dict[str, str]:
+    """What to tell where the mapping lacks commands of the boat's thrusters; of tables, only those commands
+    that are columns of the log under the same name."""
+    there = None if tables is None else {one for log in tables.tables.values() for one in log.table.columns}
     lacking = [
         column
         for thruster in boat.thrusters
         for column in thruster.command_columns
-        if column is not None and column not in mapping.columns
+        if column is not None and column not in mapping.columns and (there is None or column in there)
     ]
     if not lacking:
         return {}
-    told = (
-        f"missing: {', '.join(lacking)} of {boat.name}; see --list, and give --map {lacking[0]}=TABLE.FIELD"
-    )
+    field = "TABLE.FIELD" if there is None or tables is None or len(tables.tables) > 1 else lacking[0]
+    told = f"missing: {', '.join(lacking)} of {boat.name}; see --list, and give --map {lacking[0]}={field}"
     return {"commands": told}
 
 

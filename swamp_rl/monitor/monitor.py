@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.measurement_noise import noise_floor
 from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
+from swamp_rl.effects import LIBRARY
 from swamp_rl.link.stream import Sample
 from swamp_rl.monitor.change_test import ChangeTest
 from swamp_rl.monitor.frozen import SENSORS, Repetition
@@ -41,7 +42,11 @@ class Notice:
     @property
     def text(self) -> str:
         """In one line."""
-        numbers = ", ".join(f"{name} {value:.3g}" for name, value in self.values.items())
+        effect = LIBRARY.get(self.cause.partition(" ")[0])
+        units = {one.name: one.unit for one in effect.parameters if one.unit != "1"} if effect else {}
+        numbers = ", ".join(
+            f"{name} {value:.3g} {units.get(name, '')}".strip() for name, value in self.values.items()
+        )
         others = f"; or {', or '.join(self.rivals)}" if self.rivals else ""
         where = f" in {', '.join(self.channels)}" if self.cause == "unexplained" else ""
         cause = f"{self.cause} ({numbers})" if numbers else self.cause

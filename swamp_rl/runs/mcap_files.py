@@ -138,6 +138,11 @@ def _reading(path: Path) -> Iterator[None]:
     except FileNotFoundError as error:
         raise UserError(f"{path}: no such file; name an .mcap file") from error
     except Exception as error:
+        if type(error).__name__ == "EndOfFile":  # of the optional package mcap
+            raise UserError(
+                f"{path}: the end of the MCAP file is missing; wait if it is still being written, or copy it "
+                "again, or repair it with `mcap recover`"
+            ) from error
         raise UserError(
             f"{path}: is no whole MCAP file ({type(error).__name__}: {error}); copy it again"
         ) from error

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.merge import leaves, merge
+from swamp_rl.errors import UserError
 from tests.support.from_scratch import TWIN, written
 
 TREES = st.recursive(
@@ -125,6 +126,16 @@ def test_files_that_extend_each_other_are_refused_with_the_way_round(tmp_path: P
     (tmp_path / "b.yaml").write_text("extends: ./a.yaml\n")
     with pytest.raises(Exception, match=r"a\.yaml -> .*b\.yaml -> .*a\.yaml: extends forms a cycle"):
         load_boat(tmp_path / "a.yaml")
+
+
+def test_a_list_of_part_of_a_thruster_is_refused_with_how_to_change_one(tmp_path: Path) -> None:
+    own = "thrusters: [{name: bs, kind: azimuth}]\n"
+    with pytest.raises(
+        UserError, match=r"bs.x: is missing; add it, or write thrusters: {NAME: {KEY: VALUE}} \("
+    ):
+        extended(tmp_path, f"extends: swamp\n{own}")
+    with pytest.raises(UserError, match=r"bs.x: is missing; add it($|\n)"):
+        extended(tmp_path, f"length: 1.0\n{own}")
 
 
 @given(under=SECTIONS, over=SECTIONS)

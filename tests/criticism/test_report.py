@@ -171,6 +171,12 @@ def test_data_without_noise_are_not_said_to_have_some() -> None:
     assert ">below 0.00200</td>" in text and ">0.573</td>" in text
 
 
+def test_the_noise_of_the_weights_is_told_with_both_its_parts() -> None:
+    text = details(diagnosis("nothing_wrong", noise={"north": 0.16}), no_runs())
+    assert "white measurement noise, estimated from third differences" in text
+    assert "the error that the simulator's step makes in whole runs" in text
+
+
 def test_every_variable_of_a_force_can_be_drawn() -> None:
     for variable in motion_variables(np.zeros(1), np.zeros((1, 6))):
         assert labelled(variable)[0].startswith(variable)

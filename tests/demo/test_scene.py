@@ -1,13 +1,17 @@
 """Runs on one clock: aligned at the first gate, drawn where they are, plotted as they were."""
 
+import json
+
 import numpy as np
 import pytest
 
 from swamp_rl.course import load_course
 from swamp_rl.demo.clock import instants, poses_at, values_at
+from swamp_rl.demo.page import page
 from swamp_rl.demo.scene import Shown, demo_scene, first_gate_time
 from swamp_rl.demo.series import current, series_of, speed, wind
 from swamp_rl.demo.shapes import corners, mesh
+from swamp_rl.demo.weather import flows
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, RunMeta
 
@@ -116,6 +120,16 @@ def test_a_measured_wind_goes_before_the_one_that_was_set() -> None:
     columns = northward(1.0).columns | {"wind_speed": 2.0 + 0 * TIME, "wind_from": np.pi / 2 + 0 * TIME}
     blows = wind(Run("a", columns, RunMeta(disturbances=[{"effect": "wind", "speed": 9.0, "from": 0.0}])))
     assert blows is not None and blows[3] == pytest.approx([0.0, -2.0], abs=1e-12)
+
+
+def test_a_wind_that_was_recorded_as_nought_throughout_is_not_drawn() -> None:
+    calm = northward(1.0).columns | {"wind_speed": 0 * TIME, "wind_from": 0 * TIME}
+    windy = northward(1.0).columns | {"wind_speed": np.minimum(TIME, 3.0), "wind_from": 0 * TIME}
+    for columns, drawn in ((calm, []), (windy, ["wind"])):
+        scene = demo_scene("a", {"human": [Run("a", columns)]}, CAMOGLI, (1.24, 1.1))
+        assert [flow.name for flow in flows(scene, scene.shown, TIME)] == drawn
+        told = json.loads(page(scene).split('type="application/json">')[1].split("</script>")[0])
+        assert list(told["runs"][0]["flows"]) == drawn
 
 
 def test_the_bow_points_along_the_heading() -> None:

@@ -212,3 +212,13 @@ def test_runs_too_short_or_without_columns_are_no_fault(twin: Boat) -> None:
     few = {"time": np.arange(5) * 0.1, "north": np.zeros(5), "east": np.zeros(5), "heading": np.zeros(5)}
     assert faults([Run("few", few)], twin) == []
     assert faults([Run("none", {"x": np.zeros(3)})], None) == []
+
+
+def test_runs_without_commands_are_noted(sound: list[Run], twin: Boat) -> None:
+    without = [
+        Run(run.name, {name: values for name, values in run.columns.items() if "throttle" not in name})
+        for run in sound
+    ]
+    assert "commands_missing" not in {finding.code for finding in examine(sound, twin)}
+    (note,) = (finding for finding in examine(without, twin) if finding.code == "commands_missing")
+    assert note.level == "note"

@@ -120,7 +120,8 @@ def errors_section(found: Diagnosis, images: Mapping[str, str]) -> str:
         noise = " Here they are not distinguishable from the effect of noise."
     perfect = (
         " The dashed line is the error of a perfect model, which starts from a state that is known only to "
-        "within the measurement noise. An error above it is a model error."
+        "within the noise under Details. An error above it is a model error; one far below it means that the "
+        "error of the integration is most of that noise."
     )
     if found.gain_on == "other_runs":
         perfect = " These are the held-out runs; the tracks above are those diagnosed."
@@ -308,9 +309,10 @@ def details(found: Diagnosis, run_set: RunSet) -> str:
     ]
     heads = ("hypothesis", "χ² a sample (noise alone: 1)", "reduction [χ²]", "95 % interval")
     return (
-        "<h2>Details</h2><p>White measurement noise, estimated from third differences of the data. Data "
-        "with less than the level after “below” are taken to have that much, the error of the "
-        "integration:</p>"
+        "<h2>Details</h2><p>Noise that the residuals are weighted by: in variance the sum of white "
+        "measurement noise, estimated from third differences of the data, and of the error that the "
+        "simulator's step makes in whole runs, which may be the larger of the two. Data with less than the "
+        "level after “below” are taken to have that much:</p>"
         + table(("channel", "standard deviation", "unit"), rows, numbers=(1,))
         + (f"<p>{noise_sentence(found)}</p>" if found.wandering else "")
         + (f"<p>{smoothed_sentence(found)}</p>" if found.smoothed else "")

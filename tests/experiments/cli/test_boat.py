@@ -112,3 +112,10 @@ def test_nothing_is_wrong_with_a_large_boat_about_its_own_runs(
     call(*record.split(" "))
     call("diagnose", "runs", "--boat", "own.yaml", "--out", "diagnosis")
     assert json.loads(Path("diagnosis/diagnosis.json").read_text())["verdict"] == "nothing_wrong"
+
+
+def test_sizes_that_no_boat_has_are_told_once_with_the_options_to_check(call: Call) -> None:
+    sizes = ["--length", 3, "--breadth", 1.2, "--mass", 350000, "--thrust", 1100]
+    told = call("boat", "new", "skiff", "--kind", "waterjet", *sizes)
+    assert_complains(told, "draught / length is 63.2; that of boats is within [0.005, 0.6]; check --length")
+    assert told[2].count("check") == 1

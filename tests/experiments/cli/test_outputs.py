@@ -43,6 +43,24 @@ def test_nothing_is_written_into_a_dataset(call: Call, dataset: dict[str, str], 
     assert sums() == dataset
 
 
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("hold --out here.html", "here.html: a folder is written here, and .html ends the name of a file"),
+        ("mission survey --out charge.PNG", "charge.PNG: a folder is written here"),
+        ("capability swamp --out polar.png", "polar.png: a folder is written here"),
+        ("record-scripted --count 1 --out runs.csv", "runs.csv: a folder is written here"),
+        ("sweep reservoir_grid --out sweep.md", "sweep.md: a folder is written here"),
+        ("trial straight --throttle 0.5 --out speed.json", "speed.json: a folder is written here"),
+        ("run smoke --out results.yaml", "results.yaml: a folder is written here"),
+        ("bench --out speed.txt", "--out speed.txt: end the name in .json"),
+    ],
+)
+def test_an_output_is_what_its_suffix_says(call: Call, words: str, told: str) -> None:
+    assert_complains(call(*words.split()), told)
+    assert not list(Path().iterdir())
+
+
 def test_a_file_that_is_read_is_not_replaced(call: Call, dataset: dict[str, str]) -> None:
     Path("apart").mkdir()
     Path("apart/run.parquet").write_bytes(Path("runs/run-001.parquet").read_bytes())

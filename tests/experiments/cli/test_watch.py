@@ -1,6 +1,7 @@
 """`swamp-rl watch`: a recorded fault named line by line, and what it refuses."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +37,7 @@ def test_a_recorded_failure_is_named(call: Call, tmp_path: Path) -> None:
     code, said, complaint = call("watch", "--mcap", "run.mcap")
     assert (code, complaint) == (0, "")
     assert "monitoring" in said.splitlines()[0]
-    assert "thruster_failure bp" in said.splitlines()[1]
+    assert re.search(r"thruster_failure bp \(time [\d.]+ s\), since", said.splitlines()[1])
     assert said.splitlines()[-1].endswith("samples, notices: 1")
 
 
@@ -58,3 +59,20 @@ def test_what_cannot_be_watched_is_refused_in_one_line(call: Call, tmp_path: Pat
     assert_complains(call("watch", "--mcap", "short.mcap"), "30 s")
     assert_complains(call("watch", "--mcap", "absent.mcap"), "absent.mcap")
     assert_complains(call("watch", "--mcap", "short.mcap", "--boat", "swmap"), "swamp")
+
+
+def test_a_file_that_is_still_being_written_is_refused_as_such(call: Call, tmp_path: Path) -> None:
+    whole = recorded(tmp_path / "run.mcap", 5.0).read_bytes()
+    for length in (0, 100, len(whole) // 2):
+        (tmp_path / "run.mcap").write_bytes(whole[:length])
+        told = call("watch", "--mcap", "run.mcap")
+        assert_complains(told, "run.mcap: the end of the MCAP file is missing; wait if it")
+
+
+def test_a_run_of_another_boat_is_refused_in_one_line(call: Call, tmp_path: Path) -> None:
+    recorded(tmp_path / "run.mcap", 5.0)
+    told = call("watch", "--mcap", "run.mcap", "--boat", "esso_osaka")
+    assert_complains(
+        told, "by which boat esso_osaka is commanded, is missing; name the boat of this run by --boat"
+    )
+    assert told[2].count("\n") == 1

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 import pytest
-from swamp_rl.experiments.config.load import load_experiment, merged
+from swamp_rl.experiments.config.layers import merged
+from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import config_files, read_scene
 
 from swamp_rl.clipped import clipped
@@ -18,6 +19,9 @@ pilots:
   net: {kind: cloning, options: {epochs: 3}}
 evaluation: {levels: [calm], episodes: 5, seed: 1}
 """
+
+
+TARGETS = "targets: {success: {net: {calm: 0.5, severe: 0.1}}, smoother_than_data: [net]}"
 
 
 def write(folder: Path, text: str, name: str = "small.yaml") -> Path:
@@ -177,6 +181,30 @@ def test_of_several_overrides_the_one_at_fault_is_named_and_a_wrong_file_before_
     )
     file = write(tmp_path, SMALL.replace("seed", "sede"))
     assert all(line.startswith(f"{file}: ") for line in complaint(file, *sound).split("\n"))
+
+
+def test_targets_at_levels_that_are_no_longer_evaluated_are_left_out(tmp_path: Path) -> None:
+    file = write(tmp_path, SMALL.replace("[calm]", "[calm, severe]") + TARGETS)
+    assert load_experiment(file).targets.success == {"net": {"calm": 0.5, "severe": 0.1}}
+    fewer = load_experiment(file, ["evaluation.levels=[calm]"])
+    assert fewer.targets.success == {"net": {"calm": 0.5}}
+    assert fewer.targets.smoother_than_data == ("net",)
+    above = write(tmp_path, "extends: small.yaml\nevaluation: {levels: [standard]}", "above.yaml")
+    assert load_experiment(above).targets.success == {}
+
+
+def test_a_target_given_beside_the_levels_and_at_none_of_them_is_refused(tmp_path: Path) -> None:
+    file = write(tmp_path, SMALL + TARGETS)
+    assert "targets.success.net: level 'severe' is not in evaluation.levels" in complaint(file)
+    asked = ["evaluation.levels=[severe]", "targets.success.net.calm=0.9"]
+    assert "targets.success.net: level 'calm' is not in evaluation.levels" in complaint(file, *asked)
+
+
+def test_a_target_set_to_null_is_dropped(tmp_path: Path) -> None:
+    file = write(tmp_path, SMALL.replace("[calm]", "[calm, severe]") + TARGETS)
+    without = load_experiment(file, ["targets.success.net.calm=null"])
+    assert without.targets.success == {"net": {"severe": 0.1}}
+    assert load_experiment(file, ["targets.success.net=null"]).targets.success == {}
 
 
 @pytest.mark.parametrize(

@@ -99,3 +99,9 @@ def test_where_no_cluster_answers_it_is_said_in_one_line(address: str) -> None:
     with pytest.raises(UserError, match=f"--ray {address}: no cluster answers") as told:
         RayPool(sweep_trials.formula, address)
     assert "\n" not in str(told.value)
+
+
+def test_a_sweep_that_no_cluster_takes_leaves_nothing(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="no cluster answers"):
+        run_sweep("reservoir_grid", out=tmp_path / "sweeps" / "out", ray="127.0.0.1:1")
+    assert list(tmp_path.iterdir()) == []
