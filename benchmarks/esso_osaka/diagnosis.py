@@ -14,6 +14,7 @@ from swamp_rl.criticism.data.run_set import run_set_of
 from swamp_rl.criticism.diagnose import examine
 from swamp_rl.criticism.report.words import readable
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
+from swamp_rl.one_thread import one_thread
 from swamp_rl.runs import Run
 
 
@@ -29,6 +30,7 @@ class Told:
     angle: Estimate | None
 
 
+@one_thread()
 def diagnosed(boat: Boat, runs: Sequence[Run]) -> Told:
     """The diagnosis of runs taken together, without what the anemometer said."""
     without_wind = run_set_of(list(runs), boat, "pond", ignore=["wind"])

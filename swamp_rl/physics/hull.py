@@ -33,6 +33,8 @@ def demihull_resistance(u: float, v: float, r: float, p: Any, tank: Any, tow: To
     X = ½ Σ X_R(u − r y_i, v), N = −½ Σ y_i X_R(u − r y_i, v), y_i = ±S/2. At r = 0, or with S = 0, it is the
     resistance at midship. tow: `towing(p, tank)`.
     """
+    if p.hull_spacing == 0.0:  # the same number, computed once
+        return surge_resistance(u, v, p, tank, tow), 0.0
     offset = 0.5 * p.hull_spacing
     difference = r * offset
     starboard = 0.5 * surge_resistance(u - difference, v, p, tank, tow)

@@ -37,6 +37,8 @@ def inflow_across(u: float, v: float, r: float, k: int, p: Any) -> float:
     """
     gamma = p.rudder_gamma_p[k] if v + p.thruster_x[k] * r >= 0.0 else p.rudder_gamma_n[k]
     across = v + p.rudder_flow_lever[k] * p.length * r
+    if p.rudder_drift_slope[k] == 0.0:  # most rudders: the angle is not needed
+        return -gamma * across
     return -gamma * (1.0 + p.rudder_drift_slope[k] * math.atan2(abs(across), abs(u))) * across
 
 
