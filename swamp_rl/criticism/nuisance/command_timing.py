@@ -47,13 +47,14 @@ def interpolated_at(run_set: RunSet, change: Array, shares: Array) -> RunSet:
 
 def fit_shares(
     problem: Shooting, at: Fit, change: Array, shares: Array, common_share: float
-) -> tuple[Array, float, int]:
-    """(R, T) shares at least chi2 to first order, their weighted mean, and how many were fitted.
+) -> tuple[Array, float, float]:
+    """(R, T) shares at least chi2 to first order, their weighted mean, and what they cost: they fit as much
+    better as chance unless chi2 falls by more (-2 log marginal likelihood, Laplace's approximation).
 
     One Gauss-Newton step with a Gaussian prior about `common_share`; the fit's parameters are fixed, the
     initial states are eliminated. `problem` has the commands that `shares` (R, T) gives; change: (R, T, 2K).
     """
-    found, fitted, weights = np.full_like(shares, common_share), [], []
+    found, fitted, weights, cost = np.full_like(shares, common_share), [], [], 0.0
     win = problem.windows
     for window in range(win.count):
         run, first = int(win.run[window]), int(win.first[window])
@@ -70,9 +71,11 @@ def fit_shares(
         found[run, rows] = now + bounded_step(H, g, now, np.zeros(len(rows)), np.ones(len(rows)))
         fitted.append(found[run, rows])
         weights.append(np.clip(1.0 - np.diag(np.linalg.inv(H)) * SPREAD**-2, 1e-6, 1.0))
+        off = (found[run, rows] - common_share) / SPREAD
+        cost += float(np.linalg.slogdet(H * SPREAD**2)[1] + off @ off)
     if fitted:
         common_share = float(np.average(np.concatenate(fitted), weights=np.concatenate(weights)))
-    return found, common_share, sum(map(len, fitted))
+    return found, common_share, cost
 
 
 def _share_slopes(problem: Shooting, at: Fit, window: int, rows: NDArray[np.int64], change: Array) -> Array:

@@ -28,7 +28,7 @@ def better_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -
     """The runs with reconstructed commands where these lower chi2 on the middle windows clearly, or None.
 
     Compared at the selected hypothesis, since shifted commands could absorb a missing effect. One share for
-    all steps first, at the minimum of a parabola; where the residual then exceeds noise, one for each step.
+    all steps first, at the minimum of a parabola, then one for each step.
     """
     problem = continuation.problems[MIDDLE]
     if at.chi2 > options().reconstruction_hopeless * problem.samples:
@@ -39,10 +39,10 @@ def better_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -
     share, shared = fit_common_share(problem, at, logged)
     if shared.chi2 < min(at.chi2 - least, most):
         best = interpolated(logged, share)
-    if adequacy(problem, shared if best else at).adequate:
-        return best
-    each, made, count = fit_switching_times(problem, shared, logged, share)
-    return each if made.chi2 < min(at.chi2 - least - options().instant_gain * count, most) else best
+    each, made, cost = fit_switching_times(problem, shared, logged, share)
+    if best:  # which they must save in addition
+        least = max(least, at.chi2 - shared.chi2 + options().reconstruction_gain)
+    return each if made.chi2 < min(at.chi2 - least - cost, most) else best
 
 
 def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
@@ -58,8 +58,8 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     share, shared = fit_common_share(problem, plain, logged)
     if shared.chi2 < most and adequacy(problem, shared).adequate:
         return interpolated(logged, share)
-    each, made, count = fit_switching_times(problem, shared, logged, share)
-    saves = made.chi2 + options().instant_gain * count < most
+    each, made, cost = fit_switching_times(problem, shared, logged, share)
+    saves = made.chi2 + cost < most
     return each if saves and adequacy(problem, made).adequate else None
 
 
@@ -85,23 +85,28 @@ def sufficient_reconstruction(continuation: Continuation, at: Fit, logged: RunSe
     return other if other and adequacy(problem, _refit(problem, other, at)).adequate else None
 
 
-def fit_switching_times(problem: Shooting, at: Fit, logged: RunSet, share: float) -> tuple[RunSet, Fit, int]:
-    """The runs with a fitted share for each larger step, their fit, how many; at: with one common share."""
+def fit_switching_times(
+    problem: Shooting, at: Fit, logged: RunSet, share: float
+) -> tuple[RunSet, Fit, float]:
+    """The runs with a fitted share for each larger step, their fit, and the cost (`fit_shares`); at: with one
+    common share.
+    """
     change = command_changes(logged)
     shares = np.full(change.shape[:2], share)
     best = interpolated_at(logged, change, shares)
     made = least = _refit(problem, best, at, fresh=True)
-    count = 0
+    cost, enough = 0.0, options().reconstruction_gain  # a first round that saves less is the last
     for _ in range(options().reconstruction_rounds):
-        shares, share, count = fit_shares(_problem(problem, best), least, change, shares, share)
+        shares, share, cost = fit_shares(_problem(problem, best), least, change, shares, share)
         run_set = interpolated_at(logged, change, shares)
         made = _refit(problem, run_set, least, fresh=True)
         gain = least.chi2 - made.chi2
         if gain > 0.0:
             best, least = run_set, made
-        if gain < min_decrease(problem, least.chi2):
+        if gain < enough:
             break
-    return best, least, count
+        enough = min_decrease(problem, least.chi2)
+    return best, least, cost
 
 
 def least_of_parabola(start: float, middle: float, end: float) -> float:

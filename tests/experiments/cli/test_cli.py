@@ -82,7 +82,7 @@ def test_help_waits_for_no_heavy_library() -> None:
         (["record", "--out", "a", "--host", "0.0.0.0"], "add --token"),
         (["record", "--out", "a", "--host", "0.0.0.0", "--token", "no"], "letters and digits"),
         (["bench", "now"], "unexpected extra argument"),
-        (["bench", "--out", "."], ".: is a folder"),
+        (["bench", "--out", "."], "--out .: end the name in .json"),
         (["simulate", "--commands", ".", "--out", "a.csv"], ".: is a folder; name the .csv or .parquet"),
         (["runs", "check"], "Missing argument"),
         (["runs", "show"], "Missing argument"),
