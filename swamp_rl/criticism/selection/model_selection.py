@@ -137,8 +137,8 @@ def _with_better_commands(
 ) -> tuple[RunSet, Continuation, Selection]:
     """A search, repeated with reconstructed commands while they fit clearly better; adds to `tried`."""
     for _ in range(options().most_reconstructions):
-        spent = is_budget_spent(tried)
-        if not found.winner.hypothesis.instances if found.adequate else spent:
+        spent, clean = is_budget_spent(tried), found.adequate and not found.winner.hypothesis.instances
+        if clean or (spent and not found.adequate):
             break
         at = continuation.at(MIDDLE, found.winner)
         other, accepts = None if spent else better_reconstruction(continuation, at, logged), is_better
