@@ -12,8 +12,9 @@ from swamp_rl.demo.clock import Array, poses_at, values_at
 from swamp_rl.demo.colours import Colour
 from swamp_rl.demo.layout import Layout
 from swamp_rl.demo.scene import DemoScene, Fleet, Shown, gate_colour
-from swamp_rl.demo.series import CURRENT, WIND, current, series_of, wind
+from swamp_rl.demo.series import CURRENT, WIND, series_of
 from swamp_rl.demo.shapes import OUTLINE
+from swamp_rl.demo.weather import flows_of
 from swamp_rl.files import write_text
 
 TEMPLATE = Path(__file__).with_name("page.html")
@@ -90,7 +91,6 @@ def _run(scene: DemoScene, fleet: Fleet, item: Shown) -> dict[str, Any]:
         for line, values in found.items()
         if panel not in (WIND, CURRENT)
     }
-    flows = {"wind": wind(item.run), "current": current(item.run)}
     return {
         "name": scene.called(item),
         "group": item.group,
@@ -103,8 +103,8 @@ def _run(scene: DemoScene, fleet: Fleet, item: Shown) -> dict[str, Any]:
         "panels": panels,
         "flows": {
             name: [_numbers(column, 2) for column in values_at(item, flow, times).T]
-            for name, flow in flows.items()
-            if flow is not None and np.any(np.nan_to_num(flow)) and scene.few
+            for name, flow in flows_of(item.run).items()
+            if scene.few
         },
     }
 

@@ -9,6 +9,7 @@ from swamp_rl.demo.clock import Array
 from swamp_rl.demo.colours import Colour
 from swamp_rl.demo.scene import DemoScene, Shown
 from swamp_rl.demo.series import current, wind
+from swamp_rl.runs import Run
 
 FLOWS = {"wind": wind, "current": current}
 INK: dict[str, Colour] = {"wind": (84, 106, 125), "current": (31, 143, 208)}
@@ -24,18 +25,22 @@ class Flow:
     towards: Array
 
 
+def flows_of(run: Run) -> dict[str, Array]:
+    """(T, 2) north and east [m/s] by name, those recorded or set; a recorder writes 0 where none is known."""
+    every = {name: measured(run) for name, measured in FLOWS.items()}
+    return {name: flow for name, flow in every.items() if flow is not None and np.any(np.nan_to_num(flow))}
+
+
 def flows(scene: DemoScene, shown: Sequence[Shown], times: Array) -> list[Flow]:
     """What the boats `shown` meet at `times` (N,) of the clock; nothing where there are too many to tell."""
     if not scene.few:
         return []
     found = []
     for item in shown:
-        for name, measured in FLOWS.items():
-            flow = measured(item.run)
-            if flow is not None and np.any(np.nan_to_num(flow)):  # recorders write 0 where none is known
-                own = item.start + item.run.time - item.run.time[0]
-                towards = np.stack([np.interp(times, own, column) for column in flow.T], axis=-1)
-                found.append(Flow(name, scene.called(item) if len(shown) > 1 else "", towards))
+        for name, flow in flows_of(item.run).items():
+            own = item.start + item.run.time - item.run.time[0]
+            towards = np.stack([np.interp(times, own, column) for column in flow.T], axis=-1)
+            found.append(Flow(name, scene.called(item) if len(shown) > 1 else "", towards))
     if not scene.conditions.same:
         return found
     # The first that tells a flow tells it for all.
