@@ -110,7 +110,7 @@ def neutral_start(instance: EffectInstance, boat: Boat) -> tuple[float, ...]:
 
 
 def failure_start(added: _Added) -> float:
-    """The best instant of a failure, from one simulation without the thruster."""
+    """The best instant of a failure, from simulations without the thruster."""
     problem, at, by_x = added.problem, added.at, added.by_x
     _, dead = nearer_states(problem, added.hypothesis, added.x(np.zeros((1, 1)))[0], at)
     both = [normal_equations(at.states_jacobian, by_x, r) for r in (at.residual, dead)]
