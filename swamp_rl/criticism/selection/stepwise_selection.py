@@ -230,30 +230,35 @@ def best_confirmed(
 ) -> tuple[Fit, dict[str, Confirmation]]:
     """The fit of least held-out loss among fits less what held-out windows do not confirm of them.
 
-    In the order of their own loss, up to the first that is confirmed whole: a later one has a greater loss.
+    In the order of their own loss, up to the first whose own is greater than that of the best so far.
     """
-    reduced = []
-    for one in sorted(fits, key=lambda one: _held_out_loss(continuation, one)):
-        reduced.append(_eliminated(continuation, one, tests))
-        if len(reduced[-1][0].hypothesis.instances) == len(one.hypothesis.instances):
+    loss = partial(_held_out_loss, continuation)
+    first, *others = sorted(fits, key=loss)
+    best = _eliminated(continuation, first, tests)
+    for one in others:
+        if loss(one) > loss(best[0]):
             break
-    return min(reduced, key=lambda each: _held_out_loss(continuation, each[0]))
+        best = min(best, _eliminated(continuation, one, tests), key=lambda each: loss(each[0]))
+    return best
 
 
 def _eliminated(
     continuation: Continuation, best: Fit, tests: RatioTests
 ) -> tuple[Fit, dict[str, Confirmation]]:
-    """The best fit less the effects that held-out windows do not confirm, the least confirmed first."""
+    """The best fit less the effects that held-out windows do not confirm, the least confirmed first, and then
+    those that the ratio tests do not find.
+    """
+    problem, comparisons = continuation.problems[0], tests.comparisons
     while True:
-        found = {}
-        for instance in best.hypothesis.instances:
-            less = without(continuation, best, instance.label, 0)
-            where = continuation.problems[0], best, less
-            found[instance.label] = confirmed(*where, instance, tests)
-        if all(one.holds for one in found.values()):
-            return best, found
-        doubtful = [label for label, one in found.items() if not one.holds]
-        best = without(continuation, best, min(doubtful, key=lambda label: found[label].low), 0)
+        less = {one: without(continuation, best, one.label, 0) for one in best.hypothesis.instances}
+        found = {one: confirmation(problem, best, other, comparisons) for one, other in less.items()}
+        doubtful = [one for one, held in found.items() if not (held.holds or tests.decide(one))]
+        if not doubtful:
+            found = {one: confirmed(problem, best, other, one, tests) for one, other in less.items()}
+            doubtful = [one for one, held in found.items() if not held.holds]
+        if not doubtful:
+            return best, {one.label: held for one, held in found.items()}
+        best = less[min(doubtful, key=lambda one: found[one].low)]
 
 
 def most_likely(
