@@ -4,22 +4,27 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.model.candidates import candidates
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.options import using
+from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.command_reconstruction import (
     interpolated,
     is_refuted,
     least_of_parabola,
+    other_commands,
 )
 from swamp_rl.criticism.selection.continuation import LAST, continuation_of
 from swamp_rl.criticism.selection.model_selection import select_model
 from tests.support.criticism import DT, SECONDS, driven
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
+
+Array = NDArray[np.float64]
 
 EVERY = 5  # rows of the truth to one of the log
 
@@ -93,14 +98,21 @@ def jumping(run: int) -> np.ndarray:
     return levels[step][:, [0, 0, 1, 1, 2, 2, 3, 3]]
 
 
-def test_commands_that_switch_between_two_rows_get_their_switching_times() -> None:
+def switched(effect: dict[str, object]) -> tuple[Array, RunSet]:
+    """Commands (R, T, 8) that switch between the rows of the log, and the log of a boat with an effect."""
     given = np.stack([jumping(run) for run in range(3)])
-    sailed = driven([{"effect": "resistance", "scale": 1.5}], given, 1.0, seed=5)
+    sailed = driven([effect], given, 1.0, seed=5)
     log = replace(sailed, commands=given[:, ::EVERY], measured=sailed.measured[:, ::EVERY], dt=DT * EVERY)
-    log = replace(log, lengths=np.full(3, log.commands.shape[1]))
+    return given, replace(log, lengths=np.full(3, log.commands.shape[1]))
+
+
+@pytest.mark.parametrize("budget", [2e7, 1.0])
+def test_commands_that_switch_between_two_rows_get_their_switching_times(budget: float) -> None:
+    given, log = switched({"effect": "resistance", "scale": 1.5})
     names = ("resistance", "command_delay", "yaw_damping")
     instances = [instance for instance in candidates(log.boat, SECONDS) if instance.effect.name in names]
-    read, _, found = select_model(log, weights(log, noise_levels(log)), instances, None)
+    with using(total_budget=budget):
+        read, _, found = select_model(log, weights(log, noise_levels(log)), instances, None)
     assert found.adequate
     assert found.winner.hypothesis.label == "resistance"
     true = given.reshape(3, -1, EVERY, 8).mean(axis=2)[:, 8:]  # later than what no window sees
@@ -108,6 +120,30 @@ def test_commands_that_switch_between_two_rows_get_their_switching_times() -> No
     assert moved.any()
     error, before = (np.abs(one.commands[:, 8:] - true)[moved].mean() for one in (read, log))
     assert error < 0.4 * before
+
+
+def test_a_drifting_clock_is_named_although_commands_switch_between_two_rows() -> None:
+    _, log = switched({"effect": "clock_drift", "rate": -0.03})
+    names = ("clock_drift", "centre_of_gravity", "azimuth_lag")
+    instances = [instance for instance in candidates(log.boat, SECONDS) if instance.effect.name in names]
+    _, _, found = select_model(log, weights(log, noise_levels(log)), instances, None)
+    assert found.adequate and found.winner.hypothesis.label == "clock_drift"
+    assert found.winner.x == pytest.approx([-0.03], abs=0.002)
+
+
+def test_an_effect_that_short_windows_do_not_need_gives_way_to_commands_that_moved() -> None:
+    log = logged(held=False)
+    continuation = continuation_of(log, weights(log, noise_levels(log)))
+    known = by_label(candidates(log.boat, SECONDS))
+    both = Hypothesis((known["thrust_scale"], known["yaw_damping"]))
+    winner = continuation.fit(LAST, both, np.array([0.8, 1.01]))
+    found = Selection(winner, True, LAST, [], [], [], [])
+    with using(clearly=1e3):
+        moved, (kept, _), _ = other_commands(continuation, found, log, spent=True)
+    assert moved is not None and kept.label == "thrust_scale"
+    true = np.stack([moving(run) for run in range(3)]).reshape(3, -1, EVERY, 8).mean(axis=2)
+    error, before = (np.abs(one.commands - true).mean() for one in (moved, log))
+    assert error < 0.2 * before
 
 
 def test_other_commands_are_refuted_by_whole_runs_that_the_logged_ones_explain() -> None:

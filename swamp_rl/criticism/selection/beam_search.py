@@ -1,6 +1,6 @@
 """Beam search over sets of effects: the least information criterion whose residual is noise."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -61,10 +61,12 @@ def beam_search(
     beam = [continuation.boat_file(0)]
     for depth in range(options().most_effects):
         LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
-        if depth == 1 and sufficient_reconstruction and sufficient_reconstruction(continuation, best):
-            # an effect beside the best would only stand for the commands
-            found = conclude(continuation, best, list(tried.values()), first, unidentifiable, every)
-            return replace(found, shallow=True)
+        if depth == 1 and sufficient_reconstruction:
+            closest = best if best.hypothesis.instances else _closest(continuation, tried.values())
+            if sufficient_reconstruction(continuation, closest):
+                # an effect beside the best would only stand for the commands
+                found = conclude(continuation, closest, list(tried.values()), first, unidentifiable, every)
+                return replace(found, shallow=True)
         if continuation.boat_steps > step_budget or (depth > 0 and _is_sufficient(continuation, best, every)):
             break
         budget = step_budget if depth == options().most_effects - 1 else np.inf
@@ -79,8 +81,7 @@ def beam_search(
         for one in followed:
             best = min(best, fit_by_continuation(continuation, one.hypothesis, one.x), key=criterion)
     if tried and adequate_stage(continuation, best) is None:
-        closest = min(tried.values(), key=criterion)
-        best = min(best, fit_by_continuation(continuation, closest.hypothesis, closest.x), key=criterion)
+        best = min(best, _closest(continuation, tried.values()), key=criterion)
     short, enough = continuation.problems[0], adequate_stage(continuation, best) is not None
     if not enough and near(short, continuation.at(0, best)):
         slow = with_slow_effects(continuation, best, whole)
@@ -125,6 +126,12 @@ def _refit_previous(continuation: Continuation, previous: Sequence[Fit]) -> Fit:
             made = fit(continuation.problems[stage], one.hypothesis, one.x, one.states)
             continuation.fits[stage, one.hypothesis.label] = made
     return fit_by_continuation(continuation, previous[0].hypothesis, previous[0].x)
+
+
+def _closest(continuation: Continuation, fitted: Iterable[Fit]) -> Fit:
+    """The fit to the middle windows of the hypothesis that fits the shortest best."""
+    closest = min(fitted, key=continuation.criterion)
+    return fit_by_continuation(continuation, closest.hypothesis, closest.x)
 
 
 def _followed(continuation: Continuation, fitted: list[Fit]) -> list[Fit]:

@@ -1,5 +1,6 @@
 """Reconstruction of commands between samples: held, interpolated, or switched at a fitted instant."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,10 +13,12 @@ from swamp_rl.criticism.likelihood.output_error import Fit, fit, min_decrease
 from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.criticism.nuisance.command_timing import command_changes, fit_shares, interpolated_at
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.selection.backward_elimination import Selection, fit_by_continuation
+from swamp_rl.criticism.selection.backward_elimination import Selection, fit_by_continuation, indispensable
 from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation
 
 Array = NDArray[np.float64]
+Kept = tuple[Hypothesis, Array]
+Accepts = Callable[[Continuation, Selection, Continuation, Selection], bool]
 
 
 def interpolated(run_set: RunSet, share: float) -> RunSet:
@@ -63,7 +66,34 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     return each if saves and adequacy(problem, made).adequate else None
 
 
-def without_timing(at: Fit) -> tuple[Hypothesis, Array]:
+def other_commands(
+    continuation: Continuation, found: Selection, logged: RunSet, spent: bool
+) -> tuple[RunSet | None, Kept, Accepts]:
+    """The runs with reconstructed commands that are worth another search, or None; the effects, and their
+    parameters (p,), beside which they were found; and what that search must do better than `found`.
+
+    spent: no other search is left, so that the commands must be enough for the effects found.
+    """
+    at = continuation.at(MIDDLE, found.winner)
+    own = at.hypothesis, at.x
+    if not found.adequate:
+        find = sufficient_reconstruction if spent else better_reconstruction
+        return find(continuation, at, logged), own, is_better
+    other = None if spent else better_reconstruction(continuation, at, logged)
+    if other:
+        return other, own, is_better
+    other = reconstruction_without_timing(continuation, at, logged)
+    if other:
+        return other, without_timing(at), is_simpler
+    shown = [one for one, _ in at.parts() if indispensable(continuation, found.winner, one.label, LAST)]
+    if not 0 < len(shown) < len(at.hypothesis.instances):
+        return None, own, is_simpler
+    kept = joined(part for part in at.parts() if part[0] in shown)
+    less = fit_by_continuation(continuation, *kept)
+    return better_reconstruction(continuation, less, logged), kept, is_simpler
+
+
+def without_timing(at: Fit) -> Kept:
     """The effects of a fit that do not shift the actuators in time, and their parameters (p,)."""
     return joined((instance, own) for instance, own in at.parts() if not instance.moves_actuators)
 

@@ -27,13 +27,10 @@ from swamp_rl.criticism.selection.backward_elimination import (
 )
 from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.command_reconstruction import (
-    better_reconstruction,
     is_better,
     is_refuted,
-    is_simpler,
-    reconstruction_without_timing,
+    other_commands,
     sufficient_reconstruction,
-    without_timing,
 )
 from swamp_rl.criticism.selection.continuation import (
     LAST,
@@ -60,7 +57,7 @@ def select_model(
     are model error: they widen all comparisons and standard errors, and the selection is never adequate.
     """
     tried: list[Continuation] = []
-    given = instances, hull, tried
+    given, logged = (instances, hull, tried), run_set
     continuation = continuation_of(run_set, weight)
     if _is_position_noise_sufficient(continuation):
         # an effect of a search under white noise would only stand for that noise
@@ -68,6 +65,33 @@ def select_model(
         if again is not None:
             return again
     run_set, continuation, found = _with_reconstruction(run_set, continuation, *given, options().step_budget)
+    again = _with_its_noise(run_set, continuation, found, *given)
+    if again is not None:
+        return again
+    under = select_under_model_error(run_set, weight, instances, hull, found.winner)
+    named = under[2].winner
+    closer = fit_by_continuation(continuation, named.hypothesis, named.x)
+    if continuation.criterion(closer) < continuation.criterion(continuation.at(MIDDLE, found.winner)):
+        # what white noise did not lead to may yet leave no more than that
+        previous = [continuation.at(stage, closer) for stage in (0, MIDDLE)]
+        found = beam_search(continuation, instances, hull, 0.0, None, previous)
+        better = _with_better_commands(run_set, continuation, found, logged, *given)
+        again = _with_its_noise(*better, *given)
+    return again if again is not None and again[2].adequate else under
+
+
+def _with_its_noise(
+    run_set: RunSet,
+    continuation: Continuation,
+    found: Selection,
+    instances: Sequence[EffectInstance],
+    hull: EffectInstance | None,
+    tried: list[Continuation],
+) -> tuple[RunSet, Continuation, Selection] | None:
+    """A selection under white noise, or anew under the position noise that it leaves; None where it leaves
+    model error.
+    """
+    given = instances, hull, tried
     if found.adequate and found.stage >= LAST:
         return run_set, continuation, found
     if found.adequate and diverged(continuation, found.winner):
@@ -76,10 +100,12 @@ def select_model(
         found = replace(found, adequate=False, stage=MIDDLE, rivals=[])
     winner, stage = found.winner, LAST if found.adequate else MIDDLE
     source = correlated_noise(continuation, winner, stage)
-    if source != "measurement" and winner.hypothesis.instances and not found.adequate:
-        nothing = continuation.boat_file(MIDDLE)
-        if correlated_noise(continuation, nothing, stage) == "measurement":
-            winner, source = nothing, "measurement"
+    if source != "measurement" and not found.adequate:
+        for other in (best_on_whole_runs(continuation, winner), continuation.boat_file(MIDDLE)):
+            known = other.hypothesis == winner.hypothesis
+            if not known and correlated_noise(continuation, other, stage) == "measurement":
+                winner, source = other, "measurement"
+                break
     if source == "measurement":
         again = _with_position_noise(*given, continuation, winner)
         if again is not None:
@@ -87,7 +113,7 @@ def select_model(
     if found.adequate:
         return run_set, continuation, found
     if source == "process":
-        return select_under_model_error(run_set, weight, instances, hull, found.winner)
+        return None
     every = [*instances, *([hull] if hull else [])]
     return run_set, continuation, without_unconfirmed(continuation, found, every)
 
@@ -137,13 +163,10 @@ def _with_better_commands(
 ) -> tuple[RunSet, Continuation, Selection]:
     """A search, repeated with reconstructed commands while they fit clearly better; adds to `tried`."""
     for _ in range(options().most_reconstructions):
-        spent, clean = is_budget_spent(tried), found.adequate and not found.winner.hypothesis.instances
-        if clean or (spent and not found.adequate):
+        if found.adequate and not found.winner.hypothesis.instances:
             break
-        at = continuation.at(MIDDLE, found.winner)
-        other, accepts = None if spent else better_reconstruction(continuation, at, logged), is_better
-        if other is None and found.adequate:
-            other, accepts = reconstruction_without_timing(continuation, at, logged), is_simpler
+        spent = is_budget_spent(tried)
+        other, kept, accepts = other_commands(continuation, found, logged, spent)
         if other is None:
             break
         other = replace(other, gaps=run_set.gaps)
@@ -151,8 +174,8 @@ def _with_better_commands(
         tried.append(wider)
         if accepts is is_better and is_refuted(continuation, found, wider):
             break
-        if spent:  # no search, but the effects that do not shift the actuators in time
-            previous = [continuation.fit(stage, *without_timing(at)) for stage in (0, MIDDLE)]
+        if spent:  # no search, but the effects that are kept
+            previous = [continuation.fit(stage, *kept) for stage in (0, MIDDLE)]
             again = beam_search(wider, instances, hull, 0.0, None, previous)
         else:
             again = beam_search(wider, instances, hull, options().step_budget_again)
@@ -223,6 +246,14 @@ def diverged(continuation: Continuation, winner: Fit) -> bool:
     whole = continuation.at(LAST, winner)
     left = [one.chi2 / continuation.problems[stage].samples for stage, one in enumerate((middle, whole), 1)]
     return left[1] > options().model_error_chi2 * left[0]
+
+
+def best_on_whole_runs(continuation: Continuation, winner: Fit) -> Fit:
+    """The fit to whole runs of least criterion among the hypotheses that were fitted to them: beside position
+    noise, middle windows may prefer another one.
+    """
+    every = [one for (stage, _), one in continuation.fits.items() if stage == LAST]
+    return min([continuation.at(LAST, winner), *every], key=continuation.criterion)
 
 
 def is_adequate_on_longer(continuation: Continuation, winner: Fit) -> bool:
