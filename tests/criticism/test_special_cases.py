@@ -10,7 +10,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.cause_share import Witness
 from swamp_rl.criticism.inference.special_cases import with_sufficient_special_cases
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
-from swamp_rl.criticism.selection.backward_elimination import Selection
+from swamp_rl.criticism.selection.backward_elimination import Selection, with_special_cases
 from swamp_rl.criticism.selection.continuation import continuation_of
 from tests.support.criticism import SECONDS, simulated_runs
 
@@ -45,6 +45,17 @@ def test_an_even_efficiency_is_a_gain_although_rounded_commands_bend_it() -> Non
     runs = rounded(simulated_runs([GAIN]), 0.05)
     assert named(runs) == ["thruster_gain bs"]
     assert named(runs, rivals=True) == ["thruster_efficiency_curve bs"]
+
+
+def test_a_special_case_that_is_already_there_is_not_there_twice() -> None:
+    runs = simulated_runs([GAIN])
+    every = by_label(candidates(runs.boat, SECONDS))
+    continuation = continuation_of(runs, weights(runs, noise_levels(runs)))
+    both = Hypothesis((every["thruster_efficiency_curve bs"], every["thruster_gain bs"]))
+    winner = continuation.fit(MIDDLE, both, np.array([0.8, 0.8, 0.8, 0.8]))
+    found = with_special_cases(continuation, winner, list(every.values()), MIDDLE)
+    assert found.hypothesis.label == "thruster_gain bs"
+    assert found.x == pytest.approx([0.6], abs=0.02)
 
 
 def test_an_uneven_efficiency_stays_a_curve() -> None:

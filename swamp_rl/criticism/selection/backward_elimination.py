@@ -224,11 +224,14 @@ def with_special(
     continuation: Continuation, best: Fit, instance: EffectInstance, special: EffectInstance, stage: int
 ) -> Fit:
     """The best fit with a special case in place of one effect: begun from the numbers that they share, else
-    by continuation from the score test of the special case beside the other effects.
+    by continuation from the score test of the special case beside the other effects. Where it is one of
+    these, they alone.
     """
+    rest, fields = best.parts(but=instance.label), [p.field for p in special.effect.parameters]
+    if special in best.hypothesis.instances:
+        return continuation.at(stage, fit_by_continuation(continuation, *joined(rest)))
     shared = instance.by_group(best.x[best.hypothesis.columns(instance.label)]).mean(axis=0)
     numbers = {p.field: x for p, x in zip(instance.effect.parameters, shared, strict=True)}
-    rest, fields = best.parts(but=instance.label), [p.field for p in special.effect.parameters]
     if numbers.keys().isdisjoint(fields):
         base = at_states(
             continuation.problems[0], *joined(rest), continuation.at(0, best).states, options().score_rounds
