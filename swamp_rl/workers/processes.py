@@ -2,11 +2,13 @@
 
 import json
 import os
+import sys
 import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import connection, get_context, parent_process, resource_tracker
+from types import ModuleType
 from typing import Any, Self
 
 from swamp_rl.workers.attempt import Work, attempt
@@ -83,9 +85,24 @@ class ProcessPool:
         spawn = get_context("spawn")
         ours, theirs = spawn.Pipe()
         process = spawn.Process(target=_serve, args=(self._work, theirs), daemon=True)
-        process.start()
+        with _unseen_script(self._work):
+            process.start()
         theirs.close()
         return ours, process
+
+
+@contextmanager
+def _unseen_script(work: Work) -> Iterator[None]:
+    """With an empty module in the place of the script that runs, unless the work is a function of that: a
+    new process would run the script too, and so ask for workers of its own.
+    """
+    script = sys.modules["__main__"]
+    if work.__module__ != script.__name__:
+        sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
 
 
 def _serve(work: Work, pipe: Any) -> None:

@@ -1,6 +1,7 @@
 """A stranger's folder as working directory: what lies in it is neither run nor taken for settings."""
 
 import subprocess
+import sys
 from pathlib import Path
 
 import matplotlib
@@ -36,6 +37,17 @@ def test_a_worker_imports_nothing_from_the_working_directory(hostile: Path) -> N
         pool.submit(7, "word")
         assert pool.wait() == (7, "word", "")
     assert not (hostile / "ran").exists()
+
+
+def test_a_script_that_asks_for_workers_is_run_once(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import os.path\n"
+        "from swamp_rl.workers.pool import answers\n"
+        "print(list(answers(os.path.basename, ['a/b', 'a/c'], 2)))\n"
+    )
+    done = subprocess.run([sys.executable, script], check=True, capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("['b', 'c']\n", "")
 
 
 def test_rerun_is_not_looked_for_in_the_working_directory(hostile: Path) -> None:
