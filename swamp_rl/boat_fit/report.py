@@ -5,7 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.boat_file import Fitted
+from swamp_rl.boat_fit.numbers import SATURATED, free_numbers
 from swamp_rl.boat_fit.recent_thrust import past_seconds
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.run_thrust import RunThrust
@@ -36,8 +38,10 @@ def page_of(found: Identification) -> str:
             table(error_columns(found), error_rows(found)),
             f"<p>{prose(gains_sentence(found))}</p>",
             "<h2>Numbers</h2>",
-            "<p>± is one standard error (sandwich covariance, prior included). Information: share of the "
-            "posterior precision that the runs gave; the rest is the prior's.</p>",
+            "<p>± is one standard error (sandwich covariance, prior included), prior ± the prior's standard "
+            "deviation about the start value. Information: share of the posterior precision that the runs "
+            "gave; the rest is the prior's. For masses and other numbers that keep their sign it is that of "
+            "the logarithm.</p>",
             table(
                 ("number", "start", "identified", "±", "prior ±", "unit", "information"),
                 number_rows(found.fitted),
@@ -56,6 +60,7 @@ def summary(found: Identification) -> list[str]:
     shown = sum(one.shown for one in found.fitted)
     said = [
         f"{shown} of {len(found.fitted)} numbers are fitted to the runs; the others keep their prior.",
+        *unseen_saturation(found.wiring.boat, found.fitted),
         *(f"Commands: {change}. {WIRED}" for change in found.wiring.changes),
     ]
     if found.wiring.advance > 0.0:
@@ -84,6 +89,16 @@ def summary(found: Identification) -> list[str]:
         better = f"not better than {' and '.join(worse)}" if worse else "better than each of these"
         said.append(f"Without gains, on the held-out runs of usual thrust, it is {better}: {errors}.")
     return said
+
+
+def unseen_saturation(boat: Boat, fitted: Sequence[Fitted]) -> list[str]:
+    """Of which thrusters the saturation is left out of the fit, in a sentence."""
+    free = {one.number.name for one in fitted}
+    unseen = [one for one in free_numbers(boat) if one.field == SATURATED and one.name not in free]
+    if not unseen:
+        return []
+    thrusters = ", ".join(one.name.rpartition(".")[2] for one in unseen)
+    return [f"The runs show no saturation of the thrust of {thrusters}: it is as in the start file."]
 
 
 def prediction_sentence(found: Identification) -> str:
@@ -213,15 +228,10 @@ def number_rows(fitted: Sequence[Fitted]) -> list[tuple[str, ...]]:
             f"{one.standard_error:.2g}",
             f"{one.prior_sd:.2g}",
             one.number.unit,
-            f"{information(one):.0%}" + ("" if one.shown else ", prior kept"),
+            f"{one.information:.0%}" + ("" if one.shown else ", prior kept"),
         )
         for one in fitted
     ]
-
-
-def information(one: Fitted) -> float:
-    """Share of the posterior precision [1] that the runs gave."""
-    return max(0.0, 1.0 - (one.standard_error / one.prior_sd) ** 2) if one.prior_sd > 0.0 else 0.0
 
 
 def residual_rows(found: Identification) -> list[tuple[str, ...]]:
