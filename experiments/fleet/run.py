@@ -5,7 +5,7 @@ import os
 import shutil
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -59,18 +59,18 @@ def diagnose_fleet(
             raise UserError(f"{out}: lies in the dataset {dataset}; name a folder outside with --out")
     with locked(out):
         _refuse_other_folder(out)
-        out.mkdir(parents=True, exist_ok=True)
         jobs, wrong = _jobs(members, out, boat, ignore)
-        for name, fault in wrong.items():
-            tell(name, fault)
-        if jobs:
-            try:
-                with (
-                    nullcontext(pool) if pool is not None else open_pool(diagnose_one, workers, ray) as found
-                ):
-                    wrong |= carry_out(jobs, found, tell)
-            finally:
-                remove_dead(out)  # what interrupted processes were building
+        with ExitStack() as pools:
+            if jobs and pool is None:  # a cluster that does not answer then leaves no folder
+                pool = pools.enter_context(open_pool(diagnose_one, workers, ray))
+            out.mkdir(parents=True, exist_ok=True)
+            for name, fault in wrong.items():
+                tell(name, fault)
+            if pool is not None:
+                try:
+                    wrong |= carry_out(jobs, pool, tell)
+                finally:
+                    remove_dead(out)  # what interrupted processes were building
         fleet = fleet_of(members, out, wrong)
         write_text(out / FLEET, fleet.model_dump_json(indent=2) + "\n")
         write_text(out / REPORT, page(fleet))
