@@ -93,7 +93,7 @@ def _motion_lines(boat: Boat, results: Sequence[Result]) -> list[str]:
     froude = reference.speed / math.sqrt(GRAVITY * boat.length)
     weight = boat.mass * GRAVITY
     lines = [
-        f"thrust at rest: {reference.thrust:.4g} N, {reference.thrust / weight:.3g} of the weight",
+        f"thrust at rest: {reference.thrust:.6g} N, {reference.thrust / weight:.3g} of the weight",
         f"top speed: {reference.speed:.3g} m/s, Froude number {froude:.2f}",
     ]
     lines.append(_stability_line(boat, reference.speed))
