@@ -1,6 +1,7 @@
 """The report of an identification: one HTML page."""
 
 import html
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -77,7 +78,7 @@ def summary(found: Identification) -> list[str]:
         )
     said += unlike_runs(found)
     said += far_from_start(found.fitted)
-    said.append(prediction_sentence(found))
+    said += [prediction_sentence(found), start_sentence(found.before, found.predicted)]
     if found.alike:
         errors = "; ".join(
             f"{one.horizon_s:g} s ahead {one.boat_file:.3g} m ("
@@ -111,6 +112,15 @@ def prediction_sentence(found: Identification) -> str:
         f"{file} with {GAINS[found.gains]} from the past of the same run, {past}, is "
         f"{_than(not_better(found.predicted))}; without, it is {_than(not_better(found.after))}."
     )
+
+
+def start_sentence(before: Sequence[Predictors], after: Sequence[Predictors]) -> str:
+    """Whether the boat predicts better than that of the start file, as it is to be used."""
+    start = {one.horizon_s: one.boat_file for one in before}
+    worse = [f"{one.horizon_s:g} s" for one in after if one.boat_file >= start.get(one.horizon_s, math.inf)]
+    if not worse:
+        return "It is better than the start file at each horizon."
+    return f"It is not better than the start file {' and '.join(worse)} ahead."
 
 
 def _than(worse: Sequence[str]) -> str:
@@ -223,15 +233,27 @@ def number_rows(fitted: Sequence[Fitted]) -> list[tuple[str, ...]]:
     return [
         (
             one.number.name,
-            f"{one.number.start:.4g}",
-            f"{one.value:.4g}",
-            f"{one.standard_error:.2g}",
-            f"{one.prior_sd:.2g}",
+            digits(one.number.start, 4),
+            known(one.value, one.standard_error),
+            digits(one.standard_error, 2),
+            digits(one.prior_sd, 2),
             one.number.unit,
             f"{one.information:.0%}" + ("" if one.shown else ", prior kept"),
         )
         for one in fitted
     ]
+
+
+def known(value: float, error: float) -> str:
+    """A number to four digits, none of them below the second digit of its standard error."""
+    if 0.0 < error < math.inf:
+        value = round(value, 1 - math.floor(math.log10(error))) + 0.0  # no -0
+    return digits(value, 4)
+
+
+def digits(value: float, count: int) -> str:
+    """A number to `count` digits, without an exponent up to a million."""
+    return f"{float(f'{value:.{count}g}'):.6g}"
 
 
 def residual_rows(found: Identification) -> list[tuple[str, ...]]:
