@@ -80,6 +80,19 @@ def test_a_given_column_holds_over_the_default(tmp_path: Path) -> None:
     assert "sway" not in run.columns
 
 
+def test_a_misspelt_column_is_told_with_the_name_that_it_is_like(call: Call, tmp_path: Path) -> None:
+    log, boat = dataflash(tmp_path / "log.bin", 12.0), written(tmp_path, "twin")
+    words = ("runs", "import", log, "--boat", boat, "--map", "wind_sped=GPS.Spd", "--out", "runs")
+    code, said, _ = call(*words)
+    assert code == 0
+    assert "unknown columns: wind_sped (did you mean 'wind_speed'?); kept as they are" in said
+
+
+def test_a_yaw_that_counts_its_turns_is_taken(tmp_path: Path) -> None:
+    run = imported(dataflash(tmp_path / "log.bin"), "dataflash", ["yaw=integral(0*IMU.GyrZ - 1.0)"])
+    assert run.columns["heading"][50] == pytest.approx(-10.0 + 4.0 * np.pi, abs=1e-6)
+
+
 def test_commands_mapped_of_a_bag_leave_the_frame_of_its_other_messages(tmp_path: Path) -> None:
     options = [f"throttle_{side}=thrusters_{side}_throttle.data" for side in ("port", "starboard")]
     run, was = imported(bag(tmp_path / "log", "sqlite3"), "rosbag", options), weaving()
@@ -154,7 +167,7 @@ def test_a_listing_of_a_bag_has_no_constants_of_its_types(tmp_path: Path) -> Non
 def test_messages_that_a_bag_does_not_define_are_named_and_the_others_read(tmp_path: Path) -> None:
     folder = bag_without_definitions(tmp_path / "log")
     lines = list(listing(read_log(folder, "rosbag")))
-    assert "  channels[1]: 1900 to 1900, 1 values" in lines
+    assert "  channels[1]: 1900 to 1900, 1 value" in lines
     assert lines[-1].startswith("not read: /tank (tank_msgs/Level), which the bag does not define")
     with pytest.raises(UserError, match="/tank is of type tank_msgs/Level, which the bag does not define"):
         read_log(folder, "rosbag", {"tank"})
@@ -237,6 +250,10 @@ def test_the_verb_lists_imports_and_refuses(call: Call, tmp_path: Path) -> None:
         ([log], "--out"),
         ([log, "--out", "a", "--drop", "x"], "--map"),
         ([log, "--out", "a", "--map", "heading=GPS.Nix"], "GPS has no field 'Nix'"),
+        ([log, "--out", "a", "--map", "heading=GPS"], "GPS is a table; name its field"),
+        ([log, "--out", "a", "--map", "heading=ATT.Yaw"], "as angles in degrees do; give it in radians"),
+        ([log, "--out", "a", "--degrees", "heading"], "no such column; it has latitude, longitude, yaw"),
+        ([log, "--out", "a", "--map", "heading=sin(1, 2)"], "sin() takes 1 argument, not 2"),
     ):
         assert_complains(call("runs", "import", *words, "--from", "dataflash"), part)
     assert not Path("a").exists()
