@@ -194,6 +194,31 @@ def test_a_log_cut_short_is_one_line_or_what_was_whole(tmp_path: Path, name: str
     assert np.isfinite(run.pose).all()
 
 
+@pytest.mark.parametrize(
+    ("suffix", "what"), [("bin", "DataFlash log"), ("ulg", "ULog file"), ("bag", "ROS bag")]
+)
+@pytest.mark.parametrize("content", [b"", b"another file"])
+def test_a_file_of_another_kind_is_told_by_its_beginning(
+    call: Call, tmp_path: Path, suffix: str, what: str, content: bytes
+) -> None:
+    (tmp_path / f"log.{suffix}").write_bytes(content)
+    told = call("runs", "import", f"log.{suffix}", "--out", "a")
+    assert_complains(told, "does not begin as one; check its name")
+    assert f"log.{suffix}: is no {what}" in told[2]
+
+
+@pytest.mark.parametrize(("storage", "repair"), [("ros1", "rosbag reindex"), ("mcap", "mcap recover")])
+def test_a_bag_without_its_end_is_told_with_what_repairs_it(
+    call: Call, tmp_path: Path, storage: str, repair: str
+) -> None:
+    made = bag(tmp_path / "log.bag", storage, 12.0)
+    path = made if made.is_file() else next(made.glob("*.mcap")).rename(tmp_path / "log.mcap")
+    cut_short(path, 0.5)
+    told = call("runs", "import", path, "--out", "a")
+    assert_complains(told, f"copy it again, or repair it with {repair}")
+    assert "Error:" not in told[2]
+
+
 @pytest.mark.parametrize("name", LOGS)
 def test_a_log_with_flipped_bytes_never_ends_otherwise(tmp_path: Path, name: str) -> None:
     make, kind, _ = LOGS[name]
