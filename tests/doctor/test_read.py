@@ -84,6 +84,16 @@ def test_what_is_no_folder_of_runs_is_one_line(call: Call, tmp_path: Path) -> No
     assert_complains(call("runs", "doctor", tmp_path / "nowhere"), "no such folder")
 
 
+def test_a_lerobot_folder_without_its_data_is_told_as_such_and_not_imported(
+    call: Call, tmp_path: Path
+) -> None:
+    (tmp_path / "arm" / "meta").mkdir(parents=True)
+    (tmp_path / "arm" / "meta" / "info.json").write_text('{"fps": 10, "features": {}}')
+    assert_complains(call("runs", "doctor", "arm"), "its data has no .parquet file")
+    assert_complains(call("runs", "import", "arm", "--out", "a"), "a folder of LeRobot or Minari")
+    assert not Path("a").exists()
+
+
 @pytest.mark.parametrize("text", ["", "[]", "{", '{"features": 3, "fps": "x"}'])
 def test_a_damaged_lerobot_folder_is_one_line(tmp_path: Path, text: str) -> None:
     (tmp_path / "meta").mkdir()
