@@ -62,8 +62,8 @@ def read_records(folder: Path, boat: str | None = None) -> Records:
     if not any(len(run.columns) for run in found.runs):
         first = f"; {found.faults[0]}" if found.faults else ""
         raise UserError(
-            f"{folder}: no runs here{first}; name a folder of .csv or .parquet files, LeRobot's or Minari's, or "
-            "make a dataset of a log with swamp-rl runs import"
+            f"{folder}: no runs here{first}; name a folder of .csv or .parquet files, LeRobot's or Minari's; "
+            "swamp-rl runs import makes one of logs"
         )
     return found
 
