@@ -52,7 +52,7 @@ def watch(
                 break
     if not monitor.watching:
         raise UserError(
-            f"{link or mcap}: {last:.0f} s were processed; the first 30 s calibrate the noise, and monitoring "
+            f"{link or mcap}: {last:.0f} s processed; the first 30 s calibrate the noise, and monitoring "
             "begins then: give a longer run"
         )
     if not as_json:
