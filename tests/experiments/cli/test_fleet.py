@@ -39,6 +39,14 @@ def test_a_fleet_without_its_cluster_leaves_no_folder(call: Call) -> None:
     assert not Path("out").exists()
 
 
+def test_a_fleet_that_ignores_an_unknown_measurement_is_refused_before_anything_is_written(
+    call: Call,
+) -> None:
+    Path("red").mkdir()
+    assert_complains(call("fleet", "red", "--ignore", "waves", "--out", "out"), "unknown measurement 'waves'")
+    assert not Path("out").exists()
+
+
 def test_a_fleet_with_an_unknown_boat_is_refused_before_anything_is_written(call: Call) -> None:
     for folder in ("boats/red", "boats/blue"):
         Path(folder).mkdir(parents=True)
