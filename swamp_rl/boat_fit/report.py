@@ -16,6 +16,7 @@ from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.report.evidence import TRIVIAL
 from swamp_rl.criticism.result import Predictors
+from swamp_rl.digits import digits, known
 from swamp_rl.html_page import document, prose, table
 
 GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
@@ -242,18 +243,6 @@ def number_rows(fitted: Sequence[Fitted]) -> list[tuple[str, ...]]:
         )
         for one in fitted
     ]
-
-
-def known(value: float, error: float) -> str:
-    """A number to four digits, none of them below the second digit of its standard error."""
-    if 0.0 < error < math.inf:
-        value = round(value, 1 - math.floor(math.log10(error))) + 0.0  # no -0
-    return digits(value, 4)
-
-
-def digits(value: float, count: int) -> str:
-    """A number to `count` digits, without an exponent up to a million."""
-    return f"{float(f'{value:.{count}g}'):.6g}"
 
 
 def residual_rows(found: Identification) -> list[tuple[str, ...]]:

@@ -12,7 +12,7 @@ from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.identify import supported
 from swamp_rl.boat_fit.numbers import Number, free_numbers
-from swamp_rl.boat_fit.report import far_from_start, known, number_rows, start_sentence, unseen_saturation
+from swamp_rl.boat_fit.report import far_from_start, number_rows, start_sentence, unseen_saturation
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.files import write_yaml
 from swamp_rl.physics.hull import hull_forces
@@ -214,16 +214,6 @@ def test_the_report_gives_the_priors_width_about_the_start_value() -> None:
     ((_, start, identified, error, prior, *_, information),) = number_rows([fitted])
     assert (start, identified, error, prior) == ("100", "200", "10", "10")
     assert information == "75%"
-
-
-def test_a_number_is_shown_to_the_second_digit_of_its_standard_error() -> None:
-    shown = (
-        (1.2792, 0.049, "1.279"),
-        (-8.7e-8, 6.7e-5, "0"),
-        (14700.0, 5880.0, "14700"),
-        (3.0, math.inf, "3"),
-    )
-    assert [known(value, error) for value, error, _ in shown] == [text for *_, text in shown]
 
 
 def test_the_summary_says_where_the_start_file_predicts_as_well() -> None:
