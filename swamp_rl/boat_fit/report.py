@@ -37,7 +37,7 @@ def page_of(found: Identification) -> str:
             *(f"<p>{prose(line)}</p>" for line in summary(found)),
             "<h2>Prediction error on held-out runs</h2>",
             f"<p>{prose(held_out_sentence(found))}</p>",
-            table(error_columns(found), error_rows(found)),
+            table(error_columns(found), error_rows(found), numbers=range(1, len(error_columns(found)))),
             f"<p>{prose(gains_sentence(found))}</p>",
             "<h2>Numbers</h2>",
             "<p>± is one standard error (sandwich covariance, prior included), prior ± the prior's standard "
@@ -47,9 +47,10 @@ def page_of(found: Identification) -> str:
             table(
                 ("number", "start", "identified", "±", "prior ±", "unit", "information"),
                 number_rows(found.fitted),
+                numbers=(1, 2, 3, 4),
             ),
             "<h2>Residual</h2>",
-            table(("channel", "noise", "residual", "unit"), residual_rows(found)),
+            table(("channel", "noise", "residual", "unit"), residual_rows(found), numbers=(1, 2)),
             f"<p>{prose(residual_sentence(found))}</p>",
             "<h2>What to record next</h2>",
             "<ul>" + "".join(f"<li>{prose(line)}</li>" for line in next_runs(found)) + "</ul>",
