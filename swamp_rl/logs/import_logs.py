@@ -106,9 +106,10 @@ def _foreign(log: Log, mapping: Mapping, given: Mapping, kind: str, boat: Boat, 
     found = foreign_in_its_axes(mapping, convert) if by_type else convert(mapping)
     found = with_nearest_azimuths(found, boat)
     found = replace(found, meta=found.meta.model_copy(update=_unknown(found, boat)))
-    lacking = [] if kind not in BINARY else [n for n in ("north", "heading") if n not in found.table.columns]
-    if lacking and not {"latitude", "north"} & set(found.table.columns):
-        raise UserError(f"{log.file}: no message gives a valid position; see --list, and give --map")
+    if kind in BINARY:
+        for what, columns in (("position", {"latitude", "north"}), ("heading", {"heading"})):
+            if not columns & found.table.columns.keys():
+                raise UserError(f"{log.file}: no message gives a valid {what}; see --list, and give --map")
     return found
 
 

@@ -123,6 +123,14 @@ def test_a_stamped_twist_without_positions_is_one_line(call: Call, tmp_path: Pat
     assert_complains(call("runs", "import", log, "--out", "a"), "no message gives a valid position")
 
 
+def test_a_log_without_a_heading_is_one_line_that_names_the_option_to_give(
+    call: Call, tmp_path: Path
+) -> None:
+    log = receiver_bag(tmp_path / "log.bag", "boat", topics=("/fix",))
+    told = call("runs", "import", log, "--out", "a")
+    assert_complains(told, "no message gives a valid heading; see --list, and give --map")
+
+
 def test_rows_are_taken_at_the_stamps_of_the_positions(tmp_path: Path) -> None:
     run = imported(receiver_bag(tmp_path / "log.bag", "boat", delay=0.07), "rosbag", [])
     steps = np.diff(weaving(rate=5.0)["north"])[1:]  # the first stamp lies before the Imu's

@@ -397,4 +397,4 @@ def test_an_unknown_unit_of_a_mapping_file_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(UserError) as refused:
         mapping_of([str(tmp_path / "map.yaml")])
     (line,) = str(refused.value).splitlines()
-    assert "columns.yaw_rate.unit: known units are deg, deg/s, deg/min" in line
+    assert "is none; known units are deg, deg/s, deg/min" in line
