@@ -188,7 +188,7 @@ def judge_pull_outs(result: Result, starboard: Figure, port: Figure, small: floa
         else f"unstable: {apart:.2f} deg/s remain between the pull-outs from starboard and from port"
     )
     result.verdicts["bias"] = (
-        f"none: {bias:+.2f} deg/s is left"
+        f"none: {bias:+z.2f} deg/s is left"
         if abs(bias) <= 0.5 * small
         else named(bias, f"{bias:+.2f} deg/s is left, the mean of both pull-outs")
     )
