@@ -6,7 +6,7 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.clipped import clipped
-from swamp_rl.doctor.commands import command_findings
+from swamp_rl.doctor.commands import command_findings, other_boat_findings
 from swamp_rl.doctor.filtered import filter_findings
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.doctor.jumps import jump_findings
@@ -30,6 +30,7 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     found = missing_findings(runs) + time_findings(runs) + jump_findings(runs)
     ranges, runs = range_findings(runs)
     found += ranges + stuck_findings(runs, measured) + command_findings(runs)
+    found += [] if boat is None else other_boat_findings(runs, boat)
     even = [run for run in runs if _even(run)]
     found += filter_findings([run for run in even if _whole(run)], measured)
     motions = [motion for run in even if (motion := motion_of(run)) is not None]

@@ -215,6 +215,14 @@ def test_runs_too_short_are_no_fault_and_those_without_a_pose_are(twin: Boat) ->
     assert fault.code == "columns_missing"
 
 
+def test_commands_of_another_boat_are_a_fault(sound: list[Run], twin: Boat) -> None:
+    assert "commands_missing" not in {finding.code for finding in faults(sound, twin)}
+    (fault,) = (
+        finding for finding in faults(sound, load_boat("swamp")) if finding.code == "commands_missing"
+    )
+    assert "are not of boat swamp, whose commands are azimuth_bs, throttle_bs" in fault.told
+
+
 def test_runs_without_commands_are_noted(sound: list[Run], twin: Boat) -> None:
     without = [
         Run(run.name, {name: values for name, values in run.columns.items() if "throttle" not in name})
