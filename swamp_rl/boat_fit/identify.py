@@ -45,6 +45,7 @@ Array = NDArray[np.float64]
 
 SUFFIX, REPORT = ".yaml", ".html"
 SEEN = 3.0  # standard errors of the fit to short windows, from which saturation is seen
+AT_BOUND = 1e-3  # of the prior width, within which a number is at its bound
 FITS = 3  # at most, each without the runs of another thrust that the one before shows
 
 
@@ -217,8 +218,11 @@ def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted]) -> Bo
 
 def supported(one: Fitted) -> bool:
     """Whether the runs support that a number is free: saturation must be seen, since it has much the same
-    effect as the dead band and the coefficients of the curve together.
+    effect as the dead band and the coefficients of the curve together. A number that starts below the least
+    value that is fitted, as a time constant of 0, must have left that value.
     """
+    if one.number.mean < one.number.low and one.x <= one.number.low + AT_BOUND * one.number.sd:
+        return False
     return one.number.field != SATURATED or abs(one.value - one.number.start) > SEEN * one.standard_error
 
 

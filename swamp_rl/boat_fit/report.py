@@ -63,7 +63,7 @@ def summary(found: Identification) -> list[str]:
     shown = sum(one.shown for one in found.fitted)
     said = [
         f"{shown} of {len(found.fitted)} numbers are fitted to the runs; the others keep their prior.",
-        *unseen_saturation(found.wiring.boat, found.fitted),
+        *left_out(found.wiring.boat, found.fitted),
         *(f"Commands: {change}. {WIRED}" for change in found.wiring.changes),
     ]
     if found.wiring.advance > 0.0:
@@ -94,14 +94,17 @@ def summary(found: Identification) -> list[str]:
     return said
 
 
-def unseen_saturation(boat: Boat, fitted: Sequence[Fitted]) -> list[str]:
-    """Of which thrusters the saturation is left out of the fit, in a sentence."""
+def left_out(boat: Boat, fitted: Sequence[Fitted]) -> list[str]:
+    """Which numbers the first windows leave out of the fit, in sentences."""
     free = {one.number.name for one in fitted}
-    unseen = [one for one in free_numbers(boat) if one.field == SATURATED and one.name not in free]
-    if not unseen:
-        return []
-    thrusters = ", ".join(one.name.rpartition(".")[2] for one in unseen)
-    return [f"The runs show no saturation of the thrust of {thrusters}: it is as in the start file."]
+    out = [one for one in free_numbers(boat) if one.name not in free]
+    thrusters = ", ".join(one.name.rpartition(".")[2] for one in out if one.field == SATURATED)
+    lags = ", ".join(one.name for one in out if one.field != SATURATED)
+    return [
+        f"The runs show no {what} {names}: it is as in the start file."
+        for what, names in (("saturation of the thrust of", thrusters), ("time constant", lags))
+        if names
+    ]
 
 
 def prediction_sentence(found: Identification) -> str:

@@ -12,7 +12,7 @@ from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.identify import supported
 from swamp_rl.boat_fit.numbers import Number, free_numbers
-from swamp_rl.boat_fit.report import far_from_start, number_rows, start_sentence, unseen_saturation
+from swamp_rl.boat_fit.report import far_from_start, left_out, number_rows, start_sentence
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.files import write_yaml
 from swamp_rl.physics.hull import hull_forces
@@ -156,9 +156,21 @@ def test_saturation_stays_free_only_where_it_is_seen(tmp_path: Path) -> None:
 def test_the_thrusters_without_a_fitted_saturation_are_named(tmp_path: Path) -> None:
     boat = load_boat(written(tmp_path, "twin"))
     every = [Fitted(number, number.mean, number.sd) for number in free_numbers(boat)]
-    assert unseen_saturation(boat, every) == []
-    (said,) = unseen_saturation(boat, [one for one in every if one.number.field != "efficiency_100"])
+    assert left_out(boat, every) == []
+    (said,) = left_out(boat, [one for one in every if one.number.field != "efficiency_100"])
     assert "of port, starboard: it is as in the start file" in said
+
+
+def test_a_time_constant_of_zero_is_fitted_only_where_it_leaves_the_least_one() -> None:
+    every = free_numbers(load_boat("swamp"))
+    lag = next(number for number in every if number.field == "pump_time_constant")
+    assert lag.start == 0.0 < lag.low
+    assert not supported(Fitted(lag, lag.low, lag.sd))
+    assert supported(Fitted(lag, 2.0 * lag.low, lag.sd))
+    told = [Fitted(number, number.mean, number.sd) for number in every if number is not lag]
+    assert (
+        "no time constant thrusters.bs.pump_time_constant: it is as" in left_out(load_boat("swamp"), told)[0]
+    )
 
 
 def test_a_measured_number_has_a_narrower_prior_than_an_assumed_one(tmp_path: Path) -> None:
