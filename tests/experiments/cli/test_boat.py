@@ -90,6 +90,12 @@ def test_every_fault_of_a_file_is_told_at_once(call: Call) -> None:
     assert len(error.splitlines()) == 3
 
 
+def test_the_thrust_of_a_large_boat_has_no_exponent(call: Call) -> None:
+    sizes = ("--length", 15, "--breadth", 5, "--mass", 40000, "--thrust", 60000)
+    call("boat", "new", "tug", "--kind", "azimuth", *sizes)
+    assert "thrust at rest: 60000 N, 0.153 of the weight" in call("boat", "check", "tug.yaml")[1]
+
+
 def test_the_check_of_an_unstable_boat_names_the_yaw_damping_that_makes_it_stable(call: Call) -> None:
     call("boat", "new", "skiff", "--kind", "outboard", *SIZES)
     said = call("boat", "check", "skiff.yaml")[1]
