@@ -6,3 +6,4 @@ FOOT = 0.3048  # m
 DAY = 86_400.0  # s
 Z95 = 1.959964  # standard deviations of a normal distribution, within which 95 % lie
 SWAMP_LENGTH = 1.24  # m; gains and habits chosen for SWAMP serve boats of other lengths by Froude's law
+FASTEST = 3.0  # Froude number up to which a top speed is sought

@@ -178,6 +178,7 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
     if not isinstance(name_or_path, str | os.PathLike):
         told = f"is {clipped(repr(name_or_path))}; give a name or a path"
         raise UserError(f"one of the {kind} {told}")
+    one = f"{kind.removesuffix('s')} file"
     copy = _copies.get().get((kind, str(name_or_path)))
     if copy is not None:
         return copy
@@ -194,13 +195,11 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
     found = _configs() / kind / f"{given}.yaml"
     if not is_file(found):
         if given.suffix and is_file(given):
-            raise UserError(f"{clipped(given)}: is no YAML file; name one of {kind} that ends in .yaml")
+            raise UserError(f"{clipped(given)}: is no YAML file; name a {one} that ends in .yaml")
         beside = [name for name in (f"{given}.yaml", f"{given}.yml") if is_file(Path(name))]
         near = beside or difflib.get_close_matches(clipped(given), config_names(kind), 1)
         hint = f"did you mean {clipped(near[0])!r}? " if near else ""
-        raise UserError(
-            f"no {kind} file named {clipped(given)!r}; {hint}give a path or one of {_known(kind)}"
-        )
+        raise UserError(f"no {one} named {clipped(given)!r}; {hint}give a path or one of {_known(kind)}")
     return found
 
 

@@ -253,12 +253,12 @@ def test_a_config_named_without_its_suffix_is_answered_with_the_file_beside(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "swamq.yaml").write_text("extends: swamp")
-    with pytest.raises(UserError, match=r"no boats file named 'swamq'; did you mean 'swamq\.yaml'\?"):
+    with pytest.raises(UserError, match=r"no boat file named 'swamq'; did you mean 'swamq\.yaml'\?"):
         find_config("boats", "swamq")
 
 
 def test_an_unknown_config_lists_those_there_are() -> None:
-    with pytest.raises(UserError, match=r"no boats file named 'swmp'; did you mean 'swamp'\?.*swamp-light"):
+    with pytest.raises(UserError, match=r"no boat file named 'swmp'; did you mean 'swamp'\?.*swamp-light"):
         find_config("boats", "swmp")
     with pytest.raises(UserError, match=r"nowhere/file\.yaml: no such file"):
         find_config("boats", "nowhere/file.yaml")

@@ -19,6 +19,7 @@ FLOORS = (
         "clipped",
         "counted",
         "constants",
+        "digits",
         "explain",
         "extras",
         "json_text",

@@ -102,7 +102,7 @@ LONG = {"bare": "x" * 5_000, "file": "y" * 5_000 + ".yaml", "path": "a/" * 3_000
 
 @pytest.mark.parametrize("name", LONG.values(), ids=LONG)
 def test_a_file_name_too_long_is_no_file(name: str) -> None:
-    with pytest.raises(UserError, match=r"no such file|no experiments file named"):
+    with pytest.raises(UserError, match=r"no such file|no experiment file named"):
         load_experiment(name)
 
 

@@ -24,6 +24,7 @@ NOTED = (
     "azimuths",
     "commands",
     "commands_shifted",
+    "unknown_columns",
     "not_imported",
     "not_read",
 )

@@ -28,7 +28,7 @@ def sweep(
     def tell(trial: Trial, total: int) -> None:
         what = trial.error or ("no value" if trial.value is None else f"{trial.value:.4g}")
         values = ", ".join(f"{key.split('.')[-1]} {value}" for key, value in trial.values.items())
-        typer.echo(f"trial {trial.number} of {total} ({values}): {what}")
+        typer.echo(f"trial {trial.counted} of {total} ({values}): {what}")
 
     folder = run_sweep(file, set_ or [], out, workers, ray, tell)
     typer.echo(f"see {folder / 'sweep.md'}")

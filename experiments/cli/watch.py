@@ -52,7 +52,8 @@ def watch(
                 break
     if not monitor.watching:
         raise UserError(
-            f"{link or mcap}: {last:.0f} s; the first 30 s calibrate the noise, monitoring begins then"
+            f"{link or mcap}: {last:.0f} s processed; the first 30 s calibrate the noise, and monitoring "
+            "begins then: give a longer run"
         )
     if not as_json:
         typer.echo(f"{last:.1f} s, {counted(count, 'sample')}, notices: {monitor.notices}")

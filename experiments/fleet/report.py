@@ -1,11 +1,13 @@
 """The report of a fleet as one HTML page."""
 
 import html
+import sys
 from urllib.parse import quote
 
 from swamp_rl.experiments.fleet.result import Fleet
 
 from swamp_rl.counted import counted
+from swamp_rl.digits import digits, known
 from swamp_rl.html_page import document, minus, table
 
 
@@ -19,12 +21,18 @@ def _opening(fleet: Fleet) -> str:
     boats = len({one.boat for one in fleet.members})
     failed = sum(one.verdict is None for one in fleet.members)
     kept = sum(one.kept for one in fleet.findings)
+    lacking = f"{counted(failed, 'dataset')} could not be" if failed else "All datasets were"
     return (
         f"<h1>{counted(len(fleet.members), 'dataset')} of {counted(boats, 'boat')}</h1>"
         f"<p>{kept} of {len(fleet.findings)} causes are kept at a false discovery rate of {fleet.rate:.0%} "
-        f"(Benjamini and Hochberg, {fleet.tests} tests). {counted(failed, 'dataset')} could not be "
-        "diagnosed.</p>"
+        f"(Benjamini and Hochberg, {counted(fleet.tests, 'test')}). "
+        f"{lacking} diagnosed.</p>"
     )
+
+
+def _p(value: float) -> str:
+    """A p-value; one below the least number is told as such."""
+    return f"{value:.2g}" if value else f"< {sys.float_info.min:.0e}"
 
 
 def _shared(fleet: Fleet) -> str:
@@ -36,10 +44,11 @@ def _drifts(fleet: Fleet) -> str:
     rows = []
     for one in fleet.drifts:
         values = "; ".join(
-            minus(f"{name} {value:.3g} ± {one.standard_errors[name]:.2g}")
+            minus(f"{name} {known(value, error, 6)} ± {digits(error, 2)}")
             for name, value in one.values.items()
+            for error in (one.standard_errors[name],)
         )
-        rows.append((one.boat, one.cause, one.parameter.replace("_", " "), one.unit, values, f"{one.p:.2g}"))
+        rows.append((one.boat, one.cause, one.parameter.replace("_", " "), one.unit, values, _p(one.p)))
     heads = ("boat", "cause", "parameter", "unit", "values ± one standard error", "p")
     changed = [
         (one.boat, one.cause, ", ".join(one.found_in), ", ".join(one.absent_in)) for one in fleet.changes
@@ -65,5 +74,5 @@ def _members(fleet: Fleet) -> str:
 
 
 def _findings(fleet: Fleet) -> str:
-    rows = [(one.name, one.cause, f"{one.p:.2g}", "yes" if one.kept else "no") for one in fleet.findings]
+    rows = [(one.name, one.cause, _p(one.p), "yes" if one.kept else "no") for one in fleet.findings]
     return "<h2>Causes and their p-values</h2>" + table(("dataset", "cause", "p", "kept"), rows, numbers=(2,))

@@ -5,7 +5,7 @@ import os
 import shutil
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
 from swamp_rl.files import refuse_to_replace, write_text
 from swamp_rl.names import plain_name
+from swamp_rl.simulator.weather import refuse_unknown
 from swamp_rl.unfinished import locked, remove_dead
 from swamp_rl.workers import Pool, completed, open_pool
 
@@ -47,10 +48,11 @@ def diagnose_fleet(
     it has begun is removed. boat: what all are compared with, by default each dataset's own. workers:
     processes, by default one for each processor; ray: the address of a cluster in their place. A dataset that
     cannot be diagnosed has its line in the report. UserError for a dataset that is no folder, for an
-    `out` that is none of a fleet, and for a `boat` that is none.
+    `out` that is none of a fleet, for a `boat` that is none and an unknown name in `ignore`.
     """
     out, given = Path(out), [Path(one) for one in datasets]
     members = members_of(given, boat)
+    refuse_unknown(ignore)
     if boat is not None:
         load_boat(boat)  # a wrong name is one fault, and not one of every dataset
     refuse_sources_inside(out, given)
@@ -59,18 +61,18 @@ def diagnose_fleet(
             raise UserError(f"{out}: lies in the dataset {dataset}; name a folder outside with --out")
     with locked(out):
         _refuse_other_folder(out)
-        out.mkdir(parents=True, exist_ok=True)
         jobs, wrong = _jobs(members, out, boat, ignore)
-        for name, fault in wrong.items():
-            tell(name, fault)
-        if jobs:
-            try:
-                with (
-                    nullcontext(pool) if pool is not None else open_pool(diagnose_one, workers, ray) as found
-                ):
-                    wrong |= carry_out(jobs, found, tell)
-            finally:
-                remove_dead(out)  # what interrupted processes were building
+        try:
+            with ExitStack() as pools:
+                if jobs and pool is None:  # a cluster that does not answer then leaves no folder
+                    pool = pools.enter_context(open_pool(diagnose_one, workers, ray))
+                out.mkdir(parents=True, exist_ok=True)
+                for name, fault in wrong.items():
+                    tell(name, fault)
+                if pool is not None:
+                    wrong |= carry_out(jobs, pool, tell)
+        finally:
+            remove_dead(out)  # what interrupted processes were building, which have ended with their pool
         fleet = fleet_of(members, out, wrong)
         write_text(out / FLEET, fleet.model_dump_json(indent=2) + "\n")
         write_text(out / REPORT, page(fleet))

@@ -13,6 +13,7 @@ from swamp_rl.boat import Boat, Provenance
 from swamp_rl.boat.quantity import ORIGINS, value_at
 from swamp_rl.clipped import in_markdown
 from swamp_rl.constants import GRAVITY
+from swamp_rl.digits import digits
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
 from swamp_rl.manoeuvres.analysis.figure import Result
@@ -93,7 +94,7 @@ def _motion_lines(boat: Boat, results: Sequence[Result]) -> list[str]:
     froude = reference.speed / math.sqrt(GRAVITY * boat.length)
     weight = boat.mass * GRAVITY
     lines = [
-        f"thrust at rest: {reference.thrust:.4g} N, {reference.thrust / weight:.3g} of the weight",
+        f"thrust at rest: {digits(reference.thrust, 4)} N, {reference.thrust / weight:.3g} of the weight",
         f"top speed: {reference.speed:.3g} m/s, Froude number {froude:.2f}",
     ]
     lines.append(_stability_line(boat, reference.speed))

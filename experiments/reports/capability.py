@@ -45,9 +45,11 @@ def write_capability(out: Path, boat_name: str, wind: float, current: float, fai
         without = f" without {', '.join(failed)}" if failed else ""
         draw_capability(part / "capability.png", found, f"Capability of {boat.name}{without}")
     said = [
-        f"{name} [m/s]: from ahead {values[0]:.2f}, least {values.min():.2f} "
-        f"from {degrees[values.argmin()]:.0f} deg"
-        for name, values in (("current", found.current), ("wind", found.wind))
+        f"{name} [m/s]: from ahead {'at least ' * bool(values[0] >= most)}{values[0]:.2f}, least "
+        f"{values.min():.2f} from {degrees[values.argmin()]:.0f} deg"
+        for name, values, most in zip(
+            ("current", "wind"), (found.current, found.wind), found.most, strict=True
+        )
     ]
     if not pushes_sideways(drive):
         said.append("the drive has no sway force: it holds only what comes from straight ahead or astern")

@@ -44,13 +44,13 @@ def results(sweep: Sweep, fixed: Sequence[str], trials: Mapping[int, Trial]) -> 
         "failed": sum(trial.error is not None for trial in ended),
         "best": None
         if best is None
-        else {"trial": best.number, "value": best.value, **_again(sweep, fixed, best)},
+        else {"trial": best.counted, "value": best.value, **_again(sweep, fixed, best)},
         "trials": [
-            {"trial": trial.number, "values": trial.values, "value": trial.value, "summary": trial.summary}
+            {"trial": trial.counted, "values": trial.values, "value": trial.value, "summary": trial.summary}
             for trial in ended
         ],
         "measured": {
-            str(trial.number): {"seconds": trial.seconds, "attempts": trial.attempts, "error": trial.error}
+            str(trial.counted): {"seconds": trial.seconds, "attempts": trial.attempts, "error": trial.error}
             for trial in ended
         },
     }

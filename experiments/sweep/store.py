@@ -30,8 +30,9 @@ END = bytes.fromhex("d9d505f920a163d7")
 class Trial:
     """One that has ended, well or not.
 
-    value: of the objective, None where it failed or had none; summary: of its episodes; error: the last line
-    of a failed one; attempts and seconds: what it took, which another run of the same sweep need not repeat.
+    number: from 0; value: of the objective, None where it failed or had none; summary: of its episodes;
+    error: the last line of a failed one; attempts and seconds: what it took, which another run of the same
+    sweep need not repeat.
     """
 
     number: int
@@ -41,6 +42,11 @@ class Trial:
     error: str | None
     attempts: int
     seconds: float
+
+    @property
+    def counted(self) -> int:
+        """The number as it is reported, from 1."""
+        return self.number + 1
 
 
 class Store:
@@ -55,7 +61,7 @@ class Store:
         return {number: self._trial(number, row) for number, row in rows}
 
     def _trial(self, number: Any, row: Any) -> Trial:
-        where = f"{self._path}: trial {number}"
+        where = f"{self._path}: row {number}"
         try:
             refuse_changed(where, row.encode(), AGAIN)
             stored = parsed_json(row)
@@ -64,7 +70,7 @@ class Store:
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise UserError(f"{where}: is no trial ({error}); {AGAIN}") from error
         if trial.number != number:
-            raise UserError(f"{where}: is in the place of trial {trial.number}; {AGAIN}")
+            raise UserError(f"{where}: is in the place of row {trial.number}; {AGAIN}")
         return trial
 
     def add(self, trial: Trial) -> None:

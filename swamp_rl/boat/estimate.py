@@ -21,6 +21,7 @@ from swamp_rl.boat.propeller_rudder import Propeller, PropellerRudder, Rudder
 from swamp_rl.boat.quantity import SPREAD
 from swamp_rl.boat.resistance import DriftResistance
 from swamp_rl.boat.schema import Boat, Current, Hull, Joypad, Thruster, Wind
+from swamp_rl.constants import FASTEST, GRAVITY
 from swamp_rl.errors import UserError
 
 Kind = Literal["twin-fixed", "azimuth", "four-azimuths", "propeller-rudder", "waterjet", "outboard"]
@@ -80,13 +81,20 @@ def boat_file(
     """The content of a boat file, each number `assumed`, with its source and the width `sd` of its prior.
 
     kind: one of KINDS; length, breadth, draught [m], mass [kg]; thrust [N]: of all thrusters together, full
-    ahead at rest; top_speed [m/s]: what it gives. UserError for a number that is not above 0.
+    ahead at rest; top_speed [m/s]: what it gives. UserError for a number that is not above 0, and for a
+    top speed beyond the Froude number that the simulator holds for.
     """
     asked: dict[str, float | None] = {"length": length, "breadth": breadth, "mass": mass}
     asked |= {"thrust": thrust} | {"top-speed": top_speed, "draught": draught}
     for word, value in asked.items():
         if value is not None and not 0.0 < value < math.inf:
             raise UserError(f"--{word} {value:g}: must be a number above 0")
+    froude = (top_speed or 0.0) / math.sqrt(GRAVITY * length)
+    if froude > FASTEST:
+        raise UserError(
+            f"--top-speed {top_speed:g}: is a Froude number of {froude:.3g} at {length:g} m of length; the "
+            f"model goes to {FASTEST:g}, give at most {FASTEST * math.sqrt(GRAVITY * length):.3g} m/s"
+        )
     if kind not in KINDS:
         raise UserError(f"--kind {kind}: must be one of {', '.join(KINDS)}")
     sizes = _sizes(kind, length, breadth, mass, thrust, top_speed, draught)

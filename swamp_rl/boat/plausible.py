@@ -58,8 +58,9 @@ def implausible(boat: Boat) -> list[tuple[str, str]]:
 
 
 def _complaint(limit: Limit, unit: str) -> str:
+    number = f"{limit.value:.6g}" if unit == "1" else f"{limit.value:.6g} {unit}"
     return (
-        f"{limit.value:.6g} {unit} is implausible: {limit.what} is {limit.ratio:.3g}; that of boats is "
+        f"{number} is implausible: {limit.what} is {limit.ratio:.3g}; that of boats is "
         f"within [{limit.low:.3g}, {limit.high:.3g}]; check these numbers and their units"
     )
 
@@ -81,7 +82,7 @@ def mass_and_water(boat: Boat) -> Iterator[Limit]:
 
 def everything_else(boat: Boat) -> Iterator[Limit]:
     """Of all that is set against dimensions and mass."""
-    for part in (inertia, forces_on_hull, surroundings, drives, electric):
+    for part in (inertia, drives, forces_on_hull, surroundings, electric):
         yield from part(boat)
 
 

@@ -21,25 +21,41 @@ SHOWN = (
 
 @dataclass(frozen=True)
 class Fitted:
-    """A number at its fit. standard_error: in the number's unit, as is prior_sd."""
+    """A number at its fit. x: as the fit moves it; sd: standard deviation of x."""
 
     number: Number
-    value: float
-    standard_error: float
-    prior_sd: float
+    x: float
+    sd: float
+
+    @property
+    def value(self) -> float:
+        """The number, in its unit."""
+        return self.number.value(self.x)
+
+    @property
+    def standard_error(self) -> float:
+        """Of the value, in its unit."""
+        return self.number.spread(self.x, self.sd)
+
+    @property
+    def prior_sd(self) -> float:
+        """Standard deviation of the prior about the start value, in the number's unit."""
+        return self.number.spread(self.number.mean, self.number.sd)
 
     @property
     def shown(self) -> bool:
         """Whether the data say more of the number than its prior did."""
-        return self.standard_error < SHOWN * self.prior_sd
+        return self.sd < SHOWN * self.number.sd
+
+    @property
+    def information(self) -> float:
+        """Share of the posterior precision of x [1] that the runs gave."""
+        return max(0.0, 1.0 - (self.sd / self.number.sd) ** 2)
 
     @property
     def distance(self) -> float:
-        """Of the number from its prior mean in standard deviations of the prior [1], as the fit moves it."""
-        start, sd = self.number.start, self.prior_sd
-        if not self.number.scaled:
-            return abs(self.value - start) / sd if sd > 0.0 else 0.0
-        return abs(math.log(self.value / start)) * abs(self.value) / sd if sd * self.value != 0.0 else 0.0
+        """Of x from its prior mean in standard deviations of the prior [1]."""
+        return abs(self.x - self.number.mean) / self.number.sd
 
 
 def identified_mapping(

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
-from swamp_rl.boat_fit.fit import BoatFit, long_fit, short_fit, window_length
+from swamp_rl.boat_fit.fit import SHORT, BoatFit, long_fit, short_fit, window_length
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
-from swamp_rl.boat_fit.numbers import Number, free_numbers
+from swamp_rl.boat_fit.numbers import SATURATED, Number, free_numbers
 from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.recent_thrust import chosen_gains, recent_errors
 from swamp_rl.boat_fit.report import page_of
@@ -44,8 +44,8 @@ from swamp_rl.one_thread import one_thread
 Array = NDArray[np.float64]
 
 SUFFIX, REPORT = ".yaml", ".html"
-SATURATED = "efficiency_100"  # field of the record
 SEEN = 3.0  # standard errors of the fit to short windows, from which saturation is seen
+AT_BOUND = 1e-3  # of the prior width, within which a number is at its bound
 FITS = 3  # at most, each without the runs of another thrust that the one before shows
 
 
@@ -203,7 +203,7 @@ def short_fitted(training: RunSet, wiring: Wiring, positions: bool = False) -> t
     """The wiring with the numbers of the fit to short windows, and these."""
     numbers = free_numbers(wiring.boat, positions)
     run_set, weight, hypothesis, x = _begun(training, wiring, numbers, wiring.x)
-    LOG.info("fitting %d numbers", len(numbers))
+    LOG.info("fitting %d numbers to windows of %.3g s", len(numbers), SHORT)
     made = short_fit(run_set, weight, hypothesis, x)
     found = _estimates(numbers, made.x, made.covariance)
     return replace(wiring, x=made.x[: len(found)]), found
@@ -211,15 +211,18 @@ def short_fitted(training: RunSet, wiring: Wiring, positions: bool = False) -> t
 
 def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted]) -> BoatFit:
     """The fit of a boat's numbers to runs, from those of the fit to short windows that these support."""
-    LOG.info("fitting to windows of %.3g s", window_length(training.boat))
     kept = [i for i, one in enumerate(short) if supported(one)]
+    LOG.info("fitting %d numbers to windows of %.3g s", len(kept), window_length(training.boat))
     return long_fit(*_begun(training, wiring, tuple(short[i].number for i in kept), wiring.x[kept]))
 
 
 def supported(one: Fitted) -> bool:
     """Whether the runs support that a number is free: saturation must be seen, since it has much the same
-    effect as the dead band and the coefficients of the curve together.
+    effect as the dead band and the coefficients of the curve together. A number that starts below the least
+    value that is fitted, as a time constant of 0, must have left that value.
     """
+    if one.number.mean < one.number.low and one.x <= one.number.low + AT_BOUND * one.number.sd:
+        return False
     return one.number.field != SATURATED or abs(one.value - one.number.start) > SEEN * one.standard_error
 
 
@@ -243,9 +246,7 @@ def numbers_of(made: BoatFit) -> list[Fitted]:
 def _estimates(numbers: Sequence[Number], x: Array, covariance: Array) -> list[Fitted]:
     found = []
     for i, number in enumerate(numbers):
-        own, sd = float(x[i]), float(np.sqrt(covariance[i, i]))
-        error = number.spread(own, min(sd, number.sd))
-        found.append(Fitted(number, number.value(own), error, number.spread(own, number.sd)))
+        found.append(Fitted(number, float(x[i]), min(float(np.sqrt(covariance[i, i])), number.sd)))
     return found
 
 

@@ -30,6 +30,7 @@ LAG = 0.3  # prior width of a time constant, in lengths over top speed
 # prior width [1] of the factor at full command; it is 0.6 where thrust grows by the square of the command up
 # to 60 % and in proportion to it from there on
 SATURATION = 0.3
+SATURATED = "efficiency_100"  # field of the record
 DERIVATIVE = 0.02  # prior width [1] of a hull derivative beside its share, which may be 0 or of either sign
 
 
@@ -231,10 +232,10 @@ def _saturation(boat: Boat, k: int) -> Iterable[Number]:
     record = parameters(boat)[0]
     if record["efficiency_30"][k] != 1.0 or record["efficiency_60"][k] != 1.0:
         return
-    start, name = float(record["efficiency_100"][k]), boat.thrusters[k].name
+    start, name = float(record[SATURATED][k]), boat.thrusters[k].name
     key = f"effects.thruster_efficiency_curve.at_100.{name}"
     trial = f"several throttles above 60 % of {name}"
-    yield Number(key, "1", "efficiency_100", start, SATURATION, trial, low=0.0, thrusters=(k,))
+    yield Number(key, "1", SATURATED, start, SATURATION, trial, low=0.0, thrusters=(k,))
 
 
 def _dead_band(boat: Boat, k: int) -> Number:

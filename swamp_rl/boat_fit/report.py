@@ -1,11 +1,14 @@
 """The report of an identification: one HTML page."""
 
 import html
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.boat_file import Fitted
+from swamp_rl.boat_fit.numbers import SATURATED, free_numbers
 from swamp_rl.boat_fit.recent_thrust import past_seconds
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.run_thrust import RunThrust
@@ -13,6 +16,7 @@ from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.report.evidence import TRIVIAL
 from swamp_rl.criticism.result import Predictors
+from swamp_rl.digits import digits, known
 from swamp_rl.html_page import document, prose, table
 
 GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
@@ -33,17 +37,20 @@ def page_of(found: Identification) -> str:
             *(f"<p>{prose(line)}</p>" for line in summary(found)),
             "<h2>Prediction error on held-out runs</h2>",
             f"<p>{prose(held_out_sentence(found))}</p>",
-            table(error_columns(found), error_rows(found)),
+            table(error_columns(found), error_rows(found), numbers=range(1, len(error_columns(found)))),
             f"<p>{prose(gains_sentence(found))}</p>",
             "<h2>Numbers</h2>",
-            "<p>± is one standard error (sandwich covariance, prior included). Information: share of the "
-            "posterior precision that the runs gave; the rest is the prior's.</p>",
+            "<p>± is one standard error (sandwich covariance, prior included), prior ± the prior's standard "
+            "deviation about the start value. Information: share of the posterior precision that the runs "
+            "gave; the rest is the prior's. For masses and other numbers that keep their sign it is that of "
+            "the logarithm.</p>",
             table(
                 ("number", "start", "identified", "±", "prior ±", "unit", "information"),
                 number_rows(found.fitted),
+                numbers=(1, 2, 3, 4),
             ),
             "<h2>Residual</h2>",
-            table(("channel", "noise", "residual", "unit"), residual_rows(found)),
+            table(("channel", "noise", "residual", "unit"), residual_rows(found), numbers=(1, 2)),
             f"<p>{prose(residual_sentence(found))}</p>",
             "<h2>What to record next</h2>",
             "<ul>" + "".join(f"<li>{prose(line)}</li>" for line in next_runs(found)) + "</ul>",
@@ -56,6 +63,7 @@ def summary(found: Identification) -> list[str]:
     shown = sum(one.shown for one in found.fitted)
     said = [
         f"{shown} of {len(found.fitted)} numbers are fitted to the runs; the others keep their prior.",
+        *left_out(found.wiring.boat, found.fitted),
         *(f"Commands: {change}. {WIRED}" for change in found.wiring.changes),
     ]
     if found.wiring.advance > 0.0:
@@ -72,7 +80,7 @@ def summary(found: Identification) -> list[str]:
         )
     said += unlike_runs(found)
     said += far_from_start(found.fitted)
-    said.append(prediction_sentence(found))
+    said += [prediction_sentence(found), start_sentence(found.before, found.predicted)]
     if found.alike:
         errors = "; ".join(
             f"{one.horizon_s:g} s ahead {one.boat_file:.3g} m ("
@@ -86,6 +94,19 @@ def summary(found: Identification) -> list[str]:
     return said
 
 
+def left_out(boat: Boat, fitted: Sequence[Fitted]) -> list[str]:
+    """Which numbers the first windows leave out of the fit, in sentences."""
+    free = {one.number.name for one in fitted}
+    out = [one for one in free_numbers(boat) if one.name not in free]
+    thrusters = ", ".join(one.name.rpartition(".")[2] for one in out if one.field == SATURATED)
+    lags = ", ".join(one.name for one in out if one.field != SATURATED)
+    return [
+        f"The runs show no {what} {names}: it is as in the start file."
+        for what, names in (("saturation of the thrust of", thrusters), ("time constant", lags))
+        if names
+    ]
+
+
 def prediction_sentence(found: Identification) -> str:
     """Whether the boat predicts better than the trivial predictors, as it is to be used."""
     file = "The identified file"
@@ -96,6 +117,15 @@ def prediction_sentence(found: Identification) -> str:
         f"{file} with {GAINS[found.gains]} from the past of the same run, {past}, is "
         f"{_than(not_better(found.predicted))}; without, it is {_than(not_better(found.after))}."
     )
+
+
+def start_sentence(before: Sequence[Predictors], after: Sequence[Predictors]) -> str:
+    """Whether the boat predicts better than that of the start file, as it is to be used."""
+    start = {one.horizon_s: one.boat_file for one in before}
+    worse = [f"{one.horizon_s:g} s" for one in after if one.boat_file >= start.get(one.horizon_s, math.inf)]
+    if not worse:
+        return "It is better than the start file at each horizon."
+    return f"It is not better than the start file {' and '.join(worse)} ahead."
 
 
 def _than(worse: Sequence[str]) -> str:
@@ -208,20 +238,15 @@ def number_rows(fitted: Sequence[Fitted]) -> list[tuple[str, ...]]:
     return [
         (
             one.number.name,
-            f"{one.number.start:.4g}",
-            f"{one.value:.4g}",
-            f"{one.standard_error:.2g}",
-            f"{one.prior_sd:.2g}",
+            digits(one.number.start, 4),
+            known(one.value, one.standard_error),
+            digits(one.standard_error, 2),
+            digits(one.prior_sd, 2),
             one.number.unit,
-            f"{information(one):.0%}" + ("" if one.shown else ", prior kept"),
+            f"{one.information:.0%}" + ("" if one.shown else ", prior kept"),
         )
         for one in fitted
     ]
-
-
-def information(one: Fitted) -> float:
-    """Share of the posterior precision [1] that the runs gave."""
-    return max(0.0, 1.0 - (one.standard_error / one.prior_sd) ** 2) if one.prior_sd > 0.0 else 0.0
 
 
 def residual_rows(found: Identification) -> list[tuple[str, ...]]:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.boat import Boat
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
 
@@ -22,6 +23,18 @@ NEVER_SO = 0.02
 def is_command(name: str) -> bool:
     """Whether a column tells what was commanded."""
     return name.startswith(COMMANDS)
+
+
+def other_boat_findings(runs: Sequence[Run], boat: Boat) -> list[Finding]:
+    """The fault of commands of thrusters none of which the boat has."""
+    there = {name for run in runs for name in run.columns}
+    own = [name for thruster in boat.thrusters for name in thruster.command_columns if name is not None]
+    others = sorted(name for name in there if name.startswith(COMMANDS[:4]))
+    if there & set(own) or not others:
+        return []
+    told = f"are not of boat {boat.name}, whose commands are {', '.join(own)}"
+    advice = "name the boat of these runs by --boat, or the columns by --map in runs import"
+    return [Finding("fault", "commands_missing", tuple(others), told, advice)]
 
 
 def command_findings(runs: Sequence[Run]) -> list[Finding]:

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from swamp_rl.boat import Boat
-from swamp_rl.doctor.commands import command_findings
+from swamp_rl.clipped import clipped
+from swamp_rl.doctor.commands import command_findings, other_boat_findings
 from swamp_rl.doctor.filtered import filter_findings
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.doctor.jumps import jump_findings
@@ -16,6 +17,7 @@ from swamp_rl.doctor.smooth import motion_of
 from swamp_rl.doctor.stuck import stuck_findings
 from swamp_rl.doctor.times import JUMP, time_findings
 from swamp_rl.runs import Run
+from swamp_rl.runs.columns import REQUIRED
 
 
 def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True) -> list[Finding]:
@@ -25,15 +27,26 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     measured: whether channels without noise are odd. A column that another check has shown to be in another
     unit is brought into ours, in memory, before those that rest on it.
     """
-    found = time_findings(runs) + jump_findings(runs)
+    found = missing_findings(runs) + time_findings(runs) + jump_findings(runs)
     ranges, runs = range_findings(runs)
     found += ranges + stuck_findings(runs, measured) + command_findings(runs)
+    found += [] if boat is None else other_boat_findings(runs, boat)
     even = [run for run in runs if _even(run)]
     found += filter_findings([run for run in even if _whole(run)], measured)
     motions = [motion for run in even if (motion := motion_of(run)) is not None]
     kinematic, motions = kinematic_findings(motions)
     found += kinematic + response_findings(motions, boat)
     return sorted(found, key=lambda finding: finding.level != "fault")
+
+
+def missing_findings(runs: Sequence[Run]) -> list[Finding]:
+    """Columns of the pose that no run has: without them there is nothing to compare."""
+    there = list(dict.fromkeys(name for run in runs for name in run.columns))
+    lacking = tuple(name for name in REQUIRED if name not in there)
+    if not lacking or not there:
+        return []
+    told = f"in no run, which have {clipped(', '.join(there))}"
+    return [Finding("fault", "columns_missing", lacking, told, "name them so, or give --map in runs import")]
 
 
 def _whole(run: Run) -> bool:

@@ -33,8 +33,8 @@ def filter_findings(runs: Sequence[Run], measured: bool) -> list[Finding]:
             drops[name] = drop
     if not drops:
         return []
-    told = "have no white noise floor: power density falls by " + ", ".join(
-        f"{drop:.2g} ({name})" for name, drop in drops.items()
+    told = "have no white noise floor: power density falls by a factor of " + ", ".join(
+        f"{float(f'{drop:.2g}'):,g} ({name})" for name, drop in drops.items()
     )
     told += f" from {LOW[0]:g}-{LOW[1]:g} to {HIGH[0]:g}-{HIGH[1]:g} of the Nyquist frequency"
     advice = (

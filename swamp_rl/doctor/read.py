@@ -62,7 +62,8 @@ def read_records(folder: Path, boat: str | None = None) -> Records:
     if not any(len(run.columns) for run in found.runs):
         first = f"; {found.faults[0]}" if found.faults else ""
         raise UserError(
-            f"{folder}: no runs here{first}; name a folder of .csv or .parquet files, LeRobot's or Minari's"
+            f"{folder}: no runs here{first}; name a folder of .csv or .parquet files, LeRobot's or Minari's; "
+            "swamp-rl runs import makes one of logs"
         )
     return found
 
@@ -110,7 +111,7 @@ def _lerobot(folder: Path, boat: str | None) -> Records:
     paths = sorted((folder / "data").rglob("*.parquet"))[:MOST_FILES]
     rate = info.get("fps")
     runs: list[Run] = []
-    faults = []
+    faults = [] if paths else ["its data has no .parquet file, copy it again"]
     for path in paths:
         columns = _frames(path, features)
         episodes = columns.pop("episode_index", np.zeros(len(next(iter(columns.values()), []))))

@@ -91,7 +91,7 @@ def response_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Find
         ]
         told = " or ".join([tried[best].told, *rivals])
         told += f": the boat answers as if so (log likelihood {gain:+.0f})"
-        advice = "check the mapping and the sign conventions of the commands"
+        advice = "check the mapping, the axes (--frame) and the sign conventions of the commands"
         figures = {"log_likelihood_gain": gain, "explained": explained}
         code, columns = tried[best].code, tried[best].columns
         found.append(Finding("fault", code, columns, told, advice, figures=figures))

@@ -35,6 +35,8 @@ class Capability:
     direction: Array
     current: Array
     wind: Array
+    most: tuple[float, float] = (math.inf, math.inf)
+    "The greatest current and wind [m/s] that were tried."
 
 
 def capability(
@@ -56,6 +58,7 @@ def capability(
         angles,
         np.array([strongest(partial(held, angle, wind=wind), top) for angle in angles]),
         np.array([strongest(partial(held, angle, current), MOST_WIND) for angle in angles]),
+        (top, MOST_WIND),
     )
 
 

@@ -46,6 +46,8 @@ class Holding:
         x, y, n = np.round(self.needed, 2) + 0.0  # no minus before nought
         need = f"{x:+.1f} N ahead, {y:+.1f} N to starboard and {n:+.2f} N m are needed"
         at = f"at heading {math.degrees(self.heading):.0f} deg"
+        if self.holds and not self.needed.any():
+            return f"can hold {at}: no force is needed"
         if self.holds:
             return f"can hold {at}: {need}, the jets give {self.margin:.1f} times that"
         if not self.needed.any():

@@ -20,8 +20,9 @@ LARGEST = 2**32
 
 
 @contextmanager
-def reading(path: Path, what: str) -> Iterator[None]:
-    """Whatever a reader of damaged bytes raises or prints, as one line."""
+def reading(path: Path, what: str, repair: str = "") -> Iterator[None]:
+    """Whatever a reader of damaged bytes raises or prints, as one line; repair: the command that mends a file
+    whose end is missing."""
     try:
         # Not into memory: some complain of every byte.
         with open(os.devnull, "w") as sink, redirect_stdout(sink), redirect_stderr(sink):
@@ -33,8 +34,16 @@ def reading(path: Path, what: str) -> Iterator[None]:
     except OSError as error:
         raise os_error(error, path) from error
     except (Exception, RecursionError) as error:
-        said = clipped(f"{type(error).__name__}: {error}", 200)
-        raise UserError(f"{path}: is no complete {what} ({said}); copy it again") from error
+        said = clipped(str(error).rstrip(".") or type(error).__name__, 200)
+        remedy = f"copy it again{repair and f', or repair it with {repair}'}"
+        raise UserError(f"{path}: is no complete {what} ({said}); {remedy}") from error
+
+
+def refuse_other_bytes(path: Path, what: str, begin: bytes) -> None:
+    """UserError for a file that does not begin as all of its kind do."""
+    with path.open("rb") as file:
+        if file.read(len(begin)) != begin:
+            raise UserError(f"{path}: is no {what}, it does not begin as one; check its name, or give --from")
 
 
 class Gathered:

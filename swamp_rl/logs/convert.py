@@ -11,13 +11,14 @@ from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.logs.clock import clock_offset
 from swamp_rl.logs.expression import Node, evaluated, names_in, parsed
-from swamp_rl.logs.frames import QUATERNION, in_our_frame, refuse_halves
+from swamp_rl.logs.frames import QUATERNION, in_our_frame, refuse_degrees, refuse_halves
 from swamp_rl.logs.join import Series, joined
 from swamp_rl.logs.log import Log, LogTable, words_of
 from swamp_rl.logs.mapping import Mapping
 from swamp_rl.logs.stamps import Stamps, from_numbers, from_words
 from swamp_rl.runs.faults import Fault, faults_at
 from swamp_rl.runs.import_foreign import UNITS, Foreign
+from swamp_rl.runs.resample import ANGLES
 from swamp_rl.runs.schema import RunMeta
 from swamp_rl.runs.table import Table
 
@@ -64,6 +65,8 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
         values = _values(log, mapping, name, column, stamps[table])
         series[name] = Series(table, stamps[table].time + offset, values)
     series = _without_quaternion(log, series)
+    for name in series.keys() & {"yaw", *ANGLES}:
+        refuse_degrees(log.file, name, series[name].time, series[name].values)
     rate = rate or _rate(log, series)
     grid = joined(log.file, series, rate, fill)
     columns = _in_our_frame(log, grid.columns, mapping)
@@ -100,6 +103,8 @@ def _single(
     columns = {name: _values(log, mapping, name, column, stamps) for name, column in found.items()}
     if set(QUATERNION) <= set(columns):
         columns["yaw"] = _yaw(columns)
+    if "yaw" in columns:  # it is wrapped, other angles are checked as they are
+        refuse_degrees(log.file, "yaw", stamps.time, columns["yaw"])
     read = {theirs: name for name, column in found.items() for theirs in column.names.values()}
     faults = [
         fault if fault.column is None else _renamed(fault, read[fault.column])
@@ -150,7 +155,8 @@ def _find(log: Log, where: str, word: str) -> tuple[str, str]:
     if name in log.tables and column in log.tables[name].table.columns:
         return name, column
     if name in log.tables:
-        known, what = list(log.tables[name].table.columns), f"{name} has no field {clipped(column)!r}"
+        known = list(log.tables[name].table.columns)
+        what = f"{name} has no field {clipped(column)!r}" if column else f"{name} is a table; name its field"
     elif len(log.tables) == 1:
         known = list(next(iter(log.tables.values())).table.columns)
         what = f"there is no column {clipped(word)!r}"

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from swamp_rl.errors import UserError
-from swamp_rl.logs.binary import LARGEST, Gathered, reading
+from swamp_rl.logs.binary import LARGEST, Gathered, reading, refuse_other_bytes
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.tables import table_name
 from swamp_rl.ordinary import ordinary
@@ -25,9 +25,7 @@ def read_dataflash(path: Path, wanted: Collection[str] | None = None) -> Log:
     """
     with reading(path, WHAT):
         ordinary(path, LARGEST)
-        with path.open("rb") as file:
-            if file.read(2) != b"\xa3\x95":
-                raise UserError(f"{path}: is no {WHAT}: it does not begin with a message; name a .bin file")
+        refuse_other_bytes(path, WHAT, b"\xa3\x95")
         reader = _opened(path)
         try:
             return _gathered(path, reader, wanted)

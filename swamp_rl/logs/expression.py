@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.clipped import clipped
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 
 Array = NDArray[np.float64]
@@ -253,7 +254,8 @@ class _Reader:
         count = 1 if word in TIMED else FUNCTIONS[word][0]
         if len(arguments) != count:
             raise UserError(
-                f"expression {clipped(self.text)!r}: {word}() takes {count} arguments, not {len(arguments)}"
+                f"expression {clipped(self.text)!r}: {word}() takes {counted(count, 'argument')}, "
+                f"not {len(arguments)}"
             )
         return Call(word, tuple(arguments))
 

@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from swamp_rl.angles import wrapped
 from swamp_rl.errors import UserError
 from swamp_rl.logs.mapping import Frame
+from swamp_rl.runs.check import counts_turns
 
 Array = NDArray[np.float64]
 
+TURN = 2.0 * math.pi + 1e-3  # rad, with the rounding of a log
 QUATERNION = ("qw", "qx", "qy", "qz")
 TOGETHER = (("x", "y"), QUATERNION, ("vx", "vy"), ("velocity_north", "velocity_east"))
 """Columns of which all or none must be mapped."""
@@ -37,6 +39,19 @@ def refuse_halves(names: Mapping[str, object]) -> None:
             raise UserError(
                 f"the mapping gives {ours} and {twice[0]}, which are one column of a run; drop one"
             )
+
+
+def refuse_degrees(file: str, name: str, time: Array, angle: Array) -> None:
+    """UserError for a mapped angle (T,) [rad] at times (T,) [s] that passes a turn and counts no turns."""
+    known = np.isfinite(angle) & np.isfinite(time)
+    time, angle = time[known], angle[known]
+    later = np.diff(time, prepend=-math.inf) > 0.0
+    if len(angle) and np.abs(angle).max() > TURN and not counts_turns(angle[later], time[later]):
+        largest = float(np.abs(angle).max())
+        raise UserError(
+            f"{file}: --map {name}: reaches {largest:.4g} rad, as angles in degrees do; give it in radians "
+            f"(--degrees {name})"
+        )
 
 
 def in_our_frame(columns: Mapping[str, Array], frame: Frame) -> dict[str, Array]:

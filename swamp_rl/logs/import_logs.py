@@ -9,6 +9,7 @@ import numpy as np
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
+from swamp_rl.explain import LIKE, likeness
 from swamp_rl.logs.azimuths import with_nearest_azimuths
 from swamp_rl.logs.convert import foreign_of
 from swamp_rl.logs.dataflash import read_dataflash
@@ -21,6 +22,8 @@ from swamp_rl.logs.ros import read_bag
 from swamp_rl.logs.tables import read_folder_log, read_table_log
 from swamp_rl.logs.ulog import read_ulog
 from swamp_rl.logs.velocity_frame import foreign_in_its_axes
+from swamp_rl.runs.check import unknown_columns
+from swamp_rl.runs.columns import FIXED
 from swamp_rl.runs.import_dataset import About, files_of_kind, import_tables, is_bag_folder, whole_folder
 from swamp_rl.runs.import_foreign import Foreign, Wishes
 from swamp_rl.runs.schema import DatasetMeta
@@ -31,6 +34,8 @@ TABLES = ("csv", "parquet")
 BINARY = ("dataflash", "ulog", "rosbag")
 MAPPED = ("matlab", *BINARY)
 """Kinds that only a mapping imports, by default that of BINARY."""
+QUANTITIES = ("latitude", "longitude", "yaw", "velocity_north", "velocity_east")
+"""Names of a mapping that are written like columns of a run."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +72,8 @@ def import_logs(
     pairs = list(zip(logs, mappings, strict=True))
     unknown = [name for name in wishes.units if name not in pairs[0][1].columns]
     if unknown:
-        raise UserError(f"--unit {unknown[0]}: the mapping has no such column; check the name")
+        there = ", ".join(pairs[0][1].columns)
+        raise UserError(f"--unit or --degrees {unknown[0]}: the mapping has no such column; it has {there}")
     single = [_foreign(log, own, mapping, kind, boat, wishes) for log, own in pairs]
     if wishes.resample is None and (rate := _common_rate(single)) is not None:
         single = [
@@ -99,10 +105,24 @@ def _foreign(log: Log, mapping: Mapping, given: Mapping, kind: str, boat: Boat, 
     by_type = kind == "rosbag" and {"u", "v"} <= mapping.columns.keys() - given.columns.keys()
     found = foreign_in_its_axes(mapping, convert) if by_type else convert(mapping)
     found = with_nearest_azimuths(found, boat)
-    lacking = [] if kind not in BINARY else [n for n in ("north", "heading") if n not in found.table.columns]
-    if lacking and not {"latitude", "north"} & set(found.table.columns):
-        raise UserError(f"{log.file}: no message gives a valid position; see --list, and give --map")
+    found = replace(found, meta=found.meta.model_copy(update=_unknown(found, boat)))
+    if kind in BINARY:
+        for what, columns in (("position", {"latitude", "north"}), ("heading", {"heading"})):
+            if not columns & found.table.columns.keys():
+                raise UserError(f"{log.file}: no message gives a valid {what}; see --list, and give --map")
     return found
+
+
+def _unknown(found: Foreign, boat: Boat) -> dict[str, str]:
+    """What to tell of columns that the run format does not know, with the known name that is most alike."""
+    names = set(unknown_columns(list(found.table.columns), boat)) - set(QUANTITIES)
+    known = (*FIXED, *QUANTITIES)
+    near = {name: max(known, key=lambda other: likeness(name, other)) for name in sorted(names)}
+    told = [
+        f"{name} (did you mean {other!r}?)" if likeness(name, other) >= LIKE else name
+        for name, other in near.items()
+    ]
+    return {"unknown_columns": f"{', '.join(told)}; kept as they are"} if told else {}
 
 
 def _without_commands(boat: Boat, mapping: Mapping, tables: Log | None) -> dict[str, str]:

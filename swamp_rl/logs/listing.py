@@ -39,4 +39,4 @@ def _span(table: LogTable, name: str, values: np.ndarray) -> str:
         kind = "no numbers" if from_words(words) is None else "times"
         return f"{kind}, as {clipped(words[0].as_py(), 40)!r}"
     lost = f", {len(values) - len(known)} missing" if len(known) < len(values) else ""
-    return f"{known.min():.9g} to {known.max():.9g}, {len(np.unique(known))} values{lost}"
+    return f"{known.min():.9g} to {known.max():.9g}, {counted(len(np.unique(known)), 'value')}{lost}"

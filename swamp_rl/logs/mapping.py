@@ -38,7 +38,7 @@ class Given(BaseModel):
     @classmethod
     def _is_known(cls, unit: str | None) -> str | None:
         if unit is not None and unit not in UNITS:
-            raise ValueError(f"known units are {', '.join(UNITS)}")
+            raise ValueError(f"{clipped(unit)!r} is none; known units are {', '.join(UNITS)}")
         return unit
 
 

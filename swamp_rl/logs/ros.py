@@ -10,7 +10,7 @@ import numpy as np
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml
-from swamp_rl.logs.binary import LARGEST, Gathered, reading
+from swamp_rl.logs.binary import LARGEST, Gathered, reading, refuse_other_bytes
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.tables import table_name
 from swamp_rl.ordinary import ordinary
@@ -21,6 +21,7 @@ WHAT = "ROS bag"
 UNDEFINED = (
     "which the bag does not define; convert it to MCAP (ros2 bag convert) where that package is installed"
 )
+REPAIRS = {".bag": "rosbag reindex", ".mcap": "mcap recover"}
 MOST_NAMED = 12
 LONGEST_ARRAY = 16
 """Elements that become columns of their own; covariances of 36 and pictures do not."""
@@ -42,7 +43,7 @@ def read_bag(path: Path, wanted: Collection[str] | None = None, kinds: Collectio
     wanted: names of tables to be read, and all of the message types `kinds`; by default all. UserError for a
     damaged bag, or one without numbers.
     """
-    with reading(path, WHAT), _opened(path) as reader:
+    with reading(path, WHAT, REPAIRS.get(path.suffix.lower(), "")), _opened(path) as reader:
         names = _names(connection.topic for connection in reader.connections)
         chosen = [
             one
@@ -162,6 +163,7 @@ def _opened(path: Path) -> Iterator[Any]:
     default = get_typestore(Stores.ROS2_HUMBLE)
     if path.suffix.lower() == ".bag":
         ordinary(path, LARGEST)
+        refuse_other_bytes(path, WHAT, b"#ROSBAG V")
         with AnyReader([path]) as reader:
             yield reader
     elif path.is_dir():

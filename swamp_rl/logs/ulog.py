@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from swamp_rl.errors import UserError
-from swamp_rl.logs.binary import LARGEST, reading
+from swamp_rl.logs.binary import LARGEST, reading, refuse_other_bytes
 from swamp_rl.logs.log import Log, LogTable
 from swamp_rl.logs.tables import table_name
 from swamp_rl.ordinary import ordinary
@@ -25,6 +25,7 @@ def read_ulog(path: Path, wanted: Collection[str] | None = None) -> Log:
         from pyulog import ULog
 
         ordinary(path, LARGEST)
+        refuse_other_bytes(path, WHAT, b"ULog\x01\x12\x35")
         names = None if wanted is None else sorted({*wanted, *(n.rpartition("_")[0] for n in wanted)} - {""})
         log = ULog(str(path), names)
         tables = {}

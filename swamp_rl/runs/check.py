@@ -101,7 +101,7 @@ def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]
         outside |= values == span.low
     if not outside.any():
         return faults
-    heading = name == "heading" and _is_unwrapped(values, table.columns.get("time"))
+    heading = name == "heading" and counts_turns(values, table.columns.get("time"))
     hint = WRAP if heading else _unit_mistake(values[np.isfinite(values)], span)
     return faults + faults_at(
         file, name, table.rows, outside, lambda i: f"{values[i]:.6g} is outside {span}; {hint}"
@@ -116,9 +116,9 @@ def _jumps(azimuth: NDArray[np.float64]) -> bool:
     return bool((np.abs(np.diff(azimuth[np.isfinite(azimuth)], prepend=0.0)) > 2.0 * math.pi + 1e-6).any())
 
 
-def _is_unwrapped(heading: NDArray[np.float64], time: NDArray[np.float64] | None) -> bool:
-    """Whether a heading out of range goes on from turn to turn in radians: it begins within one turn and no
-    boat turns as fast as its degrees would have it.
+def counts_turns(heading: NDArray[np.float64], time: NDArray[np.float64] | None) -> bool:
+    """Whether a heading (T,) [rad] out of range goes on from turn to turn in radians: it begins within one
+    turn and no boat turns as fast as its degrees would have it.
     """
     if time is None or not (np.isfinite(heading).all() and np.isfinite(time).all()) or len(heading) < 3:
         return False

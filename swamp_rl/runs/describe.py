@@ -86,7 +86,7 @@ def _missing(folder: Path, tables: bool) -> str:
             f"is missing, this folder holds datasets; name these, such as {clipped(str(folder / within[0]))}"
         )
     if not tables:
-        return "is missing; every folder of runs needs one"
+        return "is missing; name a folder of runs, swamp-rl runs import makes one of logs"
     return "is missing, and with it the boat of these runs; name it: --boat NAME, or vehicle: NAME in it"
 
 

@@ -92,6 +92,10 @@ def _kinds(source: Path) -> set[str | None]:
         return {"rosbag"}
     if not source.is_dir():
         return {_kind_of_file(source)}
+    if (source / "meta" / "info.json").is_file() or next(source.rglob("main_data.hdf5"), None):
+        raise UserError(
+            f"{source}: is a folder of LeRobot or Minari, which is not imported; runs doctor reads it"
+        )
     for inside in (source.iterdir(), source.rglob("*")):
         shown = [path for path in inside if not path.name.startswith(".")]
         logs = [path for path in shown if path.suffix.lower() in (*SURE, ".mcap") or is_bag_folder(path)]

@@ -168,6 +168,11 @@ def _flat(found: dict[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
 
 def _topic(path: Path, messages: dict[str, Any], others: set[str], asked: str | None) -> str:
     known = _listed(messages)
+    if others and not messages:
+        raise UserError(
+            f"{path}: has no JSON messages, but {_listed(others)}; of a ROS bag, runs import --from rosbag "
+            "makes a dataset, and of this runs export --to mcap an MCAP file with JSON"
+        )
     if asked is not None and asked not in messages:
         raise UserError(f"{path}: no topic {clipped(repr(asked))} with JSON messages; there is {known}")
     if asked is None and len(messages) != 1:

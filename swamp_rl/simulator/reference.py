@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.constants import GRAVITY
+from swamp_rl.constants import FASTEST, GRAVITY
 from swamp_rl.effects import Reference
 from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.hull import hull_forces
@@ -17,7 +17,6 @@ from swamp_rl.physics.resistance import towing
 from swamp_rl.physics.thrusters import put_output
 from swamp_rl.simulator.parameters import parameters, tank
 
-FASTEST = 3.0  # Froude number beyond which no top speed is sought
 HALVINGS = 40
 
 

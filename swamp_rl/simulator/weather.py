@@ -24,15 +24,20 @@ FIELDS = ("wind_speed", "wind_from", "depth_over_draught")
 NO_WEATHER = np.zeros((0, 3))
 
 
+def refuse_unknown(ignore: Sequence[str]) -> None:
+    """UserError for a name that is none of MEASURED."""
+    for name in ignore:
+        if name not in MEASURED:
+            raise UserError(f"ignore: unknown measurement {name!r}; known here: {', '.join(MEASURED)}")
+
+
 def measured_weather(run: Run, boat: Boat, ignore: Sequence[str] = ()) -> Array:
     """(T, 3) wind speed [m/s], direction it comes from [rad], water depth in draughts [1] of each row.
 
     NaN in the columns of what was not measured, or stands in `ignore` (names of MEASURED); (0, 3) where
     nothing is left. UserError for a name that is not one, and for a depth that the boat has no tests for.
     """
-    for name in ignore:
-        if name not in MEASURED:
-            raise UserError(f"ignore: unknown measurement {name!r}; known here: {', '.join(MEASURED)}")
+    refuse_unknown(ignore)
     taken = {
         name: columns
         for name, columns in MEASURED.items()

@@ -16,6 +16,8 @@ class RayPool:
 
     def __init__(self, work: Work, address: str) -> None:
         """address: as of `ray.init`, such as 127.0.0.1:6379. UserError where no cluster answers there."""
+        if not address.strip():  # for which Ray would start a cluster of its own
+            raise UserError("--ray is empty; give the address of a cluster, such as 127.0.0.1:6379")
         try:
             import ray
         except ImportError as error:

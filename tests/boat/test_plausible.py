@@ -48,6 +48,7 @@ def test_a_slipped_decimal_point_is_named_at_any_size(
         ("thruster_model: {nozzle_area: 900}", "thrusters.bs.nozzle_area: 900 m2 is implausible"),
         ("wind: {lateral_area: 4200}", "wind.lateral_area: 4200 m2 is implausible"),
         ("resistance: {reference_mass: 58000}", "resistance.reference_mass: 58000 kg is implausible"),
+        ("hull: {c_d: 11}", "hull.c_d: 11 is implausible: its magnitude is 11"),
         ("water_density: 1.025", "water_density: 1.025 kg/m3 is implausible"),
         ("added_inertia_yaw: -3940", "added_inertia_yaw: -3940 kg m2 is implausible"),
     ],

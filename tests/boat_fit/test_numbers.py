@@ -12,7 +12,8 @@ from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.identify import supported
 from swamp_rl.boat_fit.numbers import Number, free_numbers
-from swamp_rl.boat_fit.report import far_from_start
+from swamp_rl.boat_fit.report import far_from_start, left_out, number_rows, start_sentence
+from swamp_rl.criticism.result import Predictors
 from swamp_rl.files import write_yaml
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.resistance import towing
@@ -78,8 +79,7 @@ def test_the_written_boat_simulates_as_the_fitted_numbers(kind: str, tmp_path: P
     hypothesis = whole(boat)
     x = moved(hypothesis)
     fitted = [
-        Fitted(number, number.value(own), 0.1 * number.sd, number.sd)
-        for number, own in zip(hypothesis.numbers, x, strict=True)
+        Fitted(number, float(own), 0.1 * number.sd) for number, own in zip(hypothesis.numbers, x, strict=True)
     ]
     write_yaml(tmp_path / "new.yaml", identified_mapping(boat, "new", fitted, "runs"))
     record, again = hypothesis.records(boat, x[None]), load_boat(tmp_path / "new.yaml")
@@ -117,7 +117,7 @@ def test_effects_of_the_start_file_on_fitted_numbers_are_in_these_numbers(tmp_pa
         "extends: swamp\neffects: [{effect: yaw_damping, scale: 2.0}, {effect: thrust_scale, scale: 0.9}]\n"
     )
     boat = load_boat(tmp_path / "worn.yaml")
-    fitted = [Fitted(number, number.start, 0.1, 0.2) for number in free_numbers(boat)]
+    fitted = [Fitted(number, number.mean, 0.5 * number.sd) for number in free_numbers(boat)]
     mapping = identified_mapping(boat, "new", fitted, "runs")
     assert [entry["effect"] for entry in mapping["effects"]] == ["thrust_scale"]
     assert mapping["hull"]["n_r"]["value"] == pytest.approx(2.0 * boat.hull.n_r)
@@ -148,9 +148,29 @@ def test_saturation_stays_free_only_where_it_is_seen(tmp_path: Path) -> None:
     every = free_numbers(load_boat(written(tmp_path, "twin")))
     saturation = next(number for number in every if number.field == "efficiency_100")
     band = next(number for number in every if number.field == "dead_band")
-    assert supported(Fitted(saturation, 0.5, 0.1, 0.3))
-    assert not supported(Fitted(saturation, 0.9, 0.1, 0.3))
-    assert supported(Fitted(band, 0.0, 0.08, 0.08))
+    assert supported(Fitted(saturation, 0.5, 0.1))
+    assert not supported(Fitted(saturation, 0.9, 0.1))
+    assert supported(Fitted(band, 0.0, 0.08))
+
+
+def test_the_thrusters_without_a_fitted_saturation_are_named(tmp_path: Path) -> None:
+    boat = load_boat(written(tmp_path, "twin"))
+    every = [Fitted(number, number.mean, number.sd) for number in free_numbers(boat)]
+    assert left_out(boat, every) == []
+    (said,) = left_out(boat, [one for one in every if one.number.field != "efficiency_100"])
+    assert "of port, starboard: it is as in the start file" in said
+
+
+def test_a_time_constant_of_zero_is_fitted_only_where_it_leaves_the_least_one() -> None:
+    every = free_numbers(load_boat("swamp"))
+    lag = next(number for number in every if number.field == "pump_time_constant")
+    assert lag.start == 0.0 < lag.low
+    assert not supported(Fitted(lag, lag.low, lag.sd))
+    assert supported(Fitted(lag, 2.0 * lag.low, lag.sd))
+    told = [Fitted(number, number.mean, number.sd) for number in every if number is not lag]
+    assert (
+        "no time constant thrusters.bs.pump_time_constant: it is as" in left_out(load_boat("swamp"), told)[0]
+    )
 
 
 def test_a_measured_number_has_a_narrower_prior_than_an_assumed_one(tmp_path: Path) -> None:
@@ -191,14 +211,32 @@ def test_a_number_far_from_its_prior_is_named_and_one_near_it_is_not() -> None:
     mass, x_g = numbers["mass"], numbers["x_g"]
 
     def at(number: Number, widths: float) -> Fitted:
-        x = number.mean + widths * number.sd
-        return Fitted(number, number.value(x), 0.1, number.spread(x, number.sd))
+        return Fitted(number, number.mean + widths * number.sd, 0.1 * number.sd)
 
     assert at(mass, -4.0).distance == pytest.approx(4.0)
     assert at(x_g, 2.0).distance == pytest.approx(2.0)
     (said,) = far_from_start([at(mass, -4.0), at(x_g, 2.0)])
     assert "mass (4.0)" in said and "x_g" not in said
     assert far_from_start([at(mass, 2.0)]) == []
+
+
+def test_the_report_gives_the_priors_width_about_the_start_value() -> None:
+    mass = Number("mass", "kg", "mass", 100.0, 0.1, "", scaled=True)
+    fitted = Fitted(mass, math.log(2.0), 0.05)
+    ((_, start, identified, error, prior, *_, information),) = number_rows([fitted])
+    assert (start, identified, error, prior) == ("100", "200", "10", "10")
+    assert information == "75%"
+
+
+def test_the_summary_says_where_the_start_file_predicts_as_well() -> None:
+    def errors(*own: float) -> list[Predictors]:
+        others = {"at_rest": 9.0, "constant_velocity": 9.0, "no_thrust": 9.0}
+        return [Predictors(horizon_s=h, boat_file=e, **others) for h, e in zip((1.0, 5.0), own, strict=True)]
+
+    before = errors(0.3, 0.5)
+    assert start_sentence(before, errors(0.2, 0.4)) == "It is better than the start file at each horizon."
+    assert start_sentence(before, errors(0.3, 0.4)) == "It is not better than the start file 1 s ahead."
+    assert start_sentence(before[1:], errors(0.4, 0.4)) == "It is better than the start file at each horizon."
 
 
 def test_of_the_two_signs_of_the_cross_flow_factor_that_are_one_motion_one_is_free() -> None:

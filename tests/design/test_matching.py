@@ -100,7 +100,7 @@ def test_a_boats_tank_table_gives_a_best_range_within_what_was_towed() -> None:
         (ON_A_BOAT | {"onboard_power": [1e6]}, "lies above the towed"),
         (ON_A_BOAT | {"design_speed": 3.0}, "not within the towed"),
         (ON_A_BOAT | {"vehicle": {"boat": "esso_osaka"}}, "no table of a towing tank"),
-        (ON_A_BOAT | {"vehicle": {"boat": "nowhere"}}, "no boats file named"),
+        (ON_A_BOAT | {"vehicle": {"boat": "nowhere"}}, "no boat file named"),
     ],
 )
 def test_a_match_without_a_solution_is_refused_on_one_line(keys: dict[str, Any], told: str) -> None:

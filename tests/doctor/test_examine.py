@@ -207,11 +207,20 @@ def test_the_size_of_an_offset_and_of_a_latency_is_told(sound: list[Run], twin: 
     assert finding.figures["latency_s"] == pytest.approx(1.5, abs=0.35)
 
 
-def test_runs_too_short_or_without_columns_are_no_fault(twin: Boat) -> None:
+def test_runs_too_short_are_no_fault_and_those_without_a_pose_are(twin: Boat) -> None:
     assert faults([], twin) == []
     few = {"time": np.arange(5) * 0.1, "north": np.zeros(5), "east": np.zeros(5), "heading": np.zeros(5)}
     assert faults([Run("few", few)], twin) == []
-    assert faults([Run("none", {"x": np.zeros(3)})], None) == []
+    (fault,) = faults([Run("none", {"x": np.zeros(3)})], None)
+    assert fault.code == "columns_missing"
+
+
+def test_commands_of_another_boat_are_a_fault(sound: list[Run], twin: Boat) -> None:
+    assert "commands_missing" not in {finding.code for finding in faults(sound, twin)}
+    (fault,) = (
+        finding for finding in faults(sound, load_boat("swamp")) if finding.code == "commands_missing"
+    )
+    assert "are not of boat swamp, whose commands are azimuth_bs, throttle_bs" in fault.told
 
 
 def test_runs_without_commands_are_noted(sound: list[Run], twin: Boat) -> None:

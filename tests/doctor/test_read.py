@@ -84,6 +84,24 @@ def test_what_is_no_folder_of_runs_is_one_line(call: Call, tmp_path: Path) -> No
     assert_complains(call("runs", "doctor", tmp_path / "nowhere"), "no such folder")
 
 
+def test_a_lerobot_folder_without_its_data_is_told_as_such_and_not_imported(
+    call: Call, tmp_path: Path
+) -> None:
+    (tmp_path / "arm" / "meta").mkdir(parents=True)
+    (tmp_path / "arm" / "meta" / "info.json").write_text('{"fps": 10, "features": {}}')
+    assert_complains(call("runs", "doctor", "arm"), "its data has no .parquet file")
+    assert_complains(call("runs", "import", "arm", "--out", "a"), "a folder of LeRobot or Minari")
+    assert not Path("a").exists()
+
+
+def test_a_folder_of_something_else_than_boats_is_a_fault_and_not_sound(call: Call, tmp_path: Path) -> None:
+    rows = "".join(f"{0.1 * i:.1f},{i},{i % 7}\n" for i in range(60))
+    (tmp_path / "cart.csv").write_text("time,angle,action\n" + rows)
+    code, said, _ = call("runs", "doctor", tmp_path)
+    assert code == 1
+    assert "columns_missing: north, east, heading: in no run, which have time, angle, action" in said
+
+
 @pytest.mark.parametrize("text", ["", "[]", "{", '{"features": 3, "fps": "x"}'])
 def test_a_damaged_lerobot_folder_is_one_line(tmp_path: Path, text: str) -> None:
     (tmp_path / "meta").mkdir()

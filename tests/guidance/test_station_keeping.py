@@ -55,6 +55,11 @@ def test_it_holds_where_it_said_it_would(failed: tuple[str, ...]) -> None:
     assert max(strayed(SEA, failed, held)) < 0.02
 
 
+def test_in_still_water_no_force_is_needed() -> None:
+    calm = among(0.0, 0.0, 0.0, 0.0)
+    assert holding_at(calm, jets_of(calm), 0.0).reason == "can hold at heading 0 deg: no force is needed"
+
+
 def test_where_it_said_it_could_not_it_strays_or_is_turned_away() -> None:
     boat = among(0.0, 0.4, 0.0, 0.0)
     held = holding_at(boat, jets_of(boat).without(["bs", "bp"]), 0.0)

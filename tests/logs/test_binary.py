@@ -80,6 +80,19 @@ def test_a_given_column_holds_over_the_default(tmp_path: Path) -> None:
     assert "sway" not in run.columns
 
 
+def test_a_misspelt_column_is_told_with_the_name_that_it_is_like(call: Call, tmp_path: Path) -> None:
+    log, boat = dataflash(tmp_path / "log.bin", 12.0), written(tmp_path, "twin")
+    words = ("runs", "import", log, "--boat", boat, "--map", "wind_sped=GPS.Spd", "--out", "runs")
+    code, said, _ = call(*words)
+    assert code == 0
+    assert "unknown columns: wind_sped (did you mean 'wind_speed'?); kept as they are" in said
+
+
+def test_a_yaw_that_counts_its_turns_is_taken(tmp_path: Path) -> None:
+    run = imported(dataflash(tmp_path / "log.bin"), "dataflash", ["yaw=integral(0*IMU.GyrZ - 1.0)"])
+    assert run.columns["heading"][50] == pytest.approx(-10.0 + 4.0 * np.pi, abs=1e-6)
+
+
 def test_commands_mapped_of_a_bag_leave_the_frame_of_its_other_messages(tmp_path: Path) -> None:
     options = [f"throttle_{side}=thrusters_{side}_throttle.data" for side in ("port", "starboard")]
     run, was = imported(bag(tmp_path / "log", "sqlite3"), "rosbag", options), weaving()
@@ -108,6 +121,14 @@ def test_a_stamped_twist_is_of_the_axes_that_the_positions_agree_with(tmp_path: 
 def test_a_stamped_twist_without_positions_is_one_line(call: Call, tmp_path: Path) -> None:
     log = receiver_bag(tmp_path / "log.bag", "earth", topics=("/vel",))
     assert_complains(call("runs", "import", log, "--out", "a"), "no message gives a valid position")
+
+
+def test_a_log_without_a_heading_is_one_line_that_names_the_option_to_give(
+    call: Call, tmp_path: Path
+) -> None:
+    log = receiver_bag(tmp_path / "log.bag", "boat", topics=("/fix",))
+    told = call("runs", "import", log, "--out", "a")
+    assert_complains(told, "no message gives a valid heading; see --list, and give --map")
 
 
 def test_rows_are_taken_at_the_stamps_of_the_positions(tmp_path: Path) -> None:
@@ -154,7 +175,7 @@ def test_a_listing_of_a_bag_has_no_constants_of_its_types(tmp_path: Path) -> Non
 def test_messages_that_a_bag_does_not_define_are_named_and_the_others_read(tmp_path: Path) -> None:
     folder = bag_without_definitions(tmp_path / "log")
     lines = list(listing(read_log(folder, "rosbag")))
-    assert "  channels[1]: 1900 to 1900, 1 values" in lines
+    assert "  channels[1]: 1900 to 1900, 1 value" in lines
     assert lines[-1].startswith("not read: /tank (tank_msgs/Level), which the bag does not define")
     with pytest.raises(UserError, match="/tank is of type tank_msgs/Level, which the bag does not define"):
         read_log(folder, "rosbag", {"tank"})
@@ -179,6 +200,31 @@ def test_a_log_cut_short_is_one_line_or_what_was_whole(tmp_path: Path, name: str
         assert not (tmp_path / "out").exists()
         return
     assert np.isfinite(run.pose).all()
+
+
+@pytest.mark.parametrize(
+    ("suffix", "what"), [("bin", "DataFlash log"), ("ulg", "ULog file"), ("bag", "ROS bag")]
+)
+@pytest.mark.parametrize("content", [b"", b"another file"])
+def test_a_file_of_another_kind_is_told_by_its_beginning(
+    call: Call, tmp_path: Path, suffix: str, what: str, content: bytes
+) -> None:
+    (tmp_path / f"log.{suffix}").write_bytes(content)
+    told = call("runs", "import", f"log.{suffix}", "--out", "a")
+    assert_complains(told, "does not begin as one; check its name")
+    assert f"log.{suffix}: is no {what}" in told[2]
+
+
+@pytest.mark.parametrize(("storage", "repair"), [("ros1", "rosbag reindex"), ("mcap", "mcap recover")])
+def test_a_bag_without_its_end_is_told_with_what_repairs_it(
+    call: Call, tmp_path: Path, storage: str, repair: str
+) -> None:
+    made = bag(tmp_path / "log.bag", storage, 12.0)
+    path = made if made.is_file() else next(made.glob("*.mcap")).rename(tmp_path / "log.mcap")
+    cut_short(path, 0.5)
+    told = call("runs", "import", path, "--out", "a")
+    assert_complains(told, f"copy it again, or repair it with {repair}")
+    assert "Error:" not in told[2]
 
 
 @pytest.mark.parametrize("name", LOGS)
@@ -237,6 +283,10 @@ def test_the_verb_lists_imports_and_refuses(call: Call, tmp_path: Path) -> None:
         ([log], "--out"),
         ([log, "--out", "a", "--drop", "x"], "--map"),
         ([log, "--out", "a", "--map", "heading=GPS.Nix"], "GPS has no field 'Nix'"),
+        ([log, "--out", "a", "--map", "heading=GPS"], "GPS is a table; name its field"),
+        ([log, "--out", "a", "--map", "heading=ATT.Yaw"], "as angles in degrees do; give it in radians"),
+        ([log, "--out", "a", "--degrees", "heading"], "no such column; it has latitude, longitude, yaw"),
+        ([log, "--out", "a", "--map", "heading=sin(1, 2)"], "sin() takes 1 argument, not 2"),
     ):
         assert_complains(call("runs", "import", *words, "--from", "dataflash"), part)
     assert not Path("a").exists()

@@ -318,10 +318,11 @@ def test_times_that_come_again_or_go_back_are_borders(tmp_path: Path, boat: str)
         ([*MAP, "surge=speed"], Wishes(), "there is no column 'speed'"),
         (MAP[1:], Wishes(), "add --map time=COLUMN"),
         ([*MAP[1:], "time=mode"], Wishes(), "is no time"),
+        ([*MAP[:3], "yaw=compass"], Wishes(), "--map yaw: reaches"),
         ([*MAP, "qw=lat"], Wishes(), "qx"),
         ([*MAP, "yaw=lat"], Wishes(), "heading and yaw"),
         ([*MAP, "vx=lat"], Wishes(), "no vy"),
-        (MAP, Wishes(units={"sway": "kn"}), "--unit sway"),
+        (MAP, Wishes(units={"sway": "kn"}), "--unit or --degrees sway"),
         (["time=epoch_ms"], Wishes(), "no column but time"),
         (MAP, Wishes(bad_rows="cut", rate=None, resample=None), None),
         ([option for option in MAP if "heading" not in option], Wishes(), "column heading: is missing"),
@@ -396,4 +397,4 @@ def test_an_unknown_unit_of_a_mapping_file_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(UserError) as refused:
         mapping_of([str(tmp_path / "map.yaml")])
     (line,) = str(refused.value).splitlines()
-    assert "columns.yaw_rate.unit: known units are deg, deg/s, deg/min" in line
+    assert "is none; known units are deg, deg/s, deg/min" in line

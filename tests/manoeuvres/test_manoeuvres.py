@@ -144,6 +144,7 @@ def test_spirals_and_pull_outs_tell_whether_a_boat_is_stable_on_its_course(name:
         result = analyse_run(run_of_trial(executed, boat, kind, 0), boat)
         assert result.verdicts["course_stability"].startswith(told), (kind, result.verdicts)
         assert result.verdicts["bias"].startswith("none"), (kind, result.verdicts)
+        assert "-0.00 " not in result.verdicts["bias"]
 
 
 def test_the_propellers_ship_does_the_same_trials_by_its_rudder() -> None:

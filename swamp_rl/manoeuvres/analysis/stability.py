@@ -77,7 +77,7 @@ def _loop(
     )
     angle = result.figures["neutral_angle"].value
     result.verdicts["bias"] = (
-        f"none: {bias:+.2f} deg/s amidships"
+        f"none: {bias:+z.2f} deg/s amidships"
         if abs(bias) <= 0.5 * small
         else named(bias, f"{bias:+.2f} deg/s amidships, neutral angle {angle:+.2f} deg")
     )
@@ -125,7 +125,7 @@ def analyse_reverse_spiral(
     )
     # Steering must be held against a bias, so it lies on the other side.
     result.verdicts["bias"] = (
-        f"none: neutral angle {neutral:+.2f} deg"
+        f"none: neutral angle {neutral:+z.2f} deg"
         if low_0 <= 0.0 <= high_0 or abs(neutral) < 0.1
         else named(-neutral, f"the neutral angle is {neutral:+.2f} deg")
     )
@@ -188,7 +188,7 @@ def judge_pull_outs(result: Result, starboard: Figure, port: Figure, small: floa
         else f"unstable: {apart:.2f} deg/s remain between the pull-outs from starboard and from port"
     )
     result.verdicts["bias"] = (
-        f"none: {bias:+.2f} deg/s is left"
+        f"none: {bias:+z.2f} deg/s is left"
         if abs(bias) <= 0.5 * small
         else named(bias, f"{bias:+.2f} deg/s is left, the mean of both pull-outs")
     )

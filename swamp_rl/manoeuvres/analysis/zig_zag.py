@@ -89,7 +89,7 @@ def _bias(result: Result) -> None:
     if change > SETTLED:
         result.verdicts["bias"] = f"undetermined: the overshoots still changed by {change:.1f} deg"
     elif abs(more) <= SETTLED:
-        result.verdicts["bias"] = f"none: the last overshoots to either side differ by {more:+.1f} deg"
+        result.verdicts["bias"] = f"none: the last overshoots to either side differ by {more:+z.1f} deg"
     else:
         toward = "starboard" if more > 0 else "port"
         result.verdicts["bias"] = f"to {toward}: it overshoots {abs(more):.1f} deg more to that side"

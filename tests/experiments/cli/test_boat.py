@@ -63,7 +63,8 @@ def test_the_check_writes_a_report_with_its_figures(call: Call) -> None:
         ),
         (["skiff", "--kind", "azimuth", *SIZES[:-1], -4], "--thrust -4"),
         (["skiff", "--kind", "azimuth", *SIZES, "--top-speed", 0], "--top-speed 0"),
-        (["skiff", "--kind", "azimuth", *SIZES[:-1], 1e9], "--thrust"),
+        (["skiff", "--kind", "azimuth", *SIZES, "--top-speed", 60], "--top-speed 60: is a Froude number of"),
+        (["skiff", "--kind", "azimuth", *SIZES[:-1], 1e9], "thrust / weight is"),
         (["skiff", "--kind", "azimuth", *SIZES, "--draught", 5], "draught"),
         (["skiff", "--kind", "azimuth"], "--length"),
     ],
@@ -87,6 +88,12 @@ def test_every_fault_of_a_file_is_told_at_once(call: Call) -> None:
     assert code == 2
     assert [part in error for part in ("mass", "hull.c_d", "colour")] == [True] * 3
     assert len(error.splitlines()) == 3
+
+
+def test_the_thrust_of_a_large_boat_has_no_exponent(call: Call) -> None:
+    sizes = ("--length", 15, "--breadth", 5, "--mass", 40000, "--thrust", 60000)
+    call("boat", "new", "tug", "--kind", "azimuth", *sizes)
+    assert "thrust at rest: 60000 N, 0.153 of the weight" in call("boat", "check", "tug.yaml")[1]
 
 
 def test_the_check_of_an_unstable_boat_names_the_yaw_damping_that_makes_it_stable(call: Call) -> None:

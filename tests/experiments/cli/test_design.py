@@ -79,7 +79,7 @@ def test_a_boat_takes_the_hulls_draught(call: Call, tmp_path: Path) -> None:
         (["hull", "swamp_hul"], "did you mean 'swamp_hull'"),
         (["match", "nowhere.yaml"], "nowhere.yaml: no such file"),
         (["pump-jet", "swamp_pump_jet", "--boat", "esso_osaka"], "esso_osaka: main: no jet"),
-        (["hull", "swamp_hull", "--boat", "nobody"], "no boats file named 'nobody'"),
+        (["hull", "swamp_hull", "--boat", "nobody"], "no boat file named 'nobody'"),
     ],
 )
 def test_what_cannot_be_designed_is_one_line_and_nothing_written(

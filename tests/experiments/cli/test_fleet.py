@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from tests.support.command_line import Call, assert_complains
 
 
@@ -29,10 +31,26 @@ def test_a_fleet_says_which_folder_is_a_boat(call: Call) -> None:
     assert out.splitlines()[0] == "diagnosing 3 datasets of 2 boats, a folder each: boats (2), logs (1)"
 
 
+def test_a_fleet_without_its_cluster_leaves_no_folder(call: Call) -> None:
+    assert call("record-scripted", "--out", "red", "--count", "1")[0] == 0
+    pytest.importorskip("ray", reason="Ray is not installed")
+    for address, told in (("", "--ray is empty"), ("127.0.0.1:1", "no cluster answers")):
+        assert_complains(call("fleet", "red", "--out", "out", "--ray", address), told)
+    assert not Path("out").exists()
+
+
+def test_a_fleet_that_ignores_an_unknown_measurement_is_refused_before_anything_is_written(
+    call: Call,
+) -> None:
+    Path("red").mkdir()
+    assert_complains(call("fleet", "red", "--ignore", "waves", "--out", "out"), "unknown measurement 'waves'")
+    assert not Path("out").exists()
+
+
 def test_a_fleet_with_an_unknown_boat_is_refused_before_anything_is_written(call: Call) -> None:
     for folder in ("boats/red", "boats/blue"):
         Path(folder).mkdir(parents=True)
     code, _, told = call("fleet", "boats/red", "boats/blue", "--boat", "swampy", "--out", "out")
     assert code == 2
-    assert told.count("no boats file named 'swampy'") == 1
+    assert told.count("no boat file named 'swampy'") == 1
     assert not Path("out").exists()

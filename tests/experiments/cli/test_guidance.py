@@ -87,3 +87,11 @@ def test_a_capability_plot_holds_a_row_for_each_direction(call: Call, tmp_path: 
     assert [float(row["wind"]) for row in rows] == pytest.approx(told["wind"], rel=1e-6)
     assert len(rows) == 36
     assert (tmp_path / "out/capability.png").is_file()
+
+
+def test_a_wind_that_is_the_greatest_tried_is_told_as_such(call: Call) -> None:
+    sizes = ("--length", 15, "--breadth", 5, "--mass", 40000, "--thrust", 60000)
+    call("boat", "new", "tug", "--kind", "azimuth", *sizes)
+    said = call("capability", "tug.yaml", "--out", "out")[1]
+    assert "wind [m/s]: from ahead at least 60.00, least 4" in said
+    assert "current [m/s]: from ahead 5.1" in said

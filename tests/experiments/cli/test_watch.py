@@ -11,6 +11,7 @@ from swamp_rl.runs import Run
 from swamp_rl.runs.mcap_files import write_mcap
 from swamp_rl.runs.schema import meta_of
 from swamp_rl.simulator.sensors import CHANNELS
+from tests.support.binary_logs import bag as ros_bag
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
 from tests.support.live_stream import BOAT, DT, stream
@@ -51,6 +52,7 @@ def test_a_program_reads_it_as_json_lines(call: Call, tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_watched_is_refused_in_one_line(call: Call, tmp_path: Path) -> None:
+    pytest.importorskip("rosbags", reason="rosbags is not installed; a ROS bag is not tried")
     recorded(tmp_path / "short.mcap", 12.0)
     (tmp_path / "run.csv").write_text("time\n0\n")
     assert_complains(call("watch"), "--link", "--mcap")
@@ -58,6 +60,8 @@ def test_what_cannot_be_watched_is_refused_in_one_line(call: Call, tmp_path: Pat
     assert_complains(call("watch", "--mcap", "run.csv"), "run.csv", "export")
     assert_complains(call("watch", "--mcap", "short.mcap"), "30 s")
     assert_complains(call("watch", "--mcap", "absent.mcap"), "absent.mcap")
+    (bag,) = ros_bag(tmp_path / "bag", "mcap", 2.0).glob("*.mcap")
+    assert_complains(call("watch", "--mcap", bag), "has no JSON messages, but", "runs export --to mcap")
     assert_complains(call("watch", "--mcap", "short.mcap", "--boat", "swmap"), "swamp")
 
 

@@ -210,12 +210,12 @@ def test_a_target_set_to_null_is_dropped(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("override", "told"),
     [
-        ("boat=swmp", "boat: no boats file named 'swmp'; did you mean 'swamp'?"),
+        ("boat=swmp", "boat: no boat file named 'swmp'; did you mean 'swamp'?"),
         ("course=mine.yaml", "course: mine.yaml: no such file"),
-        ("evaluation.levels=[calm, standrd]", "evaluation.levels: no disturbances file named 'standrd'"),
-        ("evaluation={levels: [clam], episodes: 3}", "evaluation.levels: no disturbances file named 'clam'"),
-        ("data.record.disturbances=stormy", "data.record.disturbances: no disturbances file named 'stormy'"),
-        ("pilots.net={kind: ppo, disturbances: svere}", "pilots.net.disturbances: no disturbances file"),
+        ("evaluation.levels=[calm, standrd]", "evaluation.levels: no disturbance file named 'standrd'"),
+        ("evaluation={levels: [clam], episodes: 3}", "evaluation.levels: no disturbance file named 'clam'"),
+        ("data.record.disturbances=stormy", "data.record.disturbances: no disturbance file named 'stormy'"),
+        ("pilots.net={kind: ppo, disturbances: svere}", "pilots.net.disturbances: no disturbance file"),
     ],
 )
 def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path: Path, override: str, told: str) -> None:
@@ -253,7 +253,7 @@ def test_a_fault_is_told_with_the_extended_file_that_has_it(tmp_path: Path) -> N
 
 def test_an_experiment_that_extends_one_that_is_not_there_is_named(tmp_path: Path) -> None:
     message = complaint(write(tmp_path, "extends: camoglii"))
-    assert message.startswith(f"{tmp_path / 'small.yaml'}: extends: no experiments file named 'camoglii'")
+    assert message.startswith(f"{tmp_path / 'small.yaml'}: extends: no experiment file named 'camoglii'")
 
 
 @pytest.mark.parametrize("override", ["episodes", "=3", "a..b=3", "a=[1"])

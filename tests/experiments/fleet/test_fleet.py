@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import warnings
+from contextlib import ExitStack
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -74,7 +75,8 @@ def test_the_report_names_what_is_shared_what_differs_and_what_failed(folder: Pa
     assert failed == {"green_june": "green/june: no thrust in any run"}
     page = (folder / "out" / "fleet.html").read_text()
     assert "5 datasets of 3 boats" in page
-    assert "no thrust in any run" in page
+    assert "no thrust in any run" in page and "1 dataset could not be diagnosed" in page
+    assert "red_june 65 ± 0.2; red_may 62 ± 0.2" in page
     assert Fleet.model_validate_json((folder / "out" / "fleet.json").read_text()) == found
 
 
@@ -182,6 +184,29 @@ def half_done(job: str) -> str:
     with folder_beside(out, RESULT) as part:
         part.with_name(f".part-{out.name}-killed.new").mkdir()
         raise KeyboardInterrupt
+
+
+class Interrupted(ExitStack):
+    """A worker that builds its folder, which is locked until the pool ends, when Ctrl-C comes."""
+
+    size = 1
+
+    def submit(self, number: int, job: str) -> None:
+        out = Path(json.loads(job)["out"])
+        self.enter_context(locked(out))
+        out.with_name(f".part-{out.name}.new").mkdir()
+
+    def wait(self) -> tuple[int, str | None, str]:
+        raise KeyboardInterrupt
+
+
+def test_an_interrupted_fleet_leaves_nothing_that_its_workers_were_building(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("swamp_rl.experiments.fleet.run.open_pool", lambda *asked: Interrupted())
+    with pytest.raises(KeyboardInterrupt):
+        diagnose_fleet([folder / "in" / name for name in TOLD], folder / "out")
+    assert list((folder / "out").iterdir()) == []
 
 
 def test_what_an_interrupted_fleet_was_building_is_removed_and_it_goes_on(folder: Path) -> None:

@@ -126,7 +126,7 @@ def test_at_some_of_the_levels_the_targets_are_those_of_these_levels(
     changes, overrides = ask
     out = evaluate_folders([with_targets], {"episodes": 1, **changes}, overrides)
     assert load_experiment(out).targets.success == {"net": {"calm": 0.5}}
-    with pytest.raises(UserError, match="no disturbances file named 'clam'"):
+    with pytest.raises(UserError, match="no disturbance file named 'clam'"):
         evaluate_folders([with_targets], {"levels": ["clam"]}, out=tmp_path / "out")
 
 

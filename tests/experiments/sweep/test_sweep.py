@@ -16,6 +16,7 @@ import numpy as np
 import psutil
 import pytest
 import yaml
+from swamp_rl.experiments.cli.sweep import sweep as sweep_verb
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.sweep.propose import batches_of, propose
 from swamp_rl.experiments.sweep.report import best_of, results, write_report
@@ -99,6 +100,29 @@ def test_what_fails_is_tried_again_and_then_recorded_as_failed(tmp_path: Path) -
     write_report(tmp_path, sweep_of(), [], trials)
     assert "| failed | ValueError: never works |" in (tmp_path / "sweep.md").read_text()
     assert json.loads((tmp_path / "sweep.json").read_text())["failed"] == 3
+
+
+def test_trials_are_counted_from_one_wherever_they_are_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trials = swept(tmp_path / "s", sweep_of(), PoolHere(sweep_trials.formula, 1, 0))
+
+    def carried_out(*asked: Any) -> Path:
+        write_report(tmp_path, sweep_of(), [], trials)
+        for trial in trials.values():
+            asked[-1](trial, len(trials))
+        return tmp_path
+
+    monkeypatch.setattr("swamp_rl.experiments.sweep.run.run_sweep", carried_out)
+    sweep_verb("formula.yaml")
+    told = [line.split(" (")[0] for line in capsys.readouterr().out.splitlines()]
+    found, page = json.loads((tmp_path / "sweep.json").read_text()), (tmp_path / "sweep.md").read_text()
+    assert told[0] == "trial 1 of 9" and told[8] == "trial 9 of 9"
+    numbers = [one["trial"] for one in found["trials"]]
+    assert numbers == [int(key) for key in found["measured"]] == [*range(1, 10)]
+    best = found["best"]["trial"]
+    assert found["trials"][best - 1]["value"] == found["best"]["value"]
+    assert f"The best, trial {best}, in full" in page and f"| {best} |" in page
 
 
 @pytest.mark.parametrize("dies", [False, True], ids=["an exception", "a dead process"])

@@ -101,6 +101,13 @@ def test_where_no_cluster_answers_it_is_said_in_one_line(address: str) -> None:
     assert "\n" not in str(told.value)
 
 
+def test_an_empty_address_is_no_cluster_and_starts_none(tmp_path: Path) -> None:
+    for address in ("", " "):
+        with pytest.raises(UserError, match="--ray is empty; give the address of a cluster"):
+            run_sweep("reservoir_grid", out=tmp_path / "sweeps" / "out", ray=address)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_sweep_that_no_cluster_takes_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="no cluster answers"):
         run_sweep("reservoir_grid", out=tmp_path / "sweeps" / "out", ray="127.0.0.1:1")
