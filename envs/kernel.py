@@ -16,7 +16,7 @@ from swamp_rl.envs.reward import further_costs, reward
 from swamp_rl.course.geometry import crosses_gate, outside, touches_buoy
 from swamp_rl.course.progress import distance_to_go
 from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_HALF_WIDTH, GATE_NORTH, GATE_SIN
-from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.compile import compiled, uncounted
 from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.motion import current_at
 from swamp_rl.simulator.ground import touches_ground
@@ -119,7 +119,8 @@ def sail(
     u0, v0, r0 = boat.state[SURGE], boat.state[SWAY], boat.state[YAW_RATE]
     to_go = distance_to_go(north0, east0, boat.passed, gates)
     arrived = arrived_command(boat, p, world.step, room)
-    step_boat(boat.state, p, tank, arrived, boat.gust_seed, world.step, world.substeps, jets)
+    state, given = uncounted(boat.state), uncounted(arrived)
+    step_boat(state, p, uncounted(tank), given, boat.gust_seed, world.step, world.substeps, jets)
     boat.tick += 1
     if diverged(boat.state):
         boat.state[NORTH], boat.state[EAST], boat.state[HEADING] = north0, east0, heading0

@@ -146,16 +146,19 @@ def uncounted(typing: Any, array: Any) -> Any:
 
     The caller's own name keeps an argument alive meanwhile; an array made in the function itself is freed
     after the last mention of its name, which must be `still_used`, behind all uses of the view. Counting,
-    atomic and at each inlined call that takes the array, costs a fifth of a boat's step.
+    atomic and at each inlined call that takes the array, costs a fifth of a boat's step. A field of a record
+    and an array that may not be written have the type of any other array here: what takes the view is
+    compiled once for all of them.
     """
+    plain = numba.types.Array(array.dtype, array.ndim, array.layout, aligned=array.aligned)
 
     def view(context: Any, builder: Any, signature: Any, given: Any) -> Any:
-        seen = context.make_array(signature.args[0])(context, builder, given[0])
+        seen = context.make_array(plain)(context, builder, given[0])
         seen.meminfo = cgutils.get_null_value(seen.meminfo.type)
         seen.parent = cgutils.get_null_value(seen.parent.type)
         return seen._getvalue()
 
-    return array(array), view
+    return plain(array), view
 
 
 @numba.extending.intrinsic

@@ -250,7 +250,7 @@ def step_parallel(
     for chunk in numba.prange((boats + CHUNK - 1) // CHUNK):
         jets = np.empty((3, commands.shape[1] // 2, JET))
         for i in range(chunk * CHUNK, min((chunk + 1) * CHUNK, boats)):
-            step_boat(state[i], params[i], tank, commands[i], seeds[i], dt, substeps, jets)
+            step_boat(state[i], params[i], uncounted(tank), commands[i], seeds[i], dt, substeps, jets)
 
 
 def simulate(params: Any, tank: Any, start: Any, commands: Any, seeds: Any, dt: float, substeps: int) -> Any:

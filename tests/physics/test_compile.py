@@ -154,6 +154,21 @@ def test_an_array_that_is_still_used_is_not_freed_before() -> None:
     np.testing.assert_array_equal(found, given)
 
 
+def test_what_takes_a_field_of_a_record_or_a_read_only_array_uncounted_is_compiled_once() -> None:
+    total = numba.njit(lambda values: values[0] + values[1])
+    uncounted = module.uncounted
+    records, fixed = np.array([([1.0, 2.0],)], [("pair", float, (2,))]), np.array([10.0, 20.0])
+    fixed.flags.writeable = False
+
+    @numba.njit
+    def of_all(records: Array, fixed: Array, other: Array) -> float:
+        first = total(uncounted(records[0].pair)) + total(uncounted(fixed))
+        return float(first + total(uncounted(other)))
+
+    assert of_all(records, fixed, np.array([100.0, 200.0])) == 333.0
+    assert len(total.signatures) == 1
+
+
 def _freed_early(function: ast.FunctionDef) -> set[str]:
     """Names of a function's own arrays seen uncounted, which it neither returns nor mentions at its end."""
     calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
