@@ -18,10 +18,10 @@ from swamp_rl.course.progress import distance_to_go
 from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_HALF_WIDTH, GATE_NORTH, GATE_SIN
 from swamp_rl.physics.compile import compiled, uncounted
 from swamp_rl.physics.force_curve import JET
-from swamp_rl.physics.motion import current_at
+from swamp_rl.physics.motion import constants_of, current_at
 from swamp_rl.simulator.ground import touches_ground
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE, state_size
-from swamp_rl.simulator.step import step_boat, wind_now
+from swamp_rl.simulator.step import continue_boat, forget_outputs, wind_now
 
 OUTCOMES = ("running", "success", "buoy", "aground", "out_of_bounds", "timeout", "levers", "diverged")
 RUNNING, SUCCESS, BUOY, AGROUND, OUT_OF_BOUNDS, TIMEOUT, LEVERS, DIVERGED = range(len(OUTCOMES))
@@ -119,8 +119,10 @@ def sail(
     u0, v0, r0 = boat.state[SURGE], boat.state[SWAY], boat.state[YAW_RATE]
     to_go = distance_to_go(north0, east0, boat.passed, gates)
     arrived = arrived_command(boat, p, world.step, room)
-    state, given = uncounted(boat.state), uncounted(arrived)
-    step_boat(state, p, uncounted(tank), given, boat.gust_seed, world.step, world.substeps, jets)
+    state, given, curves = uncounted(boat.state), uncounted(arrived), uncounted(tank)
+    forget_outputs(jets)  # not `step_boat`: numba would compile all of a step once more
+    constants = constants_of(p, curves)
+    continue_boat(state, p, curves, given, boat.gust_seed, world.step, world.substeps, jets, constants)
     boat.tick += 1
     if diverged(boat.state):
         boat.state[NORTH], boat.state[EAST], boat.state[HEADING] = north0, east0, heading0

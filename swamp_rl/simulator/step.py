@@ -237,7 +237,9 @@ def step(state: Any, params: Any, tank: Any, commands: Any, seeds: Any, dt: floa
     room = np.empty((3, commands.shape[1] // 2, JET))
     jets, boats, curves, given = uncounted(room), uncounted(state), uncounted(tank), uncounted(commands)
     for i in range(state.shape[0]):
-        step_boat(boats[i], params[i], curves, given[i], seeds[i], dt, substeps, jets)
+        forget_outputs(jets)
+        constants = constants_of(params[i], curves)
+        continue_boat(boats[i], params[i], curves, given[i], seeds[i], dt, substeps, jets, constants)
     still_used(room)
 
 
