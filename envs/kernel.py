@@ -162,7 +162,7 @@ def sense(boat: Any, p: Any, world: Any, gates: Any, everything: Any) -> None:
         look_further(boat, p, world, everything)
 
 
-@compiled
+@compiled(entry=True)
 def sail_range(
     first: int,
     last: int,
@@ -215,7 +215,7 @@ def sail_all_parallel(
     return ended
 
 
-@compiled
+@compiled(entry=True)
 def look_all(boats: Any, params: Any, chosen: Any, shared: Any, observations: Any) -> None:
     """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""
     world, _, gates, _, places = shared
@@ -226,14 +226,14 @@ def look_all(boats: Any, params: Any, chosen: Any, shared: Any, observations: An
             observations[i, j] = everything[places[j]]
 
 
-@compiled
+@compiled(entry=True)
 def sense_all(boats: Any, params: Any, step: float, poses: Any) -> None:
     """Fill poses (n, 3) with what the sensors of n boats report now."""
     for i in range(boats.shape[0]):
         poses[i, 0], poses[i, 1], poses[i, 2] = sensed_pose(boats[i], params[i], step)
 
 
-@compiled
+@compiled(entry=True)
 def survey(boats: Any, params: Any, gates: Any, to_go: Any, wind: Any, current: Any) -> None:
     """Fill the distance to go (n,) [m], and the true velocity of the air and of the current (n, 2), north and
     east [m/s], of n boats."""

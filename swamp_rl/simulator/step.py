@@ -231,7 +231,7 @@ def put_over_ground(motion: Any, time: float, p: Any, state: Any) -> None:
         state[SWAY] = motion[4] + east * cos - north * sin
 
 
-@compiled
+@compiled(entry=True)
 def step(state: Any, params: Any, tank: Any, commands: Any, seeds: Any, dt: float, substeps: int) -> None:
     """Advance n boats by dt [s] in place; state (n, S), params (n,), commands (n, 2K), seeds uint64 (n,)."""
     room = np.empty((3, commands.shape[1] // 2, JET))
@@ -273,7 +273,7 @@ def simulate_in_weather(
     return _simulated(params, tank, start, commands, weather, seeds, dt, substeps)
 
 
-@compiled
+@compiled(entry=True)
 def _simulated(
     params: Any, tank: Any, start: Any, commands: Any, weather: Any, seeds: Any, dt: float, substeps: int
 ) -> Any:

@@ -6,6 +6,7 @@ import os
 import stat
 from pathlib import Path
 from types import SimpleNamespace as Namespace
+from typing import Any
 
 import numba
 import numpy as np
@@ -152,6 +153,26 @@ def test_an_array_that_is_still_used_is_not_freed_before() -> None:
     given, found = np.arange(50.0), np.zeros(50)
     numba.njit(_kept)(given, found)
     np.testing.assert_array_equal(found, given)
+
+
+def _one_more(x: float) -> float:
+    return x + 1.0
+
+
+def test_python_may_call_what_only_compiled_functions_have_called_or_left_in_the_cache(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "cache_folder", lambda: tmp_path)
+    for loads in (0, 1):
+        inner: Any = module.compiled(_one_more)
+        assert _twice(inner)(1.0) == 4.0
+        assert inner(1.0) == 2.0
+        for function in (inner, inner.entry):
+            assert sum(function.stats.cache_hits.values()) == loads
+
+
+def _twice(inner: Any) -> Any:
+    return numba.njit(lambda x: 2.0 * inner(x))
 
 
 def test_what_takes_a_field_of_a_record_or_a_read_only_array_uncounted_is_compiled_once() -> None:
