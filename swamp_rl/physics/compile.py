@@ -13,7 +13,7 @@ import shutil
 from collections.abc import Callable
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar, cast, overload
 
 import numba
 import numba.extending
@@ -100,9 +100,17 @@ def cache_folder() -> Path | None:
     return folder_of_sources
 
 
+@overload
+def compiled(function: F) -> F: ...
+
+
+@overload
+def compiled(*, parallel: bool = False, threaded: bool = False, entry: bool = False) -> Callable[[F], F]: ...
+
+
 def compiled(
     function: F | None = None, *, parallel: bool = False, threaded: bool = False, entry: bool = False
-) -> F:
+) -> F | Callable[[F], F]:
     """Compile with numba: IEEE arithmetic (no fast-math), so a batch gives the bits that one boat gives.
 
     parallel: its `prange` is divided among numba's threads; threaded: several threads of Python may run it at
@@ -113,12 +121,10 @@ def compiled(
     for counting who still uses the arrays that it takes.
     """
     if function is None:
-        return cast(
-            F, lambda decorated: compiled(decorated, parallel=parallel, threaded=threaded, entry=entry)
-        )
-    if parallel or threaded or entry:
+        if not (parallel or threaded or entry):
+            return compiled
         options = NUMERICS | {"parallel": True} if parallel else THREADED if threaded else INSIDE
-        return cast(F, _entry(function, **options))
+        return lambda decorated: cast(F, _entry(decorated, **options))
     return cast(F, _kept(_Inside(function, {}, INSIDE | {"nopython": True, "no_cpython_wrapper": True}), ""))
 
 
