@@ -16,12 +16,12 @@ from swamp_rl.envs.reward import further_costs, reward
 from swamp_rl.course.geometry import crosses_gate, outside, touches_buoy
 from swamp_rl.course.progress import distance_to_go
 from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_HALF_WIDTH, GATE_NORTH, GATE_SIN
-from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.compile import compiled, uncounted
 from swamp_rl.physics.force_curve import JET
-from swamp_rl.physics.motion import current_at
+from swamp_rl.physics.motion import constants_of, current_at
 from swamp_rl.simulator.ground import touches_ground
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE, state_size
-from swamp_rl.simulator.step import step_boat, wind_now
+from swamp_rl.simulator.step import continue_boat, forget_outputs, wind_now
 
 OUTCOMES = ("running", "success", "buoy", "aground", "out_of_bounds", "timeout", "levers", "diverged")
 RUNNING, SUCCESS, BUOY, AGROUND, OUT_OF_BOUNDS, TIMEOUT, LEVERS, DIVERGED = range(len(OUTCOMES))
@@ -119,7 +119,10 @@ def sail(
     u0, v0, r0 = boat.state[SURGE], boat.state[SWAY], boat.state[YAW_RATE]
     to_go = distance_to_go(north0, east0, boat.passed, gates)
     arrived = arrived_command(boat, p, world.step, room)
-    step_boat(boat.state, p, tank, arrived, boat.gust_seed, world.step, world.substeps, jets)
+    state, given, curves = uncounted(boat.state), uncounted(arrived), uncounted(tank)
+    forget_outputs(jets)  # not `step_boat`: numba would compile all of a step once more
+    constants = constants_of(p, curves)
+    continue_boat(state, p, curves, given, boat.gust_seed, world.step, world.substeps, jets, constants)
     boat.tick += 1
     if diverged(boat.state):
         boat.state[NORTH], boat.state[EAST], boat.state[HEADING] = north0, east0, heading0
@@ -159,7 +162,7 @@ def sense(boat: Any, p: Any, world: Any, gates: Any, everything: Any) -> None:
         look_further(boat, p, world, everything)
 
 
-@compiled
+@compiled(entry=True)
 def sail_range(
     first: int,
     last: int,
@@ -212,7 +215,7 @@ def sail_all_parallel(
     return ended
 
 
-@compiled
+@compiled(entry=True)
 def look_all(boats: Any, params: Any, chosen: Any, shared: Any, observations: Any) -> None:
     """Fill the rows `chosen` (m,) of observations (n, d) with what those boats sense now."""
     world, _, gates, _, places = shared
@@ -223,14 +226,14 @@ def look_all(boats: Any, params: Any, chosen: Any, shared: Any, observations: An
             observations[i, j] = everything[places[j]]
 
 
-@compiled
+@compiled(entry=True)
 def sense_all(boats: Any, params: Any, step: float, poses: Any) -> None:
     """Fill poses (n, 3) with what the sensors of n boats report now."""
     for i in range(boats.shape[0]):
         poses[i, 0], poses[i, 1], poses[i, 2] = sensed_pose(boats[i], params[i], step)
 
 
-@compiled
+@compiled(entry=True)
 def survey(boats: Any, params: Any, gates: Any, to_go: Any, wind: Any, current: Any) -> None:
     """Fill the distance to go (n,) [m], and the true velocity of the air and of the current (n, 2), north and
     east [m/s], of n boats."""

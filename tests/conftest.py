@@ -125,7 +125,7 @@ def unflushed() -> Iterator[None]:
 
 @pytest.fixture
 def no_figures() -> Iterator[None]:
-    """The figures of results are empty files."""
+    """The figures of results and of diagnoses are empty files; tests of their own look at them."""
     with empty_figures():
         yield
 

@@ -11,15 +11,16 @@ import os
 import re
 import shutil
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar, cast, overload
 
 import numba
 import numba.extending
 import numpy as np
 from numba import config
 from numba.core import cgutils, event
+from numba.core.registry import CPUDispatcher
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -99,24 +100,65 @@ def cache_folder() -> Path | None:
     return folder_of_sources
 
 
-def compiled(function: F | None = None, *, parallel: bool = False, threaded: bool = False) -> F:
+@overload
+def compiled(function: F) -> F: ...
+
+
+@overload
+def compiled(*, parallel: bool = False, threaded: bool = False, entry: bool = False) -> Callable[[F], F]: ...
+
+
+def compiled(
+    function: F | None = None, *, parallel: bool = False, threaded: bool = False, entry: bool = False
+) -> F | Callable[[F], F]:
     """Compile with numba: IEEE arithmetic (no fast-math), so a batch gives the bits that one boat gives.
 
     parallel: its `prange` is divided among numba's threads; threaded: several threads of Python may run it at
-    the same time.
+    the same time; entry: Python calls it often, or for every boat. Python may call any other too, but that is
+    0.2 us slower and compiles it once more.
 
     A function lands inside those that call it: a call costs more than what most of them compute, above all
     for counting who still uses the arrays that it takes.
     """
     if function is None:
-        return cast(F, lambda decorated: compiled(decorated, parallel=parallel, threaded=threaded))
-    options = NUMERICS if parallel else THREADED if threaded else INSIDE
-    before, folder = config.CACHE_DIR, cache_folder()
-    config.CACHE_DIR = str(folder or before)
+        if not (parallel or threaded or entry):
+            return compiled
+        options = NUMERICS | {"parallel": True} if parallel else THREADED if threaded else INSIDE
+        return lambda decorated: cast(F, _entry(decorated, **options))
+    return cast(F, _kept(_Inside(function, {}, INSIDE | {"nopython": True, "no_cpython_wrapper": True}), ""))
+
+
+class _Inside(CPUDispatcher):
+    """A function as other compiled ones call it; Python calls another one, compiled when it first does.
+
+    The entry from Python takes a fifth of a compilation, and most functions never need one.
+    """
+
+    def __call__(self, *given: Any) -> Any:
+        return self.entry(*given)
+
+    @cached_property
+    def entry(self) -> Any:
+        """The function as Python calls it."""
+        return _entry(self.py_func, **INSIDE)
+
+
+def _entry(function: Any, **options: Any) -> Any:
+    """A function that Python may call."""
+    return _kept(numba.njit(**options)(function), "entries")
+
+
+def _kept(function: Any, part: str) -> Any:
+    """The function, its machine code kept in that part of the cache: numba takes both kinds for the same."""
+    if (folder := cache_folder()) is None:
+        return function
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(folder / part)
     try:
-        return cast(F, numba.njit(cache=folder is not None, parallel=parallel, **options)(function))
+        function.enable_caching()
     finally:
         config.CACHE_DIR = before
+    return function
 
 
 class _FirstCompilation(event.Listener):
@@ -146,16 +188,19 @@ def uncounted(typing: Any, array: Any) -> Any:
 
     The caller's own name keeps an argument alive meanwhile; an array made in the function itself is freed
     after the last mention of its name, which must be `still_used`, behind all uses of the view. Counting,
-    atomic and at each inlined call that takes the array, costs a fifth of a boat's step.
+    atomic and at each inlined call that takes the array, costs a fifth of a boat's step. A field of a record
+    and an array that may not be written have the type of any other array here: what takes the view is
+    compiled once for all of them.
     """
+    plain = numba.types.Array(array.dtype, array.ndim, array.layout, aligned=array.aligned)
 
     def view(context: Any, builder: Any, signature: Any, given: Any) -> Any:
-        seen = context.make_array(signature.args[0])(context, builder, given[0])
+        seen = context.make_array(plain)(context, builder, given[0])
         seen.meminfo = cgutils.get_null_value(seen.meminfo.type)
         seen.parent = cgutils.get_null_value(seen.parent.type)
         return seen._getvalue()
 
-    return array(array), view
+    return plain(array), view
 
 
 @numba.extending.intrinsic

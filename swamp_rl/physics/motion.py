@@ -22,7 +22,7 @@ def current_at(time: float, p: Any) -> tuple[float, float]:
     return p.current_north + p.current_north_rate * time, p.current_east + p.current_east_rate * time
 
 
-@compiled
+@compiled(entry=True)
 def water_velocity(time: float, p: Any) -> tuple[float, float]:
     """Velocity north and east [m/s] of the water that the hull moves in at `time` [s].
 
@@ -41,7 +41,7 @@ def wave_push(time: float, p: Any) -> float:
     return p.wave_force * math.sin(2.0 * math.pi * p.wave_frequency * time + p.wave_phase)
 
 
-@compiled
+@compiled(entry=True)
 def external_forces(
     cos: float, sin: float, u_ground: float, v_ground: float, time: float, wind: tuple[float, float], p: Any
 ) -> tuple[float, float, float]:

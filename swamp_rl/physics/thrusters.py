@@ -126,7 +126,7 @@ def thrust_share(throttle: float, k: int, p: Any) -> float:
     return gain * thrust_deduction_factor(throttle, p)
 
 
-@compiled
+@compiled(entry=True)
 def effective_thrust(throttle: float, k: int, p: Any) -> float:
     """Thrust [N] of thruster k on a boat at rest: T = scale · gain_k · e_k(p) · T_bollard(p) · (1 − t)(p).
 
@@ -166,7 +166,7 @@ def alive(k: int, time: float, h: float, p: Any) -> float:
     return max((p.failure_time[k] - time) / h, 0.0)
 
 
-@compiled
+@compiled(entry=True)
 def put_output(first: float, second: float, jets: Any, moment: int, k: int, p: Any) -> None:
     """Put an output of `actuator_output` into jets[moment, k], with what `loss_under_way` needs of a jet's
     force T alone: T [N] and 1/V_o = √(ρ A_n / T) [s/m].

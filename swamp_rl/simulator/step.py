@@ -231,13 +231,15 @@ def put_over_ground(motion: Any, time: float, p: Any, state: Any) -> None:
         state[SWAY] = motion[4] + east * cos - north * sin
 
 
-@compiled
+@compiled(entry=True)
 def step(state: Any, params: Any, tank: Any, commands: Any, seeds: Any, dt: float, substeps: int) -> None:
     """Advance n boats by dt [s] in place; state (n, S), params (n,), commands (n, 2K), seeds uint64 (n,)."""
     room = np.empty((3, commands.shape[1] // 2, JET))
     jets, boats, curves, given = uncounted(room), uncounted(state), uncounted(tank), uncounted(commands)
     for i in range(state.shape[0]):
-        step_boat(boats[i], params[i], curves, given[i], seeds[i], dt, substeps, jets)
+        forget_outputs(jets)
+        constants = constants_of(params[i], curves)
+        continue_boat(boats[i], params[i], curves, given[i], seeds[i], dt, substeps, jets, constants)
     still_used(room)
 
 
@@ -250,7 +252,7 @@ def step_parallel(
     for chunk in numba.prange((boats + CHUNK - 1) // CHUNK):
         jets = np.empty((3, commands.shape[1] // 2, JET))
         for i in range(chunk * CHUNK, min((chunk + 1) * CHUNK, boats)):
-            step_boat(state[i], params[i], tank, commands[i], seeds[i], dt, substeps, jets)
+            step_boat(state[i], params[i], uncounted(tank), commands[i], seeds[i], dt, substeps, jets)
 
 
 def simulate(params: Any, tank: Any, start: Any, commands: Any, seeds: Any, dt: float, substeps: int) -> Any:
@@ -271,7 +273,7 @@ def simulate_in_weather(
     return _simulated(params, tank, start, commands, weather, seeds, dt, substeps)
 
 
-@compiled
+@compiled(entry=True)
 def _simulated(
     params: Any, tank: Any, start: Any, commands: Any, weather: Any, seeds: Any, dt: float, substeps: int
 ) -> Any:

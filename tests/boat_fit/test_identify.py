@@ -113,6 +113,7 @@ def test_the_file_beats_what_is_trivial_and_says_which_numbers_the_runs_do_not_s
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 def test_exchanged_and_flipped_channels_are_found_and_the_file_predicts_and_diagnoses(
     call: Call, tmp_path: Path
 ) -> None:

@@ -146,6 +146,7 @@ def windy(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 def test_a_measured_wind_is_an_input_and_no_cause(windy: Path, tmp_path: Path) -> None:
     found = diagnose(windy, "swamp", tmp_path / "out")
     assert found.verdict == "nothing_wrong"
@@ -153,6 +154,7 @@ def test_a_measured_wind_is_an_input_and_no_cause(windy: Path, tmp_path: Path) -
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 def test_an_ignored_wind_is_named_and_written_beside_the_boat_file(windy: Path, tmp_path: Path) -> None:
     found = diagnose(windy, "swamp", tmp_path / "out", ignore=["wind"])
     assert [cause.effect for cause in found.causes] == ["wind"]

@@ -114,6 +114,7 @@ def test_an_effect_without_a_search_is_refused_unless_it_is_no_cause() -> None:
 
 @pytest.mark.slow
 @pytest.mark.numerical
+@pytest.mark.usefixtures("no_figures")
 def test_one_declaration_makes_an_effect_that_a_diagnosis_finds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -162,6 +163,7 @@ def sail(boat: Boat, effects: list[dict[str, Any]], folder: Path, seed: int = 3)
 
 @pytest.mark.slow
 @pytest.mark.numerical
+@pytest.mark.usefixtures("no_figures")
 @pytest.mark.parametrize(
     ("name", "thruster"), [("toy", "port"), ("large", "bow")], ids=["a toy of 0.3 m", "a ferry of 18 m"]
 )

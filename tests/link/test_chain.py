@@ -84,6 +84,7 @@ def test_a_voyage_without_rows_is_no_dataset(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 def test_the_vehicles_log_is_diagnosed_as_nothing_wrong(tmp_path: Path) -> None:
     logs = tmp_path / "logs"
     for seed in range(3):

@@ -6,6 +6,7 @@ import os
 import stat
 from pathlib import Path
 from types import SimpleNamespace as Namespace
+from typing import Any
 
 import numba
 import numpy as np
@@ -152,6 +153,41 @@ def test_an_array_that_is_still_used_is_not_freed_before() -> None:
     given, found = np.arange(50.0), np.zeros(50)
     numba.njit(_kept)(given, found)
     np.testing.assert_array_equal(found, given)
+
+
+def _one_more(x: float) -> float:
+    return x + 1.0
+
+
+def test_python_may_call_what_only_compiled_functions_have_called_or_left_in_the_cache(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "cache_folder", lambda: tmp_path)
+    for loads in (0, 1):
+        inner: Any = module.compiled(_one_more)
+        assert _twice(inner)(1.0) == 4.0
+        assert inner(1.0) == 2.0
+        for function in (inner, inner.entry):
+            assert sum(function.stats.cache_hits.values()) == loads
+
+
+def _twice(inner: Any) -> Any:
+    return numba.njit(lambda x: 2.0 * inner(x))
+
+
+def test_what_takes_a_field_of_a_record_or_a_read_only_array_uncounted_is_compiled_once() -> None:
+    total = numba.njit(lambda values: values[0] + values[1])
+    uncounted = module.uncounted
+    records, fixed = np.array([([1.0, 2.0],)], [("pair", float, (2,))]), np.array([10.0, 20.0])
+    fixed.flags.writeable = False
+
+    @numba.njit
+    def of_all(records: Array, fixed: Array, other: Array) -> float:
+        first = total(uncounted(records[0].pair)) + total(uncounted(fixed))
+        return float(first + total(uncounted(other)))
+
+    assert of_all(records, fixed, np.array([100.0, 200.0])) == 333.0
+    assert len(total.signatures) == 1
 
 
 def _freed_early(function: ast.FunctionDef) -> set[str]:

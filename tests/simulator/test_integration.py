@@ -73,7 +73,7 @@ def test_a_boat_moves_by_the_same_bits_alone_and_in_any_batch() -> None:
     for advance in (step, step_parallel):
         state = start.copy()
         for j in range(command.shape[1]):
-            advance(state, params, tank(BOAT), command[:, j], seeds, 0.1, 2)
+            advance(state, params, tank(BOAT), command[:, j].copy(), seeds, 0.1, 2)
         assert np.array_equal(state, together[:, -1])
 
 

@@ -10,6 +10,8 @@ import pytest
 import yaml
 from swamp_rl.experiments.reports import figures
 
+from swamp_rl.criticism.report import page
+
 TINY = """
 name: tiny
 boat: swamp
@@ -39,11 +41,19 @@ def write_tiny(folder: Path, *only: str) -> Path:
 
 @contextmanager
 def empty_figures() -> Iterator[None]:
-    """The PNGs of a report, half of the time of a small experiment, are empty files meanwhile."""
+    """The PNGs of an experiment's report, half of the time of a small one, and those of a diagnosis, two
+    seconds, are empty files meanwhile.
+    """
     with pytest.MonkeyPatch.context() as patch:
         for name in ("tracks", "commands", "success_rates"):
-            patch.setattr(figures, name, lambda path, *_: path.write_bytes(b""))
+            patch.setattr(figures, name, _empty)
+        patch.setattr(page, "draw", _empty)
         yield
+
+
+def _empty(path: Path, *drawn: Any) -> Path:
+    path.write_bytes(b"")
+    return path
 
 
 def content(folder: Path) -> dict[str, Any]:

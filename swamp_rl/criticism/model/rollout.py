@@ -162,7 +162,7 @@ def _roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float,
     still_used(room)
 
 
-@compiled
+@compiled(entry=True)
 def whiten(values: Any, keep: Any, gain: Any, scale: Any) -> None:
     """Replace standardised values (V, W, T, C) by innovations, in channels with a Gauss-Markov part.
 
@@ -182,7 +182,7 @@ def whiten(values: Any, keep: Any, gain: Any, scale: Any) -> None:
                         wandered += gain[w, t, c] * innovation
 
 
-@compiled
+@compiled(entry=True)
 def filter_gains(power: Any, keep: Any, seen: Any, gain: Any, scale: Any) -> None:
     """Fill gain and 1 / innovation standard deviation (W, T, C) of the Kalman filter that `whiten` runs.
 

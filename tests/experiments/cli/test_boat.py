@@ -106,6 +106,7 @@ def test_the_check_of_an_unstable_boat_names_the_yaw_damping_that_makes_it_stabl
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 @pytest.mark.parametrize(
     ("kind", "length", "breadth", "mass", "thrust"),
     [("azimuth", 5, 2, 900, 800), ("propeller-rudder", 20, 5, 60_000, 12_000)],
