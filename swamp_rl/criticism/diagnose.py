@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import load_boat
+from swamp_rl.counted import counted
 from swamp_rl.criticism.data.checks import refuse_other_vehicle, refuse_sources_inside
 from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.excitation import missing_motion
@@ -124,7 +125,7 @@ def examine(
     """The diagnosis of runs in memory; `other`: runs to measure the gain on; limits: of the next trial."""
     began = time.perf_counter()
     minutes = run_set.lengths.sum() * run_set.dt / 60
-    LOG.info("%d runs, %.1f min: noise and candidates", len(run_set.lengths), minutes)
+    LOG.info("%s, %.1f min: noise and candidates", counted(len(run_set.lengths), "run"), minutes)
     known = prepared(run_set)
     sigmas, weight, every, hull = known.sigmas, known.weight, known.instances, known.hull
     with_noise, continuation, found = select_model(run_set, weight, every, hull)

@@ -134,8 +134,8 @@ class _Inside(CPUDispatcher):
     The entry from Python takes a fifth of a compilation, and most functions never need one.
     """
 
-    def __call__(self, *given: Any) -> Any:
-        return self.entry(*given)
+    def __call__(self, *given: Any, **named: Any) -> Any:
+        return self.entry(*given, **named)
 
     @cached_property
     def entry(self) -> Any:

@@ -82,8 +82,8 @@ def refuse_other_vehicle(dataset: Path, holdout: Path) -> None:
     """UserError where two datasets are the same, or of different boats."""
     if os.path.realpath(dataset) == os.path.realpath(holdout):
         raise UserError(
-            f"{holdout}: is what was to be diagnosed, nothing would be held out; leave --holdout out, each "
-            "run is then held out in turn"
+            f"{holdout}: is the dataset itself, nothing would be held out; leave --holdout out, runs of the "
+            "dataset are then held out"
         )
     _refuse_another_boat(dataset, holdout, "hold out runs of the same boat")
 
