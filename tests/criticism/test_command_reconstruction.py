@@ -141,6 +141,8 @@ def test_an_effect_that_short_windows_do_not_need_gives_way_to_commands_that_mov
     with using(clearly=1e3):
         moved, (kept, _), _ = other_commands(continuation, found, log, spent=True)
     assert moved is not None and kept.label == "thrust_scale"
+    with using(clearly=1e5):
+        assert other_commands(continuation, found, log, spent=True)[1][0] == Hypothesis()
     true = np.stack([moving(run) for run in range(3)]).reshape(3, -1, EVERY, 8).mean(axis=2)
     error, before = (np.abs(one.commands - true).mean() for one in (moved, log))
     assert error < 0.2 * before

@@ -86,7 +86,7 @@ def other_commands(
     if other:
         return other, without_timing(at), is_simpler
     shown = [one for one, _ in at.parts() if indispensable(continuation, found.winner, one.label, LAST)]
-    if not 0 < len(shown) < len(at.hypothesis.instances):
+    if len(shown) == len(at.hypothesis.instances):
         return None, own, is_simpler
     kept = joined(part for part in at.parts() if part[0] in shown)
     less = fit_by_continuation(continuation, *kept)
