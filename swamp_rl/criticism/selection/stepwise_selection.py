@@ -154,19 +154,17 @@ def _forward_selection(
 
 def _is_likely(problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, tests: RatioTests) -> bool:
     """Whether held-out windows confirm an effect, whose test is left for the end, or its test decides."""
-    if confirmation(problem, whole, less, tests.comparisons).holds:
-        return True
-    return tests.decide(instance) and confirmed(problem, whole, less, instance, tests).holds
-
-
-def confirmed(
-    problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, tests: RatioTests
-) -> Confirmation:
-    """Of an effect that `whole` has more than `less`: on held-out windows, and by a likelihood ratio test.
-    What a run has of its own no other run confirms, and one run has few windows: where those gain without
-    being significant, the test alone decides.
-    """
     found = confirmation(problem, whole, less, tests.comparisons)
+    return found.holds or (tests.decide(instance) and tested(found, whole, less, instance, tests).holds)
+
+
+def tested(
+    found: Confirmation, whole: Fit, less: Fit, instance: EffectInstance, tests: RatioTests
+) -> Confirmation:
+    """What held-out windows found of an effect that `whole` has more than `less`, with a likelihood ratio
+    test. What a run has of its own no other run confirms, and one run has few windows: where those gain
+    without being significant, the test alone decides.
+    """
     if not found.holds and not (tests.decide(instance) and found.gains):
         return found
     return replace(found, significant=tests.find(whole, less))
@@ -254,7 +252,7 @@ def _eliminated(
         found = {one: confirmation(problem, best, other, comparisons) for one, other in less.items()}
         doubtful = [one for one, held in found.items() if not (held.holds or tests.decide(one))]
         if not doubtful:
-            found = {one: confirmed(problem, best, other, one, tests) for one, other in less.items()}
+            found = {one: tested(found[one], best, other, one, tests) for one, other in less.items()}
             doubtful = [one for one, held in found.items() if not held.holds]
         if not doubtful:
             return best, {one.label: held for one, held in found.items()}
