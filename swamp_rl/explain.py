@@ -197,10 +197,16 @@ def _suggestion(loc: Location, model: type[BaseModel] | None) -> str:
 
 def nearest(word: str, known: Iterable[str]) -> str:
     """The end of a complaint about an unknown word: the known one most like it, and all the known ones."""
-    known, word = list(known), clipped(word)
-    near = max(known, key=lambda other: likeness(word, other), default="")
-    hint = f"; did you mean {near!r}?" if likeness(word, near) >= LIKE else ";"
+    known = list(known)
+    near = likest(clipped(word), known)
+    hint = f"; did you mean {near!r}?" if near else ";"
     return f"{hint} known here: {', '.join(known)}"
+
+
+def likest(word: str, known: Iterable[str]) -> str | None:
+    """The known word most like a word, or None where none is like it."""
+    near = max(known, key=lambda other: likeness(word, other), default="")
+    return near if likeness(word, near) >= LIKE else None
 
 
 def likeness(one: str, other: str) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
-from swamp_rl.explain import LIKE, likeness
+from swamp_rl.explain import likest
 from swamp_rl.logs.azimuths import with_nearest_azimuths
 from swamp_rl.logs.convert import foreign_of
 from swamp_rl.logs.dataflash import read_dataflash
@@ -116,12 +116,8 @@ def _foreign(log: Log, mapping: Mapping, given: Mapping, kind: str, boat: Boat, 
 def _unknown(found: Foreign, boat: Boat) -> dict[str, str]:
     """What to tell of columns that the run format does not know, with the known name that is most alike."""
     names = set(unknown_columns(list(found.table.columns), boat)) - set(QUANTITIES)
-    known = (*FIXED, *QUANTITIES)
-    near = {name: max(known, key=lambda other: likeness(name, other)) for name in sorted(names)}
-    told = [
-        f"{name} (did you mean {other!r}?)" if likeness(name, other) >= LIKE else name
-        for name, other in near.items()
-    ]
+    near = {name: likest(name, (*FIXED, *QUANTITIES)) for name in sorted(names)}
+    told = [f"{name} (did you mean {other!r}?)" if other else name for name, other in near.items()]
     return {"unknown_columns": f"{', '.join(told)}; kept as they are"} if told else {}
 
 
