@@ -235,7 +235,7 @@ class Options:
     follow_fit: float = 300.0  # chi2 expected above the best fitted, up to which a set is fitted
     # ---- Exchange search
     exchange_fits: int = 2  # sets that are fitted in place of each effect
-    exchange_budget: float = 4e6  # boat steps, about five seconds, after which no further round is begun
+    exchange_budget: float = 12e6  # boat steps, about ten seconds, after which no further round is begun
     exchange_hopeless: float = 30.0  # chi2 a sample of the middle windows, above which none is tried
     # typical sizes to either side of its values that an effect begins again from
     exchange_reach: float = 0.5
