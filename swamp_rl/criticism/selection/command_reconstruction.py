@@ -90,7 +90,20 @@ def other_commands(
         return None, own, is_simpler
     kept = joined(part for part in at.parts() if part[0] in shown)
     less = fit_by_continuation(continuation, *kept)
-    return better_reconstruction(continuation, less, logged), kept, is_simpler
+    other = better_reconstruction(continuation, less, logged)
+    return other or shared_on_whole_runs(continuation, less, logged), kept, is_simpler
+
+
+def shared_on_whole_runs(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
+    """The runs with every command moved by one share of its change, where that lowers chi2 of whole runs
+    clearly, or None; None for runs with gaps, whose commands differ between hypotheses.
+    """
+    if continuation.gaps:
+        return None
+    whole = continuation.at(LAST, at)
+    share, shared = fit_common_share(continuation.problems[LAST], whole, logged)
+    saves = shared.chi2 < whole.chi2 - options().reconstruction_gain
+    return interpolated(logged, share) if share > 0.0 and saves else None
 
 
 def without_timing(at: Fit) -> Kept:

@@ -100,12 +100,11 @@ def _with_its_noise(
         found = replace(found, adequate=False, stage=MIDDLE, rivals=[])
     winner, stage = found.winner, LAST if found.adequate else MIDDLE
     source = correlated_noise(continuation, winner, stage)
+    if source is None and stage == MIDDLE and correlated_noise(continuation, winner, LAST) == "measurement":
+        source = "measurement"  # slower than the middle windows are long
     if source != "measurement" and not found.adequate:
-        for other in (best_on_whole_runs(continuation, winner), continuation.boat_file(MIDDLE)):
-            known = other.hypothesis == winner.hypothesis
-            if not known and correlated_noise(continuation, other, stage) == "measurement":
-                winner, source = other, "measurement"
-                break
+        other = _beside_position_noise(continuation, winner)
+        winner, source = (other, "measurement") if other else (winner, source)
     if source == "measurement":
         again = _with_position_noise(*given, continuation, winner)
         if again is not None:
@@ -183,6 +182,34 @@ def _with_better_commands(
             break
         run_set, continuation, found = other, wider, again
     return run_set, continuation, found
+
+
+def _beside_position_noise(continuation: Continuation, winner: Fit) -> Fit | None:
+    """Another hypothesis than the winner that leaves position noise alone on the middle windows, or one that
+    leaves it with reconstructed commands; None if there is none. Position noise and commands may make the
+    search under white noise prefer a wrong one.
+    """
+    others = [best_on_whole_runs(continuation, winner), continuation.boat_file(MIDDLE)]
+    others = [one for one in others if one.hypothesis != winner.hypothesis]
+    for one in others:
+        if correlated_noise(continuation, one, MIDDLE) == "measurement":
+            return one
+    simplest_first = [*others[::-1], winner]
+    return next((one for one in simplest_first if _is_left_by_commands(continuation, one)), None)
+
+
+def _is_left_by_commands(continuation: Continuation, at: Fit) -> bool:
+    """Whether position noise and reconstructed commands together, and neither alone, are all that a
+    hypothesis leaves on the middle windows.
+    """
+    middle = fit_by_continuation(continuation, at.hypothesis, at.x)
+    slow = _only_positions(_position_noise(continuation.problems[MIDDLE], middle)[0])
+    if not slow.any():
+        return False
+    noisy = replace(continuation.problems[0].run_set, gauss_markov=slow)
+    beside = continuation_of(noisy, continuation.problems[0].weight)
+    made = fit_by_continuation(beside, at.hypothesis, at.x)
+    return sufficient_reconstruction(beside, made, noisy) is not None
 
 
 def _is_position_noise_suspected(continuation: Continuation) -> bool:
