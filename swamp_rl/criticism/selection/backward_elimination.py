@@ -130,7 +130,27 @@ def without_unconfirmed(
 
 
 def without(continuation: Continuation, best: Fit, label: str, stage: int) -> Fit:
-    """The best fit less one effect, fitted at a stage from the best fit's parameters."""
+    """The best fit less one effect, fitted at a stage from the best fit's parameters; where that is clearly
+    worse than on shorter windows, which suggests a local minimum, also from the fit to those.
+    """
+    made = _from_best(continuation, best, label, stage)
+    if stage == 0 or made.chi2 <= best.chi2 + options().clearly:
+        return made
+    shorter = continuation.at(stage - 1, best)
+    below = without(continuation, shorter, label, stage - 1)
+    if below.chi2 > shorter.chi2 + options().clearly:
+        return made
+    problem = continuation.problem(stage, made.hypothesis)
+    start = below.x, continuation.carried(below, stage)
+    again = continuation.fit_from(stage, made.hypothesis, *start, options().fit_steps, fresh=True)
+    if again.chi2 < made.chi2:
+        return again
+    continuation.keep(stage, problem, made)
+    return made
+
+
+def _from_best(continuation: Continuation, best: Fit, label: str, stage: int) -> Fit:
+    """The best fit less one effect, from the best fit's parameters, or a known fit if that is better."""
     less = best.hypothesis.without(label)
     known = continuation.fits.get((stage, less.label))
     if known is not None and not less.instances:
