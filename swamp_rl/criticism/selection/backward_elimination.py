@@ -97,6 +97,10 @@ def _with_rivals(
     """The best of all fits and its rivals; what replaces the winner must be confirmed on held-out runs."""
     special = alternatives_to_nuisance(continuation, found.winner, instances)
     best, rivals, stage = compare(continuation, found.winner, [*found.tried, *special], found.stage)
+    less = pruned(continuation, best, stage)
+    if less is not best and continuation.is_adequate(stage, less):
+        least = continuation.criterion(less) + options().separation
+        best, rivals = less, [one for one in rivals if continuation.criterion(one) < least]
     best = with_special_cases(continuation, best, instances, stage)
     rivals = [with_special_cases(continuation, one, instances, stage) for one in rivals]
     put = [instance for instance in best.hypothesis.instances if instance.label not in found.confirmed]
