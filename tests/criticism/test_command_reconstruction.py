@@ -17,10 +17,11 @@ from swamp_rl.criticism.selection.command_reconstruction import (
     is_refuted,
     least_of_parabola,
     other_commands,
+    shared_on_whole_runs,
 )
 from swamp_rl.criticism.selection.continuation import LAST, continuation_of
 from swamp_rl.criticism.selection.model_selection import select_model
-from tests.support.criticism import DT, SECONDS, driven
+from tests.support.criticism import DT, SECONDS, driven, gauss_markov_noise
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
@@ -146,6 +147,35 @@ def test_an_effect_that_short_windows_do_not_need_gives_way_to_commands_that_mov
     true = np.stack([moving(run) for run in range(3)]).reshape(3, -1, EVERY, 8).mean(axis=2)
     error, before = (np.abs(one.commands - true).mean() for one in (moved, log))
     assert error < 0.2 * before
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_whole_runs_show_by_what_share_commands_moved_between_rows(held: bool) -> None:
+    log = logged(held, every=2)
+    continuation = continuation_of(log, weights(log, noise_levels(log)))
+    scale = by_label(candidates(log.boat, SECONDS))["thrust_scale"]
+    at = continuation.fit(LAST, Hypothesis((scale,)), np.array([0.8]))
+    moved = shared_on_whole_runs(continuation, at, log)
+    assert (moved is None) == held
+    if moved:
+        # of the two steps of a row the second has half of the change
+        assert moved.commands == pytest.approx(interpolated(log, 0.25).commands, abs=0.002)
+
+
+def test_commands_that_moved_and_positions_that_wander_are_told_apart_together() -> None:
+    log = logged(held=False)
+    wander = gauss_markov_noise(np.random.default_rng(8), log.measured[..., :2].shape, 0.4, 4.0)
+    measured = log.measured.copy()
+    measured[..., :2] += wander
+    log = replace(log, measured=measured)
+    names = ("thrust_scale", "yaw_damping")
+    instances = [instance for instance in candidates(log.boat, SECONDS) if instance.effect.name in names]
+    read, _, found = select_model(log, weights(log, noise_levels(log)), instances, None)
+    assert found.adequate
+    (scale,), *others = (x for _, x in found.winner.hypothesis.parts(found.winner.x))
+    assert scale == pytest.approx(0.8, abs=0.02)
+    assert all(x == pytest.approx(1.0, abs=0.01) for x in others)  # as above
+    assert read.gauss_markov is not None and not np.array_equal(read.commands, log.commands)
 
 
 def test_other_commands_are_refuted_by_whole_runs_that_the_logged_ones_explain() -> None:
