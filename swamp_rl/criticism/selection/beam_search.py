@@ -34,10 +34,10 @@ def beam_search(
     """Search from no effect to `most_effects` effects, until the residual is noise and no score test is
     significant.
 
-    step_budget: boat steps after which no further depth is begun; sufficient_reconstruction: whether the best
-    of the first depth needs reconstructed commands and no further effect, with which the search ends;
-    previous: the result of a search under other noise, at the shortest windows and the middle ones, which is
-    tried too.
+    step_budget: boat steps after which no further depth is begun, 0 for none at all; the first one is begun
+    however many the boat file took. sufficient_reconstruction: whether the best of the first depth needs
+    reconstructed commands and no further effect, with which the search ends; previous: the result of a search
+    under other noise, at the shortest windows and the middle ones, which is tried too.
     """
     step_budget = options().step_budget if step_budget is None else step_budget
     criterion = continuation.criterion
@@ -67,7 +67,8 @@ def beam_search(
                 # an effect beside the best would only stand for the commands
                 found = conclude(continuation, closest, list(tried.values()), first, unidentifiable, every)
                 return replace(found, shallow=True)
-        if continuation.boat_steps > step_budget or (depth > 0 and _is_sufficient(continuation, best, every)):
+        spent = continuation.boat_steps > step_budget and (depth > 0 or step_budget == 0.0)
+        if spent or (depth > 0 and _is_sufficient(continuation, best, every)):
             break
         budget = step_budget if depth == options().most_effects - 1 else np.inf
         fitted = _expand(continuation, beam, every, first if depth == 0 else None, budget)

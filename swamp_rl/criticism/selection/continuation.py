@@ -11,7 +11,7 @@ from swamp_rl.criticism.data.run_set import Gap, RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, first_states, fit
-from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.criticism.model.scales import window_lengths
 from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
 from swamp_rl.criticism.nuisance.lost_rows import (
@@ -22,6 +22,7 @@ from swamp_rl.criticism.nuisance.lost_rows import (
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.selection.information_criterion import InformationCriterion, information_criterion
+from swamp_rl.criticism.selection.score_test import neutral_start
 
 Array = NDArray[np.float64]
 
@@ -63,7 +64,25 @@ class Continuation:
             states = self.carried(below, stage)
         good = below is not None and below.chi2 < options().noise_chi2 * self.problems[stage - 1].samples
         steps = options().steps_when_close if good else options().stage_steps[stage]
-        return self.fit_from(stage, hypothesis, x, states, steps, stage >= LAST)
+        made = self.fit_from(stage, hypothesis, x, states, steps, stage >= LAST)
+        return self._no_worse_than_nothing(stage, made, steps)
+
+    def _no_worse_than_nothing(self, stage: int, made: Fit, steps: int) -> Fit:
+        """The fit, or one from the neutral values of its effects where the boat file fits these windows
+        better: then it is in a local minimum.
+        """
+        nothing = self.fits.get((stage, Hypothesis().label))
+        every = made.hypothesis.instances
+        if nothing is None or stage >= LAST or not all(one.size for one in every):
+            return made
+        if made.chi2 <= nothing.chi2 + options().clearly:
+            return made
+        boat = self.problems[stage].boat
+        neutral = joined((one, np.array(neutral_start(one, boat) * one.count)) for one in every)
+        again = self.fit_from(stage, *neutral, nothing.states, steps)
+        if again.chi2 >= made.chi2:
+            self.keep(stage, self.problems[stage], made)
+        return min(made, again, key=lambda one: one.chi2)
 
     def at(self, stage: int, one: Fit) -> Fit:
         """The hypothesis of a fit, fitted at that stage."""

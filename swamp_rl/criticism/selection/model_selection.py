@@ -173,11 +173,9 @@ def _with_better_commands(
         tried.append(wider)
         if accepts is is_better and is_refuted(continuation, found, wider):
             break
-        if spent:  # no search, but the effects that are kept
-            previous = [continuation.fit(stage, *kept) for stage in (0, MIDDLE)]
-            again = beam_search(wider, instances, hull, 0.0, None, previous)
-        else:
-            again = beam_search(wider, instances, hull, options().step_budget_again)
+        previous = [continuation.fit(stage, *kept) for stage in (0, MIDDLE)]
+        budget = 0.0 if spent else options().step_budget_again  # no search, but the effects that are kept
+        again = beam_search(wider, instances, hull, budget, None, previous)
         if not accepts(continuation, found, wider, again):
             break
         run_set, continuation, found = other, wider, again
@@ -185,17 +183,29 @@ def _with_better_commands(
 
 
 def _beside_position_noise(continuation: Continuation, winner: Fit) -> Fit | None:
-    """Another hypothesis than the winner that leaves position noise alone on the middle windows, or one that
-    leaves it with reconstructed commands; None if there is none. Position noise and commands may make the
-    search under white noise prefer a wrong one.
+    """The simplest hypothesis that leaves position noise alone on the middle windows, as it stands or with
+    reconstructed commands: the boat file, a single effect, what whole runs prefer, the winner; None if there
+    is none. Under white noise the search prefers what stands for position noise and commands.
     """
-    others = [best_on_whole_runs(continuation, winner), continuation.boat_file(MIDDLE)]
-    others = [one for one in others if one.hypothesis != winner.hypothesis]
-    for one in others:
-        if correlated_noise(continuation, one, MIDDLE) == "measurement":
+    every = [continuation.boat_file(MIDDLE), _likeliest_single(continuation)]
+    every += [best_on_whole_runs(continuation, winner), winner]
+    simplest_first = {one.hypothesis.label: one for one in every if one}
+    for one in simplest_first.values():
+        if correlated_noise(continuation, one, MIDDLE) == "measurement" or _is_left_by_commands(
+            continuation, one
+        ):
             return one
-    simplest_first = [*others[::-1], winner]
-    return next((one for one in simplest_first if _is_left_by_commands(continuation, one)), None)
+    return None
+
+
+def _likeliest_single(continuation: Continuation) -> Fit | None:
+    """The fit to the shortest windows of the single effect of least criterion there, if there is one."""
+    every = [
+        one
+        for (stage, _), one in continuation.fits.items()
+        if stage == 0 and len(one.hypothesis.instances) == 1
+    ]
+    return min(every, key=continuation.criterion, default=None)
 
 
 def _is_left_by_commands(continuation: Continuation, at: Fit) -> bool:
