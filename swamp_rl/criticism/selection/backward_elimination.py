@@ -144,13 +144,8 @@ def without(continuation: Continuation, best: Fit, label: str, stage: int) -> Fi
     below = without(continuation, shorter, label, stage - 1)
     if below.chi2 > shorter.chi2 + options().clearly:
         return made
-    problem = continuation.problem(stage, made.hypothesis)
     start = below.x, continuation.carried(below, stage)
-    again = continuation.fit_from(stage, made.hypothesis, *start, options().fit_steps, fresh=True)
-    if again.chi2 < made.chi2:
-        return again
-    continuation.keep(stage, problem, made)
-    return made
+    return continuation.refitted(stage, made, *start, options().fit_steps, fresh=True)
 
 
 def _from_best(continuation: Continuation, best: Fit, label: str, stage: int) -> Fit:
@@ -165,12 +160,9 @@ def _from_best(continuation: Continuation, best: Fit, label: str, stage: int) ->
         glance = fit(continuation.problem(stage, less), less, x, best.states, options().glance_steps)
         if glance.chi2 > best.chi2 + options().overwhelming:
             return known
-    before = continuation.problem(stage, less)
-    made = continuation.fit_from(stage, less, x, best.states, options().fit_steps, fresh=True)
-    if known is None or made.chi2 < known.chi2:
-        return made
-    continuation.keep(stage, before, known)
-    return known
+    if known is None:
+        return continuation.fit_from(stage, less, x, best.states, options().fit_steps, fresh=True)
+    return continuation.refitted(stage, known, x, best.states, options().fit_steps, fresh=True)
 
 
 def pruned(continuation: Continuation, best: Fit, stage: int) -> Fit:

@@ -11,7 +11,7 @@ from swamp_rl.criticism.data.run_set import Gap, RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, first_states, fit
-from swamp_rl.criticism.model.candidates import Hypothesis, joined
+from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import window_lengths
 from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
 from swamp_rl.criticism.nuisance.lost_rows import (
@@ -78,11 +78,19 @@ class Continuation:
         if made.chi2 <= nothing.chi2 + options().clearly:
             return made
         boat = self.problems[stage].boat
-        neutral = joined((one, np.array(neutral_start(one, boat) * one.count)) for one in every)
-        again = self.fit_from(stage, *neutral, nothing.states, steps)
-        if again.chi2 >= made.chi2:
-            self.keep(stage, self.problems[stage], made)
-        return min(made, again, key=lambda one: one.chi2)
+        neutral = [np.array(neutral_start(one, boat) * one.count) for one in every]
+        return self.refitted(stage, made, np.concatenate(neutral), nothing.states, steps)
+
+    def refitted(
+        self, stage: int, made: Fit, x: Array, states: Array, steps: int, fresh: bool = False
+    ) -> Fit:
+        """The better of a fit and another from x (p,) and states (W, 6), kept."""
+        problem = self.problem(stage, made.hypothesis)
+        again = self.fit_from(stage, made.hypothesis, x, states, steps, fresh)
+        if again.chi2 < made.chi2:
+            return again
+        self.keep(stage, problem, made)
+        return made
 
     def at(self, stage: int, one: Fit) -> Fit:
         """The hypothesis of a fit, fitted at that stage."""
