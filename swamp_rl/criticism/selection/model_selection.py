@@ -42,6 +42,7 @@ from swamp_rl.criticism.selection.continuation import (
 from swamp_rl.criticism.selection.stepwise_selection import select_under_model_error
 
 Array = NDArray[np.float64]
+Source = Literal["measurement", "process"] | None
 
 POSITIONS = slice(0, 2)
 OTHERS = slice(2, 6)
@@ -99,11 +100,11 @@ def _with_its_noise(
             return run_set, continuation, found
         found = replace(found, adequate=False, stage=MIDDLE, rivals=[])
     winner, stage = found.winner, LAST if found.adequate else MIDDLE
-    source = correlated_noise(continuation, winner, stage)
+    source, noise = _residual_noise(continuation, winner, stage)
     if source is None and stage == MIDDLE and correlated_noise(continuation, winner, LAST) == "measurement":
         source = "measurement"  # slower than the middle windows are long
     if source != "measurement" and not found.adequate:
-        other = _beside_position_noise(continuation, winner)
+        other = _beside_position_noise(continuation, winner, noise)
         winner, source = (other, "measurement") if other else (winner, source)
     if source == "measurement":
         again = _with_position_noise(*given, continuation, winner)
@@ -182,18 +183,18 @@ def _with_better_commands(
     return run_set, continuation, found
 
 
-def _beside_position_noise(continuation: Continuation, winner: Fit) -> Fit | None:
-    """The simplest hypothesis that leaves position noise alone on the middle windows, as it stands or with
-    reconstructed commands: the boat file, a single effect, what whole runs prefer, the winner; None if there
-    is none. Under white noise the search prefers what stands for position noise and commands.
+def _beside_position_noise(continuation: Continuation, winner: Fit, noise: Array) -> Fit | None:
+    """The simplest hypothesis whose residual on the middle windows is position noise alone, as it stands or
+    with reconstructed commands: the boat file, the likeliest single effect, the best of whole runs, the
+    winner; or None. noise: (6, 2) beside the winner, which is not position noise alone.
     """
     every = [continuation.boat_file(MIDDLE), _likeliest_single(continuation)]
     every += [best_on_whole_runs(continuation, winner), winner]
     simplest_first = {one.hypothesis.label: one for one in every if one}
     for one in simplest_first.values():
-        if correlated_noise(continuation, one, MIDDLE) == "measurement" or _is_left_by_commands(
-            continuation, one
-        ):
+        known = one is winner
+        source, beside = (None, noise) if known else _residual_noise(continuation, one, MIDDLE)
+        if source == "measurement" or _is_left_by_commands(continuation, one, beside):
             return one
     return None
 
@@ -208,12 +209,11 @@ def _likeliest_single(continuation: Continuation) -> Fit | None:
     return min(every, key=continuation.criterion, default=None)
 
 
-def _is_left_by_commands(continuation: Continuation, at: Fit) -> bool:
-    """Whether position noise and reconstructed commands together, and neither alone, are all that a
-    hypothesis leaves on the middle windows.
+def _is_left_by_commands(continuation: Continuation, at: Fit, noise: Array) -> bool:
+    """Whether a hypothesis leaves white noise on the middle windows beside the position part of a noise
+    (6, 2) and with reconstructed commands, but not with the logged ones.
     """
-    middle = fit_by_continuation(continuation, at.hypothesis, at.x)
-    slow = _only_positions(_position_noise(continuation.problems[MIDDLE], middle)[0])
+    slow = _only_positions(noise)
     if not slow.any():
         return False
     noisy = replace(continuation.problems[0].run_set, gauss_markov=slow)
@@ -311,11 +311,15 @@ def nearly_equal(one: Array, other: Array) -> bool:
     return bool((size < options().noise_unchanged[0]).all() and (time < options().noise_unchanged[1]).all())
 
 
-def correlated_noise(
-    continuation: Continuation, winner: Fit, stage: int
-) -> Literal["measurement", "process"] | None:
+def correlated_noise(continuation: Continuation, winner: Fit, stage: int) -> Source:
     """Source of the correlated residual of the winner at a stage: measurement (positions alone) or process;
     None where the residual is white.
+    """
+    return _residual_noise(continuation, winner, stage)[0]
+
+
+def _residual_noise(continuation: Continuation, winner: Fit, stage: int) -> tuple[Source, Array]:
+    """The source as of `correlated_noise`, and the Gauss-Markov noise (6, 2).
 
     The noise is estimated again beside a fit that includes it. Process noise also correlates positions: the
     larger likelihood decides.
@@ -324,11 +328,11 @@ def correlated_noise(
     problem = continuation.problem(stage, at.hypothesis)
     first = _gauss_markov_noise(problem, at)
     if not (first[:, 0] > 0).any():
-        return None
+        return None, first
     noise, gain = _position_noise(problem, at)
     if _of_positions_alone(noise) and gain > process_noise_gain(problem, at):
-        return "measurement"
-    return "process"
+        return "measurement", noise
+    return "process", noise
 
 
 def _position_noise(problem: Shooting, white: Fit) -> tuple[Array, float]:
