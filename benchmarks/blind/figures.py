@@ -16,9 +16,10 @@ CONFUSION, POWER = "blind_confusion.png", "blind_power.png"
 SIZES = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 0.5, 0.75, 1.0, 1.25, 1.5)
 EVIDENCES = (0.0, 2.0, 4.0, 6.0, 9.0, 15.0, 30.0, 100.0, 1000.0, np.inf)
 
+# key, bins, name and labelled ticks of each decade
 QUANTITIES = (
-    ("size", SIZES, "size, against a typical one"),
-    ("evidence", EVIDENCES, "evidence, standard errors"),
+    ("size", SIZES, "size, against a typical one", (1.0,)),
+    ("evidence", EVIDENCES, "evidence, standard errors", (1.0, 2.0, 5.0)),
 )
 
 
@@ -77,24 +78,37 @@ def confusion_picture(results: Sequence[Judged], path: Path) -> None:
 def power_picture(results: Sequence[Judged], path: Path) -> None:
     """Rate of single effects named, alone or in a small set, against size and evidence."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullFormatter
 
     single = [r for r in results if r["kind"] == "single" and r["level"] != "X"]
     kept = [one for one in QUANTITIES if any(r.get(one[0]) is not None for r in single)] or [QUANTITIES[0]]
     figure = Figure(figsize=(4.5 * len(kept), 3.8), layout="constrained")
     panels = figure.subplots(1, len(kept), sharey=True, squeeze=False)[0]
-    for level in sorted({r["level"] for r in single}):
+    for number, level in enumerate(sorted({r["level"] for r in single})):
         mine = [r for r in single if r["level"] == level]
-        for axes, (key, edges, _) in zip(panels, kept, strict=True):
+        for axes, (key, edges, *_) in zip(panels, kept, strict=True):
             found = shares(mine, key, edges)
             if found:
                 places, rates = [one["middle"] for one in found], [one["rate"] for one in found]
                 bars = [[one["rate"] - one["low"], one["high"] - one["rate"]] for one in found]
-                axes.errorbar(places, rates, np.maximum(bars, 0.0).T, fmt="o-", capsize=2, label=level)
-    for axes, (_, _, what) in zip(panels, kept, strict=True):
+                axes.errorbar(
+                    places,
+                    rates,
+                    np.maximum(bars, 0.0).T,
+                    fmt="o-",
+                    capsize=2,
+                    color=f"C{number}",
+                    label=level,
+                )
+    for axes, (*_, what, ticks) in zip(panels, kept, strict=True):
         axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=ticks))
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel(what)
         axes.grid(alpha=0.3)
     panels[0].set_ylim(-0.03, 1.05)
     panels[0].set_ylabel(f"named, alone or among {AT_MOST}")
-    panels[0].legend(*panels[0].get_legend_handles_labels(), title="level")
+    lines, levels = panels[0].get_legend_handles_labels()
+    figure.legend(lines, levels, title="level", loc="outside upper center", ncols=len(levels))
     figure.savefig(path, dpi=110)
