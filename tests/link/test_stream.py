@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from swamp_rl.errors import UserError
+from swamp_rl.link import stream
 from swamp_rl.link.helm import Latest
 from swamp_rl.link.sensor_line import CAMOGLI
 from swamp_rl.link.stamps import AGREED
@@ -153,7 +154,8 @@ def test_references_that_no_module_takes_are_ignored(field: str, value: int) -> 
     assert assembler.feed(" ".join(words).encode()) is None and assembler.ignored == 1
 
 
-def test_a_vehicle_whose_telemetry_has_no_fix_is_given_up() -> None:
+def test_a_vehicle_whose_telemetry_has_no_fix_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stream, "SENSELESS", 1.0)
     vehicle = vehicle_of(network=str(own_network().network))
     vehicle.blind.update(vehicle.addresses.sensors)
     with served(vehicle), pytest.raises(UserError, match=r"without whole telemetry of swamp, \d+ packets"):
