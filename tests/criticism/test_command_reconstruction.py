@@ -1,5 +1,6 @@
 """Reconstruction of commands between the rows of a slow log."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,11 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.adequacy import adequacy
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.nuisance.command_timing import command_changes, interpolated_at
 from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.beam_search import beam_search
@@ -121,6 +126,26 @@ def test_commands_that_switch_between_two_rows_get_their_switching_times(budget:
     assert moved.any()
     error, before = (np.abs(one.commands[:, 8:] - true)[moved].mean() for one in (read, log))
     assert error < 0.4 * before
+
+
+def test_a_command_that_changes_within_a_row_acts_from_that_instant_on() -> None:
+    given, log = switched({"effect": "resistance", "scale": 1.5})
+    true = given.reshape(3, -1, EVERY, 8)
+    change = command_changes(log)
+    moved = np.abs(change).argmax(axis=2)[..., None]
+    late = np.take_along_axis(true.mean(axis=2) - true[:, :, 0], moved, axis=2)
+    of = np.take_along_axis(change, moved, axis=2)
+    shares = np.divide(late, of, out=np.zeros_like(late), where=np.abs(of) > 1e-9)[..., 0]
+    restored = interpolated_at(log, change, shares)
+    assert restored.commands_of_parts[:, :-EVERY] == pytest.approx(given[:, :-EVERY], abs=1e-9)
+    weight = weights(log, noise_levels(log))
+    resistance = Hypothesis((by_label(candidates(log.boat, SECONDS))["resistance"],))
+    held, right = (
+        adequacy(problem, fit(problem, resistance, np.array([1.5]), problem.initial_states()))
+        for problem in (Shooting(one, weight, math.inf) for one in (replace(restored, within=None), restored))
+    )
+    assert right.adequate
+    assert right.worst < held.worst
 
 
 def test_a_drifting_clock_is_named_although_commands_switch_between_two_rows() -> None:

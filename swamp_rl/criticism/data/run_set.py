@@ -50,7 +50,9 @@ class RunSet:
     and time constant [s] of the Gauss-Markov part of the noise, None where it is white; too_short: names of
     runs that are left out; weather: (R or 0, T, 3), rows of `measured_weather`; ignored: the same with
     the measured wind, where that was left out; origin: the run that each is a part of, itself where empty;
-    days: the group that a dataset gives each run, or none.
+    days: the group that a dataset gives each run, or none; within: (R, T, n, 2K) commands in n equal parts of
+    each row less those of the row, None where these are held; instants: what the fitted instants at which
+    commands change cost, see `fit_shares`.
     """
 
     boat: Boat
@@ -66,6 +68,8 @@ class RunSet:
     ignored: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
     origin: tuple[int, ...] = ()
     days: tuple[str, ...] = ()
+    within: Array | None = None
+    instants: float = 0.0
 
     @property
     def present(self) -> tuple[str, ...]:
@@ -77,6 +81,19 @@ class RunSet:
     def first_compared(self) -> NDArray[np.int64]:
         """(R,) first row that is compared with a simulation; before it the actuators' states are unknown."""
         return first_compared(self.boat, self.commands, self.lengths, self.dt)
+
+    @property
+    def parts(self) -> int:
+        """Equal parts of a row in which commands may differ."""
+        return 1 if self.within is None else int(self.within.shape[2])
+
+    @cached_property
+    def commands_of_parts(self) -> Array:
+        """(R, T parts, 2K) commands in each part of each row."""
+        if self.within is None:
+            return self.commands
+        runs, rows, _, channels = self.within.shape
+        return (self.commands[:, :, None] + self.within).reshape(runs, rows * self.parts, channels)
 
     def subset(self, runs: list[int]) -> "RunSet":
         """The set of those runs alone."""
@@ -92,6 +109,7 @@ class RunSet:
             origin=tuple(int(self.origins[run]) for run in runs),
             too_short=(),
             days=(),
+            within=self.within[runs] if self.within is not None else None,
         )
 
     def copies(self, runs: list[int], commands: Array) -> "RunSet":

@@ -187,7 +187,8 @@ class Shooting:
             records = hypothesis.records(self.boat, x[None], self.record, self.run_set.origins)
             if len(self.histories) >= options().most_histories:
                 del self.histories[next(iter(self.histories))]
-            self.histories[key] = actuator_states(records, self.run_set.commands, self.last, self.dt)
+            commands, parts = self.run_set.commands_of_parts, self.run_set.parts
+            self.histories[key] = actuator_states(records, commands, self.last, self.dt, parts=parts)
         return self.histories[key]
 
     def _records(self, hypothesis: Hypothesis, x: Array) -> tuple[NDArray[Any], bool]:
@@ -261,9 +262,10 @@ class Shooting:
         which = (runs * np.arange(len(records))[:, None] + win.run).reshape(-1)
         records, begun = records.reshape(-1), start.reshape(-1, start.shape[2])
         track = np.empty((len(begun), win.rows + ahead, 6))
-        inputs = self.run_set.commands, self.run_set.weather, win.run, win.first, win.steps + ahead
+        commands, parts = self.run_set.commands_of_parts, self.run_set.parts
+        inputs = commands, self.run_set.weather, win.run, win.first, win.steps + ahead
         given = records, which, self.tank, begun, *inputs, np.zeros(len(which), np.uint64)
-        roll(*given, self.dt, self.substeps, acceleration, block, track)
+        roll(*given, self.dt, self.substeps, parts, acceleration, block, track)
         if altered:
             each = np.tile(which, len(begun) // len(which))
             boats = max(1, options().observed_rows // track.shape[1])

@@ -29,16 +29,23 @@ def actuator_history(boat: Boat, commands: Array, dt: float, at_first_commands: 
 
 
 def actuator_states(
-    records: NDArray[Any], commands: Array, rows: int, dt: float, at_first_commands: bool = True
+    records: NDArray[Any],
+    commands: Array,
+    rows: int,
+    dt: float,
+    at_first_commands: bool = True,
+    parts: int = 1,
 ) -> Array:
-    """Time and actuators (R, rows, S - 6) of R boats with parameter records (R,)."""
+    """Time and actuators (R, rows, S - 6) of R boats with parameter records (R,); commands: (R, T parts, 2K),
+    one for each of the equal parts of a row.
+    """
     runs = len(commands)
     start = initial_state(records, np.zeros((runs, 3)))
     if at_first_commands:
         start[:, ACTUATORS:] = commands[:, 0]
-    states = np.empty((runs, rows, start.shape[1] - 6))
-    roll_actuators(records, start, commands, np.arange(runs), dt, states)
-    return states
+    states = np.empty((runs, rows * parts, start.shape[1] - 6))
+    roll_actuators(records, start, commands, np.arange(runs), dt / parts, states)
+    return states[:, ::parts]
 
 
 def first_compared(boat: Boat, commands: Array, lengths: NDArray[np.int64], dt: float) -> NDArray[np.int64]:

@@ -29,6 +29,7 @@ def roll(
     seeds: Any,
     dt: float,
     substeps: int,
+    parts: int,
     acceleration: Any,
     block: int,
     track: Any,
@@ -37,13 +38,14 @@ def roll(
 
     params: (m,) records; which: (V W,) the record of each boat, or (W,) of each window, whose variants then
     start with the same actuators and are simulated side by side, the actuators once; start: (V W, S) states;
-    commands: (R, samples, 2K); weather: (R or 0, samples, 3), rows of `take_weather`; run, first, steps: (W,)
-    run, first sample and number of steps of dt [s]; the last state is repeated beyond; seeds: as many as
-    which. acceleration: (V W or 0, B, 3) added acceleration [m/s2, m/s2, rad/s2] of surge, sway and yaw, each
-    for `block` steps; half of a step's share before the step and half after (Strang splitting).
+    commands: (R, samples parts, 2K), one for each of the equal parts of a sample's step; weather: (R or 0,
+    samples, 3), rows of `take_weather`; run, first, steps: (W,) run, first sample and number of steps of
+    dt [s]; the last state is repeated beyond; seeds: as many as which. acceleration: (V W or 0, B, 3) added
+    acceleration [m/s2, m/s2, rad/s2] of surge, sway and yaw, each for `block` steps; half of a step's share
+    before the step and half after (Strang splitting).
     """
     commands, weather = np.ascontiguousarray(commands), np.ascontiguousarray(weather)
-    where = commands, weather, run, first, steps, seeds, dt, substeps, acceleration, block, track
+    where = commands, weather, run, first, steps, seeds, dt, substeps, parts, acceleration, block, track
 
     def part(mine: slice) -> None:
         _roll(params, which, tank, start, *where, mine.start, mine.stop)
@@ -90,6 +92,7 @@ def _roll(
     seeds: Any,
     dt: float,
     substeps: int,
+    parts: int,
     acceleration: Any,
     block: int,
     track: Any,
@@ -109,6 +112,7 @@ def _roll(
         uncounted(track),
     )
     accelerated = acceleration.shape[0] > 0
+    h, finer = dt / parts, (substeps + parts - 1) // parts
     for g in range(begin, end):
         own[0] = params[which[g]]
         w = g % windows
@@ -130,9 +134,10 @@ def _roll(
                 if weather.shape[0] > 0:
                     take_weather(own[0], measured[run[w], min(first[w] + j, weather.shape[1] - 1)])
                     constants = constants_of(own[0], curves)
-                row = min(first[w] + j, commands.shape[1] - 1)
-                delayed_command(given[run[w]], row, own[0].command_delay / dt, arrived)
-                continue_alike(state, rigid, own[0], curves, arrived, seeds[g], dt, substeps, jets, constants)
+                for q in range(parts):
+                    row = min((first[w] + j) * parts + q, commands.shape[1] - 1)
+                    delayed_command(given[run[w]], row, own[0].command_delay / h, arrived)
+                    continue_alike(state, rigid, own[0], curves, arrived, seeds[g], h, finer, jets, constants)
                 if accelerated:
                     for v in range(alike):
                         for c in range(3):

@@ -11,20 +11,27 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step
 from swamp_rl.criticism.options import options
+from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 
 SPREAD = 12.0**-0.5  # standard deviation of a uniform distribution between two rows
 
 
-def command_sensitivity(problem: Shooting, at: Fit, window: int, changes: Array) -> Array:
-    """(n, M) changes of a window's standardised prediction by changes (n, T, C) of its run's commands."""
+def command_sensitivity(
+    problem: Shooting, at: Fit, window: int, changes: Array, within: Array | None = None
+) -> Array:
+    """(n, M) changes of a window's standardised prediction by changes (n, T, C) of its run's commands, and
+    (n, T, parts, C) of those within its rows.
+    """
     run_set, win = problem.run_set, problem.windows
     run, count = int(win.run[window]), len(changes)
     unchanged = np.zeros((1, *changes.shape[1:]))
     windows = replace(win.part(np.full(count + 1, window)), run=np.arange(count + 1))
     commands = run_set.commands[run] + np.concatenate([changes, unchanged])
     several = run_set.copies([run] * (count + 1), commands)
+    if within is not None and several.within is not None:
+        several = replace(several, within=several.within + np.concatenate([within, 0.0 * within[:1]]))
     weight = np.repeat(problem.weight[run][None], count + 1, axis=0)
     many = Shooting(several, weight, problem.seconds, windows)
     states = np.repeat(at.states[window][None], count + 1, axis=0)
@@ -41,8 +48,26 @@ def command_changes(run_set: RunSet) -> Array:
 
 
 def interpolated_at(run_set: RunSet, change: Array, shares: Array) -> RunSet:
-    """The runs with each command moved by a share (R, T) of its change until the next row."""
-    return replace(run_set, commands=run_set.commands + shares[..., None] * change)
+    """The runs with each command moved by a share (R, T) of its change until the next row: a row that is
+    integrated in several steps holds its own command first and the next one for that share of its time.
+    """
+    parts = substeps_of(run_set.dt, run_set.boat)
+    within = None
+    if parts > 1:
+        before = 0.0 if run_set.within is None else run_set.within
+        within = before + shifted_within(change, shares, parts)
+        for gap in run_set.gaps:  # whose commands are unknown
+            within[gap.run, gap.row : gap.row + gap.rows] = 0.0
+    commands = run_set.commands + shares[..., None] * change
+    return replace(run_set, commands=commands, within=within, instants=0.0)
+
+
+def shifted_within(change: Array, shares: Array, parts: int) -> Array:
+    """(..., parts, C) commands of the parts of a row less their mean, of rows that take on changes (..., C)
+    after all but a share (...) of their time; in the part of the change itself the two commands are mixed.
+    """
+    of_parts = np.clip(parts * shares[..., None] - np.arange(parts)[::-1], 0.0, 1.0)
+    return np.asarray((of_parts - shares[..., None])[..., None] * change[..., None, :])
 
 
 def fit_shares(
@@ -63,7 +88,7 @@ def fit_shares(
         rows = first + np.sort(np.argsort(-size, kind="stable")[:count])
         if len(rows) == 0:
             continue
-        slopes = _share_slopes(problem, at, window, rows, change[run])
+        slopes = _share_slopes(problem, at, window, rows, change[run], shares[run])
         normal = normal_equations(at.states_jacobian[window][None], slopes[None], at.residual[window][None])
         now = shares[run, rows]
         H = normal.information[0] + np.eye(len(rows)) * SPREAD**-2
@@ -78,11 +103,21 @@ def fit_shares(
     return found, common_share, cost
 
 
-def _share_slopes(problem: Shooting, at: Fit, window: int, rows: NDArray[np.int64], change: Array) -> Array:
-    """(M, n) derivative of a window's weighted prediction by the shares of n rows."""
-    command_changes = np.zeros((len(rows), *change.shape))
-    command_changes[np.arange(len(rows)), rows] = options().share_step * change[rows]
-    return np.moveaxis(command_sensitivity(problem, at, window, command_changes) / options().share_step, 0, 1)
+def _share_slopes(
+    problem: Shooting, at: Fit, window: int, rows: NDArray[np.int64], change: Array, shares: Array
+) -> Array:
+    """(M, n) derivative of a window's weighted prediction by the shares (T,) of n rows."""
+    parts, each = problem.run_set.parts, np.arange(len(rows))
+    now, step = shares[rows], np.full(len(rows), options().share_step)
+    if parts > 1:  # beyond its end a row has no part left
+        step[now + step > 1.0] *= -1.0
+    changes = np.zeros((len(rows), *change.shape))
+    changes[each, rows] = step[:, None] * change[rows]
+    within = np.zeros((len(rows), len(change), parts, change.shape[1]))
+    moved = (shifted_within(change[rows], share, parts) for share in (now + step, now))
+    within[each, rows] = np.subtract(*moved)
+    slopes = command_sensitivity(problem, at, window, changes, within) / step[:, None]
+    return np.moveaxis(slopes, 0, 1)
 
 
 def with_unlogged_commands(problem: Shooting, at: Fit) -> RunSet | None:

@@ -57,7 +57,8 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     if less == at.hypothesis:
         return None
     plain = fit(problem, less, x, at.states, options().again_steps)
-    most = continuation.criterion(at) + options().separation - continuation.criterion.charge(less)
+    most = continuation.criterion(at) + problem.run_set.instants
+    most += options().separation - continuation.criterion.charge(less)
     share, shared = fit_common_share(problem, plain, logged)
     if shared.chi2 < most and adequacy(problem, shared).adequate:
         return interpolated(logged, share)
@@ -149,7 +150,7 @@ def fit_switching_times(
         if gain < enough:
             break
         enough = min_decrease(problem, least.chi2)
-    return best, least, cost
+    return replace(best, instants=cost), least, cost
 
 
 def least_of_parabola(start: float, middle: float, end: float) -> float:
@@ -166,7 +167,7 @@ def _refit(problem: Shooting, run_set: RunSet, at: Fit, fresh: bool = False) -> 
 
 
 def _problem(problem: Shooting, run_set: RunSet) -> Shooting:
-    made = replace(problem.run_set, commands=run_set.commands)
+    made = replace(problem.run_set, commands=run_set.commands, within=run_set.within)
     return Shooting(made, problem.weight, problem.seconds, problem.windows)
 
 
@@ -194,9 +195,13 @@ def is_better(before: Continuation, found: Selection, after: Continuation, again
 
 def is_simpler(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:
     """Whether a selection with reconstructed commands explains as much with fewer effects."""
-    one, other = (continuation.at(MIDDLE, s.winner) for continuation, s in ((before, found), (after, again)))
+    one, other = (
+        continuation.criterion(continuation.at(MIDDLE, of.winner))
+        + continuation.problems[MIDDLE].run_set.instants
+        for continuation, of in ((before, found), (after, again))
+    )
     return (
         again.adequate
         and len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)
-        and after.criterion(other) < before.criterion(one) + options().separation
+        and other < one + options().separation
     )
