@@ -165,6 +165,7 @@ def sailed(hypothesis: FreeBoat, boat: Boat, x: Array, gusty: bool, rng: np.rand
         seeds,
         dt,
         substeps_of(dt, boat),
+        1,
         np.zeros((0, 1, 3)),
         1,
         track,
