@@ -51,8 +51,8 @@ class RunSet:
     runs that are left out; weather: (R or 0, T, 3), rows of `measured_weather`; ignored: the same with
     the measured wind, where that was left out; origin: the run that each is a part of, itself where empty;
     days: the group that a dataset gives each run, or none; within: (R, T, n, 2K) commands in n equal parts of
-    each row less those of the row, None where these are held; instants: what the fitted instants at which
-    commands change cost, see `fit_shares`.
+    each row less those of the row, None where these are held; instants_cost: cost in chi2 of the fitted
+    instants of command changes, see `fit_shares`.
     """
 
     boat: Boat
@@ -69,7 +69,7 @@ class RunSet:
     origin: tuple[int, ...] = ()
     days: tuple[str, ...] = ()
     within: Array | None = None
-    instants: float = 0.0
+    instants_cost: float = 0.0
 
     @property
     def present(self) -> tuple[str, ...]:

@@ -30,7 +30,7 @@ def command_sensitivity(
     windows = replace(win.part(np.full(count + 1, window)), run=np.arange(count + 1))
     commands = run_set.commands[run] + np.concatenate([changes, unchanged])
     several = run_set.copies([run] * (count + 1), commands)
-    if within is not None and several.within is not None:
+    if within is not None:
         several = replace(several, within=several.within + np.concatenate([within, 0.0 * within[:1]]))
     weight = np.repeat(problem.weight[run][None], count + 1, axis=0)
     many = Shooting(several, weight, problem.seconds, windows)
@@ -59,7 +59,7 @@ def interpolated_at(run_set: RunSet, change: Array, shares: Array) -> RunSet:
         for gap in run_set.gaps:  # whose commands are unknown
             within[gap.run, gap.row : gap.row + gap.rows] = 0.0
     commands = run_set.commands + shares[..., None] * change
-    return replace(run_set, commands=commands, within=within, instants=0.0)
+    return replace(run_set, commands=commands, within=within, instants_cost=0.0)
 
 
 def shifted_within(change: Array, shares: Array, parts: int) -> Array:
@@ -109,13 +109,14 @@ def _share_slopes(
     """(M, n) derivative of a window's weighted prediction by the shares (T,) of n rows."""
     parts, each = problem.run_set.parts, np.arange(len(rows))
     now, step = shares[rows], np.full(len(rows), options().share_step)
-    if parts > 1:  # beyond its end a row has no part left
-        step[now + step > 1.0] *= -1.0
+    within = None
+    if parts > 1:
+        step[now + step > 1.0] *= -1.0  # beyond its end a row has no part left
+        within = np.zeros((len(rows), len(change), parts, change.shape[1]))
+        moved = (shifted_within(change[rows], share, parts) for share in (now + step, now))
+        within[each, rows] = np.subtract(*moved)
     changes = np.zeros((len(rows), *change.shape))
     changes[each, rows] = step[:, None] * change[rows]
-    within = np.zeros((len(rows), len(change), parts, change.shape[1]))
-    moved = (shifted_within(change[rows], share, parts) for share in (now + step, now))
-    within[each, rows] = np.subtract(*moved)
     slopes = command_sensitivity(problem, at, window, changes, within) / step[:, None]
     return np.moveaxis(slopes, 0, 1)
 

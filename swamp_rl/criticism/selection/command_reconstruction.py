@@ -57,7 +57,7 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     if less == at.hypothesis:
         return None
     plain = fit(problem, less, x, at.states, options().again_steps)
-    most = continuation.criterion(at) + problem.run_set.instants
+    most = continuation.criterion(at) + problem.run_set.instants_cost
     most += options().separation - continuation.criterion.charge(less)
     share, shared = fit_common_share(problem, plain, logged)
     if shared.chi2 < most and adequacy(problem, shared).adequate:
@@ -150,7 +150,7 @@ def fit_switching_times(
         if gain < enough:
             break
         enough = min_decrease(problem, least.chi2)
-    return replace(best, instants=cost), least, cost
+    return replace(best, instants_cost=cost), least, cost
 
 
 def least_of_parabola(start: float, middle: float, end: float) -> float:
@@ -197,7 +197,7 @@ def is_simpler(before: Continuation, found: Selection, after: Continuation, agai
     """Whether a selection with reconstructed commands explains as much with fewer effects."""
     one, other = (
         continuation.criterion(continuation.at(MIDDLE, of.winner))
-        + continuation.problems[MIDDLE].run_set.instants
+        + continuation.problems[MIDDLE].run_set.instants_cost
         for continuation, of in ((before, found), (after, again))
     )
     return (
