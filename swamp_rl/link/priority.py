@@ -23,14 +23,15 @@ def schedule_in_real_time() -> None:
 
 @contextmanager
 def garbage_kept() -> Iterator[None]:
-    """Collect no garbage within the block but where `gc.collect` is called; what is there stays."""
+    """Collect no garbage within the block but where `gc.collect` is called.
+
+    What is there now is of the oldest generation from here on, which no collection of a younger one visits.
+    """
     was = gc.isenabled()
     gc.collect()
-    gc.freeze()
     gc.disable()
     try:
         yield
     finally:
-        gc.unfreeze()
         if was:
             gc.enable()
