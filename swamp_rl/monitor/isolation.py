@@ -114,14 +114,18 @@ def _from(
     sized = [i for i, instance in enumerate(instances) if free(instance)]
 
     def changes(tried: Sequence[tuple[EffectInstance, Array]]) -> Array:
-        own = [Hypothesis((instance,)).records(boat, x[None], record) for instance, x in tried]
-        return signatures(boat, np.concatenate([record, *own]), window, dt)
+        every = np.repeat(record, 1 + sum(len(xs) for _, xs in tried))
+        begin = 1
+        for instance, xs in tried:
+            every[begin : begin + len(xs)] = Hypothesis((instance,)).records(boat, xs, record)
+            begin += len(xs)
+        return signatures(boat, every, window, dt)
 
     own = np.zeros((len(instances), len(white)))
     left = np.full(len(instances), white @ white)
     for _ in range(iterations if sized else 0):
         steps = {i: moved(instances[i], sizes[i]) for i in sized}
-        there = iter(changes([(instances[i], x) for i in sized for x in steps[i]]))
+        there = iter(changes([(instances[i], steps[i]) for i in sized]))
         tried = {}
         for i in sized:
             added = np.array([next(there) for _ in steps[i]]) - own[i]
@@ -129,7 +133,7 @@ def _from(
             change = np.linalg.lstsq(slopes, white - own[i], rcond=1e-9)[0]
             low, high = np.array([(spec.low, spec.high) for spec in instances[i].specs]).T
             tried[i] = np.clip(sizes[i] + np.outer(options.shares, change), low, high)
-        there, before = iter(changes([(instances[i], x) for i in sized for x in tried[i]])), left.sum()
+        there, before = iter(changes([(instances[i], tried[i]) for i in sized])), left.sum()
         for i in sized:
             for x in tried[i]:
                 added = next(there)
@@ -139,7 +143,7 @@ def _from(
             break
     others = [i for i in range(len(instances)) if i not in sized]
     if others:
-        own[others] = changes([(instances[i], sizes[i]) for i in others])
+        own[others] = changes([(instances[i], sizes[i][None]) for i in others])
         left[others] = np.sum((white - own[others]) ** 2, axis=1)
     gain = float(white @ white) - left
     return [
