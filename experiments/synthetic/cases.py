@@ -223,7 +223,7 @@ def sail(
     """
     params = true_record(boat, case)
     after = rows_ahead(params, (before + steps) * tick, tick)
-    true, hook = params.copy(), hook_of(case.outside, boat)
+    true, hook, curves = params.copy(), hook_of(case.outside, boat), tank(boat)
     state = initial_state(params, start[None])
     every = before + steps + after
     asked, arrived = np.zeros((every + 1, 2 * len(boat.thrusters))), np.zeros(2 * len(boat.thrusters))
@@ -233,7 +233,7 @@ def sail(
         asked[row] = driver(row * tick, state[0])
         delayed_command(asked, row, float(params["command_delay"][0]) / tick, arrived)
         hook(params, state[0], arrived)
-        step(state, params, tank(boat), arrived[None], np.zeros(1, np.uint64), tick, round(tick / SUBSTEP))
+        step(state, params, curves, arrived[None], np.zeros(1, np.uint64), tick, round(tick / SUBSTEP))
         track[row + 1] = state[0]
     asked[before + steps] = asked[before + steps - 1]
     return Voyage(track[before:], asked[before : before + steps + 1], true)
@@ -241,11 +241,11 @@ def sail(
 
 def acting_share(case: Case, boat: Boat, voyage: Voyage) -> float:
     """Share of a run's rows in which what no library effect is does anything."""
-    hook, acts = hook_of(case.outside, boat), 0
+    hook, acts, plain = hook_of(case.outside, boat), 0, voyage.record.tobytes()
     for state, command in zip(voyage.track, voyage.commands, strict=False):
         params, arrived = voyage.record.copy(), command.copy()
         hook(params, state, arrived)
-        acts += bool(params != voyage.record or (arrived != command).any())
+        acts += params.tobytes() != plain or bool((arrived != command).any())
     return acts / len(voyage.commands)
 
 

@@ -86,6 +86,7 @@ class Vehicle:
         self.boat, self.addresses, self.conduct = boat, vehicle, conduct or Conduct()
         self.params = parameters(boat)
         "(1,) parameter record; may be changed under way."
+        self._tank = tank(boat)
         self.state = initial_state(self.params, np.zeros((1, 3)) if pose is None else pose[None])
         "(1, S), see `swamp_rl.simulator.state`."
         self.modules = [ThrusterModule(vehicle, self.conduct.timeout) for _ in boat.thrusters]
@@ -179,7 +180,7 @@ class Vehicle:
         self._asked = [*self._asked[-math.ceil(delay) - 2 :], self.commands()]
         arrived = np.empty_like(self._asked[-1])
         delayed_command(np.array(self._asked), len(self._asked) - 1, delay, arrived)
-        step(self.state, self.params, tank(self.boat), arrived[None], self._gusts, TICK, 1)
+        step(self.state, self.params, self._tank, arrived[None], self._gusts, TICK, 1)
         self.ticks += 1
 
     def _telemetry(self) -> list[Packet]:

@@ -74,10 +74,11 @@ def sailed_again(run: Run, boat: Boat) -> Array:
     seed = np.array([run.meta.model_dump().get("gust_seed", 0)], dtype=np.uint64)
     commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
     step = 1.0 / round(1.0 / float(np.median(np.diff(run.time))), 6)
+    curves, substeps = tank(boat), substeps_of(step, boat)
     track = np.empty((len(commands), state_size(len(boat.thrusters))))
     for row, command in enumerate(_arrived(run, boat, commands, float(params["command_delay"][0]) / step)):
         track[row] = state[0]
-        sail(state, params, tank(boat), command[None], seed, step, substeps_of(step, boat))
+        sail(state, params, curves, command[None], seed, step, substeps)
     return track
 
 
