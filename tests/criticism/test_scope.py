@@ -8,10 +8,11 @@ import pytest
 import yaml
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.likelihood.cross_validation import heldout_numbers
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import fit
+from swamp_rl.criticism.likelihood.output_error import at_states, fit
 from swamp_rl.criticism.model.candidates import (
     EffectInstance,
     Hypothesis,
@@ -33,8 +34,8 @@ def hypothesis(*labels: str) -> Hypothesis:
     return Hypothesis(tuple(sorted((EVERY[label] for label in labels), key=lambda one: one.label)))
 
 
-def shooting() -> Shooting:
-    return Shooting(RUNS, weights(RUNS, noise_levels(RUNS)), 10.0)
+def shooting(runs: RunSet = RUNS) -> Shooting:
+    return Shooting(runs, weights(runs, noise_levels(runs)), 10.0)
 
 
 def test_only_effects_of_the_weather_may_differ_between_runs() -> None:
@@ -79,13 +80,20 @@ def test_a_shared_effect_is_a_special_case_of_one_that_differs() -> None:
     assert not nested(hypothesis("wind by_run"), hypothesis("wind"))
 
 
-def test_a_run_held_out_keeps_its_own_wind_and_takes_the_others_mass() -> None:
-    problem, both = shooting(), hypothesis("mass", "wind by_run")
-    at = fit(problem, both, np.array([RUNS.boat.mass, *([3.5, 1.9] * 3)]), problem.initial_states())
-    numbers = heldout_numbers(problem, at)
-    for run in range(3):
-        np.testing.assert_allclose(numbers[run, 1 + 2 * run : 3 + 2 * run], at.x[1 + 2 * run : 3 + 2 * run])
-    assert np.ptp(numbers[:, 0]) < 5.0
+def test_a_run_held_out_takes_what_the_others_share_and_its_own_wind_beside_that() -> None:
+    wind = {"effect": "wind", "speed": 4.0, "from": 0.5}
+    one, other = (simulated_runs([wind, {"effect": "resistance", "scale": scale}]) for scale in (1.0, 1.3))
+    run = np.array([0.0, 1.0, 0.0])[:, None, None]  # the second run is of another boat
+    problem = shooting(replace(one, measured=np.where(run, other.measured, one.measured)))
+    both = hypothesis("resistance", "wind by_run")
+    at = fit(problem, both, np.array([1.0, *([3.5, 1.9] * 3)]), problem.initial_states())
+    x = heldout_numbers(problem, at)[1]
+    assert abs(x[0] - 1.0) < 0.05 < at.x[0] - 1.0
+    mine, own = problem.windows.run == 1, slice(3, 5)
+    tried = np.array([x, x, x])
+    tried[1, own], tried[2, own] = at.x[own], 2.0 * x[own] - at.x[own]
+    fitted, kept, beyond = (at_states(problem.part(mine), both, x, at.states[mine], 30).chi2 for x in tried)
+    assert fitted < min(kept, beyond) - 1.0
 
 
 def test_the_conditions_of_each_run_are_a_file_of_their_own(tmp_path: Path) -> None:

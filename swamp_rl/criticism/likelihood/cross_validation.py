@@ -51,13 +51,21 @@ def halves_of(windows: Windows) -> NDArray[np.int64]:
 
 
 def heldout_numbers(problem: Shooting, at: Fit) -> Array:
-    """(R, p) parameters fitted to all runs but each one; those of the fit where there is one run. What each
-    group of runs has its own of is that of the fit, where no other run is of the group.
+    """(R, p) parameters fitted to all runs but each one; those of the fit where there is one run. What the
+    others say nothing of, such as the weather of that run alone, is fitted to it beside the rest.
     """
     runs = len(problem.run_set.lengths)
     if runs == 1 or at.hypothesis.size == 0:
         return np.repeat(at.x[None], runs, axis=0)
-    return numbers_without(at, problem.windows.run, runs)
+    numbers = numbers_without(at, problem.windows.run, runs)
+    low, high = at.hypothesis.bounds()
+    for run, x in enumerate(numbers):
+        mine = problem.windows.run == run
+        others, H = (at.normal.information[chosen].sum(axis=0) for chosen in (~mine, mine))
+        own = (np.diag(others) == 0.0) & (at.hypothesis.prior()[1] == 0.0)
+        g = at.normal.gradient[mine].sum(axis=0) - H[:, ~own] @ (x - at.x)[~own]
+        x[own] = np.clip(x[own] + inverse(H[np.ix_(own, own)]) @ g[own], low[own], high[own])
+    return numbers
 
 
 def numbers_without(at: Fit, fold: NDArray[np.int64], folds: int) -> Array:
