@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.data.run_set import Gap, RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
@@ -22,7 +22,7 @@ from swamp_rl.criticism.selection.command_reconstruction import (
     is_refuted,
     least_of_parabola,
     other_commands,
-    shared_on_whole_runs,
+    reconstruction_on_whole_runs,
 )
 from swamp_rl.criticism.selection.continuation import LAST, continuation_of
 from swamp_rl.criticism.selection.model_selection import select_model
@@ -174,13 +174,17 @@ def test_an_effect_that_short_windows_do_not_need_gives_way_to_commands_that_mov
     assert error < 0.2 * before
 
 
-@pytest.mark.parametrize("held", [False, True])
-def test_whole_runs_show_by_what_share_commands_moved_between_rows(held: bool) -> None:
+@pytest.mark.parametrize(("held", "lost"), [(False, 0), (False, 12), (True, 0)])
+def test_whole_runs_show_by_what_share_commands_moved_between_rows(held: bool, lost: int) -> None:
     log = logged(held, every=2)
+    if lost:
+        measured, rows = log.measured.copy(), slice(80, 80 + lost)
+        measured[1, rows] = np.nan
+        log = replace(log, measured=measured, gaps=(Gap(1, rows.start, lost),))
     continuation = continuation_of(log, weights(log, noise_levels(log)))
     scale = by_label(candidates(log.boat, SECONDS))["thrust_scale"]
     at = continuation.fit(LAST, Hypothesis((scale,)), np.array([0.8]))
-    moved = shared_on_whole_runs(continuation, at, log)
+    moved = reconstruction_on_whole_runs(continuation, at, log)
     assert (moved is None) == held
     if moved:
         # of the two steps of a row the second has half of the change

@@ -1,5 +1,6 @@
 """Reconstruction of commands between samples: held, interpolated, or switched at a fitted instant."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -30,15 +31,37 @@ def interpolated(run_set: RunSet, share: float) -> RunSet:
 def better_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
     """The runs with reconstructed commands where these lower chi2 on the middle windows clearly, or None.
 
-    Compared at the selected hypothesis, since shifted commands could absorb a missing effect. One share for
-    all steps first, at the minimum of a parabola, then one for each step.
+    Compared at the selected hypothesis, since shifted commands could absorb a missing effect.
     """
     problem = continuation.problems[MIDDLE]
     if at.chi2 > options().reconstruction_hopeless * problem.samples:
         return None
     above_noise = at.chi2 - options().variance_bias * problem.samples
     least = max(options().reconstruction_gain, options().reconstruction_share * above_noise)
-    most, best = options().reconstruction_most * problem.samples, None
+    return _reconstruction(problem, at, logged, least, options().reconstruction_most * problem.samples)
+
+
+def reconstruction_on_whole_runs(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
+    """The runs with reconstructed commands where these lower chi2 of whole runs clearly, or None. Commands
+    in gaps are those that fit the hypothesis best.
+    """
+    whole = continuation.at(LAST, at)
+    problem = continuation.problem(LAST, at.hypothesis)
+    if whole.chi2 > options().reconstruction_hopeless * problem.samples:
+        return None
+    commands = logged.commands.copy()
+    for gap in continuation.gaps:
+        rows = slice(gap.row, gap.row + gap.rows)
+        commands[gap.run, rows] = problem.run_set.commands[gap.run, rows]
+    filled = replace(logged, commands=commands)
+    return _reconstruction(problem, whole, filled, options().reconstruction_gain, math.inf)
+
+
+def _reconstruction(problem: Shooting, at: Fit, logged: RunSet, least: float, most: float) -> RunSet | None:
+    """The runs with commands that lower the chi2 of a fit by `least`, to less than `most`, or None: moved by
+    one share of every step, at the minimum of a parabola, or where that saves more by one of each step.
+    """
+    best = None
     share, shared = fit_common_share(problem, at, logged)
     if shared.chi2 < min(at.chi2 - least, most):
         best = interpolated(logged, share)
@@ -91,20 +114,8 @@ def other_commands(
         return None, own, is_simpler
     kept = joined(part for part in at.parts() if part[0] in shown)
     less = fit_by_continuation(continuation, *kept)
-    other = better_reconstruction(continuation, less, logged)
-    return other or shared_on_whole_runs(continuation, less, logged), kept, is_simpler
-
-
-def shared_on_whole_runs(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
-    """The runs with every command moved by one share of its change, where that lowers chi2 of whole runs
-    clearly, or None; None for runs with gaps, whose commands differ between hypotheses.
-    """
-    if continuation.gaps:
-        return None
-    whole = continuation.at(LAST, at)
-    share, shared = fit_common_share(continuation.problems[LAST], whole, logged)
-    saves = shared.chi2 < whole.chi2 - options().reconstruction_gain
-    return interpolated(logged, share) if share > 0.0 and saves else None
+    other = reconstruction_on_whole_runs(continuation, less, logged)
+    return other or better_reconstruction(continuation, less, logged), kept, is_simpler
 
 
 def without_timing(at: Fit) -> Kept:
