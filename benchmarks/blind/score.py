@@ -109,7 +109,7 @@ def estimates(truth: Judged, causes: Sequence[Judged]) -> list[dict[str, Any]]:
                 continue
             for name, number in cause["parameters"].items():
                 error = number["standard_error"]
-                if name not in effect or error <= 0:
+                if name not in effect or error <= 0 or not number.get("identifiable", True):
                     continue
                 difference = number["value"] - effect[name]
                 if number["unit"] == "rad":

@@ -34,6 +34,7 @@ from swamp_rl.criticism.inference.identifiability import contrast, hidden_effect
 from swamp_rl.criticism.inference.next_trial import Designed, design_trial, question_of, write_trial
 from swamp_rl.criticism.inference.self_trial import TWINS, Each, Method, self_trial, serially
 from swamp_rl.criticism.inference.special_cases import with_sufficient_special_cases
+from swamp_rl.criticism.inference.unidentifiable import with_neutral_values
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
@@ -136,6 +137,7 @@ def examine(
         on = Witness(other, weights(other, noise_levels(other)), others=True)
     noise = {n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)}
     found = with_sufficient_special_cases(continuation, found, every, on, rng)
+    found = with_neutral_values(continuation, found)
     judged = continuation.problem(found.stage, found.winner.hypothesis)
     measure = adequacy(judged, in_noise_units(found.winner, judged, weight))
 

@@ -29,7 +29,8 @@ class Part(BaseModel):
 
 class Estimate(Part):
     """A fitted parameter. standard_error: one standard deviation, in `unit`; at_bound: whether it ended at a
-    bound of the fit, where the standard error is meaningless; limit: the side of that bound.
+    bound of the fit, where the standard error is meaningless; limit: the side of that bound; identifiable:
+    whether the runs determine it: where they say nothing of it, `value` is the one that changes nothing.
     """
 
     value: float
@@ -37,6 +38,7 @@ class Estimate(Part):
     unit: str
     at_bound: bool = False
     limit: Limit | None = None
+    identifiable: bool = True
 
 
 class Spread(Part):

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference.unidentifiable import unidentifiable
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
@@ -77,7 +78,7 @@ def components(instance: EffectInstance) -> list[tuple[str, str]]:
 def _estimates(instance: EffectInstance, x: Array, covariance: Array) -> dict[str, Estimate]:
     """The effect's parameters from x (p,) with covariance (p, p)."""
     slopes = slopes_of(instance, x)
-    sides = sides_of(instance, x)
+    sides, unknown = sides_of(instance, x), unidentifiable(instance, covariance)
     return {
         name: Estimate(
             value=float(value),
@@ -85,6 +86,7 @@ def _estimates(instance: EffectInstance, x: Array, covariance: Array) -> dict[st
             unit=instance.effect.parameter(name).unit,
             at_bound=bool((slopes[name] * sides).any()),
             limit=_limit(slopes[name] * sides),
+            identifiable=not (slopes[name] * unknown).any(),
         )
         for name, value in entries_of(instance, x)[0].values.items()
     }

@@ -288,8 +288,12 @@ def cause_rows(causes: Sequence[Cause], boat: Boat) -> list[tuple[str, ...]]:
 
 
 def number_cells(estimate: Estimate) -> tuple[str, str, str]:
-    """Value, 95 % interval and unit, angles in degrees; at a bound of the fit there is no interval."""
+    """Value, 95 % interval and unit, angles in degrees; without an interval at a bound of the fit, and where
+    the runs do not determine it.
+    """
     factor, unit = (180.0 / math.pi, "degrees") if estimate.unit == "rad" else (1.0, estimate.unit)
+    if not estimate.identifiable:
+        return plain(factor * estimate.value), "not determined by these runs", written(unit)
     if estimate.at_bound:
         ended = plain(factor * estimate.value)
         return ended, edge(estimate.limit, ended), written(unit)
