@@ -49,25 +49,45 @@ def command_changes(run_set: RunSet) -> Array:
 
 def interpolated_at(run_set: RunSet, change: Array, shares: Array) -> RunSet:
     """The runs with each command moved by a share (R, T) of its change until the next row: a row that is
-    integrated in several steps holds its own command first and the next one for that share of its time.
+    integrated in several steps holds its own command first and takes on the next one at the end, in runs
+    whose commands move all the time by a ramp.
     """
     parts = substeps_of(run_set.dt, run_set.boat)
     within = None
     if parts > 1:
         before = 0.0 if run_set.within is None else run_set.within
-        within = before + shifted_within(change, shares, parts)
+        every = zip(change, shares, have_ramps(run_set, change), strict=True)
+        moved = [shifted_within(steps, share, parts, ramp) for steps, share, ramp in every]
+        within = before + np.array(moved)
         for gap in run_set.gaps:  # whose commands are unknown
             within[gap.run, gap.row : gap.row + gap.rows] = 0.0
     commands = run_set.commands + shares[..., None] * change
     return replace(run_set, commands=commands, within=within, instants_cost=0.0)
 
 
-def shifted_within(change: Array, shares: Array, parts: int) -> Array:
-    """(..., parts, C) commands of the parts of a row less their mean, of rows that take on changes (..., C)
-    after all but a share (...) of their time; in the part of the change itself the two commands are mixed.
+def have_ramps(run_set: RunSet, change: Array) -> list[bool]:
+    """Whether the commands of each run move most of the time, so that they do so within a row too; change:
+    (R, T, 2K) from row to row as logged.
     """
-    of_parts = np.clip(parts * shares[..., None] - np.arange(parts)[::-1], 0.0, 1.0)
-    return np.asarray((of_parts - shares[..., None])[..., None] * change[..., None, :])
+    rows = zip(change, run_set.lengths, strict=True)
+    return [bool((one[: length - 1] != 0.0).any(axis=1).mean() > 0.5) for one, length in rows]
+
+
+def shifted_within(change: Array, shares: Array, parts: int, ramp: bool) -> Array:
+    """(..., parts, C) commands of the parts of a row less their mean, of rows that take on a share (...) of
+    changes (..., C) in the mean: at one instant, or by a ramp as steep as from one row to the next.
+    """
+    ends = np.arange(parts + 1) / parts
+    s = shares[..., None]
+    if ramp:
+        late, early = np.sqrt(2.0 * np.minimum(s, 0.5)), np.sqrt(2.0 * np.minimum(1.0 - s, 0.5))
+        rising = 0.5 * np.maximum(ends - 1.0 + late, 0.0) ** 2
+        risen = ends - 0.5 * (early**2 - np.maximum(early - ends, 0.0) ** 2)
+        taken = np.where(s < 0.5, rising, risen)  # integral of the share until then
+    else:
+        taken = np.maximum(ends - 1.0 + s, 0.0)
+    of_parts = parts * np.diff(taken, axis=-1)
+    return np.asarray((of_parts - s)[..., None] * change[..., None, :])
 
 
 def fit_shares(
@@ -80,7 +100,7 @@ def fit_shares(
     initial states are eliminated. `problem` has the commands that `shares` (R, T) gives; change: (R, T, 2K).
     """
     found, fitted, weights, cost = np.full_like(shares, common_share), [], [], 0.0
-    win = problem.windows
+    win, ramps = problem.windows, have_ramps(problem.run_set, change)
     for window in range(win.count):
         run, first = int(win.run[window]), int(win.first[window])
         size = np.abs(change[run, first : first + int(win.steps[window])]).max(axis=1)
@@ -88,7 +108,7 @@ def fit_shares(
         rows = first + np.sort(np.argsort(-size, kind="stable")[:count])
         if len(rows) == 0:
             continue
-        slopes = _share_slopes(problem, at, window, rows, change[run], shares[run])
+        slopes = _share_slopes(problem, at, window, rows, change[run], shares[run], ramps[run])
         normal = normal_equations(at.states_jacobian[window][None], slopes[None], at.residual[window][None])
         now = shares[run, rows]
         H = normal.information[0] + np.eye(len(rows)) * SPREAD**-2
@@ -104,7 +124,13 @@ def fit_shares(
 
 
 def _share_slopes(
-    problem: Shooting, at: Fit, window: int, rows: NDArray[np.int64], change: Array, shares: Array
+    problem: Shooting,
+    at: Fit,
+    window: int,
+    rows: NDArray[np.int64],
+    change: Array,
+    shares: Array,
+    ramp: bool,
 ) -> Array:
     """(M, n) derivative of a window's weighted prediction by the shares (T,) of n rows."""
     parts, each = problem.run_set.parts, np.arange(len(rows))
@@ -113,7 +139,7 @@ def _share_slopes(
     if parts > 1:
         step[now + step > 1.0] *= -1.0  # beyond its end a row has no part left
         within = np.zeros((len(rows), len(change), parts, change.shape[1]))
-        moved = (shifted_within(change[rows], share, parts) for share in (now + step, now))
+        moved = (shifted_within(change[rows], share, parts, ramp) for share in (now + step, now))
         within[each, rows] = np.subtract(*moved)
     changes = np.zeros((len(rows), *change.shape))
     changes[each, rows] = step[:, None] * change[rows]
