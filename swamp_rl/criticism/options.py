@@ -247,7 +247,7 @@ class Options:
     reconstruction_share: float = 0.2
     reconstruction_most: float = 3.0  # chi2 a sample above which none is accepted
     reconstruction_hopeless: float = 30.0  # chi2 a sample above which none is tried
-    reconstruction_rounds: int = 4  # repetitions of the fit of all switching times
+    reconstruction_rounds: int = 8  # repetitions of the fit of all switching times
     # ---- Continuation in the window length
     window_lengths: tuple[float, float] = (5.0, 20.0)  # s, at least: nearly convex, discriminating
     window_lengths_of_boat: tuple[float, float] = (5.5, 22.0)  # L/U of the boat, at least

@@ -32,6 +32,8 @@ pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
 Array = NDArray[np.float64]
 
+ONE = np.array([1.0])
+
 EVERY = 5  # rows of the truth to one of the log
 
 
@@ -95,21 +97,21 @@ def test_no_faster_actuator_stands_for_moving_commands_however_long_the_search_w
     assert not np.array_equal(read.commands, log.commands)
 
 
-def jumping(run: int) -> np.ndarray:
+def jumping(run: int, seconds: float = SECONDS) -> np.ndarray:
     """(T, 8) commands that switch between the rows of the log."""
-    rows = round(SECONDS / DT)
+    rows = round(seconds / DT)
     rng = np.random.default_rng(run)
     levels = rng.uniform([-0.8, -0.8, 0.2, 0.0], [0.8, 0.8, 1.0, 1.0], (rows // 23 + 1, 4))
     step = np.arange(rows) // 23
     return levels[step][:, [0, 0, 1, 1, 2, 2, 3, 3]]
 
 
-def switched(effect: dict[str, object]) -> tuple[Array, RunSet]:
+def switched(effect: dict[str, object], runs: int = 3, seconds: float = SECONDS) -> tuple[Array, RunSet]:
     """Commands (R, T, 8) that switch between the rows of the log, and the log of a boat with an effect."""
-    given = np.stack([jumping(run) for run in range(3)])
+    given = np.stack([jumping(run, seconds) for run in range(runs)])
     sailed = driven([effect], given, 1.0, seed=5)
     log = replace(sailed, commands=given[:, ::EVERY], measured=sailed.measured[:, ::EVERY], dt=DT * EVERY)
-    return given, replace(log, lengths=np.full(3, log.commands.shape[1]))
+    return given, replace(log, lengths=np.full(runs, log.commands.shape[1]))
 
 
 @pytest.mark.parametrize("budget", [2e7, 1.0])
@@ -126,6 +128,22 @@ def test_commands_that_switch_between_two_rows_get_their_switching_times(budget:
     assert moved.any()
     error, before = (np.abs(one.commands[:, 8:] - true)[moved].mean() for one in (read, log))
     assert error < 0.4 * before
+
+
+def test_a_long_run_shows_the_instant_of_each_step_though_first_estimates_go_too_far() -> None:
+    given, log = switched({"effect": "resistance", "scale": 1.5}, 1, 80.0)
+    weight = weights(log, noise_levels(log))
+    continuation = continuation_of(log, weight)
+    resistance = Hypothesis((by_label(candidates(log.boat, SECONDS))["resistance"],))
+    held = continuation.fit(LAST, resistance, ONE)
+    with using(reconstruction_hopeless=1e3):
+        made = reconstruction_on_whole_runs(continuation, held, log)
+    assert made is not None
+    at = continuation_of(made, weight).fit(LAST, resistance, held.x)
+    assert at.chi2 < 1.3 * continuation.problems[LAST].samples < 0.02 * held.chi2
+    true = given.reshape(1, -1, EVERY, 8).mean(axis=2)
+    error, before = (np.abs(one.commands - true).mean() for one in (made, log))
+    assert error < 0.5 * before
 
 
 def test_a_command_that_changes_within_a_row_acts_from_that_instant_on() -> None:
@@ -172,6 +190,18 @@ def test_an_effect_that_short_windows_do_not_need_gives_way_to_commands_that_mov
     true = np.stack([moving(run) for run in range(3)]).reshape(3, -1, EVERY, 8).mean(axis=2)
     error, before = (np.abs(one.commands - true).mean() for one in (moved, log))
     assert error < 0.2 * before
+
+
+def test_commands_that_move_all_the_time_move_within_a_row_too() -> None:
+    log, given = logged(held=False), np.stack([moving(run) for run in range(3)])
+    true = given.reshape(3, -1, EVERY, 8)[:, :-1]
+    change = command_changes(log)
+    # a command held for a fifth of the row lags behind a straight line by a tenth
+    restored = interpolated_at(log, change, np.full(change.shape[:2], 0.4))
+    parts = restored.commands_of_parts.reshape(3, -1, EVERY, 8)[:, :-1]
+    assert parts.mean(axis=2) == pytest.approx(restored.commands[:, :-1])
+    held = np.abs(log.commands[:, :-1, None] - true).max()
+    assert np.abs(parts - true).max() < 0.1 * held
 
 
 @pytest.mark.parametrize(("held", "lost"), [(False, 0), (False, 12), (True, 0)])

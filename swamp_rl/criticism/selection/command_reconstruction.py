@@ -103,6 +103,9 @@ def other_commands(
     if not found.adequate:
         find = sufficient_reconstruction if spent else better_reconstruction
         return find(continuation, at, logged), own, is_better
+    other = None if found.stage >= LAST else reconstruction_on_whole_runs(continuation, at, logged)
+    if other:
+        return other, own, is_noise_on_whole_runs
     other = None if spent else better_reconstruction(continuation, at, logged)
     if other:
         return other, own, is_better
@@ -150,14 +153,21 @@ def fit_switching_times(
     shares = np.full(change.shape[:2], share)
     best = interpolated_at(logged, change, shares)
     made = least = _refit(problem, best, at, fresh=True)
+    step = np.ones((len(shares), 1))  # of each run, halved where a whole one goes too far
     cost, enough = 0.0, options().reconstruction_gain  # a first round that saves less is the last
     for _ in range(options().reconstruction_rounds):
-        shares, share, cost = fit_shares(_problem(problem, best), least, change, shares, share)
-        run_set = interpolated_at(logged, change, shares)
-        made = _refit(problem, run_set, least, fresh=True)
+        found, share, cost = fit_shares(_problem(problem, best), least, change, shares, share)
+        for _ in range(2):
+            moved = shares + step * (found - shares)
+            run_set = interpolated_at(logged, change, moved)
+            made = _refit(problem, run_set, least, fresh=True)
+            worse = np.bincount(problem.windows.run, made.loss - least.loss, len(shares)) > 0.0
+            if not worse.any():
+                break
+            step[worse] *= 0.5
         gain = least.chi2 - made.chi2
         if gain > 0.0:
-            best, least = run_set, made
+            best, least, shares = run_set, made, moved
         if gain < enough:
             break
         enough = min_decrease(problem, least.chi2)
@@ -202,6 +212,14 @@ def is_better(before: Continuation, found: Selection, after: Continuation, again
         again.adequate == found.adequate
         and reached(after, again) < reached(before, found) - options().reconstruction_gain
     )
+
+
+def is_noise_on_whole_runs(
+    before: Continuation, found: Selection, after: Continuation, again: Selection
+) -> bool:
+    """Whether a selection with reconstructed commands leaves noise on whole runs with no more effects."""
+    fewest = len(found.winner.hypothesis.instances)
+    return again.adequate and again.stage >= LAST and len(again.winner.hypothesis.instances) <= fewest
 
 
 def is_simpler(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:
