@@ -103,9 +103,6 @@ def other_commands(
     if not found.adequate:
         find = sufficient_reconstruction if spent else better_reconstruction
         return find(continuation, at, logged), own, is_better
-    other = None if found.stage >= LAST else reconstruction_on_whole_runs(continuation, at, logged)
-    if other:
-        return other, own, is_noise_on_whole_runs
     other = None if spent else better_reconstruction(continuation, at, logged)
     if other:
         return other, own, is_better
@@ -114,7 +111,8 @@ def other_commands(
         return other, without_timing(at), is_simpler
     shown = [one for one, _ in at.parts() if indispensable(continuation, found.winner, one.label, LAST)]
     if len(shown) == len(at.hypothesis.instances):
-        return None, own, is_simpler
+        other = None if found.stage >= LAST else reconstruction_on_whole_runs(continuation, at, logged)
+        return other, own, is_noise_on_whole_runs
     kept = joined(part for part in at.parts() if part[0] in shown)
     less = fit_by_continuation(continuation, *kept)
     other = reconstruction_on_whole_runs(continuation, less, logged)
