@@ -190,7 +190,9 @@ class Options:
     motion_exponent: float = 4.0
     first_order_exponent: float = 1.2  # up to which the filter is of first order, and lags behind the motion
     smoothed_certainty: float = 6.0  # standard errors of the ratio beside that
+    rounding_noise: float = 1e-9  # of `state_scale`: less is the rounding of a simulation, no sensor's
     fewest_differences: int = 100  # third differences: their variance is known to a fifth
+    least_inside: float = 0.8  # share of third differences within `difference_clip`, else they are a motion
     own_samples: float = 0.9  # share of rows with a sample of their own
     settled: float = 0.5  # s after a change of commands
     poles: tuple[float, float, int] = (0.2, 0.98, 79)  # least, largest and number of the poles tried

@@ -110,6 +110,28 @@ def test_a_wandering_receiver_a_slow_log_and_a_run_without_noise_are_not_filters
     assert smoothed_channels(slow) == {}
 
 
+@pytest.mark.parametrize(("size", "names"), [(1e-12, set()), (1e-6, set(CHANNELS))])
+def test_the_rounding_of_a_simulation_is_no_sensors_noise(size: float, names: set[str]) -> None:
+    runs = simulated_runs([], 0)
+    shape = runs.measured.shape
+    steady = np.arange(shape[1])[:, None] * DT * np.full(6, 0.1)
+    noise = gauss_markov_noise(np.random.default_rng(0), shape, size, SECONDS)
+    assert set(smoothed_channels(replace(runs, measured=steady + noise))) == names
+
+
+@pytest.mark.parametrize("size", [0.03, 0.1])
+def test_a_motion_in_bursts_is_no_filters_noise(size: float) -> None:
+    """As of a boat that turns for 2 s of every 6 and keeps its course for the others."""
+    runs = simulated_runs([], 0)
+    shape = runs.measured.shape
+    seconds = np.arange(shape[1]) * DT
+    turning = np.where(seconds % 6.0 < 2.0, 1.0 - np.cos(np.pi * seconds), 0.0)
+    noise = 2e-4 * np.random.default_rng(0).standard_normal(shape)
+    made = replace(runs, measured=size * turning[:, None] + 0.1 * seconds[:, None] + noise)
+    assert smoothed_channels(made) == {}
+    assert set(smoothed_channels(filtered(made, one_pole, "north"))) <= {"north"}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("way", [one_pole, kalman])
 def test_a_cause_is_found_and_measured_although_channels_were_smoothed(way: Filter) -> None:

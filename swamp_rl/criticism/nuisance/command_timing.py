@@ -70,7 +70,12 @@ def have_ramps(run_set: RunSet, change: Array) -> list[bool]:
     (R, T, 2K) from row to row as logged.
     """
     rows = zip(change, run_set.lengths, strict=True)
-    return [bool((one[: length - 1] != 0.0).any(axis=1).mean() > 0.5) for one, length in rows]
+    return [not are_stepwise(one[: length - 1]) for one, length in rows]
+
+
+def are_stepwise(change: Array) -> bool:
+    """Whether commands are constant most of the time; change: (n, 2K) from row to row."""
+    return bool((change == 0.0).all(axis=1).mean() > 0.5)
 
 
 def shifted_within(change: Array, shares: Array, parts: int, ramp: bool) -> Array:

@@ -12,6 +12,7 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, Windows, w
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, fit_states
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.nuisance.command_timing import are_stepwise
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
@@ -57,8 +58,7 @@ def with_best_commands(
 
 def stepwise(run_set: RunSet, run: int) -> bool:
     """Whether a run's commands are constant most of the time; others are interpolated over a gap."""
-    commands = run_set.commands[run, : run_set.lengths[run]]
-    return bool((commands[1:] == commands[:-1]).all(axis=1).mean() > 0.5)
+    return are_stepwise(np.diff(run_set.commands[run, : run_set.lengths[run]], axis=0))
 
 
 def changes_in(run_set: RunSet, gap: Gap) -> bool:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.measurement_noise import NORMAL_OF_MAD, repeated_samples
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
+from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import SmoothedNoise
 
@@ -32,13 +33,14 @@ def smoothed_channels(run_set: RunSet) -> dict[str, SmoothedNoise]:
     own = np.where(repeated_samples(run_set.measured), np.nan, run_set.measured)
     inside = np.arange(own.shape[1]) < run_set.lengths[:, None]
     activity = command_activity(run_set)
+    least = options().rounding_noise * state_scale(run_set.boat)
     found = {}
     for index, name in enumerate(CHANNELS):
         values = own[..., index]
         if np.isfinite(values[inside]).mean() < options().own_samples:
             continue
         made = _smoothing(values, activity, run_set.dt, lags=index >= LAGGING.start)
-        if made is not None:
+        if made is not None and made.sample_noise > least[index]:
             found[name] = made
     return found
 
@@ -110,14 +112,15 @@ def _median_rate(differences: Array, rate: Array) -> float:
 
 def _variance(differences: Array, rate: Array, quiet: float) -> tuple[float, int] | None:
     """Variance and number of third differences where commands change by at most `quiet` in a row, less
-    outliers.
+    outliers; None where these are too many: they are a motion in bursts.
     """
     kept = differences[np.isfinite(differences) & (rate <= quiet)]
     if len(kept) < options().fewest_differences:
         return None
     rough = NORMAL_OF_MAD * float(np.median(np.abs(kept)))
     near = kept[np.abs(kept) <= options().difference_clip * max(rough, 1e-12)]
-    return (float(np.mean(near**2)), len(near)) if len(near) else None
+    noise = len(near) >= options().least_inside * len(kept)
+    return (float(np.mean(near**2)), len(near)) if noise else None
 
 
 def third_difference_variance(pole: float, stride: int) -> float:
