@@ -18,7 +18,7 @@ from swamp_rl.criticism.selection.backward_elimination import (
     nested,
 )
 from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
-from swamp_rl.criticism.selection.exchange_search import exchange_search
+from swamp_rl.criticism.selection.exchange_search import exchange_search, single_exchanges
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
 from swamp_rl.criticism.selection.small_effects import with_slow_effects, with_small_effects
 
@@ -94,6 +94,9 @@ def beam_search(
         exchanged = exchange_search(continuation, continuation.at(0, best), every)
         tried |= {one.hypothesis.label: continuation.at(0, one) for one in exchanged}
         best = min([best, *exchanged], key=criterion)
+    elif enough and len(best.hypothesis.instances) > 1:
+        exchanged = single_exchanges(continuation, continuation.at(0, best), every)
+        tried |= {one.hypothesis.label: continuation.at(0, one) for one in exchanged}
     if near(continuation.problems[1], best):
         best, others = with_small_effects(continuation, best, whole, _labels(every))
         tried |= {one.hypothesis.label: one for one in others}

@@ -33,25 +33,29 @@ def exchange_search(continuation: Continuation, at: Fit, instances: Sequence[Eff
     found: list[Fit] = []
     most = continuation.boat_steps + options().exchange_budget
     while continuation.boat_steps <= most:
-        own = at.hypothesis.instances
-        taking_part = [one for one in instances if one in own or (one.size and not one.groups)]
-        best = _better(continuation, at, taking_part)
+        best = _better(continuation, at, _taking_part(at, instances))
         if continuation.criterion(best) > continuation.criterion(at) - options().not_converged:
             break
         LOG.debug("exchange: %s for %s", best.hypothesis.label, at.hypothesis.label)
         at = best
         found.append(fit_by_continuation(continuation, at.hypothesis, at.x))
         if adequate_stage(continuation, found[-1]) is not None:
-            return [*found, *_rivals(continuation, at, taking_part)]
+            return [*found, *single_exchanges(continuation, at, instances)]
     return found
 
 
-def _rivals(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[Fit]:
+def _taking_part(at: Fit, instances: Sequence[EffectInstance]) -> list[EffectInstance]:
+    own = at.hypothesis.instances
+    return [one for one in instances if one in own or (one.size and not one.groups)]
+
+
+def single_exchanges(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[Fit]:
     """Fits to the middle windows of sets that differ from that of `at` in one effect and are about as good on
-    the shortest: `at` was the first set that leaves noise, not the best of those.
+    the shortest: `at` was the first set that leaves noise, not the best of those. at: a fit to the shortest
+    windows; `instances` as of `exchange_search`.
     """
-    near = continuation.criterion(at) + options().compared
-    others = _neighbours(continuation, at, instances, options().follow_fit, more=False)
+    near, taking_part = continuation.criterion(at) + options().compared, _taking_part(at, instances)
+    others = _neighbours(continuation, at, taking_part, options().follow_fit, more=False)
     return [
         fit_by_continuation(continuation, one.hypothesis, one.x)
         for one in others
