@@ -23,7 +23,7 @@ test: $(READY)
 	ln -s $(CURDIR)/swamp_rl_command.py build/types/
 	cd build/types && $(CURDIR)/$(BIN)/mypy --config-file $(CURDIR)/pyproject.toml \
 	  --cache-dir $(CURDIR)/.mypy_cache # laid out as installed; a second check looks at what changed
-	$(BIN)/python -m pytest -n 2 --dist loadgroup
+	$(BIN)/python -m pytest -n 3 --dist loadgroup # for two cores: one waits where two compute
 
 # A kernel that OpenBLAS does not choose by itself on this processor, for sums that end in other last bits.
 KERNEL := $(shell grep -qs avx512f /proc/cpuinfo && echo Haswell || echo Prescott)

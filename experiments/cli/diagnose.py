@@ -249,7 +249,8 @@ def _number(name: str, found: "Estimate") -> str:
     from swamp_rl.criticism.report.words import number_cells
 
     value, interval, unit = number_cells(found)
-    spread = f"({interval})" if found.at_bound else f"(95 % interval {interval})"
+    plain = found.at_bound or not found.identifiable
+    spread = f"({interval})" if plain else f"(95 % interval {interval})"
     return " ".join(part for part in (name.replace("_", " "), value, unit, spread) if part)
 
 

@@ -22,11 +22,11 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     """Write the level of the causes in a `diagnosis.json` to `out`, a YAML file, and return it.
 
     Each parameter is normal with its estimate and standard error, truncated at the effect's bounds, and
-    correlated as in the diagnosis. One at a bound of the fit is constant, since its standard error is
-    meaningless. What differs between runs is drawn for another run: from the normal distribution of the
-    runs, a vector by component, its variance that of the runs and of their mean. among: a level whose start
-    and other effects are included. UserError where the diagnosis cannot be read or names no cause, or that
-    level has correlations of its own.
+    correlated as in the diagnosis. One at a bound of the fit, or that the runs do not determine, is constant:
+    its standard error is meaningless. What differs between runs is drawn for another run: from the normal
+    distribution of the runs, a vector by component, its variance that of the runs and of their mean. among: a
+    level whose start and other effects are included. UserError where the diagnosis cannot be read or names no
+    cause, or that level has correlations of its own.
     """
     found = _read(diagnosis)
     if not found.causes:
@@ -128,7 +128,7 @@ def _correlated(entries: list[dict[str, Any]], matrix: list[list[float]]) -> dic
 
 def _drawn(parameter: Parameter, found: Estimate) -> float | dict[str, list[float]]:
     value, doubt = found.value, found.standard_error
-    if found.at_bound or not doubt > 0.0:
+    if found.at_bound or not found.identifiable or not doubt > 0.0:
         return value
     lowest = math.nextafter(parameter.low, math.inf) if parameter.above_low else parameter.low
     reach = options().posterior_reach * doubt

@@ -105,7 +105,8 @@ def _drifts(boat: str, cause: str, diagnoses: Mapping[str, Diagnosis]) -> list[D
     made = []
     for parameter in parameters:
         estimates = {name: one.parameters.get(parameter) for name, one in causes.items() if one}
-        made.append(_drift(boat, cause, parameter, {name: one for name, one in estimates.items() if one}))
+        known = {name: one for name, one in estimates.items() if one and one.identifiable}
+        made.append(_drift(boat, cause, parameter, known))
     return [one for one in made if one]
 
 

@@ -171,7 +171,7 @@ class Separated(Part):
 
 class Narrowed(Part):
     """The parameter whose standard error is the greatest of its typical size, now and as expected after the
-    next trial, in `unit`.
+    next trial, in `unit`; identifiable: whether the runs determine it now.
     """
 
     effect: str
@@ -179,6 +179,7 @@ class Narrowed(Part):
     unit: str
     before: float
     after: float
+    identifiable: bool = True
 
 
 class NextTrial(Part):

@@ -116,6 +116,16 @@ def test_a_parameter_at_a_bound_is_constant(tmp_path: Path) -> None:
     assert level["effects"] == [{"effect": "thruster_gain", "thruster": "bs", "gain": 0.0}]
 
 
+def test_a_parameter_that_the_runs_do_not_determine_is_constant(tmp_path: Path) -> None:
+    numbers = {"astern": estimate(1.0, 1e21) | {"identifiable": False}, "port": estimate(1.8, 0.1)}
+    cause = {"effect": "drag_asymmetry", "parameters": numbers}
+    level = write_posterior(diagnosis(tmp_path, cause), tmp_path / "found.yaml")
+    (entry,) = level["effects"]
+    assert entry["astern"] == 1.0
+    assert entry["port"]["normal"][:2] == [1.8, 0.1]
+    assert "correlated" not in level
+
+
 def test_numbers_that_were_fitted_together_are_drawn_together(tmp_path: Path) -> None:
     matrix = [[1.0, -0.9, 0.5], [-0.9, 1.0, -0.3], [0.5, -0.3, 1.0]]
     sure = {"effect": "thruster_gain", "thruster": "bs", "parameters": {"gain": estimate(0.8, 0.05)}}

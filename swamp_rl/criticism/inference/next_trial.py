@@ -13,6 +13,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.estimate import components, sides_of
 from swamp_rl.criticism.inference.trial_evidence import Question, Rated, explanation_of, rate
+from swamp_rl.criticism.inference.unidentifiable import unidentifiable
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
 from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
@@ -54,7 +55,8 @@ def question_of(
     if rivals:
         every = tuple(explanation_of(one, one.covariance) for one in (winner, *rivals))
         return Question(run_set, sigmas, every), None
-    explanation = explanation_of(winner, sandwich_covariance(problem, winner))
+    covariance = sandwich_covariance(problem, winner)
+    explanation = explanation_of(winner, covariance)
     deviations = np.sqrt(np.abs(np.diag(inverse(explanation.precision))))
     of_one_run = [(one, own, place) for one, own in winner.parts() for place in range(one.of_one.size)]
     candidates = [
@@ -70,8 +72,11 @@ def question_of(
     column = max(candidates, key=lambda one: one[0])[1]
     instance, _, place = of_one_run[column]
     name, unit = components(instance)[place]
-    now = float(deviations[column])
-    told = Narrowed(effect=instance.label, parameter=name, unit=unit, before=now, after=now)
+    now, mine = float(deviations[column]), winner.hypothesis.columns(instance.label)
+    known = not unidentifiable(instance, covariance[np.ix_(mine, mine)])[place]
+    told = Narrowed(
+        effect=instance.label, parameter=name, unit=unit, before=now, after=now, identifiable=known
+    )
     return Question(run_set, sigmas, (explanation,), column), told
 
 

@@ -34,9 +34,10 @@ def next_trial_sentences(trial: NextTrial) -> list[str]:
         )
     if one := trial.narrows:
         unit = f" {one.unit}" if one.unit != "1" else ""
+        now = f"{rounded(one.before)}{unit} now" if one.identifiable else "not determined now"
         said.append(
             f"narrows {one.parameter.replace('_', ' ')} of {readable(one.effect)}: a standard error of "
-            f"{rounded(one.after)}{unit} expected, {rounded(one.before)}{unit} now"
+            f"{rounded(one.after)}{unit} expected, {now}"
         )
     if trial.of_list and trial.of_list[0].evidence > 0.0:
         best = trial.of_list[0]

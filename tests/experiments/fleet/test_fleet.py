@@ -297,6 +297,15 @@ def test_parameters_that_one_dataset_lacks_or_that_are_no_number_are_not_compare
     assert changes_of(members, found, findings) == ([], [])
 
 
+def test_a_parameter_that_some_runs_do_not_determine_is_compared_among_the_others() -> None:
+    values = {"a": 60.0, "b": 65.0, "c": 70.0}
+    found = {name: diagnosis(cause("mass", "mass", value, 0.2, 90.0)) for name, value in values.items()}
+    found["c"].causes[0].parameters["mass"].identifiable = False
+    members = [Member(name=name, boat="one", dataset=name) for name in found]
+    ((drift,), _) = changes_of(members, found, findings_of(members, found)[0])
+    assert drift.values == {"a": 60.0, "b": 65.0}
+
+
 @pytest.mark.parametrize(
     ("values", "errors", "drifts"),
     [((1.0, 2.0), (1e-200, 1e-200), 1), ((1e308, -1e308), (1.0, 1.0), 0), ((1.0, 2.0), (1e-155, 1.0), 0)],
