@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import Gap, RunSet
+from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
@@ -106,10 +108,12 @@ def jumping(run: int, seconds: float = SECONDS) -> np.ndarray:
     return levels[step][:, [0, 0, 1, 1, 2, 2, 3, 3]]
 
 
-def switched(effect: dict[str, object], runs: int = 3, seconds: float = SECONDS) -> tuple[Array, RunSet]:
+def switched(
+    effect: dict[str, object], runs: int = 3, seconds: float = SECONDS, first: int = 0, seed: int = 5
+) -> tuple[Array, RunSet]:
     """Commands (R, T, 8) that switch between the rows of the log, and the log of a boat with an effect."""
-    given = np.stack([jumping(run, seconds) for run in range(runs)])
-    sailed = driven([effect], given, 1.0, seed=5)
+    given = np.stack([jumping(first + run, seconds) for run in range(runs)])
+    sailed = driven([effect], given, 1.0, seed=seed)
     log = replace(sailed, commands=given[:, ::EVERY], measured=sailed.measured[:, ::EVERY], dt=DT * EVERY)
     return given, replace(log, lengths=np.full(runs, log.commands.shape[1]))
 
@@ -144,6 +148,30 @@ def test_a_long_run_shows_the_instant_of_each_step_though_first_estimates_go_too
     true = given.reshape(1, -1, EVERY, 8).mean(axis=2)
     error, before = (np.abs(one.commands - true).mean() for one in (made, log))
     assert error < 0.5 * before
+
+
+def test_estimates_scatter_as_their_standard_errors_with_fitted_instants_say() -> None:
+    """Without the uncertainty of the instants these are too small by half or more."""
+    resistance = Hypothesis((by_label(candidates(load_boat("swamp"), SECONDS))["resistance"],))
+    away = []
+    for run in range(8):
+        log = switched(
+            {"effect": "resistance", "scale": 1.5}, runs=1, seconds=40.0, first=run, seed=100 + run
+        )[1]
+        weight = weights(log, noise_levels(log))
+        held = continuation_of(log, weight)
+        with using(reconstruction_hopeless=1e9):
+            made = reconstruction_on_whole_runs(held, held.fit(LAST, resistance, ONE), log)
+        assert made is not None
+        errors = []
+        for one in (made, replace(made, instants=None)):
+            continuation = continuation_of(one, weight)
+            at = continuation.fit(LAST, resistance, ONE)
+            errors.append(sandwich_covariance(continuation.problem(LAST, resistance), at)[0, 0] ** 0.5)
+        away.append((at.x[0] - 1.5) / np.array(errors))
+    told, without = np.sqrt(np.mean(np.square(away), axis=0))
+    assert 0.5 < told < 1.6
+    assert without > 2.0
 
 
 def test_a_command_that_changes_within_a_row_acts_from_that_instant_on() -> None:

@@ -9,9 +9,9 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.inference.cause_share import list_causes
 from swamp_rl.criticism.inference.estimate import causes_of, sides_of
+from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance, variances_between_runs
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance, variances_between_runs
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.nuisance.process_noise import model_error
 from swamp_rl.criticism.selection.backward_elimination import Selection

@@ -9,7 +9,7 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.likelihood.output_error import at_states
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, by_label, candidates, joined
 from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation, continuation_of
-from swamp_rl.criticism.selection.exchange_search import exchange_search
+from swamp_rl.criticism.selection.exchange_search import exchange_search, single_exchanges
 from tests.support.criticism import SECONDS, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
@@ -44,6 +44,18 @@ def test_a_neighbour_of_the_true_effect_gives_way_to_it() -> None:
     found = exchange_search(continuation, at, every)[-1]
     assert "thruster_efficiency_curve bp" in found.hypothesis.label
     assert continuation.is_adequate(MIDDLE, found)
+
+
+def test_effects_that_are_no_candidates_of_short_windows_give_way_too() -> None:
+    continuation, every = begun(
+        [CURVE, CURRENT], "current", "thruster_gain bp", "thruster_efficiency_curve bp"
+    )
+    known = by_label(every)
+    caught = Hypothesis((known["current"], known["thruster_gain bp"]))
+    at = continuation.fit(0, caught, np.array([0.08, -0.05, 0.8]))
+    found = single_exchanges(continuation, at, [known["thruster_efficiency_curve bp"]])
+    labels = [one.hypothesis.label for one in found]
+    assert "current + thruster_efficiency_curve bp" in labels
 
 
 def test_a_delay_caught_at_another_sample_begins_again_beside_the_other_effects() -> None:

@@ -41,6 +41,17 @@ class Gap:
 
 
 @dataclass(frozen=True)
+class Instants:
+    """When commands changed between two rows: change (R, T, 2K) until the next row as logged, and the share
+    (R, T) of it that a row takes on; cost in chi2 of fitted ones, see `fit_shares`.
+    """
+
+    change: Array
+    shares: Array
+    cost: float = 0.0
+
+
+@dataclass(frozen=True)
 class RunSet:
     """R runs of up to T samples of one boat.
 
@@ -51,8 +62,8 @@ class RunSet:
     runs that are left out; weather: (R or 0, T, 3), rows of `measured_weather`; ignored: the same with
     the measured wind, where that was left out; origin: the run that each is a part of, itself where empty;
     days: the group that a dataset gives each run, or none; within: (R, T, n, 2K) commands in n equal parts of
-    each row less those of the row, None where these are held; instants_cost: cost in chi2 of the fitted
-    instants of command changes, see `fit_shares`.
+    each row less those of the row, None where these are held; instants: those by which the logged commands
+    were moved, None where they were not.
     """
 
     boat: Boat
@@ -69,7 +80,7 @@ class RunSet:
     origin: tuple[int, ...] = ()
     days: tuple[str, ...] = ()
     within: Array | None = None
-    instants_cost: float = 0.0
+    instants: Instants | None = None
 
     @property
     def present(self) -> tuple[str, ...]:
@@ -81,6 +92,11 @@ class RunSet:
     def first_compared(self) -> NDArray[np.int64]:
         """(R,) first row that is compared with a simulation; before it the actuators' states are unknown."""
         return first_compared(self.boat, self.commands, self.lengths, self.dt)
+
+    @property
+    def instants_cost(self) -> float:
+        """In chi2, of the fitted instants of command changes."""
+        return self.instants.cost if self.instants else 0.0
 
     @property
     def parts(self) -> int:
@@ -97,6 +113,7 @@ class RunSet:
 
     def subset(self, runs: list[int]) -> "RunSet":
         """The set of those runs alone."""
+        known = self.instants
         return replace(
             self,
             names=tuple(self.names[run] for run in runs),
@@ -110,11 +127,12 @@ class RunSet:
             too_short=(),
             days=(),
             within=self.within[runs] if self.within is not None else None,
+            instants=Instants(known.change[runs], known.shares[runs], known.cost) if known else None,
         )
 
     def copies(self, runs: list[int], commands: Array) -> "RunSet":
         """Copies of those runs, some perhaps several times, with commands (n, T, 2K) of their own."""
-        return replace(self.subset(runs), commands=commands, gaps=())
+        return replace(self.subset(runs), commands=commands, gaps=(), instants=None)
 
     @property
     def origins(self) -> NDArray[np.int64]:

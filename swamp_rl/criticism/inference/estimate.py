@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.inference.unidentifiable import unidentifiable
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
-from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.model.candidates import EffectInstance, entries_of
 from swamp_rl.criticism.nuisance.random_effect import random_effect
 from swamp_rl.criticism.options import options

@@ -21,6 +21,7 @@ from swamp_rl.criticism.inference.force_curves import (
     formula_instances,
     with_knots_moved,
 )
+from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.likelihood.cross_validation import (
     Confirmation,
     confirmed_at,
@@ -32,7 +33,6 @@ from swamp_rl.criticism.likelihood.cross_validation import (
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, first_states, fit, fit_states, losses
 from swamp_rl.criticism.likelihood.prediction_error import Errors, blocks_of, errors_at
-from swamp_rl.criticism.likelihood.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.inference.sandwich_covariance import sensitivities
 from swamp_rl.criticism.inference.trial_evidence import Question, explanation_of, rate
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, noise_free
-from swamp_rl.criticism.likelihood.sandwich_covariance import sensitivities
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.scales import window_lengths

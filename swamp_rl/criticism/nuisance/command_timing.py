@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.angles import within_half_turn
-from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.data.run_set import Instants, RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step
@@ -62,7 +62,7 @@ def interpolated_at(run_set: RunSet, change: Array, shares: Array) -> RunSet:
         for gap in run_set.gaps:  # whose commands are unknown
             within[gap.run, gap.row : gap.row + gap.rows] = 0.0
     commands = run_set.commands + shares[..., None] * change
-    return replace(run_set, commands=commands, within=within, instants_cost=0.0)
+    return replace(run_set, commands=commands, within=within, instants=Instants(change, shares))
 
 
 def have_ramps(run_set: RunSet, change: Array) -> list[bool]:
@@ -107,10 +107,8 @@ def fit_shares(
     found, fitted, weights, cost = np.full_like(shares, common_share), [], [], 0.0
     win, ramps = problem.windows, have_ramps(problem.run_set, change)
     for window in range(win.count):
-        run, first = int(win.run[window]), int(win.first[window])
-        size = np.abs(change[run, first : first + int(win.steps[window])]).max(axis=1)
-        count = min(options().most_instants, int((size > options().smallest_change).sum()))
-        rows = first + np.sort(np.argsort(-size, kind="stable")[:count])
+        run = int(win.run[window])
+        rows = _fitted_rows(problem, window, change)
         if len(rows) == 0:
             continue
         slopes = _share_slopes(problem, at, window, rows, change[run], shares[run], ramps[run])
@@ -126,6 +124,32 @@ def fit_shares(
     if fitted:
         common_share = float(np.average(np.concatenate(fitted), weights=np.concatenate(weights)))
     return found, common_share, cost
+
+
+def share_slopes(problem: Shooting, at: Fit) -> list[Array]:
+    """(M, n) derivatives of each window's weighted prediction by the n shares that its commands were moved
+    by; nothing where they were not.
+    """
+    known, windows = problem.run_set.instants, problem.windows
+    if known is None:
+        return []
+    ramps, found = have_ramps(problem.run_set, known.change), []
+    for window, run in enumerate(windows.run):
+        rows = _fitted_rows(problem, window, known.change)
+        of_run = known.change[run], known.shares[run], ramps[run]
+        found.append(_share_slopes(problem, at, window, rows, *of_run))
+    return found
+
+
+def _fitted_rows(problem: Shooting, window: int, change: Array) -> NDArray[np.int64]:
+    """The rows of a window whose commands change most until the next one, as many as are fitted; change:
+    (R, T, 2K).
+    """
+    win = problem.windows
+    run, first = int(win.run[window]), int(win.first[window])
+    size = np.abs(change[run, first : first + int(win.steps[window])]).max(axis=1)
+    count = min(options().most_instants, int((size > options().smallest_change).sum()))
+    return first + np.sort(np.argsort(-size, kind="stable")[:count])
 
 
 def _share_slopes(

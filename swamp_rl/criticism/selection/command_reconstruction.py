@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.data.run_set import Instants, RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, min_decrease
@@ -169,7 +169,7 @@ def fit_switching_times(
         if gain < enough:
             break
         enough = min_decrease(problem, least.chi2)
-    return replace(best, instants_cost=cost), least, cost
+    return replace(best, instants=Instants(change, shares, cost)), least, cost
 
 
 def least_of_parabola(start: float, middle: float, end: float) -> float:

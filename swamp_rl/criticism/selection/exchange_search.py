@@ -45,8 +45,10 @@ def exchange_search(continuation: Continuation, at: Fit, instances: Sequence[Eff
 
 
 def _taking_part(at: Fit, instances: Sequence[EffectInstance]) -> list[EffectInstance]:
+    """Those of a number, alike in all groups of runs, and those of `at`, which whole runs may have found."""
     own = at.hypothesis.instances
-    return [one for one in instances if one in own or (one.size and not one.groups)]
+    others = [one for one in instances if one.size and not one.groups and one not in own]
+    return [*own, *others]
 
 
 def single_exchanges(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> list[Fit]:

@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 from swamp_rl.constants import Z95
 from swamp_rl.criticism.likelihood.cross_validation import folds_of, numbers_without
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, moved_together
-from swamp_rl.criticism.likelihood.output_error import Fit
+from swamp_rl.criticism.likelihood.output_error import Fit, inverse
+from swamp_rl.criticism.nuisance.command_timing import SPREAD, share_slopes
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
@@ -59,9 +60,9 @@ def _wider(freedom: Array) -> Array:
 
 
 def scattered_covariance(problem: Shooting, at: Fit) -> tuple[Array, Array]:
-    """(p, p) inverse Fisher information, widened where the scores of blocks scatter more than white noise of
-    the estimated variance would; and (p,) degrees of freedom of that scatter, infinite where the blocks are
-    too few and nothing is widened.
+    """(p, p) inverse Fisher information, less what the instants of commands between rows take of it, widened
+    where the scores of blocks scatter more than white noise of the estimated variance would; and (p,) degrees
+    of freedom of that scatter, infinite where the blocks are too few and nothing is widened.
 
     A block is `score_stretch` long, or a window where weights are the model error's. The same parameter of
     several groups of runs is widened alike, since a group alone has few blocks; as each group's scores sum to
@@ -71,7 +72,12 @@ def scattered_covariance(problem: Shooting, at: Fit) -> tuple[Array, Array]:
     if not at.hypothesis.size or not np.isfinite(covariance).all():
         return covariance, freedom
     win = problem.windows
-    slopes = sensitivities(problem, at).reshape(win.count, win.rows, -1, at.hypothesis.size)
+    slopes = sensitivities(problem, at).reshape(win.count, -1, at.hypothesis.size)
+    taken = _project_instants_out(problem, at, slopes)
+    if taken.any():
+        information = at.normal.information.sum(axis=0) + at.hypothesis.prior_precision
+        covariance = inverse(information - taken)
+    slopes = slopes.reshape(win.count, win.rows, -1, at.hypothesis.size)
     scores = np.einsum("wtc,wtcp->wtp", at.residual.reshape(win.count, win.rows, -1), slopes)[:, win.pad :]
     white = problem.correlation_samples == 1.0
     rows = max(1, round(options().score_stretch / problem.dt)) if white else win.rows
@@ -88,6 +94,22 @@ def scattered_covariance(problem: Shooting, at: Fit) -> tuple[Array, Array]:
         ratio[columns] = ratio[columns].mean() / freedom[columns]
     wider = np.sqrt(np.maximum(ratio, 1.0))
     return covariance * np.outer(wider, wider), freedom
+
+
+def _project_instants_out(problem: Shooting, at: Fit, slopes: Array) -> Array:
+    """(p, p) information about the parameters that the unknown instants of commands between rows take, given
+    their prior; and project them out of the sensitivities (W, M, p) in place. Zeros where commands are as
+    logged.
+    """
+    taken = np.zeros((at.hypothesis.size, at.hypothesis.size))
+    for window, by_share in enumerate(share_slopes(problem, at)):
+        by_state, A = at.states_jacobian[window], at.normal.states_information[window]
+        free = by_share - by_state @ np.linalg.solve(A, by_state.T @ by_share)
+        cross = free.T @ slopes[window]
+        solved = np.linalg.solve(free.T @ free + np.eye(free.shape[1]) * SPREAD**-2, cross)
+        taken += cross.T @ solved
+        slopes[window] -= free @ solved
+    return taken
 
 
 def sensitivities(problem: Shooting, at: Fit) -> Array:
