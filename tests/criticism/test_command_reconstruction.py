@@ -174,6 +174,20 @@ def test_estimates_scatter_as_their_standard_errors_with_fitted_instants_say() -
     assert without > 2.0
 
 
+def test_a_run_without_a_change_of_commands_has_standard_errors_as_if_commands_were_logged() -> None:
+    steady = driven(
+        [{"effect": "resistance", "scale": 1.5}], np.full((1, round(SECONDS / DT), 8), 0.4), 0.0, 3
+    )
+    weight = weights(steady, noise_levels(steady))
+    resistance = Hypothesis((by_label(candidates(steady.boat, SECONDS))["resistance"],))
+    errors = []
+    for one in (steady, interpolated(steady, 0.5)):
+        continuation = continuation_of(one, weight)
+        at = continuation.fit(LAST, resistance, ONE)
+        errors.append(float(sandwich_covariance(continuation.problem(LAST, resistance), at)[0, 0]))
+    assert errors[1] == pytest.approx(errors[0], rel=1e-6)
+
+
 def test_a_command_that_changes_within_a_row_acts_from_that_instant_on() -> None:
     given, log = switched({"effect": "resistance", "scale": 1.5})
     true = given.reshape(3, -1, EVERY, 8)

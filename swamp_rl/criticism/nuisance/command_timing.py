@@ -137,7 +137,8 @@ def share_slopes(problem: Shooting, at: Fit) -> list[Array]:
     for window, run in enumerate(windows.run):
         rows = _fitted_rows(problem, window, known.change)
         of_run = known.change[run], known.shares[run], ramps[run]
-        found.append(_share_slopes(problem, at, window, rows, *of_run))
+        none = np.zeros((at.residual.shape[1], 0))
+        found.append(_share_slopes(problem, at, window, rows, *of_run) if len(rows) else none)
     return found
 
 
