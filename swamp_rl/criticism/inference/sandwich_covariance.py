@@ -77,8 +77,8 @@ def scattered_covariance(problem: Shooting, at: Fit) -> tuple[Array, Array]:
     if taken.any():
         information = at.normal.information.sum(axis=0) + at.hypothesis.prior_precision
         covariance = inverse(information - taken)
-    slopes = slopes.reshape(win.count, win.rows, -1, at.hypothesis.size)
-    scores = np.einsum("wtc,wtcp->wtp", at.residual.reshape(win.count, win.rows, -1), slopes)[:, win.pad :]
+    of_rows = slopes.reshape(win.count, win.rows, -1, at.hypothesis.size)
+    scores = np.einsum("wtc,wtcp->wtp", at.residual.reshape(win.count, win.rows, -1), of_rows)[:, win.pad :]
     white = problem.correlation_samples == 1.0
     rows = max(1, round(options().score_stretch / problem.dt)) if white else win.rows
     starts = np.arange(0, scores.shape[1], rows)
