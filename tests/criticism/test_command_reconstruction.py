@@ -174,6 +174,16 @@ def test_estimates_scatter_as_their_standard_errors_with_fitted_instants_say() -
     assert without > 2.0
 
 
+def test_nothing_is_wrong_with_a_boat_whose_commands_switch_between_the_rows_of_long_runs() -> None:
+    """Middle windows need reconstructed commands, and whole runs better instants than these show."""
+    log = switched({"effect": "resistance", "scale": 1.0}, 2, 80.0)[1]
+    names = ("resistance", "command_delay", "yaw_damping")
+    instances = [instance for instance in candidates(log.boat, 80.0) if instance.effect.name in names]
+    _, _, found = select_model(log, weights(log, noise_levels(log)), instances, None)
+    assert not found.winner.hypothesis.instances
+    assert found.adequate and found.stage >= LAST
+
+
 def test_a_run_without_a_change_of_commands_has_standard_errors_as_if_commands_were_logged() -> None:
     steady = driven(
         [{"effect": "resistance", "scale": 1.5}], np.full((1, round(SECONDS / DT), 8), 0.4), 0.0, 3

@@ -144,18 +144,21 @@ def sufficient_reconstruction(continuation: Continuation, at: Fit, logged: RunSe
 def fit_switching_times(
     problem: Shooting, at: Fit, logged: RunSet, share: float
 ) -> tuple[RunSet, Fit, float]:
-    """The runs with a fitted share for each larger step, their fit, and the cost (`fit_shares`); at: with one
-    common share.
+    """The runs with a fitted share for each larger step, their fit, and the cost (`fit_shares`), begun from
+    those that the problem's commands were moved by, or from one common share; at: a fit with that.
     """
-    change = command_changes(logged)
+    change, known = command_changes(logged), problem.run_set.instants
     shares = np.full(change.shape[:2], share)
+    if known:
+        share = float(known.shares[np.abs(change).max(axis=2) > options().smallest_change].mean())
+        shares = known.shares
     best = interpolated_at(logged, change, shares)
     made = least = _refit(problem, best, at, fresh=True)
     step = np.ones((len(shares), 1))  # of each run, halved where a whole one goes too far
     cost, enough = 0.0, options().reconstruction_gain  # a first round that saves less is the last
     for _ in range(options().reconstruction_rounds):
         found, share, cost = fit_shares(_problem(problem, best), least, change, shares, share)
-        for _ in range(2):
+        for _ in range(options().instants_halved):
             moved = shares + step * (found - shares)
             run_set = interpolated_at(logged, change, moved)
             made = _refit(problem, run_set, least, fresh=True)
@@ -163,6 +166,7 @@ def fit_switching_times(
             if not worse.any():
                 break
             step[worse] *= 0.5
+        step = np.minimum(1.0, 2.0 * step)
         gain = least.chi2 - made.chi2
         if gain > 0.0:
             best, least, shares = run_set, made, moved

@@ -22,12 +22,14 @@ from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import SmoothedNoise
 from swamp_rl.criticism.selection.backward_elimination import (
     Selection,
+    conclude,
     fit_by_continuation,
     without_unconfirmed,
 )
 from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.command_reconstruction import (
     is_better,
+    is_noise_on_whole_runs,
     is_refuted,
     other_commands,
     sufficient_reconstruction,
@@ -163,7 +165,7 @@ def _with_better_commands(
 ) -> tuple[RunSet, Continuation, Selection]:
     """A search, repeated with reconstructed commands while they fit clearly better; adds to `tried`."""
     for _ in range(options().most_reconstructions):
-        if found.adequate and not found.winner.hypothesis.instances:
+        if found.adequate and found.stage >= LAST and not found.winner.hypothesis.instances:
             break
         spent = is_budget_spent(tried)
         other, kept, accepts = other_commands(continuation, found, logged, spent)
@@ -174,9 +176,14 @@ def _with_better_commands(
         tried.append(wider)
         if accepts is is_better and is_refuted(continuation, found, wider):
             break
-        previous = [continuation.fit(stage, *kept) for stage in (0, MIDDLE)]
-        budget = 0.0 if spent else options().step_budget_again  # no search, but the effects that are kept
-        again = beam_search(wider, instances, hull, budget, None, previous)
+        if accepts is is_noise_on_whole_runs:  # an effect more would stand for what the instants leave
+            every = [*instances, *([hull] if hull else [])]
+            best = fit_by_continuation(wider, *kept)
+            again = conclude(wider, best, [], found.first, found.unidentifiable, every)
+        else:
+            previous = [continuation.fit(stage, *kept) for stage in (0, MIDDLE)]
+            budget = 0.0 if spent else options().step_budget_again  # no search, but the effects that are kept
+            again = beam_search(wider, instances, hull, budget, None, previous)
         if not accepts(continuation, found, wider, again):
             break
         run_set, continuation, found = other, wider, again
