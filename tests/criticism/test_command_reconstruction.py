@@ -1,6 +1,7 @@
 """Reconstruction of commands between the rows of a slow log."""
 
 import math
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -182,6 +183,18 @@ def test_nothing_is_wrong_with_a_boat_whose_commands_switch_between_the_rows_of_
     _, _, found = select_model(log, weights(log, noise_levels(log)), instances, None)
     assert not found.winner.hypothesis.instances
     assert found.adequate and found.stage >= LAST
+
+
+def test_commands_that_only_creep_have_no_instants_to_fit() -> None:
+    given = np.full((1, round(SECONDS / DT), 8), 0.2)
+    given[..., 4:] += np.linspace(0.0, 0.4, given.shape[1])[:, None]
+    log = driven([{"effect": "resistance", "scale": 1.5}], given, 0.0, 3)
+    continuation = continuation_of(interpolated(log, 0.5), weights(log, noise_levels(log)))
+    held = continuation.fit(LAST, Hypothesis(), np.zeros(0))
+    with warnings.catch_warnings(), using(reconstruction_hopeless=1e9, reconstruction_gain=-1e9):
+        warnings.simplefilter("error")
+        made = reconstruction_on_whole_runs(continuation, held, log)
+    assert made is not None and np.isfinite(made.commands).all()
 
 
 def test_a_run_without_a_change_of_commands_has_standard_errors_as_if_commands_were_logged() -> None:

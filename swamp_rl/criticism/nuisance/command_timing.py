@@ -96,15 +96,17 @@ def shifted_within(change: Array, shares: Array, parts: int, ramp: bool) -> Arra
 
 
 def fit_shares(
-    problem: Shooting, at: Fit, change: Array, shares: Array, common_share: float
+    problem: Shooting, at: Fit, change: Array, shares: Array, common_share: float, keeps: bool = False
 ) -> tuple[Array, float, float]:
     """(R, T) shares at least chi2 to first order, their weighted mean, and what they cost: they fit as much
     better as chance unless chi2 falls by more (-2 log marginal likelihood, Laplace's approximation).
 
     One Gauss-Newton step with a Gaussian prior about `common_share`; the fit's parameters are fixed, the
-    initial states are eliminated. `problem` has the commands that `shares` (R, T) gives; change: (R, T, 2K).
+    initial states are eliminated. `problem` has the commands that `shares` (R, T) gives; change: (R, T, 2K);
+    keeps: whether rows that are not fitted keep their shares; else they take the common one.
     """
-    found, fitted, weights, cost = np.full_like(shares, common_share), [], [], 0.0
+    found = shares.copy() if keeps else np.full_like(shares, common_share)
+    fitted, weights, cost = list[Array](), list[Array](), 0.0
     win, ramps = problem.windows, have_ramps(problem.run_set, change)
     for window in range(win.count):
         run = int(win.run[window])

@@ -150,14 +150,15 @@ def fit_switching_times(
     change, known = command_changes(logged), problem.run_set.instants
     shares = np.full(change.shape[:2], share)
     if known:
-        share = float(known.shares[np.abs(change).max(axis=2) > options().smallest_change].mean())
-        shares = known.shares
+        large = np.abs(change).max(axis=2) > options().smallest_change
+        shares, share = known.shares, float(known.shares[large].mean()) if large.any() else share
     best = interpolated_at(logged, change, shares)
     made = least = _refit(problem, best, at, fresh=True)
     step = np.ones((len(shares), 1))  # of each run, halved where a whole one goes too far
     cost, enough = 0.0, options().reconstruction_gain  # a first round that saves less is the last
     for _ in range(options().reconstruction_rounds):
-        found, share, cost = fit_shares(_problem(problem, best), least, change, shares, share)
+        now = _problem(problem, best)
+        found, share, cost = fit_shares(now, least, change, shares, share, keeps=known is not None)
         for _ in range(options().instants_halved):
             moved = shares + step * (found - shares)
             run_set = interpolated_at(logged, change, moved)
