@@ -184,8 +184,7 @@ class Options:
     smoothed_step: float = 0.2  # s between samples, above which the motion itself fills the strides
     strides: tuple[int, ...] = (1, 2, 4, 8)  # samples, of the fit
     judged_stride: int = 3  # samples, of the recognition
-    # least ratio of variances over that stride and over one: a pole of 0.35 or more
-    smoothed_ratio: float = 1.6
+    smoothed_ratio: float = 1.6  # least ratio of variances over that stride and over one: a pole of 0.35
     # of that ratio, from which it is the motion (6) and no filter's noise (1 to 3)
     motion_exponent: float = 4.0
     first_order_exponent: float = 1.2  # up to which the filter is of first order, and lags behind the motion

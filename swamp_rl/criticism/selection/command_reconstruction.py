@@ -111,8 +111,9 @@ def other_commands(
         return other, without_timing(at), is_simpler
     shown = [one for one, _ in at.parts() if indispensable(continuation, found.winner, one.label, LAST)]
     if len(shown) == len(at.hypothesis.instances):
-        other = None if found.stage >= LAST else reconstruction_on_whole_runs(continuation, at, logged)
-        return other, own, is_noise_on_whole_runs
+        if found.stage >= LAST or found.rivals:  # instants beside one of these would tell against the others
+            return None, own, is_noise_on_whole_runs
+        return reconstruction_on_whole_runs(continuation, at, logged), own, is_noise_on_whole_runs
     kept = joined(part for part in at.parts() if part[0] in shown)
     less = fit_by_continuation(continuation, *kept)
     other = reconstruction_on_whole_runs(continuation, less, logged)
