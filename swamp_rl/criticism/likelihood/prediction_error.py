@@ -209,7 +209,7 @@ def without_thrust(run_set: RunSet) -> RunSet:
     """The runs with all thrusters stopped."""
     commands = run_set.commands.copy()
     commands[..., commands.shape[2] // 2 :] = 0.0
-    return replace(run_set, commands=commands, within=None)
+    return replace(run_set, commands=commands, within=None, instants=None)
 
 
 def position_rmse(errors: Errors) -> float:
