@@ -19,7 +19,7 @@ from swamp_rl.experiments.synthetic.cases import (
 )
 
 from benchmarks.blind import rough_simulator as rough
-from benchmarks.blind.cases import drawn
+from benchmarks.blind.cases import drawn, written
 from benchmarks.blind.score import is_false_positive, judged
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.run_set import read_run_set
@@ -149,3 +149,12 @@ def test_the_judge_wants_every_name_and_no_more() -> None:
     clean = truth | {"effects": [], "kind": "clean"}
     assert judged(clean, answer("nothing_wrong", []))["right"]
     assert not judged(clean, answer("cause", ["mass"]))["right"]
+
+
+def test_no_effect_is_hidden_that_no_recorded_channel_shows(tmp_path: Path) -> None:
+    """Number 17027 draws a gyro's bias first, and instruments without a gyro."""
+    data, truth = written(17027, "X", tmp_path)
+    told = json.loads(truth.read_text())
+    header = (data / "run_0.csv").read_text().splitlines()[0].split(",")
+    hidden = [effect["effect"] for effect in told["effects"]]
+    assert "gyro_bias" not in hidden or "yaw_rate" in header

@@ -38,6 +38,7 @@ KINDS = ("single",) * 6 + ("pair", "pair", "clean", "clean", "outside")
 TICK = 0.05  # s, of commands and of the truth
 MOST = 3000  # rows of all runs, but for two that there always are
 LEAST_ACTING = 0.1  # share of the time of all runs in which a force outside the library acts
+SHOWN_BY = {"gyro_bias": "yaw_rate"}  # effects that one channel alone shows
 
 # What may be wrong with the model ship; forces against its own, which weigh four times SWAMP's
 SHIP: dict[str, Callable[[Rng, float], dict[str, Any]]] = {
@@ -101,11 +102,15 @@ def draw_instruments(rng: Rng) -> Instruments:
 def write_variant(rng: Rng, data: Path, truth: Path) -> None:
     """Simulate a case of level X; write its runs into the folder `data`, its causes into the file `truth`.
 
-    A case outside the library that hardly acts is drawn again.
+    A case outside the library that hardly acts is drawn again, and one that no recorded channel shows.
     """
     name = str(rng.choice(["swamp", "swamp-light", "esso_osaka"], p=[0.4, 0.35, 0.25]))
     boat, instruments = load_boat(name), draw_instruments(rng)
     case = draw_variant(rng, boat)
+    needed = {SHOWN_BY[effect] for effect in case.names if effect in SHOWN_BY}
+    if not needed <= set(instruments.channels):
+        write_variant(rng, data, truth)
+        return
     runs = int(rng.integers(2, 13))
     lengths = rng.uniform(100.0 if is_ship(boat) else 30.0, 300.0, runs)
     lengths = lengths[: max(2, int((np.cumsum(lengths) * instruments.rate <= MOST).sum()))]
