@@ -248,7 +248,7 @@ class Options:
     reconstruction_share: float = 0.2
     reconstruction_most: float = 3.0  # chi2 a sample above which none is accepted
     reconstruction_hopeless: float = 30.0  # chi2 a sample above which none is tried
-    instants_halved: int = 5  # times in a round that the step of a run's switching times may be halved
+    instants_damping: tuple[float, float, int] = (0.1, 10.0, 5)  # of the information: least, factor, tries
     reconstruction_rounds: int = 8  # repetitions of the fit of all switching times
     # ---- Continuation in the window length
     window_lengths: tuple[float, float] = (5.0, 20.0)  # s, at least: nearly convex, discriminating

@@ -18,7 +18,7 @@ from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.nuisance.command_timing import command_changes, interpolated_at
 from swamp_rl.criticism.options import using
-from swamp_rl.criticism.selection.backward_elimination import Selection
+from swamp_rl.criticism.selection.backward_elimination import Selection, fit_by_continuation
 from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.command_reconstruction import (
     interpolated,
@@ -144,11 +144,40 @@ def test_a_long_run_shows_the_instant_of_each_step_though_first_estimates_go_too
     with using(reconstruction_hopeless=1e3):
         made = reconstruction_on_whole_runs(continuation, held, log)
     assert made is not None
-    at = continuation_of(made, weight).fit(LAST, resistance, held.x)
+    wider = continuation_of(made, weight)
+    at = wider.at(LAST, fit_by_continuation(wider, resistance, ONE))
     assert at.chi2 < 1.3 * continuation.problems[LAST].samples < 0.02 * held.chi2
     true = given.reshape(1, -1, EVERY, 8).mean(axis=2)
     error, before = (np.abs(one.commands - true).mean() for one in (made, log))
     assert error < 0.5 * before
+
+
+@pytest.mark.parametrize("scale", [0.6, 1.5])
+def test_an_effect_keeps_its_size_although_instants_beside_the_boat_file_could_stand_for_it(
+    scale: float,
+) -> None:
+    """How fast the boat begins to turn tells of its inertia, and when the commands changed."""
+    _, log = switched({"effect": "yaw_inertia", "scale": scale}, seconds=80.0)
+    names = ("yaw_inertia", "azimuth_lag")
+    instances = [instance for instance in candidates(log.boat, 80.0) if instance.effect.name in names]
+    read, continuation, found = select_model(log, weights(log, noise_levels(log)), instances, None)
+    assert read.instants is not None and found.adequate and found.stage >= LAST
+    assert found.winner.hypothesis.label == "yaw_inertia"
+    error = sandwich_covariance(continuation.problems[LAST], continuation.at(LAST, found.winner))[0, 0] ** 0.5
+    assert found.winner.x == pytest.approx([scale], abs=3.0 * error)
+    assert error < 0.05
+
+
+def test_moved_commands_need_to_save_no_more_than_the_effect_that_they_replace() -> None:
+    log = logged(held=False)
+    continuation = continuation_of(log, weights(log, noise_levels(log)))
+    known = by_label(candidates(log.boat, SECONDS))
+    less = fit_by_continuation(continuation, Hypothesis((known["thrust_scale"],)), np.array([0.8]))
+    both = Hypothesis((known["thrust_scale"], known["yaw_damping"]))
+    more = fit_by_continuation(continuation, both, np.array([0.8, 1.0]))
+    with using(reconstruction_gain=1e6):
+        assert reconstruction_on_whole_runs(continuation, less, log) is None
+        assert reconstruction_on_whole_runs(continuation, less, log, instead=more) is not None
 
 
 def test_estimates_scatter_as_their_standard_errors_with_fitted_instants_say() -> None:
@@ -248,10 +277,10 @@ def test_an_effect_that_short_windows_do_not_need_gives_way_to_commands_that_mov
     winner = continuation.fit(LAST, both, np.array([0.8, 1.01]))
     found = Selection(winner, True, LAST, [], [], [], [])
     with using(clearly=1e3):
-        moved, (kept, _), _ = other_commands(continuation, found, log, spent=True)
-    assert moved is not None and kept.label == "thrust_scale"
+        moved, (kept, _), _ = next(other_commands(continuation, found, log, spent=True))
+    assert kept.label == "thrust_scale"
     with using(clearly=1e5):
-        assert other_commands(continuation, found, log, spent=True)[1][0] == Hypothesis()
+        assert next(other_commands(continuation, found, log, spent=True))[1][0] == Hypothesis()
     true = np.stack([moving(run) for run in range(3)]).reshape(3, -1, EVERY, 8).mean(axis=2)
     error, before = (np.abs(one.commands - true).mean() for one in (moved, log))
     assert error < 0.2 * before

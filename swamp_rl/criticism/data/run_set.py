@@ -43,7 +43,7 @@ class Gap:
 @dataclass(frozen=True)
 class Instants:
     """When commands changed between two rows: change (R, T, 2K) until the next row as logged, and the share
-    (R, T) of it that a row takes on; cost in chi2 of fitted ones, see `fit_shares`.
+    (R, T) of it that a row takes on; cost in chi2 of fitted ones, see `cost_of_shares`.
     """
 
     change: Array
@@ -92,6 +92,11 @@ class RunSet:
     def first_compared(self) -> NDArray[np.int64]:
         """(R,) first row that is compared with a simulation; before it the actuators' states are unknown."""
         return first_compared(self.boat, self.commands, self.lengths, self.dt)
+
+    @property
+    def fitted_instants(self) -> Instants | None:
+        """Those that were fitted one by one, None where there are none."""
+        return self.instants if self.instants_cost else None
 
     @property
     def instants_cost(self) -> float:

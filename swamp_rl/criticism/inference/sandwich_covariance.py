@@ -7,7 +7,7 @@ from swamp_rl.constants import Z95
 from swamp_rl.criticism.likelihood.cross_validation import folds_of, numbers_without
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, moved_together
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
-from swamp_rl.criticism.nuisance.command_timing import SPREAD, share_slopes
+from swamp_rl.criticism.nuisance.switching_times import SPREAD, share_slopes
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Timing of commands: switching times between two rows, and commands that stood in lost rows alone."""
+"""Timing of commands: moved between two rows, and those that stood in lost rows alone."""
 
 from dataclasses import replace
 
@@ -9,13 +9,11 @@ from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import Instants, RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
-from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step
+from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
-
-SPREAD = 12.0**-0.5  # standard deviation of a uniform distribution between two rows
 
 
 def command_sensitivity(
@@ -93,90 +91,6 @@ def shifted_within(change: Array, shares: Array, parts: int, ramp: bool) -> Arra
         taken = np.maximum(ends - 1.0 + s, 0.0)
     of_parts = parts * np.diff(taken, axis=-1)
     return np.asarray((of_parts - s)[..., None] * change[..., None, :])
-
-
-def fit_shares(
-    problem: Shooting, at: Fit, change: Array, shares: Array, common_share: float, keeps: bool = False
-) -> tuple[Array, float, float]:
-    """(R, T) shares at least chi2 to first order, their weighted mean, and what they cost: they fit as much
-    better as chance unless chi2 falls by more (-2 log marginal likelihood, Laplace's approximation).
-
-    One Gauss-Newton step with a Gaussian prior about `common_share`; the fit's parameters are fixed, the
-    initial states are eliminated. `problem` has the commands that `shares` (R, T) gives; change: (R, T, 2K);
-    keeps: whether rows that are not fitted keep their shares; else they take the common one.
-    """
-    found = shares.copy() if keeps else np.full_like(shares, common_share)
-    fitted, weights, cost = list[Array](), list[Array](), 0.0
-    win, ramps = problem.windows, have_ramps(problem.run_set, change)
-    for window in range(win.count):
-        run = int(win.run[window])
-        rows = _fitted_rows(problem, window, change)
-        if len(rows) == 0:
-            continue
-        slopes = _share_slopes(problem, at, window, rows, change[run], shares[run], ramps[run])
-        normal = normal_equations(at.states_jacobian[window][None], slopes[None], at.residual[window][None])
-        now = shares[run, rows]
-        H = normal.information[0] + np.eye(len(rows)) * SPREAD**-2
-        g = normal.gradient[0] - (now - common_share) * SPREAD**-2
-        found[run, rows] = now + bounded_step(H, g, now, np.zeros(len(rows)), np.ones(len(rows)))
-        fitted.append(found[run, rows])
-        weights.append(np.clip(1.0 - np.diag(np.linalg.inv(H)) * SPREAD**-2, 1e-6, 1.0))
-        off = (found[run, rows] - common_share) / SPREAD
-        cost += float(np.linalg.slogdet(H * SPREAD**2)[1] + off @ off)
-    if fitted:
-        common_share = float(np.average(np.concatenate(fitted), weights=np.concatenate(weights)))
-    return found, common_share, cost
-
-
-def share_slopes(problem: Shooting, at: Fit) -> list[Array]:
-    """(M, n) derivatives of each window's weighted prediction by the n shares that its commands were moved
-    by; nothing where they were not.
-    """
-    known, windows = problem.run_set.instants, problem.windows
-    if known is None:
-        return []
-    ramps, found = have_ramps(problem.run_set, known.change), []
-    for window, run in enumerate(windows.run):
-        rows = _fitted_rows(problem, window, known.change)
-        of_run = known.change[run], known.shares[run], ramps[run]
-        none = np.zeros((at.residual.shape[1], 0))
-        found.append(_share_slopes(problem, at, window, rows, *of_run) if len(rows) else none)
-    return found
-
-
-def _fitted_rows(problem: Shooting, window: int, change: Array) -> NDArray[np.int64]:
-    """The rows of a window whose commands change most until the next one, as many as are fitted; change:
-    (R, T, 2K).
-    """
-    win = problem.windows
-    run, first = int(win.run[window]), int(win.first[window])
-    size = np.abs(change[run, first : first + int(win.steps[window])]).max(axis=1)
-    count = min(options().most_instants, int((size > options().smallest_change).sum()))
-    return first + np.sort(np.argsort(-size, kind="stable")[:count])
-
-
-def _share_slopes(
-    problem: Shooting,
-    at: Fit,
-    window: int,
-    rows: NDArray[np.int64],
-    change: Array,
-    shares: Array,
-    ramp: bool,
-) -> Array:
-    """(M, n) derivative of a window's weighted prediction by the shares (T,) of n rows."""
-    parts, each = problem.run_set.parts, np.arange(len(rows))
-    now, step = shares[rows], np.full(len(rows), options().share_step)
-    within = None
-    if parts > 1:
-        step[now + step > 1.0] *= -1.0  # beyond its end a row has no part left
-        within = np.zeros((len(rows), len(change), parts, change.shape[1]))
-        moved = (shifted_within(change[rows], share, parts, ramp) for share in (now + step, now))
-        within[each, rows] = np.subtract(*moved)
-    changes = np.zeros((len(rows), *change.shape))
-    changes[each, rows] = step[:, None] * change[rows]
-    slopes = command_sensitivity(problem, at, window, changes, within) / step[:, None]
-    return np.moveaxis(slopes, 0, 1)
 
 
 def with_unlogged_commands(problem: Shooting, at: Fit) -> RunSet | None:

@@ -1,7 +1,7 @@
 """Reconstruction of commands between samples: held, interpolated, or switched at a fitted instant."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -12,14 +12,23 @@ from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, min_decrease
 from swamp_rl.criticism.model.candidates import Hypothesis, joined
-from swamp_rl.criticism.nuisance.command_timing import command_changes, fit_shares, interpolated_at
+from swamp_rl.criticism.nuisance.command_timing import command_changes, interpolated_at
+from swamp_rl.criticism.nuisance.switching_times import (
+    ShareEquations,
+    cost_of_shares,
+    departures,
+    mean_share,
+    moved_shares,
+    share_equations,
+)
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection, fit_by_continuation, indispensable
-from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation
+from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation, states_carried
 
 Array = NDArray[np.float64]
 Kept = tuple[Hypothesis, Array]
 Accepts = Callable[[Continuation, Selection, Continuation, Selection], bool]
+Attempt = tuple[RunSet, Kept, Accepts]
 
 
 def interpolated(run_set: RunSet, share: float) -> RunSet:
@@ -38,12 +47,17 @@ def better_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -
         return None
     above_noise = at.chi2 - options().variance_bias * problem.samples
     least = max(options().reconstruction_gain, options().reconstruction_share * above_noise)
+    if problem.run_set.fitted_instants:
+        return _refined(problem, at, logged, least)
     return _reconstruction(problem, at, logged, least, options().reconstruction_most * problem.samples)
 
 
-def reconstruction_on_whole_runs(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
-    """The runs with reconstructed commands where these lower chi2 of whole runs clearly, or None. Commands
-    in gaps are those that fit the hypothesis best.
+def reconstruction_on_whole_runs(
+    continuation: Continuation, at: Fit, logged: RunSet, instead: Fit | None = None
+) -> RunSet | None:
+    """The runs with reconstructed commands where these lower chi2 of whole runs clearly, or by more than the
+    further effects of a fit `instead` of them do, or None. Instants are fitted to the middle windows first,
+    and those that are known beside the effects anew; commands in gaps are those that fit best.
     """
     whole = continuation.at(LAST, at)
     problem = continuation.problem(LAST, at.hypothesis)
@@ -54,21 +68,50 @@ def reconstruction_on_whole_runs(continuation: Continuation, at: Fit, logged: Ru
         rows = slice(gap.row, gap.row + gap.rows)
         commands[gap.run, rows] = problem.run_set.commands[gap.run, rows]
     filled = replace(logged, commands=commands)
-    return _reconstruction(problem, whole, filled, options().reconstruction_gain, math.inf)
+    if problem.run_set.fitted_instants:
+        return _refined(problem, whole, filled, min_decrease(problem, whole.chi2))
+    least = options().reconstruction_gain
+    if instead is not None:
+        gained = continuation.criterion(whole) - continuation.criterion(continuation.at(LAST, instead))
+        least = min(least, max(gained, 0.0))
+    middle = continuation.problems[MIDDLE]
+    share, shared = fit_common_share(middle, continuation.at(MIDDLE, at), logged)
+    each, made, _ = fit_switching_times(middle, shared, logged, share)
+    states = states_carried(middle, made.states, problem, whole.states)
+    begin = each.instants, replace(whole, x=made.x, states=states)
+    return _reconstruction(problem, whole, filled, least, math.inf, begin)
 
 
-def _reconstruction(problem: Shooting, at: Fit, logged: RunSet, least: float, most: float) -> RunSet | None:
+def _reconstruction(
+    problem: Shooting,
+    at: Fit,
+    logged: RunSet,
+    least: float,
+    most: float,
+    begin: tuple[Instants | None, Fit] | None = None,
+) -> RunSet | None:
     """The runs with commands that lower the chi2 of a fit by `least`, to less than `most`, or None: moved by
     one share of every step, at the minimum of a parabola, or where that saves more by one of each step.
+
+    begin: instants to begin from, and the fit with them.
     """
     best = None
     share, shared = fit_common_share(problem, at, logged)
     if shared.chi2 < min(at.chi2 - least, most):
         best = interpolated(logged, share)
-    each, made, cost = fit_switching_times(problem, shared, logged, share)
+    known, start = begin or (None, shared)
+    each, made, cost = fit_switching_times(problem, start, logged, share, known)
     if best:  # which they must save in addition
         least = max(least, at.chi2 - shared.chi2 + options().reconstruction_gain)
     return each if made.chi2 < min(at.chi2 - least - cost, most) else best
+
+
+def _refined(problem: Shooting, at: Fit, logged: RunSet, least: float) -> RunSet | None:
+    """The runs with the fitted instants of a problem fitted anew beside the effects of a fit, where that
+    lowers its chi2 by `least`, or None.
+    """
+    each, made, _ = fit_switching_times(problem, at, logged, 0.0, problem.run_set.fitted_instants)
+    return each if made.chi2 < at.chi2 - least else None
 
 
 def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
@@ -85,16 +128,16 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     share, shared = fit_common_share(problem, plain, logged)
     if shared.chi2 < most and adequacy(problem, shared).adequate:
         return interpolated(logged, share)
-    each, made, cost = fit_switching_times(problem, shared, logged, share)
+    each, made, cost = fit_switching_times(problem, shared, logged, share, problem.run_set.fitted_instants)
     saves = made.chi2 + cost < most
     return each if saves and adequacy(problem, made).adequate else None
 
 
 def other_commands(
     continuation: Continuation, found: Selection, logged: RunSet, spent: bool
-) -> tuple[RunSet | None, Kept, Accepts]:
-    """The runs with reconstructed commands that are worth another search, or None; the effects, and their
-    parameters (p,), beside which they were found; and what that search must do better than `found`.
+) -> Iterator[Attempt]:
+    """Runs with reconstructed commands that are worth another search, the likeliest first; the effects, and
+    their parameters (p,), beside which they were found; and what that search must do better than `found`.
 
     spent: no other search is left, so that the commands must be enough for the effects found.
     """
@@ -102,22 +145,32 @@ def other_commands(
     own = at.hypothesis, at.x
     if not found.adequate:
         find = sufficient_reconstruction if spent else better_reconstruction
-        return find(continuation, at, logged), own, is_better
-    other = None if spent else better_reconstruction(continuation, at, logged)
+        yield from _attempt(find(continuation, at, logged), own, is_better)
+        return
+    refines = continuation.problems[MIDDLE].run_set.fitted_instants and at.hypothesis.instances
+    other = better_reconstruction(continuation, at, logged) if refines or not spent else None
     if other:
-        return other, own, is_better
+        yield other, own, is_better
+        return
     other = reconstruction_without_timing(continuation, at, logged)
     if other:
-        return other, without_timing(at), is_simpler
+        yield other, without_timing(at), is_simpler
+        return
     shown = [one for one, _ in at.parts() if indispensable(continuation, found.winner, one.label, LAST)]
-    if len(shown) == len(at.hypothesis.instances):
-        if found.stage >= LAST or found.rivals:  # instants beside one of these would tell against the others
-            return None, own, is_noise_on_whole_runs
-        return reconstruction_on_whole_runs(continuation, at, logged), own, is_noise_on_whole_runs
-    kept = joined(part for part in at.parts() if part[0] in shown)
-    less = fit_by_continuation(continuation, *kept)
-    other = reconstruction_on_whole_runs(continuation, less, logged)
-    return other or better_reconstruction(continuation, less, logged), kept, is_simpler
+    if len(shown) < len(at.hypothesis.instances):
+        kept = joined(part for part in at.parts() if part[0] in shown)
+        less = fit_by_continuation(continuation, *kept)
+        other = reconstruction_on_whole_runs(continuation, less, logged, found.winner)
+        yield from _attempt(other or better_reconstruction(continuation, less, logged), kept, is_simpler)
+    # instants beside one of the rivals would tell against the others
+    if (found.stage < LAST or refines) and not found.rivals:
+        other = reconstruction_on_whole_runs(continuation, at, logged)
+        yield from _attempt(other, own, is_noise_on_whole_runs)
+
+
+def _attempt(other: RunSet | None, kept: Kept, accepts: Accepts) -> Iterator[Attempt]:
+    if other is not None:
+        yield other, kept, accepts
 
 
 def without_timing(at: Fit) -> Kept:
@@ -143,38 +196,44 @@ def sufficient_reconstruction(continuation: Continuation, at: Fit, logged: RunSe
 
 
 def fit_switching_times(
-    problem: Shooting, at: Fit, logged: RunSet, share: float
+    problem: Shooting, at: Fit, logged: RunSet, share: float, begin: Instants | None = None
 ) -> tuple[RunSet, Fit, float]:
-    """The runs with a fitted share for each larger step, their fit, and the cost (`fit_shares`), begun from
-    those that the problem's commands were moved by, or from one common share; at: a fit with that.
+    """The runs with a fitted share for each larger step, their fit, and their cost (`cost_of_shares`), begun
+    from known ones, or from one common share; at: a fit with these.
     """
-    change, known = command_changes(logged), problem.run_set.instants
+    change = command_changes(logged)
     shares = np.full(change.shape[:2], share)
-    if known:
+    if begin:
         large = np.abs(change).max(axis=2) > options().smallest_change
-        shares, share = known.shares, float(known.shares[large].mean()) if large.any() else share
+        shares, share = begin.shares, float(begin.shares[large].mean()) if large.any() else share
     best = interpolated_at(logged, change, shares)
-    made = least = _refit(problem, best, at, fresh=True)
-    step = np.ones((len(shares), 1))  # of each run, halved where a whole one goes too far
-    cost, enough = 0.0, options().reconstruction_gain  # a first round that saves less is the last
+    least = _refit(problem, best, at, fresh=True)
+    damping, enough = np.zeros(len(shares)), options().reconstruction_gain
+    least_damping, factor, tries = options().instants_damping
+    equations = list[ShareEquations]()
     for _ in range(options().reconstruction_rounds):
-        now = _problem(problem, best)
-        found, share, cost = fit_shares(now, least, change, shares, share, keeps=known is not None)
-        for _ in range(options().instants_halved):
-            moved = shares + step * (found - shares)
+        equations = share_equations(_problem(problem, best), least, change, shares, share)
+        others = shares if begin else np.full_like(shares, share)
+        prior = departures(equations, shares, share)
+        for _ in range(tries):
+            moved = moved_shares(equations, least, shares, others, damping)
             run_set = interpolated_at(logged, change, moved)
             made = _refit(problem, run_set, least, fresh=True)
-            worse = np.bincount(problem.windows.run, made.loss - least.loss, len(shares)) > 0.0
-            if not worse.any():
+            rise = departures(equations, moved, share) - prior
+            rise += np.bincount(problem.windows.run, made.loss - least.loss, len(shares))
+            gain = least.penalty - made.penalty - float(rise.sum())
+            worse = rise > 0.0 if (rise > 0.0).any() else rise <= 0.0
+            if gain > 0.0:
                 break
-            step[worse] *= 0.5
-        step = np.minimum(1.0, 2.0 * step)
-        gain = least.chi2 - made.chi2
+            damping = np.where(worse, np.maximum(factor * damping, least_damping), damping)
         if gain > 0.0:
             best, least, shares = run_set, made, moved
-        if gain < enough:
+            damping = np.where(rise > 0.0, damping, damping / factor)
+        share = mean_share(equations, shares, share)
+        if gain < enough:  # after the first round, that of a fit
             break
         enough = min_decrease(problem, least.chi2)
+    cost = cost_of_shares(equations, shares, share)
     return replace(best, instants=Instants(change, shares, cost)), least, cost
 
 
@@ -210,7 +269,8 @@ def is_better(before: Continuation, found: Selection, after: Continuation, again
     """Whether a selection with reconstructed commands ends clearly better."""
 
     def reached(continuation: Continuation, one: Selection) -> float:
-        return continuation.criterion(continuation.at(MIDDLE, one.winner))
+        cost = continuation.problems[MIDDLE].run_set.instants_cost
+        return continuation.criterion(continuation.at(MIDDLE, one.winner)) + cost
 
     return again.adequate > found.adequate or (
         again.adequate == found.adequate

@@ -22,18 +22,12 @@ from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import SmoothedNoise
 from swamp_rl.criticism.selection.backward_elimination import (
     Selection,
-    conclude,
     fit_by_continuation,
     without_unconfirmed,
 )
 from swamp_rl.criticism.selection.beam_search import beam_search
-from swamp_rl.criticism.selection.command_reconstruction import (
-    is_better,
-    is_noise_on_whole_runs,
-    is_refuted,
-    other_commands,
-    sufficient_reconstruction,
-)
+from swamp_rl.criticism.selection.better_commands import is_budget_spent, with_better_commands
+from swamp_rl.criticism.selection.command_reconstruction import sufficient_reconstruction
 from swamp_rl.criticism.selection.continuation import (
     LAST,
     MIDDLE,
@@ -78,7 +72,7 @@ def select_model(
         # what white noise did not lead to may yet leave no more than that
         previous = [continuation.at(stage, closer) for stage in (0, MIDDLE)]
         found = beam_search(continuation, instances, hull, 0.0, None, previous)
-        better = _with_better_commands(run_set, continuation, found, logged, *given)
+        better = with_better_commands(run_set, continuation, found, logged, *given)
         again = _with_its_noise(*better, *given)
     return again if again is not None and again[2].adequate else under
 
@@ -147,47 +141,11 @@ def _with_reconstruction(
     sufficient = partial(sufficient_reconstruction, logged=logged)
     given = logged, instances, hull, tried
     found = beam_search(continuation, instances, hull, step_budget, sufficient, previous)
-    better = _with_better_commands(run_set, continuation, found, *given)
+    better = with_better_commands(run_set, continuation, found, *given)
     if found.shallow and better[1] is continuation:  # which another search did not bear out
         found = beam_search(continuation, instances, hull, step_budget, None, previous)
-        better = _with_better_commands(run_set, continuation, found, *given)
+        better = with_better_commands(run_set, continuation, found, *given)
     return better
-
-
-def _with_better_commands(
-    run_set: RunSet,
-    continuation: Continuation,
-    found: Selection,
-    logged: RunSet,
-    instances: Sequence[EffectInstance],
-    hull: EffectInstance | None,
-    tried: list[Continuation],
-) -> tuple[RunSet, Continuation, Selection]:
-    """A search, repeated with reconstructed commands while they fit clearly better; adds to `tried`."""
-    for _ in range(options().most_reconstructions):
-        if found.adequate and found.stage >= LAST and not found.winner.hypothesis.instances:
-            break
-        spent = is_budget_spent(tried)
-        other, kept, accepts = other_commands(continuation, found, logged, spent)
-        if other is None:
-            break
-        other = replace(other, gaps=run_set.gaps)
-        wider = continuation_of(other, continuation.problems[0].weight)
-        tried.append(wider)
-        if accepts is is_better and is_refuted(continuation, found, wider):
-            break
-        if accepts is is_noise_on_whole_runs:  # an effect more would stand for what the instants leave
-            every = [*instances, *([hull] if hull else [])]
-            best = fit_by_continuation(wider, *kept)
-            again = conclude(wider, best, [], found.first, found.unidentifiable, every)
-        else:
-            previous = [continuation.fit(stage, *kept) for stage in (0, MIDDLE)]
-            budget = 0.0 if spent else options().step_budget_again  # no search, but the effects that are kept
-            again = beam_search(wider, instances, hull, budget, None, previous)
-        if not accepts(continuation, found, wider, again):
-            break
-        run_set, continuation, found = other, wider, again
-    return run_set, continuation, found
 
 
 def _beside_position_noise(continuation: Continuation, winner: Fit, noise: Array) -> Fit | None:
@@ -237,11 +195,6 @@ def _is_position_noise_suspected(continuation: Continuation) -> bool:
 def _of_positions_alone(noise: Array) -> bool:
     """Whether Gauss-Markov noise (6, 2) is in positions and in no other channel."""
     return bool((noise[POSITIONS, 0] > 0).any() and not (noise[OTHERS, 0] > 0).any())
-
-
-def is_budget_spent(continuations: Sequence[Continuation]) -> bool:
-    """Whether the simulated steps exceed the budget of all searches."""
-    return sum(continuation.boat_steps for continuation in continuations) > options().total_budget
 
 
 def _is_position_noise_sufficient(continuation: Continuation) -> bool:
