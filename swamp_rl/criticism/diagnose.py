@@ -130,7 +130,7 @@ def examine(
     known = prepared(run_set)
     sigmas, weight, every, hull = known.sigmas, known.weight, known.instances, known.hull
     with_noise, continuation, found = select_model(run_set, weight, every, hull)
-    run_set = replace(run_set, commands=with_noise.commands, within=with_noise.within)  # reconstructed
+    run_set = run_set.with_commands_of(with_noise)
     LOG.info("the best hypothesis is %s; adequacy", found.winner.hypothesis.label)
     on = Witness(run_set, weight, others=False)
     if other is not None:

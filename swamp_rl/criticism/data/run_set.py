@@ -93,6 +93,10 @@ class RunSet:
         """(R,) first row that is compared with a simulation; before it the actuators' states are unknown."""
         return first_compared(self.boat, self.commands, self.lengths, self.dt)
 
+    def with_commands_of(self, other: "RunSet") -> "RunSet":
+        """These runs, their commands reconstructed as those of `other` are."""
+        return replace(self, commands=other.commands, within=other.within, instants=other.instants)
+
     @property
     def fitted_instants(self) -> Instants | None:
         """Those that were fitted one by one, None where there are none."""

@@ -251,7 +251,7 @@ def _refit(problem: Shooting, run_set: RunSet, at: Fit, fresh: bool = False) -> 
 
 
 def _problem(problem: Shooting, run_set: RunSet) -> Shooting:
-    made = replace(problem.run_set, commands=run_set.commands, within=run_set.within)
+    made = problem.run_set.with_commands_of(run_set)
     return Shooting(made, problem.weight, problem.seconds, problem.windows)
 
 
