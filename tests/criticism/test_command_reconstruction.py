@@ -180,6 +180,21 @@ def test_moved_commands_need_to_save_no_more_than_the_effect_that_they_replace()
         assert reconstruction_on_whole_runs(continuation, less, log, instead=more) is not None
 
 
+def test_a_delay_of_a_part_of_a_row_is_estimated_as_it_is_in_a_slow_log() -> None:
+    """A delay that mixed two commands over a row of 0.5 s was longer by as much as commands one row later."""
+    delay = 0.68
+    given = np.repeat(np.stack([jumping(run) for run in range(3)])[:, ::EVERY], EVERY, axis=1)
+    sailed = driven([{"effect": "command_delay", "delay": delay}], given, 1.0, seed=8)
+    log = replace(sailed, commands=given[:, ::EVERY], measured=sailed.measured[:, ::EVERY], dt=DT * EVERY)
+    log = replace(log, lengths=np.full(3, log.commands.shape[1]))
+    names = ("command_delay", "azimuth_lag")
+    instances = [instance for instance in candidates(log.boat, SECONDS) if instance.effect.name in names]
+    read, _, found = select_model(log, weights(log, noise_levels(log)), instances, None)
+    assert found.adequate and found.winner.hypothesis.label == "command_delay"
+    assert found.winner.x == pytest.approx([delay], abs=0.02)
+    assert np.array_equal(read.commands, log.commands)
+
+
 def test_estimates_scatter_as_their_standard_errors_with_fitted_instants_say() -> None:
     """Without the uncertainty of the instants these are too small by half or more."""
     resistance = Hypothesis((by_label(candidates(load_boat("swamp"), SECONDS))["resistance"],))

@@ -26,7 +26,9 @@ ONE_RUN = np.zeros(1, dtype=np.int64)
 
 @dataclass(frozen=True)
 class Spec:
-    """A `Search` of one parameter for one boat, in the parameter's unit; mean: of its prior."""
+    """A `Search` of one parameter for one boat, in the parameter's unit; mean: of its prior; is_time: whether
+    it is a time, at each whole step of which the likelihood has a kink.
+    """
 
     scale: float
     low: float
@@ -35,6 +37,7 @@ class Spec:
     difference: float
     prior: float | None = None
     mean: float = 1.0
+    is_time: bool = False
 
 
 @dataclass(frozen=True)
@@ -308,7 +311,8 @@ def spec_of(effect: Effect, parameter: Parameter, boat: Boat, reference: Referen
         own = neutral_of(parameter, boat)
         starts, low, high = (own,), min(low, own), max(high, own)
     difference = 1e-6 * scale if search.step is None else search.step * unit
-    return Spec(scale, low, high, starts, difference, search.prior)
+    is_time = parameter.unit == "s" and search.step is not None
+    return Spec(scale, low, high, starts, difference, search.prior, is_time=is_time)
 
 
 def neutral_of(parameter: Parameter, boat: Boat) -> float:

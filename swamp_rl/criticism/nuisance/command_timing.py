@@ -45,6 +45,17 @@ def command_changes(run_set: RunSet) -> Array:
     return change
 
 
+def held_in_parts(run_set: RunSet) -> RunSet:
+    """The runs with the commands of a row that is integrated in several steps held in each of them, so that a
+    delay moves them by steps and mixes no two commands over a whole row.
+    """
+    parts = substeps_of(run_set.dt, run_set.boat)
+    if parts == 1 or run_set.within is not None:
+        return run_set
+    runs, rows, channels = run_set.commands.shape
+    return replace(run_set, within=np.zeros((runs, rows, parts, channels)))
+
+
 def interpolated_at(run_set: RunSet, change: Array, shares: Array) -> RunSet:
     """The runs with each command moved by a share (R, T) of its change until the next row: a row that is
     integrated in several steps holds its own command first and takes on the next one at the end, in runs

@@ -15,7 +15,7 @@ from swamp_rl.criticism.likelihood.cross_validation import (
 from swamp_rl.criticism.likelihood.output_error import Fit, at_states, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, joined
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.selection.continuation import CORRECTED, LAST, Continuation
+from swamp_rl.criticism.selection.continuation import CORRECTED, LAST, MIDDLE, Continuation
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
 
 
@@ -74,10 +74,13 @@ def conclude(
 ) -> Selection:
     """The selection after elimination and confirmation of `best`; instances: all candidates."""
     comparisons = len(instances) * (1 + len(best.hypothesis.instances))
+    best = beside_kinks(continuation, best, MIDDLE)
     deepest = adequate_stage(continuation, best)
     stage, adequate = deepest or 1, deepest is not None
     if adequate:
         stage, best = next(adequate_whole(continuation, best), (stage, best))
+        if stage >= LAST:
+            best = beside_kinks(continuation, best, stage)
         best = pruned(continuation, best, stage)
     confirmed = confirmations(continuation, best, best.hypothesis.instances, comparisons)
     for label, one in confirmed.items():
@@ -89,6 +92,21 @@ def conclude(
     confirmed = {label: one for label, one in confirmed.items() if label in kept}
     found = Selection(best, adequate, stage, [], tried, first, unidentifiable, confirmed)
     return _with_rivals(continuation, found, instances) if adequate else found
+
+
+def beside_kinks(continuation: Continuation, best: Fit, stage: int) -> Fit:
+    """The best fit at a stage, or one that begins half a step of the integration from a time in it, to either
+    side of a kink of the likelihood, if that is better.
+    """
+    run_set = continuation.problems[stage].run_set
+    half = 0.5 * run_set.dt / run_set.parts
+    low, high = best.hypothesis.bounds()
+    for index, spec in enumerate(best.hypothesis.specs):
+        for away in (-half, half) if spec.is_time else ():
+            x = best.x.copy()
+            x[index] = np.clip(x[index] + away, low[index], high[index])
+            best = continuation.refitted(stage, best, x, best.states, options().fit_steps, fresh=True)
+    return best
 
 
 def _with_rivals(
