@@ -102,7 +102,10 @@ def _project_instants_out(problem: Shooting, at: Fit, slopes: Array) -> Array:
     logged.
     """
     taken = np.zeros((at.hypothesis.size, at.hypothesis.size))
-    for window, by_share in enumerate(share_slopes(problem, at)):
+    known = problem.run_set.instants
+    if known is None:
+        return taken
+    for window, _, by_share in share_slopes(problem, at, known.change, known.shares):
         by_state, A = at.states_jacobian[window], at.normal.states_information[window]
         free = by_share - by_state @ np.linalg.solve(A, by_state.T @ by_share)
         cross = free.T @ slopes[window]

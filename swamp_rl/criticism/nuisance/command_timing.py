@@ -1,4 +1,4 @@
-"""Timing of commands: moved between two rows, and those that stood in lost rows alone."""
+"""Timing of commands: those that move between two rows, and those that stood in lost rows alone."""
 
 from dataclasses import replace
 

@@ -1,6 +1,6 @@
 """Switching times: the share of a change of commands that a row before it takes on, of each large one."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,20 +36,16 @@ def share_equations(
     """Of every window that has rows whose commands change, about a fit to the commands that `shares` (R, T)
     gives; change: (R, T, 2K) until the next row; mean: of the prior.
     """
-    ramps, found = have_ramps(problem.run_set, change), []
+    found = []
     base = problem.track(at.hypothesis, at.x, at.states)
     by_x = problem.parameter_jacobian(at.hypothesis, at.x, at.states, base)
-    for window, run in enumerate(problem.windows.run):
-        rows = _fitted_rows(problem, window, change)
-        if len(rows) == 0:
-            continue
-        n = len(rows)
-        slopes = _share_slopes(problem, at, window, rows, change[run], shares[run], ramps[run])
+    for window, rows, slopes in share_slopes(problem, at, change, shares):
+        run, n = int(problem.windows.run[window]), len(rows)
         both = np.concatenate([slopes, by_x[window]], axis=1)[None]
         normal = normal_equations(at.states_jacobian[window][None], both, at.residual[window][None])
         information = normal.information[0, :n, :n] + np.eye(n) * SPREAD**-2
         gradient = normal.gradient[0, :n] - (shares[run, rows] - mean) * SPREAD**-2
-        found.append(ShareEquations(int(run), rows, information, gradient, normal.information[0, :n, n:]))
+        found.append(ShareEquations(run, rows, information, gradient, normal.information[0, :n, n:]))
     return found
 
 
@@ -100,20 +96,18 @@ def cost_of_shares(equations: Sequence[ShareEquations], shares: Array, mean: flo
     return volume + float(departures(equations, shares, mean).sum())
 
 
-def share_slopes(problem: Shooting, at: Fit) -> list[Array]:
-    """(M, n) derivatives of each window's weighted prediction by the n shares that its commands were moved
-    by; nothing where they were not.
+def share_slopes(
+    problem: Shooting, at: Fit, change: Array, shares: Array
+) -> Iterator[tuple[int, NDArray[np.int64], Array]]:
+    """Every window with rows whose commands change, these n rows, and the (M, n) derivatives of its weighted
+    prediction by their shares; change (R, T, 2K) and shares (R, T) as of `share_equations`.
     """
-    known, windows = problem.run_set.instants, problem.windows
-    if known is None:
-        return []
-    ramps, found = have_ramps(problem.run_set, known.change), []
-    for window, run in enumerate(windows.run):
-        rows = _fitted_rows(problem, window, known.change)
-        of_run = known.change[run], known.shares[run], ramps[run]
-        none = np.zeros((at.residual.shape[1], 0))
-        found.append(_share_slopes(problem, at, window, rows, *of_run) if len(rows) else none)
-    return found
+    ramps = have_ramps(problem.run_set, change)
+    for window, run in enumerate(problem.windows.run):
+        rows = _fitted_rows(problem, window, change)
+        if len(rows):
+            slopes = _share_slopes(problem, at, window, rows, change[run], shares[run], ramps[run])
+            yield window, rows, slopes
 
 
 def _fitted_rows(problem: Shooting, window: int, change: Array) -> NDArray[np.int64]:
