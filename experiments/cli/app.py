@@ -115,7 +115,10 @@ def simulate(
         Path, typer.Option(help="The recorded run (.csv or .parquet) to take commands from.")
     ],
     out: Annotated[Path, typer.Option(help="The .csv or .parquet file to write.")],
-    boat: BoatOption = "swamp",
+    boat: Annotated[
+        str | None,
+        typer.Option("--boat", help="Boat to simulate; by default that of the run's dataset, or else swamp."),
+    ] = None,
     window: Annotated[
         float | None, typer.Option(help="Restart from the measured state at this interval (s).")
     ] = None,
@@ -126,8 +129,12 @@ def simulate(
 
     from swamp_rl.boat import load_boat
     from swamp_rl.runs import read_run, write_run
+    from swamp_rl.runs.dataset import META, own_boat
     from swamp_rl.simulator.replay import replay
 
+    if boat is None:
+        within = (commands.parent / META).is_file()
+        boat = str(own_boat(commands.parent)) if within else "swamp"
     if window is not None:
         simulate_windows(commands, out, boat, window, ignore or [])
         return

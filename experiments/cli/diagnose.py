@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from swamp_rl.experiments.cli.options import BoatOption, IgnoreOption
+from swamp_rl.experiments.cli.options import IgnoreOption, OwnBoatOption
 
 from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
@@ -65,7 +65,7 @@ TwinWorkers = Annotated[
 def diagnose(
     dataset: Datasets,
     out: Out,
-    boat: BoatOption = "swamp",
+    boat: OwnBoatOption = None,
     holdout: Holdout = None,
     fit: FitTo = None,
     ignore: IgnoreOption = None,
@@ -79,11 +79,15 @@ def diagnose(
 ) -> None:
     """Identify the causes of a model's error in measured runs, extend the boat file, measure the gain."""
     given = ", ".join(map(str, dataset))
-    typer.echo(f"diagnosing {given} against boat {boat}")
     from swamp_rl.printed_figures.schema import is_figures_file
+    from swamp_rl.runs.dataset import own_boat
 
-    limits = _limits_of(next, boat, {"seconds": seconds, "speed": top_speed, "throttle": throttle})
     figures = [one for one in dataset if is_figures_file(one)]
+    if figures and not boat:
+        raise UserError(f"{figures[0]}: holds printed figures; name their boat: --boat NAME")
+    boat = boat or str(own_boat(dataset[0]))
+    typer.echo(f"diagnosing {given} against boat {boat}")
+    limits = _limits_of(next, boat, {"seconds": seconds, "speed": top_speed, "throttle": throttle})
     if figures:
         if len(dataset) > 1:
             raise UserError(f"{figures[0]}: printed figures are diagnosed alone; leave the other inputs out")

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
+from swamp_rl.experiments.cli.options import OwnBoatOption
 
 from swamp_rl.errors import UserError
 
@@ -18,12 +19,6 @@ identify_app = typer.Typer(
 )
 
 Folder = Annotated[Path, typer.Argument(help="A folder of runs.")]
-BoatOption = Annotated[
-    str | None,
-    typer.Option(
-        "--boat", help="Boat to use in place of the dataset's; needed for a folder without dataset.yaml."
-    ),
-]
 Smooth = Annotated[
     float, typer.Option(min=0.0, max=3600.0, help="Span of the quadratic smoother (s); 0: no smoothing.")
 ]
@@ -66,7 +61,7 @@ def _print(found: Sequence[Line], dataset: Path) -> None:
 @identify_app.command("yaw-model")
 def yaw_model(
     dataset: Folder,
-    boat: BoatOption = None,
+    boat: OwnBoatOption = None,
     smooth: Smooth = 0.0,
     inertia: Annotated[
         float | None,
@@ -106,7 +101,7 @@ def yaw_model(
 
 
 @identify_app.command()
-def elementary(dataset: Folder, boat: BoatOption = None, smooth: Smooth = 0.0) -> None:
+def elementary(dataset: Folder, boat: OwnBoatOption = None, smooth: Smooth = 0.0) -> None:
     """Mass and quadratic drag of surge and yaw by paper 003's bounded least squares."""
     import numpy as np
 
@@ -142,7 +137,7 @@ def elementary(dataset: Folder, boat: BoatOption = None, smooth: Smooth = 0.0) -
 
 
 @identify_app.command("thrust-deduction")
-def thrust_deduction(dataset: Folder, boat: BoatOption = None) -> None:
+def thrust_deduction(dataset: Folder, boat: OwnBoatOption = None) -> None:
     """Thrust deduction 1 - t from the steady speed at each throttle on straight runs (thesis eq. 7.3)."""
     from swamp_rl.identification.deduction import LEAST, SETTLE, deduction_points, paired, point_doubt
 

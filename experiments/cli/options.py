@@ -5,6 +5,12 @@ from typing import Annotated, Any
 import typer
 
 BoatOption = Annotated[str, typer.Option("--boat", help="A name in configs/boats, or a boat file.")]
+OwnBoatOption = Annotated[
+    str | None,
+    typer.Option(
+        "--boat", help="Boat to use in place of the dataset's; needed for a folder without dataset.yaml."
+    ),
+]
 CourseOption = Annotated[str, typer.Option("--course", help="A name in configs/courses, or a course file.")]
 IgnoreOption = Annotated[
     list[str] | None,

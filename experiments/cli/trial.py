@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from swamp_rl.experiments.cli.options import BoatOption, seed_option
+from swamp_rl.experiments.cli.options import BoatOption, OwnBoatOption, seed_option
 
 from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
@@ -231,12 +231,7 @@ def analyse(
     out: Annotated[
         Path | None, typer.Option(help="The folder to write, DATASET/analysis by default.")
     ] = None,
-    boat: Annotated[
-        str | None,
-        typer.Option(
-            "--boat", help="Boat to use in place of the dataset's; needed for a folder without dataset.yaml."
-        ),
-    ] = None,
+    boat: OwnBoatOption = None,
 ) -> None:
     """Analyse recorded manoeuvres, measured or simulated."""
     from swamp_rl.experiments.reports.trials import analyse_trials

@@ -12,8 +12,6 @@ from swamp_rl.files import os_error, write_text
 from swamp_rl.json_text import parsed_json
 from swamp_rl.one_thread import one_thread
 from swamp_rl.ordinary import MOST_JSON, contents
-from swamp_rl.runs.copies import boat_file
-from swamp_rl.runs.dataset import read_meta
 
 RESULT, INPUT = "diagnosis.json", "fleet_input.json"
 SOURCES = (".csv", ".parquet", ".yaml")
@@ -30,17 +28,11 @@ def diagnose_one(job: str) -> str:
     asked = json.loads(job)
     dataset, out = Path(asked["dataset"]), Path(asked["out"])
     try:
-        boat = asked["boat"] or own_boat(dataset)
-        found = diagnose(dataset, boat, out, ignore=asked["ignore"])
+        found = diagnose(dataset, asked["boat"], out, ignore=asked["ignore"])
     except UserError as error:
         return json.dumps({"error": " ".join(str(error).split())})
     write_text(out / INPUT, json.dumps(asked["input"], indent=1) + "\n")
     return json.dumps({"verdict": found.verdict, "seconds": found.elapsed_s})
-
-
-def own_boat(dataset: Path) -> str | Path:
-    """The boat that a dataset names, whatever its runs hold: their faults are the diagnosis's to judge."""
-    return boat_file(dataset, read_meta(dataset))
 
 
 def input_of(dataset: Path, boat: str | None, ignore: list[str], version: str) -> dict[str, object]:

@@ -161,6 +161,11 @@ def read_meta(folder: Path) -> DatasetMeta:
     return read_dataset(folder).meta if told is not None else _refused(folder, faults)
 
 
+def own_boat(folder: Path) -> str | Path:
+    """Where the boat that a dataset names is read from, whatever its runs hold; UserError as `read_meta`."""
+    return boat_file(folder, read_meta(folder))
+
+
 def files_of(folder: Path) -> list[Path]:
     """All files that a dataset is made of: description, copies, runs; UserError where one is not there."""
     if not (folder / META).exists():

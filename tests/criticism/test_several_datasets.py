@@ -2,8 +2,10 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from swamp_rl.api import simulate
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.criticism.diagnose import diagnose
@@ -36,6 +38,18 @@ def test_the_groups_that_a_dataset_names_stay_apart_from_those_of_another(tmp_pa
 def test_one_dataset_keeps_its_names(tmp_path: Path) -> None:
     folder = recorded(tmp_path / "may", None)
     assert read_run_set([folder], load_boat("swamp")).names == ("run_0",)
+
+
+def test_without_a_boat_file_the_dataset_is_compared_with_its_own_boat(tmp_path: Path) -> None:
+    light = load_boat("swamp-light")
+    folder = tmp_path / "may"
+    create_dataset(folder, described(vehicle="swamp-light"))
+    steered = np.repeat([[0.0, 0.0, 0.0, 0.0, 0.5, 0.5, 0.5, 0.5]], 400, axis=0)
+    steered[100:250, :4] = np.radians([25.0, 25.0, -25.0, -25.0])
+    append_run(folder, simulate(light, steered), "csv")
+    found = diagnose(folder, None, tmp_path / "answer", twins=0)
+    assert found.verdict == "nothing_wrong"
+    assert load_boat(tmp_path / "answer" / "extended_boat.yaml").mass == light.mass
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import errno
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -200,6 +201,22 @@ def test_simulate_writes_the_track_that_replay_predicts(call: Call, folder: Path
     assert {name: values.tobytes() for name, values in written.columns.items()} == {
         name: np.ascontiguousarray(values).tobytes() for name, values in expected.columns.items()
     }
+
+
+def test_simulate_takes_the_boat_of_the_runs_dataset_where_none_is_given(call: Call, tmp_path: Path) -> None:
+    assert call("record-scripted", "--count", "1", "--boat", "swamp-light", "--out", "light")[0] == 0
+    run = next(Path("light").glob("run*"))
+    shutil.copy(run, tmp_path / "alone.parquet")
+    for out, words in {
+        "own": (run,),
+        "named": (run, "--boat", "swamp-light"),
+        "lone": (tmp_path / "alone.parquet",),
+        "swamp": (run, "--boat", "swamp"),
+    }.items():
+        assert call("simulate", "--out", f"{out}.csv", "--commands", *words)[0] == 0
+    assert Path("own.csv").read_bytes() == Path("named.csv").read_bytes()
+    assert Path("lone.csv").read_bytes() == Path("swamp.csv").read_bytes()
+    assert Path("own.csv").read_bytes() != Path("swamp.csv").read_bytes()
 
 
 def test_simulate_of_a_run_without_commands_is_one_line(call: Call, tmp_path: Path) -> None:

@@ -18,5 +18,5 @@ from tests.support.command_line import Call, assert_complains
     ],
 )
 def test_wrong_limits_are_one_line_before_anything_is_read(call: Call, words: list[str], said: str) -> None:
-    assert_complains(call("diagnose", "nowhere", "--out", "a", *words), said)
+    assert_complains(call("diagnose", "nowhere", "--boat", "swamp", "--out", "a", *words), said)
     assert not Path("a").exists()

@@ -10,7 +10,7 @@ from tests.support.command_line import Call
 
 
 def test_a_diagnosis_says_what_it_reads_before_anything_else(call: Call) -> None:
-    _, out, error = call("diagnose", "nowhere", "--out", "a")
+    _, out, error = call("diagnose", "nowhere", "--boat", "swamp", "--out", "a")
     assert out.splitlines()[:2] == ["diagnosing nowhere against boat swamp", "    0 s  reading nowhere"]
     assert len(error.splitlines()) == 1
 
