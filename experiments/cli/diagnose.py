@@ -83,20 +83,21 @@ def diagnose(
     from swamp_rl.runs.dataset import own_boat
 
     figures = [one for one in dataset if is_figures_file(one)]
-    if figures and not boat:
-        raise UserError(f"{figures[0]}: holds printed figures; name their boat: --boat NAME")
-    boat = boat or str(own_boat(dataset[0]))
-    typer.echo(f"diagnosing {given} against boat {boat}")
-    limits = _limits_of(next, boat, {"seconds": seconds, "speed": top_speed, "throttle": throttle})
     if figures:
         if len(dataset) > 1:
             raise UserError(f"{figures[0]}: printed figures are diagnosed alone; leave the other inputs out")
-        if limits:
+        if not boat:
+            raise UserError(
+                f"{figures[0]}: is read as printed figures, whose boat is needed: --boat NAME; runs are "
+                "named by their folder"
+            )
+        if any(limit is not None for limit in (next, seconds, top_speed, throttle)):
             raise UserError(f"--next: {figures[0]} holds printed figures, not runs; leave it out")
         if self_trial is not None or search_twins or workers:
             raise UserError(
                 f"--self-trial: {figures[0]} holds printed figures, which have none; leave it out"
             )
+        typer.echo(f"diagnosing {given} against boat {boat}")
         _diagnose_figures(figures[0], boat, out, holdout, fit)
         return
     if fit:
@@ -105,6 +106,9 @@ def diagnose(
         raise UserError("--workers: only the searches of twins run in parallel; add --search-twins")
     if search_twins and self_trial == 0:
         raise UserError("--search-twins: --self-trial 0 asks for no twins; leave one of them out")
+    boat = boat or str(own_boat(dataset[0]))
+    typer.echo(f"diagnosing {given} against boat {boat}")
+    limits = _limits_of(next, boat, {"seconds": seconds, "speed": top_speed, "throttle": throttle})
     _diagnose_runs(dataset, boat, out, holdout, ignore or [], limits, self_trial, search_twins, workers)
 
 

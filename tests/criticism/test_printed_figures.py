@@ -293,8 +293,10 @@ def test_a_faulty_figure_is_one_line_with_file_and_entry(fault: str, tmp_path: P
 
 def test_a_boat_file_in_the_place_of_figures_is_told_apart(tmp_path: Path, call: Call) -> None:
     write_yaml(tmp_path / "mine.yaml", {"extends": "swamp"})
-    told = call("diagnose", tmp_path / "mine.yaml", "--out", tmp_path / "out")
-    assert_complains(told, "mine.yaml: holds no printed figures; name a folder of runs")
+    words = "diagnose", tmp_path / "mine.yaml", "--out", tmp_path / "out"
+    said = "mine.yaml: holds no printed figures; name a folder of runs"
+    assert_complains(call(*words, "--boat", "swamp"), said)
+    assert_complains(call(*words), "mine.yaml: is read as printed figures, whose boat is needed: --boat NAME")
 
 
 def test_every_fault_of_a_file_has_a_line(tmp_path: Path, call: Call) -> None:
