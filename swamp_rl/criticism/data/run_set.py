@@ -23,6 +23,7 @@ from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, inspect_dataset, refuse_faults
 from swamp_rl.simulator.replay import fixed_thrusters, sample_step
+from swamp_rl.simulator.substeps import substeps_of
 from swamp_rl.simulator.weather import DEPTH, FIELDS, FROM, SPEED, measured_weather
 
 Array = NDArray[np.float64]
@@ -61,7 +62,7 @@ class RunSet:
     and time constant [s] of the Gauss-Markov part of the noise, None where it is white; too_short: names of
     runs that are left out; weather: (R or 0, T, 3), rows of `measured_weather`; ignored: the same with
     the measured wind, where that was left out; origin: the run that each is a part of, itself where empty;
-    days: the group that a dataset gives each run, or none; within: (R, T, n, 2K) commands in n equal parts of
+    days: the group that a dataset gives each run, or none; within: (R, T, parts, 2K) commands in the parts of
     each row less those of the row, None where these are held; instants: those by which the logged commands
     were moved, None where they were not.
     """
@@ -109,16 +110,18 @@ class RunSet:
 
     @property
     def parts(self) -> int:
-        """Equal parts of a row in which commands may differ."""
-        return 1 if self.within is None else int(self.within.shape[2])
+        """Equal parts of a row in which commands may differ: the steps in which it is integrated, so that a
+        delay moves commands by steps and mixes no two of them over a whole row.
+        """
+        return substeps_of(self.dt, self.boat)
 
     @cached_property
     def commands_of_parts(self) -> Array:
         """(R, T parts, 2K) commands in each part of each row."""
         if self.within is None:
-            return self.commands
-        runs, rows, _, channels = self.within.shape
-        return (self.commands[:, :, None] + self.within).reshape(runs, rows * self.parts, channels)
+            return np.repeat(self.commands, self.parts, axis=1)
+        runs, rows, parts, channels = self.within.shape
+        return (self.commands[:, :, None] + self.within).reshape(runs, rows * parts, channels)
 
     def subset(self, runs: list[int]) -> "RunSet":
         """The set of those runs alone."""

@@ -11,7 +11,6 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.options import options
-from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 
@@ -29,7 +28,8 @@ def command_sensitivity(
     commands = run_set.commands[run] + np.concatenate([changes, unchanged])
     several = run_set.copies([run] * (count + 1), commands)
     if within is not None:
-        several = replace(several, within=several.within + np.concatenate([within, 0.0 * within[:1]]))
+        before = 0.0 if several.within is None else several.within
+        several = replace(several, within=before + np.concatenate([within, 0.0 * within[:1]]))
     weight = np.repeat(problem.weight[run][None], count + 1, axis=0)
     many = Shooting(several, weight, problem.seconds, windows)
     states = np.repeat(at.states[window][None], count + 1, axis=0)
@@ -45,23 +45,12 @@ def command_changes(run_set: RunSet) -> Array:
     return change
 
 
-def held_in_parts(run_set: RunSet) -> RunSet:
-    """The runs with the commands of a row that is integrated in several steps held in each of them, so that a
-    delay moves them by steps and mixes no two commands over a whole row.
-    """
-    parts = substeps_of(run_set.dt, run_set.boat)
-    if parts == 1 or run_set.within is not None:
-        return run_set
-    runs, rows, channels = run_set.commands.shape
-    return replace(run_set, within=np.zeros((runs, rows, parts, channels)))
-
-
 def interpolated_at(run_set: RunSet, change: Array, shares: Array) -> RunSet:
     """The runs with each command moved by a share (R, T) of its change until the next row: a row that is
     integrated in several steps holds its own command first and takes on the next one at the end, in runs
     whose commands move all the time by a ramp.
     """
-    parts = substeps_of(run_set.dt, run_set.boat)
+    parts = run_set.parts
     within = None
     if parts > 1:
         before = 0.0 if run_set.within is None else run_set.within

@@ -16,7 +16,6 @@ from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
-from swamp_rl.criticism.nuisance.command_timing import held_in_parts
 from swamp_rl.criticism.nuisance.process_noise import measurement_noise_gain, process_noise_gain
 from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
 from swamp_rl.criticism.options import options
@@ -55,7 +54,6 @@ def select_model(
     are model error: they widen all comparisons and standard errors, and the selection is never adequate.
     """
     tried: list[Continuation] = []
-    run_set = held_in_parts(run_set)
     given, logged = (instances, hull, tried), run_set
     continuation = continuation_of(run_set, weight)
     if _is_position_noise_sufficient(continuation):
