@@ -42,7 +42,13 @@ def better_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -
 
     Compared at the selected hypothesis, since shifted commands could absorb a missing effect.
     """
-    problem = continuation.problems[MIDDLE]
+    key = at.hypothesis.label, at.x.tobytes()
+    if key not in continuation.reconstructed:
+        continuation.reconstructed[key] = _better_reconstruction(continuation.problems[MIDDLE], at, logged)
+    return continuation.reconstructed[key]
+
+
+def _better_reconstruction(problem: Shooting, at: Fit, logged: RunSet) -> RunSet | None:
     if at.chi2 > options().reconstruction_hopeless * problem.samples:
         return None
     above_noise = at.chi2 - options().variance_bias * problem.samples
@@ -100,9 +106,10 @@ def _reconstruction(
     if shared.chi2 < min(at.chi2 - least, most):
         best = interpolated(logged, share)
     known, start = begin or (None, shared)
-    each, made, cost = fit_switching_times(problem, start, logged, share, known)
     if best:  # which they must save in addition
         least = max(least, at.chi2 - shared.chi2 + options().reconstruction_gain)
+    wanted = min(at.chi2 - least, most)
+    each, made, cost = fit_switching_times(problem, start, logged, share, known, wanted)
     return each if made.chi2 < min(at.chi2 - least - cost, most) else best
 
 
@@ -110,8 +117,9 @@ def _refined(problem: Shooting, at: Fit, logged: RunSet, least: float) -> RunSet
     """The runs with the fitted instants of a problem fitted anew beside the effects of a fit, where that
     lowers its chi2 by `least`, or None.
     """
-    each, made, _ = fit_switching_times(problem, at, logged, 0.0, problem.run_set.fitted_instants)
-    return each if made.chi2 < at.chi2 - least else None
+    known, wanted = problem.run_set.fitted_instants, at.chi2 - least
+    each, made, _ = fit_switching_times(problem, at, logged, 0.0, known, wanted)
+    return each if made.chi2 < wanted else None
 
 
 def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
@@ -196,10 +204,16 @@ def sufficient_reconstruction(continuation: Continuation, at: Fit, logged: RunSe
 
 
 def fit_switching_times(
-    problem: Shooting, at: Fit, logged: RunSet, share: float, begin: Instants | None = None
+    problem: Shooting,
+    at: Fit,
+    logged: RunSet,
+    share: float,
+    begin: Instants | None = None,
+    wanted: float = math.inf,
 ) -> tuple[RunSet, Fit, float]:
     """The runs with a fitted share for each larger step, their fit, and their cost (`cost_of_shares`), begun
-    from known ones, or from one common share; at: a fit with these.
+    from known ones, or from one common share; at: a fit with these. Given up where rounds that all gain as
+    much as the last one would not bring chi2 below what is wanted.
     """
     change = command_changes(logged)
     shares = np.full(change.shape[:2], share)
@@ -211,7 +225,7 @@ def fit_switching_times(
     damping, enough = np.zeros(len(shares)), options().reconstruction_gain
     least_damping, factor, tries = options().instants_damping
     equations = list[ShareEquations]()
-    for _ in range(options().reconstruction_rounds):
+    for left in reversed(range(options().reconstruction_rounds)):
         equations = share_equations(_problem(problem, best), least, change, shares, share)
         others = shares if begin else np.full_like(shares, share)
         prior = departures(equations, shares, share)
@@ -230,7 +244,8 @@ def fit_switching_times(
             best, least, shares = run_set, made, moved
             damping = np.where(rise > 0.0, damping, damping / factor)
         share = mean_share(equations, shares, share)
-        if gain < enough:  # after the first round, that of a fit
+        # after the first round, the gain that is enough is that of a fit
+        if gain < enough or least.chi2 - left * gain > wanted:
             break
         enough = min_decrease(problem, least.chi2)
     cost = cost_of_shares(equations, shares, share)

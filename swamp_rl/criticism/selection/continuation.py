@@ -36,7 +36,8 @@ class Continuation:
     """The same runs cut in windows of every length; the fits by stage and hypothesis.
 
     problems: multiple shooting by stage, that of whole runs with the commands as logged; initial_states:
-    (W, 6) by stage; whole: whole runs by stage and hypothesis, with the commands that fit it best.
+    (W, 6) by stage; whole: whole runs by stage and hypothesis, with the commands that fit it best;
+    reconstructed: `better_reconstruction` by hypothesis and its parameters.
     """
 
     problems: list[Shooting]
@@ -45,6 +46,7 @@ class Continuation:
     gaps: tuple[Gap, ...] = ()
     fits: dict[tuple[int, str], Fit] = field(default_factory=dict)
     whole: dict[tuple[int, str], Shooting] = field(default_factory=dict)
+    reconstructed: dict[tuple[str, bytes], RunSet | None] = field(default_factory=dict)
     half: Shooting | None = None
 
     def problem(self, stage: int, hypothesis: Hypothesis) -> Shooting:
