@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from swamp_rl.experiments.cli.options import BoatOption
 
 from swamp_rl.counted import counted
 
@@ -17,7 +16,10 @@ def watch(
         typer.Option("--link", help="A vehicle's address, as `swamp-rl vehicle --address` takes it."),
     ] = None,
     mcap: Annotated[Path | None, typer.Option("--mcap", help="A recorded run, as an MCAP file.")] = None,
-    boat: BoatOption = "swamp",
+    boat: Annotated[
+        str | None,
+        typer.Option("--boat", help="Boat to predict with; by default the MCAP file's, or else swamp."),
+    ] = None,
     topic: Annotated[str | None, typer.Option(help="Topic of an MCAP file with several.")] = None,
     seconds: Annotated[
         float | None, typer.Option(min=1.0, max=1e7, help="Length of the stream to process (s).")
@@ -31,12 +33,14 @@ def watch(
     from swamp_rl.errors import UserError
     from swamp_rl.link import samples
     from swamp_rl.monitor import Monitor
+    from swamp_rl.runs.mcap_files import boat_of_mcap
 
     if (link is None) == (mcap is None):
         raise UserError("name what to watch: either --link ADDRESS or --mcap FILE")
     if mcap is not None and mcap.suffix.lower() != ".mcap":
         raise UserError(f"{mcap}: is no .mcap file; `swamp-rl runs export --to mcap` writes one of a run")
-    known = load_boat(boat)
+    own = boat_of_mcap(mcap) if mcap and not boat else None
+    known = own or load_boat(boat or "swamp")
     monitor = Monitor(known)
     last, count, said = 0.0, 0, False
     with suppress(KeyboardInterrupt):  # how one stops watching

@@ -72,6 +72,12 @@ def _extending(text: bytes, data: Mapping[str, Any], base: str) -> bytes:
     return yaml_text({**data, "extends": base}).encode()
 
 
+def write_copies(folder: Path, copies: Mapping[str, bytes]) -> None:
+    """The files of a boat and a course into a folder; UserError for a name that reaches out of it."""
+    for name, held in copies.items():
+        file_in(folder, name, YAML).write_bytes(held)
+
+
 def boat_of(folder: Path, meta: DatasetMeta) -> Boat:
     """The dataset's boat, by its copy; where it has none, by a file beside the runs or by a known name.
 

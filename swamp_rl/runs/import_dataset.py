@@ -10,10 +10,10 @@ from typing import Literal, get_args
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.course import fitted, load_course
 from swamp_rl.errors import UserError
-from swamp_rl.names import YAML, file_in
+from swamp_rl.names import file_in
 from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.bad_rows import MOST_TOLD
-from swamp_rl.runs.copies import boat_file, course_file
+from swamp_rl.runs.copies import boat_file, course_file, write_copies
 from swamp_rl.runs.dataset import read_meta
 from swamp_rl.runs.describe import rate_of, with_outcome, with_outcomes
 from swamp_rl.runs.earlier_commands import with_earlier_commands
@@ -170,8 +170,7 @@ def import_tables(found: Sequence[Foreign], out: Path | str, about: About, wishe
     told = _agreed(found)
     with tempfile.TemporaryDirectory() as scratch:
         home = found[0].home or Path(scratch)
-        for name, held in found[0].copies.items():
-            file_in(home, name, YAML).write_bytes(held)
+        write_copies(home, found[0].copies)
         source: str | Path = about.boat or (boat_file(home, told) if told else "swamp")
         course = about.course or (course_file(home, told) if told else None)
         boat = load_boat(source)

@@ -4,6 +4,7 @@ import hashlib
 import importlib
 import json
 import math
+import tempfile
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,12 +13,14 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from swamp_rl.boat import Boat, load_boat
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.extras import missing
 from swamp_rl.files import explain, write_beside
 from swamp_rl.json_text import parsed_json
 from swamp_rl.ordinary import ordinary
+from swamp_rl.runs.copies import boat_file, write_copies
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.run import Run
@@ -86,6 +89,20 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
     chosen = _topic(path, messages, others, topic)
     meta, dataset, copies = _told(path, told.get(RECORD))
     return Foreign(path.name, path.stem, _table(path, messages[chosen]), meta, dataset, copies)
+
+
+def boat_of_mcap(path: Path) -> Boat | None:
+    """The boat that a file of `write_mcap` tells of, None where it tells of none; UserError for a damaged
+    file.
+    """
+    with _reading(path), ordinary(path, None).open("rb") as stream:
+        told = {record.name: record.metadata for record in _reader(stream).iter_metadata()}
+    _, dataset, copies = _told(path, told.get(RECORD))
+    if dataset is None:
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        write_copies(Path(folder), copies)
+        return load_boat(boat_file(Path(folder), dataset))
 
 
 def _refuse_unpacked(path: Path, stream: Any) -> None:

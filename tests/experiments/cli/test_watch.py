@@ -14,6 +14,7 @@ from swamp_rl.simulator.sensors import CHANNELS
 from tests.support.binary_logs import bag as ros_bag
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
+from tests.support.from_scratch import written
 from tests.support.live_stream import BOAT, DT, stream
 
 BEGINS = 40.0
@@ -40,6 +41,18 @@ def test_a_recorded_failure_is_named(call: Call, tmp_path: Path) -> None:
     assert "monitoring" in said.splitlines()[0]
     assert re.search(r"thruster_failure bp \(time [\d.]+ s\), since", said.splitlines()[1])
     assert said.splitlines()[-1].endswith("samples, notices: 1")
+
+
+def test_a_file_is_watched_with_the_boat_that_it_carries(call: Call, tmp_path: Path) -> None:
+    written(tmp_path, "twin")
+    turning = ["--angle", 30, "--throttle", 0.6, "--turns", 2, "--out", "sea"]
+    assert call("trial", "turning-circle", "--boat", "twin.yaml", *turning)[0] == 0
+    assert call("runs", "export", "sea", "--to", "mcap", "--out", "exported")[0] == 0
+    (tmp_path / "twin.yaml").unlink()
+    file = next(Path("exported").glob("*.mcap"))
+    code, said, complaint = call("watch", "--mcap", file)
+    assert (code, complaint) == (0, "") and "monitoring" in said
+    assert_complains(call("watch", "--mcap", file, "--boat", "swamp"), "name the boat of this run by --boat")
 
 
 def test_a_program_reads_it_as_json_lines(call: Call, tmp_path: Path) -> None:
