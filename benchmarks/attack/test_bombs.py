@@ -16,6 +16,7 @@ from swamp_rl.experiments.sweep.store import TABLES, Trial, opened
 from benchmarks.attack.formats import FORMATS, with_checksum
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import MOST_JSON
+from swamp_rl.runs.mcap_files import boat_of_mcap
 from swamp_rl.runs.resample import MOST_CELLS as MOST_RESAMPLED
 from swamp_rl.runs.resample import resampled
 from swamp_rl.runs.table import MOST_CELLS, MOST_COLUMNS
@@ -181,6 +182,8 @@ def test_a_chunk_of_mcap_that_unpacks_to_more_than_it_says_is_refused(
     record = b"\x06" + struct.pack("<Q", len(chunk)) + chunk
     path.write_bytes(data[:head] + record + end + b"\x89MCAP0\r\n")
     refused("run.mcap", path, "is larger than it declares")
+    with pytest.raises(UserError, match="is larger than it declares"):
+        boat_of_mcap(path)
 
 
 def test_a_header_of_tensors_without_end_is_not_parsed() -> None:

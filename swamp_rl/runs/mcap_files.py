@@ -74,12 +74,9 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
     """
     messages: dict[str, list[tuple[int, Any]]] = {}
     others: set[str] = set()
-    told: dict[str, dict[str, str]] = {}
+    record: dict[str, str] | None = None
     with _reading(path), ordinary(path, None).open("rb") as stream:
-        _refuse_unpacked(path, stream)
-        told = {record.name: record.metadata for record in _reader(stream).iter_metadata()}
-        if _reader(stream).get_header().library == RECORD:
-            told.setdefault(RECORD, {})
+        record = _own_record(path, stream)
         for _, channel, message in _reader(stream).iter_messages(log_time_order=False):
             if channel.message_encoding != "json":
                 others.add(channel.topic)
@@ -87,7 +84,7 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
             found = messages.setdefault(channel.topic, [])
             found.append((message.log_time, _parsed(path, channel.topic, len(found) + 1, message.data)))
     chosen = _topic(path, messages, others, topic)
-    meta, dataset, copies = _told(path, told.get(RECORD))
+    meta, dataset, copies = _told(path, record)
     return Foreign(path.name, path.stem, _table(path, messages[chosen]), meta, dataset, copies)
 
 
@@ -95,14 +92,27 @@ def boat_of_mcap(path: Path) -> Boat | None:
     """The boat that a file of `write_mcap` tells of, None where it tells of none; UserError for a damaged
     file.
     """
+    record: dict[str, str] | None = None
     with _reading(path), ordinary(path, None).open("rb") as stream:
-        told = {record.name: record.metadata for record in _reader(stream).iter_metadata()}
-    _, dataset, copies = _told(path, told.get(RECORD))
+        record = _own_record(path, stream)
+    _, dataset, copies = _told(path, record)
     if dataset is None:
         return None
     with tempfile.TemporaryDirectory() as folder:
         write_copies(Path(folder), copies)
         return load_boat(boat_file(Path(folder), dataset))
+
+
+def _own_record(path: Path, stream: Any) -> dict[str, str] | None:
+    """What a file of `write_mcap` tells of its run, empty where that is lost; None for other files.
+
+    UserError for a file that is too large unpacked.
+    """
+    _refuse_unpacked(path, stream)
+    told = {record.name: record.metadata for record in _reader(stream).iter_metadata()}
+    ours = _reader(stream).get_header().library == RECORD
+    found: dict[str, str] | None = told.get(RECORD, {} if ours else None)
+    return found
 
 
 def _refuse_unpacked(path: Path, stream: Any) -> None:
