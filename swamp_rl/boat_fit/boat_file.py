@@ -8,7 +8,9 @@ from typing import Any
 from swamp_rl.boat import Boat
 from swamp_rl.boat.mapping import boat_mapping
 from swamp_rl.boat.quantity import SPREAD
-from swamp_rl.boat_fit.numbers import Number
+from swamp_rl.boat_fit.number import Number
+from swamp_rl.boat_fit.numbers import free_numbers
+from swamp_rl.boat_fit.start_effects import in_numbers, lies_at
 from swamp_rl.effects import LIBRARY
 from swamp_rl.effects.entries import entry_mapping
 
@@ -63,18 +65,15 @@ def identified_mapping(
 ) -> dict[str, Any]:
     """The boat file of a fit; told_from: the dataset's name, for the sources; level: of the thrust [1].
 
-    A number that the data show has provenance `fitted`; another one keeps its own. The start boat's effects
-    on numbers that were fitted are in those numbers, and left out.
+    A number that the data show has provenance `fitted`; another one keeps its own. What the start boat's
+    effects do to numbers that were fitted is in those numbers.
     """
-    fields = {one.number.field for one in fitted}
-    kept = [
-        entry
-        for entry in boat.effects
-        if not fields & {parameter.field for parameter in entry.effect.parameters}
-    ]
-    made = boat_mapping(boat)
-    made |= {"name": name, "effects": [entry_mapping(entry) for entry in kept]}
-    for one in fitted:
+    kept, places = in_numbers(boat, [one.number for one in fitted])
+    made = boat_mapping(boat) | {"name": name, "effects": [entry_mapping(entry) for entry in kept]}
+    names = {one.number.name for one in fitted}
+    at_start = [Fitted(number, number.mean, number.sd) for number in free_numbers(boat, positions=True)]
+    freed = [one for one in at_start if lies_at(one.number, places) and one.number.name not in names]
+    for one in (*fitted, *freed):
         if one.number.name.startswith("effects."):
             _add_effect(made["effects"], boat, one)
         else:
@@ -148,8 +147,10 @@ def _replace(section: dict[str, Any], key: str, one: Fitted, told_from: str) -> 
     else:
         value, sd = _rounded(one.value), _rounded(one.standard_error)
     if not one.shown and isinstance(given, dict):
-        source = f"{given['source']}; not identifiable from {told_from}"
-        section[key] = {**given, "value": value, "source": source}
+        own = isinstance(given["value"], list) or math.isclose(given["value"], one.number.start)
+        origin = {} if own else {"provenance": "assumed", "source": "the start file with its effects"}
+        section[key] = {**given, "value": value} | origin
+        section[key]["source"] += f"; not identifiable from {told_from}"
         return
     section[key] = {
         "value": value,

@@ -13,7 +13,8 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.fit import SHORT, BoatFit, long_fit, short_fit, window_length
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
-from swamp_rl.boat_fit.numbers import SATURATED, Number, free_numbers
+from swamp_rl.boat_fit.number import Number
+from swamp_rl.boat_fit.numbers import SATURATED, free_numbers
 from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.recent_thrust import chosen_gains, recent_errors
 from swamp_rl.boat_fit.report import page_of

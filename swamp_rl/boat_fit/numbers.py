@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,8 @@ from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.boat.plausible import Limit, ranges
 from swamp_rl.boat.resistance import TankResistance
 from swamp_rl.boat.screw import Linear, OpenWater
+from swamp_rl.boat_fit.number import Number
+from swamp_rl.boat_fit.start_effects import free_of_effects
 from swamp_rl.effects import Reference
 from swamp_rl.effects.limits import LONGEST_DELAY
 from swamp_rl.simulator import parameters
@@ -19,10 +21,6 @@ from swamp_rl.simulator.reference import reference_of
 Array = NDArray[np.float64]
 
 MEASURED = 0.3  # of the usual prior width, for a number that the file gives as measured
-FAR = 6.0  # prior widths to either side that a fit may move a number
-# prior widths, of a finite difference; wide, since forces that jump, where a propeller's flow turns, make
-# slopes over narrow ones meaningless
-STEP = 3e-3
 # of the prior width of a time constant: the shortest that is fitted, since shorter ones are followed at once
 SHORTEST, LAG_STEP = 0.05, 0.03
 ROOM = 1.25  # factor that is left to the ends of plausible ranges, which depend on the mass as well
@@ -34,76 +32,23 @@ SATURATED = "efficiency_100"  # field of the record
 DERIVATIVE = 0.02  # prior width [1] of a hull derivative beside its share, which may be 0 or of either sign
 
 
-@dataclass(frozen=True)
-class Number:
-    """One number that a fit moves: `start` in the boat file, `sd` the standard deviation of its prior.
-
-    name: its dotted key in the boat file, or `effects.` EFFECT.PARAMETER; field, thrusters, element: where it
-    lands in the simulator's record. scaled: the fit moves x, by which the number is start · exp(x), and sd is
-    of x; otherwise x is the number. low, high: of x. trial: the motion that shows it. least: where a fit
-    begins at least, for a number without a gradient at its start.
-    """
-
-    name: str
-    unit: str
-    field: str
-    start: float
-    sd: float
-    trial: str
-    scaled: bool = False
-    low: float = -math.inf
-    high: float = math.inf
-    thrusters: tuple[int, ...] | None = None
-    element: int | None = None
-    step: float = STEP
-    least: float = -math.inf
-
-    @property
-    def mean(self) -> float:
-        """Of the prior of x."""
-        return 0.0 if self.scaled else self.start
-
-    @property
-    def begin(self) -> float:
-        """Where a fit of x begins."""
-        return max(self.mean, self.least)
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """Of x."""
-        room = FAR * self.sd
-        return max(self.low, self.mean - room), min(self.high, self.mean + room)
-
-    def value(self, x: float) -> float:
-        """The number at x."""
-        return self.start * math.exp(x) if self.scaled else x
-
-    def spread(self, x: float, sd: float) -> float:
-        """Standard deviation of the number, of that of x."""
-        return abs(self.value(x)) * sd if self.scaled else sd
-
-    def write(self, record: NDArray[np.void], x: Array) -> None:
-        """Put x (n,) into records (n,) of the start boat, in place."""
-        field = record[self.field]
-        if self.thrusters is None:
-            field[:] = field * np.exp(x) if self.scaled else x
-            return
-        for k in self.thrusters:
-            part = field[:, k] if self.element is None else field[:, k, self.element]
-            column = x[:, None] if part.ndim == 2 else x
-            part[:] = part * np.exp(column) if self.scaled else column
-
-
 def free_numbers(boat: Boat, positions: bool = False) -> tuple[Number, ...]:
     """The numbers of a boat that a fit moves; positions: also where its thrusters are."""
-    of = reference_of(boat)
-    found = [*_inertia(boat), *_resistance(boat, of), *_hull(boat, of)]
+    of, loaded = reference_of(boat), _as_loaded(boat)
+    found = [*_inertia(loaded), *_resistance(boat, of), *_hull(boat, of)]
     for k, thruster in enumerate(boat.thrusters):
         found += _propeller(boat, k) if isinstance(thruster, PropellerRudder) else _jet(boat, k)
         found += _positions(boat, k) if positions and not isinstance(thruster, PropellerRudder) else []
     found += [*_lags(boat, of), *_clocks(boat)]
-    plausible = {limit.key: limit for limit in ranges(boat)}
+    plausible = {limit.key: limit for limit in ranges(loaded)}
+    found = list(free_of_effects(found, boat))
     return tuple(_within(_narrowed(number, boat), plausible.get(number.name)) for number in found)
+
+
+def _as_loaded(boat: Boat) -> Boat:
+    """The boat with the mass, inertia and centre of gravity that its effects give it."""
+    record = parameters(boat)[0]
+    return boat.model_copy(update={name: float(record[name]) for name in ("mass", "inertia_z", "x_g")})
 
 
 def _within(number: Number, limit: Limit | None) -> Number:
@@ -152,14 +97,20 @@ def _share(name: str, unit: str, field: str, start: float, sd: float, trial: str
 def _resistance(boat: Boat, of: Reference) -> Iterable[Number]:
     straight = "straight runs at several speeds"
     if isinstance(boat.resistance, TankResistance):
-        yield _share("resistance.table", "1", "resistance_scale", 1.0, 0.4, straight)
+        scale = float(parameters(boat)["resistance_scale"][0])
+        yield _share("resistance.table", "1", "resistance_scale", scale, 0.4, straight)
     else:
         for name, where in (("x_0_ahead", straight), ("x_0_astern", "straight runs astern")):
-            value = getattr(boat.resistance, name)
+            value = getattr(boat.resistance, name) * load_factor(parameters(boat))[0]
             yield _share(f"resistance.{name}", "1", name, value, 0.5, where)
     yield _damping(boat, "linear_drag", 0.2 * of.damping, "N s/m", "coasting to a stop")
     yield _damping(boat, "linear_sway_damping", 0.15 * of.damping, "N s/m", "slow turns")
     yield _damping(boat, "linear_yaw_damping", 0.1 * of.yaw_damping, "N m s/rad", "slow turns on the spot")
+
+
+def load_factor(record: NDArray[np.void]) -> Array:
+    """(n,) resistance at the mass of records over that at their reference mass: load to the 2/3."""
+    return np.cbrt((record["mass"] / record["reference_mass"]) ** 2)
 
 
 def _damping(boat: Boat, effect: str, sd: float, unit: str, trial: str) -> Number:

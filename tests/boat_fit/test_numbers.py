@@ -11,12 +11,14 @@ from swamp_rl.boat.mapping import boat_mapping
 from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.identify import supported
-from swamp_rl.boat_fit.numbers import Number, free_numbers
+from swamp_rl.boat_fit.number import Number
+from swamp_rl.boat_fit.numbers import free_numbers
 from swamp_rl.boat_fit.report import far_from_start, left_out, number_rows, start_sentence
 from swamp_rl.criticism.result import Predictors
+from swamp_rl.effects import LIBRARY
 from swamp_rl.files import write_yaml
 from swamp_rl.physics.hull import hull_forces
-from swamp_rl.physics.resistance import towing
+from swamp_rl.physics.resistance import surge_resistance, towing
 from swamp_rl.simulator import parameters, tank
 from tests.support.from_scratch import written
 
@@ -112,15 +114,77 @@ def test_a_boat_as_a_mapping_is_the_boat_again(tmp_path: Path) -> None:
         assert again.provenance == boat.provenance
 
 
-def test_effects_of_the_start_file_on_fitted_numbers_are_in_these_numbers(tmp_path: Path) -> None:
-    (tmp_path / "worn.yaml").write_text(
-        "extends: swamp\neffects: [{effect: yaw_damping, scale: 2.0}, {effect: thrust_scale, scale: 0.9}]\n"
+def with_effect(kind: str, name: str, folder: Path) -> Boat:
+    """A boat with a tenth more of all that the effect alters, at its first thruster where it selects one."""
+    boat, effect = boat_of(kind, folder), LIBRARY[name]
+    record, entry = parameters(boat)[0], {"effect": name}
+    if effect.thruster:
+        entry["thruster"] = boat.thruster_names[0]
+    for parameter in effect.parameters:
+        neutral = parameter.neutral
+        value = 1.1 * (float(np.ravel(record[parameter.field])[0]) if neutral is None else neutral) + 0.05
+        entry[parameter.name] = float(np.clip(value, parameter.low, parameter.high))
+    write_yaml(folder / "start.yaml", boat_mapping(boat) | {"name": "start", "effects": [entry]})
+    return load_boat(folder / "start.yaml")
+
+
+NEEDS = {"swamp": ("", "azimuth", "astern"), "esso_osaka": ("", "rudder")}
+
+
+def on_numbers(kind: str, folder: Path) -> list[str]:
+    """The effects that alter a number of such a boat that a fit moves."""
+    fields = {number.field for number in free_numbers(boat_of(kind, folder), positions=True)}
+    return [
+        name
+        for name, effect in LIBRARY.items()
+        if any(p.field in fields for p in effect.parameters) and effect.needs in NEEDS[kind]
+    ]
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5])
+@pytest.mark.parametrize("kind", NEEDS)
+def test_no_effect_of_the_start_file_is_lost_with_all_or_some_of_its_numbers_fitted(
+    kind: str, share: float, tmp_path: Path
+) -> None:
+    for name in on_numbers(kind, tmp_path):
+        boat = with_effect(kind, name, tmp_path)
+        numbers = free_numbers(boat, positions=True)
+        numbers = numbers[: round(share * len(numbers))]
+        fitted = [Fitted(number, number.mean, 0.1 * number.sd) for number in numbers]
+        hypothesis = free_boat(boat, numbers, 0)
+        write_yaml(tmp_path / "new.yaml", identified_mapping(boat, "new", fitted, "runs"))
+        again = load_boat(tmp_path / "new.yaml")
+        for read, wanted, curves in (
+            (parameters(again), hypothesis.records(boat, hypothesis.prior()[0][None]), tank(again)),
+            (parameters(again), parameters(boat), tank(again)),
+        ):
+            same_but_for_the_scale_of_the_tank(read, wanted, curves, tank(boat), name)
+
+
+def same_but_for_the_scale_of_the_tank(
+    read: np.ndarray, wanted: np.ndarray, curves: np.ndarray, before: np.ndarray, told: str
+) -> None:
+    for field in set(wanted.dtype.names) - {"resistance_scale", "reference_mass", "x_0_ahead", "x_0_astern"}:
+        np.testing.assert_allclose(
+            read[field], wanted[field], rtol=1e-4, atol=1e-12, err_msg=f"{told} {field}"
+        )
+    forces = [
+        surge_resistance(speed, 0.1, record[0], table, towing(record[0], table))
+        for record, table in ((read, curves), (wanted, before))
+        for speed in (0.7, -0.4)
+    ]
+    assert forces[:2] == pytest.approx(forces[2:], rel=1e-4), told
+
+
+def test_a_number_that_only_an_effect_of_the_start_file_gives_is_not_called_measured(tmp_path: Path) -> None:
+    boat = with_effect("swamp", "mass", tmp_path)
+    mass = next(one for one in free_numbers(boat) if one.name == "mass")
+    made = identified_mapping(boat, "new", [Fitted(mass, mass.mean, mass.sd)], "runs")["mass"]
+    assert made["value"] == pytest.approx(parameters(boat)["mass"][0], rel=1e-4)
+    assert (made["provenance"], made["source"]) == (
+        "assumed",
+        "the start file with its effects; not identifiable from runs",
     )
-    boat = load_boat(tmp_path / "worn.yaml")
-    fitted = [Fitted(number, number.mean, 0.5 * number.sd) for number in free_numbers(boat)]
-    mapping = identified_mapping(boat, "new", fitted, "runs")
-    assert [entry["effect"] for entry in mapping["effects"]] == ["thrust_scale"]
-    assert mapping["hull"]["n_r"]["value"] == pytest.approx(2.0 * boat.hull.n_r)
 
 
 def test_the_level_of_the_thrust_multiplies_that_of_the_start_file(tmp_path: Path) -> None:
