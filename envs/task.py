@@ -17,10 +17,9 @@ from swamp_rl.boat.applicable import refuse_inapplicable
 from swamp_rl.boat.drawn import refuse_without_battery
 from swamp_rl.course import Course, fitted, limited, load_course
 from swamp_rl.effects import Level, load_disturbances
-from swamp_rl.effects.fit import Size
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
-from swamp_rl.simulator.reference import reference_of
+from swamp_rl.simulator.reference import size_of
 
 Disturbances = str | Path | Sequence[Mapping[str, Any]] | None
 
@@ -93,7 +92,7 @@ class Task:
         boat, course = given.get("boat", "swamp"), given.get("course", "camogli")
         boat = boat if isinstance(boat, Boat) else load_boat(boat)
         course = course if isinstance(course, Course) else load_course(course)
-        size = Size(boat.length, reference_of(boat).speed, boat.mass)
+        size = size_of(boat)
         course = fitted(course, size.length, size.speed)
         level = load_disturbances(given.get("disturbances"), boat.thruster_names, size)
         drawn = (entry.effect for entry in level.entries)

@@ -6,16 +6,19 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from swamp_rl.boat import load_boat
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.effects.correlated import factor_of
 from swamp_rl.effects.declare import LIBRARY, Parameter
+from swamp_rl.effects.fit import fitted_level
 from swamp_rl.effects.random_entry import COMPONENTS
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations, nearest
 from swamp_rl.files import find_config, read_yaml, write_yaml
 from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.printed_figures.result import FiguresDiagnosis
+from swamp_rl.simulator.reference import size_of
 
 
 def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dict[str, Any]:
@@ -25,13 +28,14 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     correlated as in the diagnosis. One at a bound of the fit, or that the runs do not determine, is constant:
     its standard error is meaningless. What differs between runs is drawn for another run: from the normal
     distribution of the runs, a vector by component, its variance that of the runs and of their mean. among: a
-    level whose start and other effects are included. UserError where the diagnosis cannot be read or names no
+    level whose start and other effects are included, in proportion to the boat of the `extended_boat.yaml`
+    beside the diagnosis. UserError where the diagnosis cannot be read or names no
     cause, or that level has correlations of its own.
     """
     found = _read(diagnosis)
     if not found.causes:
         raise UserError(f"{diagnosis}: names no cause, so there is nothing to draw; train in the boat itself")
-    below: dict[str, Any] = {} if among is None else read_yaml(find_config("disturbances", among))
+    below = {} if among is None else _in_proportion(among, diagnosis.parent / "extended_boat.yaml")
     if "correlated" in below:
         raise UserError(f"{among}: has correlated numbers of its own; name a level without them")
     entries = [_entry(cause, diagnosis) for cause in (*found.causes, *found.nuisance)]
@@ -49,6 +53,15 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     }
     write_yaml(out, level)
     return level
+
+
+def _in_proportion(among: str, boat_file: Path) -> dict[str, Any]:
+    """The content of a level for the boat of that file, as it stands where there is none."""
+    path = find_config("disturbances", among)
+    if not boat_file.is_file():
+        return fitted_level(read_yaml(path), str(path), None, ())
+    boat = load_boat(boat_file)
+    return fitted_level(read_yaml(path), str(path), size_of(boat), boat.thruster_names)
 
 
 def _read(path: Path) -> Diagnosis | FiguresDiagnosis:

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.boat.applicable import refuse_inapplicable
 from swamp_rl.effects import LIBRARY, load_disturbances, parse_effects
-from swamp_rl.effects.fit import Size
 from swamp_rl.guidance.loop import Controller, closed_loop, seen_of
 from swamp_rl.runs import Run, RunMeta
 from swamp_rl.simulator import initial_state, parameters
-from swamp_rl.simulator.reference import reference_of
+from swamp_rl.simulator.reference import size_of
 from swamp_rl.simulator.replay import run_of
 from swamp_rl.simulator.sensors import CHANNELS, observe
 from swamp_rl.simulator.state import NORTH, YAW_RATE
@@ -119,8 +118,7 @@ def in_sea(
 
     disturbances: as for `load_disturbances`; sea: further effects with numbers, which follow the drawn ones.
     """
-    size = Size(boat.length, reference_of(boat).speed, boat.mass)
-    level = load_disturbances(disturbances, boat.thruster_names, size)
+    level = load_disturbances(disturbances, boat.thruster_names, size_of(boat))
     uniforms = np.random.default_rng(seed).random(level.draw_count)
     drawn = [*level.drawn(uniforms), *sea]
     effects = parse_effects(drawn, "the sea", boat.thruster_names)

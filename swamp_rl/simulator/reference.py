@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.constants import FASTEST, GRAVITY
 from swamp_rl.effects import Reference
+from swamp_rl.effects.fit import Size
 from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.propulsion import actuator_output, propulsion_forces, throttle_limits
@@ -42,6 +43,11 @@ def reference_of(boat: Boat) -> Reference:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if net(middle) > 0.0 else (low, middle)
     return Reference(boat.length, boat.breadth, boat.mass, high, thrust)
+
+
+def size_of(boat: Boat) -> Size:
+    """What a level of disturbances is proportioned to."""
+    return Size(boat.length, reference_of(boat).speed, boat.mass)
 
 
 def _full_ahead(record: Any) -> NDArray[np.float64]:

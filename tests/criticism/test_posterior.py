@@ -15,6 +15,8 @@ from swamp_rl.effects import load_disturbances
 from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, write_yaml
 from swamp_rl.simulator import parameters
+from swamp_rl.simulator.reference import size_of
+from tests.support.from_scratch import written
 
 pytestmark = pytest.mark.numerical
 
@@ -51,6 +53,24 @@ def test_what_is_drawn_has_the_mean_and_the_standard_error_of_the_diagnosis(tmp_
     for field, value, doubt in (("current_north", 0.2, 0.02), ("current_east", -0.1, 0.03)):
         assert record[field].mean() == pytest.approx(value, abs=4.0 * doubt / np.sqrt(20_000))
         assert record[field].std() == pytest.approx(doubt, rel=0.03)
+
+
+def test_causes_stay_as_measured_and_a_level_among_them_is_fitted_to_the_boat(tmp_path: Path) -> None:
+    written(tmp_path, "large")
+    (tmp_path / "extended_boat.yaml").write_text("extends: large.yaml\nname: large-extended\n")
+    write_posterior(diagnosis(tmp_path, CURRENT), tmp_path / "found.yaml", "standard")
+    boat = load_boat(tmp_path / "large.yaml")
+    found = load_disturbances(tmp_path / "found.yaml", boat.thruster_names, size_of(boat))
+    plain = load_disturbances("standard", boat.thruster_names, size_of(boat))
+    record = parameters(boat, 1000)
+    found.apply(record, np.random.default_rng(0).random((1000, found.draw_count)))
+    assert record["current_north"].mean() == pytest.approx(0.2, abs=0.01)
+    own = read_yaml(tmp_path / "found.yaml")
+    assert [entry["effect"] for entry in own["effects"]] == [
+        "current",
+        *(e.effect.name for e in plain.entries if e.effect.name != "current"),
+    ]
+    assert found.offsets == plain.offsets
 
 
 def test_a_wind_that_differs_between_runs_is_drawn_for_another_run(tmp_path: Path) -> None:
