@@ -1,5 +1,6 @@
 """The output-error fit of a boat's numbers: short windows, then longer ones weighted by the residual."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +11,14 @@ from swamp_rl.boat_fit.hypothesis import FreeBoat
 from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, fit, fit_states, inverse
+from swamp_rl.criticism.likelihood.output_error import (
+    Fit,
+    fit,
+    fit_states,
+    inverse,
+    losses,
+    prior_penalty,
+)
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.nuisance.process_noise import (
     by_channel,
@@ -65,22 +73,41 @@ def soft_weights(weight: Array, boat: Boat) -> Array:
 
 
 def fit_windows(
-    run_set: RunSet, weight: Array, seconds: float, hypothesis: FreeBoat, x: Array, steps: int = STEPS
+    run_set: RunSet,
+    weight: Array,
+    seconds: float,
+    hypothesis: FreeBoat,
+    x: Array,
+    steps: int = STEPS,
+    others: Sequence[Array] = (),
 ) -> tuple[Shooting, Fit]:
-    """The fit to windows of that length, from x (p,).
+    """The fit to windows of that length, from x (p,) or another start (p,) that is likelier.
 
     Its last Jacobian is taken at the solution: from a start file that is far off, steps along an earlier one
     end far from the optimum.
     """
     problem = Shooting(run_set, weight, seconds)
-    states = fit_states(problem, hypothesis, x, problem.initial_states(), STATE_ROUNDS)[0]
+    x, states, _ = likeliest(problem, hypothesis, (x, *others))
     return problem, fit(problem, hypothesis, x, states, steps, fresh=True)
+
+
+def likeliest(problem: Shooting, hypothesis: FreeBoat, starts: Sequence[Array]) -> tuple[Array, Array, Array]:
+    """The start (p,) with the smallest chi2, the prior included, its initial states (W, 6) and residual."""
+    begun = []
+    for one in starts:
+        states, _, residual = fit_states(problem, hypothesis, one, problem.initial_states(), STATE_ROUNDS)
+        chi2 = float(losses(residual).sum()) + prior_penalty(hypothesis, one)
+        begun.append((chi2 if np.isfinite(chi2) else np.inf, one, states, residual))
+    return min(begun, key=lambda one: one[0])[1:]
 
 
 @np.errstate(over="ignore", invalid="ignore")  # where numbers make the boat diverge
 def short_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> Fit:
-    """The fit to windows of SHORT with SOFT noise, from x (p,). weight: (R, T, 6) by the noise."""
-    return fit_windows(run_set, soft_weights(weight, run_set.boat), SHORT, hypothesis, x)[1]
+    """The fit to windows of SHORT with SOFT noise, from x (p,) or the start file. weight: (R, T, 6) by the
+    noise.
+    """
+    soft = soft_weights(weight, run_set.boat)
+    return fit_windows(run_set, soft, SHORT, hypothesis, x, others=(hypothesis.prior()[0],))[1]
 
 
 def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> BoatFit:
@@ -90,7 +117,8 @@ def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
 
 @np.errstate(over="ignore", invalid="ignore")  # where numbers make the boat diverge
 def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> BoatFit:
-    """The numbers fitted to runs in windows of `window_length`, from x (p,).
+    """The numbers fitted to runs in windows of `window_length`, from x (p,) or the start file, whichever is
+    likelier: a fit ends no farther from the runs than the file that it is given.
 
     Weights of the windows: the residual's standard deviation by channel, its integrated autocorrelation
     time, so that the likelihood counts independent samples beside the prior, and Huber's weight of each
@@ -101,7 +129,7 @@ def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
     seen = weight > 0
     sigma = 1.0 / np.maximum(soft.max(axis=(0, 1)), 1e-12)
     problem = Shooting(run_set, seen / sigma, seconds)
-    states, _, residual = fit_states(problem, hypothesis, x, problem.initial_states(), STATE_ROUNDS)
+    x, states, residual = likeliest(problem, hypothesis, (x, hypothesis.prior()[0]))
     sound = np.asarray(np.isfinite(residual).all(axis=1), dtype=bool)
     if not sound.any():
         raise UserError(

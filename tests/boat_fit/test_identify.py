@@ -128,6 +128,19 @@ def test_exchanged_and_flipped_channels_are_found_and_the_file_predicts_and_diag
     assert "nothing_wrong" in Path("diagnosis/diagnosis.json").read_text()
 
 
+def test_a_fit_ends_no_farther_from_the_runs_than_the_start_file_wherever_it_begins(tmp_path: Path) -> None:
+    runs = start_runs(tmp_path, "extends: twin.yaml\nname: hidden\n", count=1, seconds=30.0)
+    hypothesis, weight = free_boat(runs.boat, free_numbers(runs.boat), 0), weights(runs, noise_levels(runs))
+    start, sd = hypothesis.prior()[0], hypothesis.prior()[1] ** -0.5
+    low, high = hypothesis.bounds()
+    far = np.clip(start + 2.0 * sd, low, high)
+    _, lost = fit_windows(runs, weight, 5.0, hypothesis, far, 1)
+    _, kept = fit_windows(runs, weight, 5.0, hypothesis, far, 1, (start,))
+    _, own = fit_windows(runs, weight, 5.0, hypothesis, start, 1)
+    assert kept.chi2 == pytest.approx(own.chi2)
+    assert own.chi2 < lost.chi2
+
+
 def test_a_fit_whose_covariance_is_infinite_keeps_its_noise(tmp_path: Path) -> None:
     runs = start_runs(tmp_path, HIDDEN, count=1, seconds=30.0)
     hypothesis = free_boat(runs.boat, free_numbers(runs.boat), 0)
