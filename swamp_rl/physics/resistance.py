@@ -41,9 +41,11 @@ def tank_table(
 @compiled
 def piece_of(speed: float, tank: Any) -> tuple[int, float]:
     """Which piece of the curves a speed [m/s] falls into, and how far [m/s] from the piece's knot."""
-    piece = 0
-    for knot in range(1, tank.shape[2]):
-        piece += speed >= tank[0, SPEED, knot]  # a sum: a branch here is mispredicted too often
+    piece, left = 0, tank.shape[2]
+    while left > 1:  # bisection without a branch, which would be mispredicted too often
+        half = left // 2
+        piece += half * (speed >= tank[0, SPEED, piece + half])
+        left -= half
     return piece, max(speed - tank[0, SPEED, piece], 0.0)
 
 
