@@ -13,7 +13,7 @@ from swamp_rl.physics.air_and_current import current_push
 from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.hull import demihull_resistance
 from swamp_rl.physics.propulsion import propulsion_forces
-from swamp_rl.physics.resistance import surge_resistance, towing
+from swamp_rl.physics.resistance import piece_of, surge_resistance, towing
 from swamp_rl.physics.thrusters import put_output
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.state import NORTH, SURGE, SWAY, YAW_RATE
@@ -109,3 +109,12 @@ def test_runge_kutta_keeps_order_four_with_demihulls_and_advance_loss() -> None:
 
     errors = [abs(end(substeps) - end(64)) for substeps in (1, 2, 4)]
     assert all(coarse > 10.0 * fine for coarse, fine in pairwise(errors))
+
+
+@given(st.integers(1, 40), st.floats(-0.1, 4.2))
+def test_a_speed_falls_into_the_piece_that_begins_at_the_last_knot_below_it(count: int, speed: float) -> None:
+    knots = 0.1 * np.arange(count)
+    for one in (speed, float(knots[-1]), float(knots[count // 2]), float(np.nextafter(knots[-1], 0.0))):
+        piece, ahead = piece_of(one, np.tile(knots, (2, 1, 1)))
+        assert piece == max(int(np.searchsorted(knots, one, side="right")) - 1, 0)
+        assert ahead == max(one - knots[piece], 0.0)
