@@ -11,7 +11,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.logs.clock import clock_offset
 from swamp_rl.logs.expression import Node, evaluated, names_in, parsed
-from swamp_rl.logs.frames import QUATERNION, in_our_frame, refuse_degrees, refuse_halves
+from swamp_rl.logs.frames import QUATERNION, column_of, in_our_frame, refuse_degrees, refuse_halves
 from swamp_rl.logs.join import Series, joined
 from swamp_rl.logs.log import Log, LogTable, words_of
 from swamp_rl.logs.mapping import Mapping
@@ -72,7 +72,8 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
     columns = _in_our_frame(log, grid.columns, mapping)
     unread = _unread(columns, grid.unread)
     rows = np.arange(1, len(columns["time"]) + 1)
-    table_of_all = Table(columns, rows, unread, grid.faults)
+    faults = [_renamed(fault, mapping) for fault in grid.faults]
+    table_of_all = Table(columns, rows, unread, faults)
     told["joined"] = grid.told
     return Foreign(log.file, log.name, table_of_all, RunMeta.model_validate(told))
 
@@ -107,7 +108,7 @@ def _single(
         refuse_degrees(log.file, "yaw", stamps.time, columns["yaw"])
     read = {theirs: name for name, column in found.items() for theirs in column.names.values()}
     faults = [
-        fault if fault.column is None else _renamed(fault, read[fault.column])
+        fault if fault.column is None else _renamed(_mapped(fault, read[fault.column]), mapping)
         for fault in table.faults
         if fault.column is None or fault.column in read
     ]
@@ -126,9 +127,15 @@ def _single(
     return Foreign(log.file, log.name, whole, RunMeta.model_validate(told))
 
 
-def _renamed(fault: Fault, ours: str) -> Fault:
+def _mapped(fault: Fault, ours: str) -> Fault:
+    """The fault of a column of the log, of the mapped one that reads it."""
     there = "" if fault.column == ours else f" (there {clipped(fault.column)!r})"
     return replace(fault, column=ours, message=f"{fault.message}{there}")
+
+
+def _renamed(fault: Fault, mapping: Mapping) -> Fault:
+    """The fault of a mapped column, of the column of the run that is made of it."""
+    return replace(fault, column=column_of(str(fault.column), mapping.frame or "ned"))
 
 
 def _resolved(log: Log, name: str, node: Node) -> Column:

@@ -17,6 +17,24 @@ TURN = 2.0 * math.pi + 1e-3  # rad, with the rounding of a log
 QUATERNION = ("qw", "qx", "qy", "qz")
 TOGETHER = (("x", "y"), QUATERNION, ("vx", "vy"), ("velocity_north", "velocity_east"))
 """Columns of which all or none must be mapped."""
+BECOMES = {
+    "x": "north",
+    "y": "east",
+    **dict.fromkeys(("yaw", *QUATERNION), "heading"),
+    **dict.fromkeys(("u", "vx", "velocity_north"), "surge"),
+    **dict.fromkeys(("v", "vy", "velocity_east"), "sway"),
+    "r": "yaw_rate",
+}
+"""Columns of a run by the mapped quantities that `in_our_frame` makes them of, in NED."""
+EXCHANGED = {"x": "y", "y": "x", "vx": "vy", "vy": "vx"}
+"""Axes of ENU by those of NED."""
+
+
+def column_of(name: str, frame: Frame) -> str:
+    """The column of a run that a mapped one becomes; of a velocity over ground, which gives surge and sway,
+    the one that has most of it at heading 0."""
+    name = EXCHANGED.get(name, name) if frame == "enu" else name
+    return BECOMES.get(name, name)
 
 
 def refuse_halves(names: Mapping[str, object]) -> None:
@@ -78,7 +96,7 @@ def in_our_frame(columns: Mapping[str, Array], frame: Frame) -> dict[str, Array]
         north, east = found.pop("velocity_north"), found.pop("velocity_east")
         cos, sin = np.cos(found["heading"]), np.sin(found["heading"])
         found["surge"], found["sway"] = north * cos + east * sin, east * cos - north * sin
-    for given, ours, sign in (("u", "surge", 1.0), ("v", "sway", side), ("r", "yaw_rate", side)):
+    for given, sign in (("u", 1.0), ("v", side), ("r", side)):
         if given in found:
-            found[ours] = sign * found.pop(given)
+            found[BECOMES[given]] = sign * found.pop(given)
     return found

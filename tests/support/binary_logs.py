@@ -138,11 +138,17 @@ def ulog(path: Path, seconds: float = 30.0) -> Path:
     return path
 
 
-def bag(path: Path, storage: str, seconds: float = 30.0, headers_late: float = 0.0) -> Path:
+def bag(
+    path: Path,
+    storage: str,
+    seconds: float = 30.0,
+    headers_late: float = 0.0,
+    pause: tuple[float, float] = (0.0, 0.0),
+) -> Path:
     """An Odometry at 10 Hz (ENU, body FLU) and a Float64 for each thruster; ros1, sqlite3 or mcap.
 
     Topics offer a quality of service, as those that `ros2 bag record` writes. headers_late [s]: the headers'
-    clock is this much behind the recorder's.
+    clock is this much behind the recorder's. pause [s]: between these times nothing is recorded.
     """
     from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
     from rosbags.rosbag1 import Writer as Writer1
@@ -172,6 +178,8 @@ def bag(path: Path, storage: str, seconds: float = 30.0, headers_late: float = 0
         }
         write = store.serialize_ros1 if one else store.serialize_cdr
         for i, time in enumerate(run["time"].tolist()):
+            if pause[0] < time < pause[1]:
+                continue
             stamp = round(1e9 * (1_700_000_000.0 + time))
             message = _odometry(store, run, i, stamp - round(1e9 * headers_late), one)
             writer.write(odometry, stamp, write(message, odometry.msgtype))

@@ -1,0 +1,87 @@
+"""Rows of logs that are bad, whatever quantities the mapping reads."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.errors import UserError
+from swamp_rl.logs.import_logs import Reading, import_logs
+from swamp_rl.logs.mapping import mapping_of
+from swamp_rl.runs import Run, read_dataset
+from swamp_rl.runs.bad_rows import BadRows
+from swamp_rl.runs.import_dataset import About
+from swamp_rl.runs.import_foreign import Wishes
+from tests.support.binary_logs import bag
+from tests.support.from_scratch import written
+from tests.support.logs import csv_of, weaving
+
+ABSOLUTE = ["time=t", "north=n", "east=e", "heading=psi"]
+MAPPINGS = {
+    "x": (["time=t", "x=n", "y=e", "yaw=psi"], "n", "north"),
+    "y": (["time=t", "x=n", "y=e", "yaw=psi"], "e", "east"),
+    "yaw": (["time=t", "x=n", "y=e", "yaw=psi"], "psi", "heading"),
+    "quaternion": (["time=t", "x=n", "y=e", "qw=w", "qx=0", "qy=0", "qz=z"], "z", "heading"),
+    "u": ([*ABSOLUTE, "u=speed"], "speed", "surge"),
+    "v": ([*ABSOLUTE, "v=speed"], "speed", "sway"),
+    "r": ([*ABSOLUTE, "r=turn"], "turn", "yaw_rate"),
+    "vx": ([*ABSOLUTE, "vx=speed", "vy=0"], "speed", "surge"),
+    "velocity_east": ([*ABSOLUTE, "velocity_north=0", "velocity_east=speed"], "speed", "sway"),
+}
+
+
+@pytest.fixture
+def boat(tmp_path: Path) -> str:
+    return str(written(tmp_path, "twin"))
+
+
+def imported(log: Path, boat: str, options: list[str], wishes: Wishes, **given: str) -> list[Run]:
+    kind = "rosbag" if log.suffix == ".bag" else "csv"
+    out = log.parent / f"{wishes.bad_rows}-{wishes.fill:g}"
+    import_logs([log], kind, out, About(boat=boat), wishes, Reading(mapping_of(options, **given)))
+    return read_dataset(out).runs
+
+
+def with_an_empty_cell(folder: Path, column: str, row: int) -> Path:
+    was = weaving()
+    values = {"t": was["time"], "n": was["north"], "e": was["east"], "psi": was["heading"]}
+    values |= {"w": np.cos(was["heading"] / 2), "z": np.sin(was["heading"] / 2)}
+    values |= {"speed": was["surge"], "turn": was["yaw_rate"]}
+    cells = {name: [repr(float(value)) for value in column] for name, column in values.items()}
+    cells[column][row - 1] = ""
+    return csv_of(folder / "log.csv", cells)
+
+
+@pytest.mark.parametrize("name", MAPPINGS)
+def test_a_row_without_a_mapped_quantity_is_told_and_can_be_left_out(
+    tmp_path: Path, boat: str, name: str
+) -> None:
+    options, column, ours = MAPPINGS[name]
+    log = with_an_empty_cell(tmp_path, column, 101)
+    with pytest.raises(UserError) as told:
+        imported(log, boat, options, Wishes())
+    (line,) = str(told.value).splitlines()
+    assert f"log.csv: row 101 (line 102), column {ours}: is missing; fill it in" in line
+    assert f"(there '{column}') (--bad-rows cut or split)" in line
+    (longest,) = imported(log, boat, options, Wishes(bad_rows="cut"))
+    assert len(longest.time) == 200
+    runs = imported(log, boat, options, Wishes(bad_rows="split"))
+    assert [len(run.time) for run in runs] == [100, 200]
+
+
+def test_a_row_without_a_quantity_of_an_enu_frame_is_told_by_the_column_of_the_run(
+    tmp_path: Path, boat: str
+) -> None:
+    log = with_an_empty_cell(tmp_path, "n", 101)
+    with pytest.raises(UserError, match=r"row 101 \(line 102\), column east: is missing"):
+        imported(log, boat, MAPPINGS["x"][0], Wishes(), frame="enu")
+
+
+@pytest.mark.parametrize(("bad_rows", "rows"), [("cut", [121]), ("split", [101, 121])])
+def test_a_pause_of_a_bag_is_left_out(tmp_path: Path, boat: str, bad_rows: BadRows, rows: list[int]) -> None:
+    pytest.importorskip("rosbags")
+    log = bag(tmp_path / "log.bag", "ros1", pause=(10.0, 18.0))
+    with pytest.raises(UserError, match=r"column east: boat_odometry has no value for 8 s; --fill SECONDS"):
+        imported(log, boat, [], Wishes())
+    runs = imported(log, boat, [], Wishes(bad_rows=bad_rows))
+    assert [len(run.time) for run in runs] == rows
