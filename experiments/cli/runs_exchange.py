@@ -231,7 +231,7 @@ def _pairs(option: str, given: list[str] | None) -> dict[str, str]:
 
 
 def _units(degrees: list[str] | None, unit: list[str] | None) -> dict[str, str]:
-    from swamp_rl.runs.import_foreign import UNITS
+    from swamp_rl.runs.units import UNITS
 
     found = _pairs("--unit", unit)
     for name in degrees or ():

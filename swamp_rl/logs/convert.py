@@ -17,10 +17,11 @@ from swamp_rl.logs.log import Log, LogTable, words_of
 from swamp_rl.logs.mapping import Mapping
 from swamp_rl.logs.stamps import Stamps, from_numbers, from_words
 from swamp_rl.runs.faults import Fault, faults_at
-from swamp_rl.runs.import_foreign import UNITS, Foreign
+from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.resample import ANGLES
 from swamp_rl.runs.schema import RunMeta
 from swamp_rl.runs.table import Table
+from swamp_rl.runs.units import factor
 
 Array = NDArray[np.float64]
 MOST_NAMED = 12
@@ -176,12 +177,9 @@ def _find(log: Log, where: str, word: str) -> tuple[str, str]:
 def _values(log: Log, mapping: Mapping, name: str, column: Column, stamps: Stamps) -> Array:
     """A mapped column (T,) at the times of its table, in our unit."""
     there = {word: log.tables[column.table].table.columns[theirs] for word, theirs in column.names.items()}
-    values = evaluated(column.node, there, stamps.time)
-    return (
-        np.broadcast_to(values, stamps.time.shape) * UNITS[mapping.units[name]]
-        if (name in mapping.units)
-        else np.array(np.broadcast_to(values, stamps.time.shape))
-    )
+    values = np.array(np.broadcast_to(evaluated(column.node, there, stamps.time), stamps.time.shape))
+    unit = mapping.units.get(name)
+    return values if unit is None else values * factor(name, unit, column_of(name, mapping.frame or "ned"))
 
 
 def _stamps(log: Log, table: LogTable, mapping: Mapping) -> Stamps:
@@ -207,7 +205,7 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping) -> Stamps:
     values = evaluated(node, {word: table.table.columns[column] for word, column in there.items()})
     values = np.array(np.broadcast_to(values, table.table.rows.shape))
     if "time" in mapping.units:
-        return Stamps(values * UNITS[mapping.units["time"]], 0.0, None)
+        return Stamps(values * factor("time", mapping.units["time"]), 0.0, None)
     return from_numbers(values)
 
 

@@ -13,7 +13,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, validated
 from swamp_rl.logs.expression import Node, names_in, parsed
-from swamp_rl.runs.import_foreign import UNITS
+from swamp_rl.runs.units import UNITS
 
 Frame = Literal["ned", "enu"]
 COLUMN = re.compile(r"[A-Za-z_]\w{0,99}", re.ASCII)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
-from swamp_rl.constants import FOOT, KNOT
 from swamp_rl.errors import UserError
 from swamp_rl.runs.bad_rows import BadRows, listed, stretches
 from swamp_rl.runs.check import MISSING, check_table
@@ -24,29 +23,10 @@ from swamp_rl.runs.resample import ANGLES, resampled
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from swamp_rl.runs.table import Table
+from swamp_rl.runs.units import IN_DEGREES, factor
 
 Array = NDArray[np.float64]
 
-UNITS = {
-    "deg": math.pi / 180.0,
-    "deg/s": math.pi / 180.0,
-    "deg/min": math.pi / 10800.0,
-    "rpm": 1.0 / 60.0,
-    "percent": 0.01,
-    "mm": 1e-3,
-    "cm": 1e-2,
-    "km": 1e3,
-    "ft": FOOT,
-    "kn": KNOT,
-    "km/h": 1.0 / 3.6,
-    "ms": 1e-3,
-    "us": 1e-6,
-    "ns": 1e-9,
-    "min": 60.0,
-    "h": 3600.0,
-    "d": 86_400.0,
-}
-"""What one of each is in the unit of the run format."""
 NO_FIX = "is 0 with longitude 0, as receivers give it without a fix; cut these rows (--bad-rows cut or split)"
 
 TIME_OF_DAY = re.compile(r"\d\d:\d\d")
@@ -73,7 +53,7 @@ class Foreign:
 
 @dataclass(frozen=True)
 class Wishes:
-    """How to read a foreign table: `renamed` their names by ours; `units` (keys of `UNITS`) by our names;
+    """How to read a foreign table: `renamed` their names by ours; `units` (of UNITS) by our names;
     `dropped` their names of columns to leave out; `rate` [Hz] at which rows come, where they have no times to
     be used; `resample` [Hz]; `origin` of north and east, by default the first place; `bad_rows` and `fill`
     [s] as `stretches` has them; `earlier` [s] by which commands are taken earlier."""
@@ -102,7 +82,7 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
     for name, unit in wishes.units.items():
         if name not in columns:
             raise UserError(f"{found.file}: has no column {name} to be given in {unit}; check the name")
-        columns[name] = columns[name] * UNITS[unit]
+        columns[name] = columns[name] * factor(name, unit)
     if wishes.rate is not None:
         columns["time"] = np.arange(len(rows)) / wishes.rate
         told["times"] = f"counted, {wishes.rate:g} rows a second"
@@ -226,8 +206,8 @@ def _with_hint(wishes: Wishes, fault: Fault) -> str:
         hint += " (--resample HZ), or divide it (--bad-rows split)"
     elif NO_THRUSTER in fault.message:
         hint += " (--map or --column, --drop, --boat)"
-    elif "degrees" in fault.message and fault.column not in ("latitude", "longitude"):
-        hint += f" (--degrees {fault.column})"
+    elif "degrees" in fault.message and fault.column not in IN_DEGREES:
+        hint += " (--unit yaw_rate=deg/s)" if fault.column == "yaw_rate" else f" (--degrees {fault.column})"
     elif "percent" in fault.message:
         hint += f" (--unit {fault.column}=percent)"
     elif "is not a number" in fault.message and TIME_OF_DAY.search(fault.message):

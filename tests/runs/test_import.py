@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, append_run, create_dataset, read_dataset, write_run
 from swamp_rl.runs.import_dataset import About, import_runs
-from swamp_rl.runs.import_foreign import UNITS, Wishes
+from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.runs.local_frame import to_local
 from swamp_rl.runs.mcap_files import read_mcap
 from swamp_rl.runs.resample import ALWAYS, MOST_CELLS, most_rows, resampled
@@ -208,12 +208,6 @@ def test_resampling_turns_the_short_way_and_holds_commands() -> None:
     found = resampled(columns, 4.0)
     assert np.abs(found["heading"]).min() > 3.05
     assert found["joy_angle"].tolist() == [-1.0, -1.0, -1.0, -1.0, 1.0]
-
-
-def test_units_are_those_of_the_definitions() -> None:
-    assert UNITS["kn"] == pytest.approx(0.514444, abs=1e-6)
-    assert 180 * UNITS["deg"] == pytest.approx(math.pi)
-    assert 3600 * UNITS["rpm"] == pytest.approx(60.0)
 
 
 def test_places_near_the_origin_agree_with_the_ellipsoids_radii_of_curvature() -> None:
