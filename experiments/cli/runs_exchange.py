@@ -84,7 +84,7 @@ Map = Annotated[
 ]
 FrameOf = Annotated[
     Literal["ned", "enu"] | None,
-    typer.Option(help="Frame of x, y, yaw, vx, vy, u, v, r; by default ned, of ROS enu."),
+    typer.Option(help="Frame of x, y, yaw, vx, vy, u, v, r of --map; by default ned, of ROS enu."),
 ]
 Clock = Annotated[
     list[str] | None,

@@ -82,7 +82,7 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
 def _in_our_frame(log: Log, columns: Mapped[str, Array], mapping: Mapping) -> dict[str, Array]:
     """The columns in the axes of a run; a fault names the log."""
     try:
-        return in_our_frame(columns, mapping.frame or "ned")
+        return in_our_frame(columns, mapping.frame_of)
     except UserError as error:
         raise UserError(f"{log.file}: {error}") from error
 
@@ -136,7 +136,8 @@ def _mapped(fault: Fault, ours: str) -> Fault:
 
 def _renamed(fault: Fault, mapping: Mapping) -> Fault:
     """The fault of a mapped column, of the column of the run that is made of it."""
-    return replace(fault, column=column_of(str(fault.column), mapping.frame or "ned"))
+    name = str(fault.column)
+    return replace(fault, column=column_of(name, mapping.frame_of(name)))
 
 
 def _resolved(log: Log, name: str, node: Node) -> Column:
@@ -179,7 +180,7 @@ def _values(log: Log, mapping: Mapping, name: str, column: Column, stamps: Stamp
     there = {word: log.tables[column.table].table.columns[theirs] for word, theirs in column.names.items()}
     values = np.array(np.broadcast_to(evaluated(column.node, there, stamps.time), stamps.time.shape))
     unit = mapping.units.get(name)
-    return values if unit is None else values * factor(name, unit, column_of(name, mapping.frame or "ned"))
+    return values if unit is None else values * factor(name, unit, column_of(name, mapping.frame_of(name)))
 
 
 def _stamps(log: Log, table: LogTable, mapping: Mapping) -> Stamps:

@@ -1,7 +1,7 @@
 """Positions, attitudes and velocities of ENU and NED frames as columns of a run."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,31 +72,30 @@ def refuse_degrees(file: str, name: str, time: Array, angle: Array) -> None:
         )
 
 
-def in_our_frame(columns: Mapping[str, Array], frame: Frame) -> dict[str, Array]:
-    """Columns (T,) of a run from those that a mapping gave.
+def in_our_frame(columns: Mapping[str, Array], frame_of: Callable[[str], Frame]) -> dict[str, Array]:
+    """Columns (T,) of a run from those that a mapping gave, each in the frame that is told of its name.
 
     NED: x north, y east, z down, yaw clockwise from north; body axes forward, starboard, down.
     ENU: x east, y north, z up, yaw counterclockwise from east; body axes forward, port, up (REP 103).
     """
     found = dict(columns)
-    enu = frame == "enu"
-    side = -1.0 if enu else 1.0
-    if "x" in found:
-        first, second = found.pop("x"), found.pop("y")
-        found["north"], found["east"] = (second, first) if enu else (first, second)
+    for first, second, ours in (
+        ("x", "y", ("north", "east")),
+        ("vx", "vy", ("velocity_north", "velocity_east")),
+    ):
+        if first in found:
+            pair = found.pop(first), found.pop(second)
+            found |= zip(ours, pair[::-1] if frame_of(first) == "enu" else pair, strict=True)
     if "yaw" in found:
         yaw = found.pop("yaw")
-        found["heading"] = wrapped(0.5 * math.pi - yaw if enu else yaw)
-    if "vx" in found:
-        first, second = found.pop("vx"), found.pop("vy")
-        found["velocity_north"], found["velocity_east"] = (second, first) if enu else (first, second)
+        found["heading"] = wrapped(0.5 * math.pi - yaw if frame_of("yaw") == "enu" else yaw)
     if "velocity_north" in found:
         if "heading" not in found:
             raise UserError("velocities over ground need the heading; map heading, yaw or qw, qx, qy, qz too")
         north, east = found.pop("velocity_north"), found.pop("velocity_east")
         cos, sin = np.cos(found["heading"]), np.sin(found["heading"])
         found["surge"], found["sway"] = north * cos + east * sin, east * cos - north * sin
-    for given, sign in (("u", 1.0), ("v", side), ("r", side)):
+    for given, side in (("u", 1.0), ("v", -1.0), ("r", -1.0)):
         if given in found:
-            found[BECOMES[given]] = sign * found.pop(given)
+            found[BECOMES[given]] = found.pop(given) * (side if frame_of(given) == "enu" else 1.0)
     return found

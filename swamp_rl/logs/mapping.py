@@ -16,6 +16,8 @@ from swamp_rl.logs.expression import Node, names_in, parsed
 from swamp_rl.runs.units import UNITS
 
 Frame = Literal["ned", "enu"]
+WITH_AXES = ("x", "y", "yaw", "qw", "qx", "qy", "qz", "vx", "vy", "u", "v", "r")
+"""Quantities that a frame gives the axes of."""
 COLUMN = re.compile(r"[A-Za-z_]\w{0,99}", re.ASCII)
 OPTION = re.compile(r"\s*([A-Za-z_]\w{0,99})\s*=(?!=)(.*)", re.ASCII | re.DOTALL)
 MOST_COLUMNS = 200
@@ -64,13 +66,14 @@ class MappingFile(BaseModel):
 
 @dataclass(frozen=True)
 class Mapping:
-    """`columns`: expressions by our names; `units`: what they are in, by our names; the rest as in
-    `MappingFile`."""
+    """`columns`: expressions by our names; `units`: what they are in, by our names; `frames`: by our names,
+    those of columns that are in another one than `frame`; the rest as in `MappingFile`."""
 
     columns: Mapped[str, Node] = field(default_factory=dict)
     units: Mapped[str, str] = field(default_factory=dict)
     frame: Frame | None = None
     clock: Sequence[str] = ()
+    frames: Mapped[str, Frame] = field(default_factory=dict)
 
     @property
     def names(self) -> set[str]:
@@ -78,21 +81,28 @@ class Mapping:
         clocks = [parsed(part.strip()) for pair in self.clock for part in pair.split("~")]
         return {name for node in (*self.columns.values(), *clocks) for name in names_in(node)}
 
+    def frame_of(self, name: str) -> Frame:
+        """The frame of a column, of the yaw that of the quaternion it comes from."""
+        name = "qw" if name == "yaw" and "qw" in self.columns else name
+        return self.frames.get(name) or self.frame or "ned"
+
     def over(self, other: "Mapping") -> "Mapping":
-        """This mapping, and what `other` says of columns that this does not have."""
-        kept = {name: unit for name, unit in other.units.items() if name not in self.columns}
+        """This mapping, and what `other` says of columns that this does not have; its frame is of those of
+        this, too, where this gives none."""
+        added = other.columns.keys() - self.columns.keys()
         return Mapping(
             {**other.columns, **self.columns},
-            {**kept, **self.units},
+            {**{name: unit for name, unit in other.units.items() if name in added}, **self.units},
             self.frame or other.frame,
             self.clock or other.clock,
+            {**{name: other.frame_of(name) for name in added}, **self.frames},
         )
 
 
 def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequence[str] = ()) -> Mapping:
     """The mapping that `--map` gives: OUR=EXPRESSION, or names of YAML files; what comes later holds.
 
-    UserError where one is neither, or a column is given twice on the command line.
+    UserError where one is neither, a column is given twice on the command line, or none is in the `frame`.
     """
     columns: dict[str, Node] = {}
     units: dict[str, str] = {}
@@ -116,6 +126,11 @@ def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequen
             columns[name] = _told(f"{option}: columns.{name}", str(whole.value))
             units.pop(name, None)
             units |= {name: whole.unit} if whole.unit else {}
+    if frame is not None and not columns.keys() & set(WITH_AXES):
+        raise UserError(
+            f"--frame {frame}: is of columns that --map gives, and none is {', '.join(WITH_AXES)}; leave it "
+            "out, or map these"
+        )
     return Mapping(columns, units, frame or said, tuple(clocks))
 
 

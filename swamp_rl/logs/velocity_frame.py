@@ -46,7 +46,8 @@ def _of_earth(mapping: Mapping) -> Mapping:
     names = {"u": "vx", "v": "vy"}
     columns: dict[str, Node] = {names.get(name, name): node for name, node in mapping.columns.items()}
     units = {names.get(name, name): unit for name, unit in mapping.units.items()}
-    return replace(mapping, columns=columns, units=units)
+    frames = {names.get(name, name): frame for name, frame in mapping.frames.items()}
+    return replace(mapping, columns=columns, units=units, frames=frames)
 
 
 def displacement_error(table: Table) -> float:

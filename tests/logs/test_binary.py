@@ -8,7 +8,7 @@ import pytest
 from swamp_rl.errors import UserError
 from swamp_rl.logs.import_logs import Reading, import_logs, read_log
 from swamp_rl.logs.listing import listing
-from swamp_rl.logs.mapping import mapping_of
+from swamp_rl.logs.mapping import Frame, mapping_of
 from swamp_rl.runs import Run, read_dataset
 from swamp_rl.runs.import_dataset import About
 from swamp_rl.runs.import_foreign import Wishes
@@ -31,10 +31,10 @@ LOGS = {
 }
 
 
-def imported(path: Path, kind: str, options: list[str]) -> Run:
+def imported(path: Path, kind: str, options: list[str], frame: Frame | None = None) -> Run:
     boat = str(written(path.parent, "twin"))
     out = path.parent / "out"
-    import_logs([path], kind, out, About(boat=boat), Wishes(), Reading(mapping_of(options)))
+    import_logs([path], kind, out, About(boat=boat), Wishes(), Reading(mapping_of(options, frame)))
     (run,) = read_dataset(out).runs
     return run
 
@@ -99,6 +99,30 @@ def test_commands_mapped_of_a_bag_leave_the_frame_of_its_other_messages(tmp_path
     for column in ("north", "east", "heading", "sway", "yaw_rate"):
         expected = np.interp(run.time, was["time"], was[column])
         assert run.columns[column] == pytest.approx(expected, abs=0.03), column
+
+
+@pytest.mark.parametrize(
+    ("name", "option", "frame"),
+    [
+        ("dataflash", "r=-IMU.GyrZ", "enu"),
+        ("ulog", "u=0", "enu"),
+        ("ros1", "r=-boat_odometry.twist.twist.angular.z", "ned"),
+    ],
+)
+def test_a_frame_is_that_of_the_given_columns_alone(
+    tmp_path: Path, name: str, option: str, frame: Frame
+) -> None:
+    make, kind, _ = LOGS[name]
+    run, was = imported(make(tmp_path), kind, [option], frame), weaving()
+    for column in ("north", "east", "heading", *(["yaw_rate"] if option.startswith("r") else [])):
+        expected = np.interp(run.time, was["time"], was[column])
+        assert run.columns[column] == pytest.approx(expected, abs=0.03), column
+
+
+def test_a_frame_of_no_given_column_is_refused(call: Call, tmp_path: Path) -> None:
+    log = dataflash(tmp_path / "log.bin", 12.0)
+    told = call("runs", "import", log, "--frame", "enu", "--map", "wind_speed=0*GPS.Spd", "--out", "runs")
+    assert_complains(told, "--frame enu: is of columns that --map gives, and none is x, y, yaw, qw")
 
 
 def test_the_headers_of_a_simulation_have_a_clock_of_their_own(tmp_path: Path) -> None:
