@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
 from swamp_rl.runs.check import STEP_TOLERANCE
-from swamp_rl.runs.faults import Fault, condensed
+from swamp_rl.runs.faults import Fault, condensed, faults_at
 
 Array = NDArray[np.float64]
 BadRows = Literal["refuse", "cut", "split"]
@@ -39,6 +39,23 @@ def listed(lines: Sequence[str], ending: str) -> str:
     return "\n".join([*told[:-1], f"{told[-1]}; {ending}"])
 
 
+def gaps(steps: Array, fill: float) -> NDArray[np.bool_]:
+    """Which steps (T − 1,) [s] of uneven rows are longer than `fill` [s] and GAP_STEPS median ones."""
+    forward = steps[steps > 0.0]
+    period = float(np.median(forward)) if len(forward) else 0.0
+    return np.asarray(steps > max(fill, GAP_STEPS * period))
+
+
+def gap_faults(file: str, time: Array, rows: NDArray[np.int64], fill: float) -> list[Fault]:
+    """The faults of gaps between rows at increasing times (T,) [s] that are to be resampled."""
+    steps = np.diff(time)
+
+    def told(i: int) -> str:
+        return f"{steps[i]:.6g} s after the row before; --fill SECONDS interpolates, --bad-rows cuts"
+
+    return faults_at(file, "time", rows[1:], gaps(steps, fill), told)
+
+
 def stretches(
     file: str,
     columns: Mapping[str, Array],
@@ -52,7 +69,7 @@ def stretches(
 
     faults: those that name rows. A row whose time is that of the row before is bad, too; a time that goes
     back ends a stretch. even: whether the rows of a run must come at one rate (no resampling follows); then a
-    step of another length ends a stretch, else one longer than `fill` [s] and GAP_STEPS median steps.
+    step of another length ends a stretch, else one of the `gaps`.
     `cut` keeps the longest stretch, `split` all of FEWEST_ROWS or more. UserError where none remains.
     """
     time = columns["time"]
@@ -66,12 +83,12 @@ def stretches(
     told = [str(fault) for fault in condensed(faults)]
     told += [str(Fault(file, int(rows[i]), "time", "is that of the row before")) for i in again[:MOST_TOLD]]
     steps = np.diff(time[good])
-    forward = steps[steps > 0.0]
-    period = float(np.median(forward)) if len(forward) else 1.0
     if even:
+        forward = steps[steps > 0.0]
+        period = float(np.median(forward)) if len(forward) else 1.0
         border = np.abs(steps - period) > STEP_TOLERANCE * period
     else:
-        border = (steps < 0.0) | (steps > max(fill, GAP_STEPS * period))
+        border = (steps < 0.0) | gaps(steps, fill)
     told += [
         str(Fault(file, int(rows[good[i + 1]]), "time", f"{steps[i]:.6g} s after the row before"))
         for i in np.flatnonzero(border)[:MOST_TOLD]

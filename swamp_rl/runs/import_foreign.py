@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
-from swamp_rl.runs.bad_rows import BadRows, listed, stretches
+from swamp_rl.runs.bad_rows import BadRows, gap_faults, listed, stretches
 from swamp_rl.runs.check import MISSING, check_table
 from swamp_rl.runs.columns import NO_THRUSTER, REQUIRED, UnknownThrusterError, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
@@ -100,9 +100,11 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
     faults += check_table(found.file, Table(columns, rows, unread), boat, None)
     faults += _spelled_otherwise(found.file, list(columns), boat)
     if wishes.bad_rows == "refuse":
-        # Uneven steps are what resampling is for, steps back are not.
-        if wishes.resample is not None and bool(np.all(np.diff(columns.get("time", np.zeros(2))) > 0.0)):
+        time = columns.get("time", np.zeros(2))
+        if wishes.resample is not None and bool(np.all(np.diff(time) > 0.0)):
+            # Uneven steps are what resampling is for, gaps and steps back are not.
             faults = [fault for fault in faults if fault.column != "time"]
+            faults += gap_faults(found.file, time, rows, wishes.fill)
         refuse(wishes, faults)
         return [_run(found.name, columns, told, wishes.resample)]
     refuse(wishes, [f for f in faults if f.row is None and (f.column != "time" or "missing" in f.message)])

@@ -18,7 +18,6 @@ from swamp_rl.runs.import_dataset import About, import_runs
 from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.runs.local_frame import to_local
 from swamp_rl.runs.mcap_files import read_mcap
-from swamp_rl.runs.resample import ALWAYS, MOST_CELLS, most_rows, resampled
 from swamp_rl.runs.schema import META
 from tests.support.runs import circling, described
 
@@ -181,7 +180,7 @@ def test_rows_without_times_are_counted(tmp_path: Path) -> None:
 def test_uneven_rows_are_resampled_when_asked_and_the_run_says_so(tmp_path: Path) -> None:
     times = np.sort(np.random.default_rng(1).uniform(0.0, 4.0, 40))
     columns = foreign() | {"t_ms": (1000 * times).tolist(), "x": (3.0 * times).tolist()}
-    wishes = Wishes(WISHES.renamed, WISHES.units, resample=20.0)
+    wishes = Wishes(WISHES.renamed, WISHES.units, resample=20.0, fill=1.0)
     made = import_runs([write_csv(tmp_path / "log.csv", columns)], "csv", tmp_path / "out", None, wishes)
     run = read_dataset(tmp_path / "out").runs[0]
     assert made.sample_rate == 20.0
@@ -189,25 +188,16 @@ def test_uneven_rows_are_resampled_when_asked_and_the_run_says_so(tmp_path: Path
     assert "40 rows to" in str(run.meta.model_extra)
 
 
-def test_a_run_is_resampled_to_the_rows_that_it_can_fill() -> None:
-    few = {"time": np.array([0.0, 0.1, 1e4]), "north": np.zeros(3)}
-    many = {"time": np.linspace(0.0, 1e4, 20_000), "north": np.zeros(20_000)}
-    with pytest.raises(UserError, match=f"from 3, at most {ALWAYS}; "):
-        resampled(few, 100.0)
-    assert len(resampled(few, 1.0)["time"]) == 10_001
-    assert len(resampled(many, 100.0)["time"]) == 1_000_001
-    assert most_rows(1000, 10**9) == MOST_CELLS // 1000
-
-
-def test_resampling_turns_the_short_way_and_holds_commands() -> None:
-    columns = {
-        "time": np.array([0.0, 1.0]),
-        "heading": np.array([3.1, -3.1]),
-        "joy_angle": np.array([-1.0, 1.0]),
-    }
-    found = resampled(columns, 4.0)
-    assert np.abs(found["heading"]).min() > 3.05
-    assert found["joy_angle"].tolist() == [-1.0, -1.0, -1.0, -1.0, 1.0]
+def test_a_gap_longer_than_fill_is_not_interpolated(tmp_path: Path) -> None:
+    times = np.where(TIME < 2.0, TIME, TIME + 5.0)
+    path = write_csv(tmp_path / "log.csv", foreign() | {"t_ms": (1000.0 * times).tolist()})
+    for fill in (0.0, 5.0):
+        wishes = Wishes(WISHES.renamed, WISHES.units, resample=20.0, fill=fill)
+        told = ["row 21 (line 22), column time: 5.1 s after the row before; --fill SECONDS", "--bad-rows"]
+        refused(tmp_path, path, "csv", *told, wishes=wishes)
+    wishes = Wishes(WISHES.renamed, WISHES.units, resample=20.0, fill=5.2)
+    import_runs([path], "csv", tmp_path / "out", None, wishes)
+    assert read_dataset(tmp_path / "out").runs[0].duration == pytest.approx(8.9)
 
 
 def test_places_near_the_origin_agree_with_the_ellipsoids_radii_of_curvature() -> None:
