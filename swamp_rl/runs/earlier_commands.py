@@ -5,6 +5,7 @@ import numpy as np
 from swamp_rl.errors import UserError
 from swamp_rl.runs.resample import at_times, is_held
 from swamp_rl.runs.run import Run
+from swamp_rl.runs.schema import RunMeta, of_part
 
 ROUNDING = 1e-9
 """s, of a row's time and a shift."""
@@ -13,7 +14,8 @@ ROUNDING = 1e-9
 def with_earlier_commands(run: Run, seconds: float) -> Run:
     """The run with commands and joypad taken `seconds` [s] earlier, later if negative, held between rows.
 
-    Rows for which no command was recorded are left out; the entry `commands_shifted` of the run records it.
+    Rows for which no command was recorded are left out, and of the run's entries those that are not true of
+    the others (`of_part`); the entry `commands_shifted` records it.
     UserError for a run without commands or shorter than the shift.
     """
     held = [name for name in run.columns if is_held(name)]
@@ -34,4 +36,5 @@ def with_earlier_commands(run: Run, seconds: float) -> Run:
         f"{abs(seconds):g} s {'earlier' if seconds > 0.0 else 'later'}; {np.count_nonzero(~kept)} rows "
         f"{'after the last' if seconds > 0.0 else 'before the first'} command left out"
     )
-    return Run(run.name, columns, run.meta.model_copy(update={"commands_shifted": told}))
+    own = of_part(run.meta.model_dump(), first=bool(kept[0]), last=bool(kept[-1]))
+    return Run(run.name, columns, RunMeta.model_validate(own | {"commands_shifted": told}))

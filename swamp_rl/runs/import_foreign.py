@@ -21,7 +21,7 @@ from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
 from swamp_rl.runs.local_frame import Place, to_local
 from swamp_rl.runs.resample import ANGLES, resampled
 from swamp_rl.runs.run import Run
-from swamp_rl.runs.schema import DatasetMeta, RunMeta
+from swamp_rl.runs.schema import DatasetMeta, RunMeta, of_part
 from swamp_rl.runs.table import Table
 from swamp_rl.runs.units import IN_DEGREES, factor
 
@@ -117,7 +117,8 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
         name = found.name if wishes.bad_rows == "cut" else f"{found.name}-{number}"
         taken = {column: values[part] for column, values in columns.items()}
         refuse(wishes, [f for f in check_table(found.file, Table(taken, rows[part]), boat, None) if even])
-        runs.append(_run(name, taken, told, wishes.resample))
+        own = of_part(told, first=part[0] == 0, last=part[-1] == len(rows) - 1)
+        runs.append(_run(name, taken, own, wishes.resample))
         told.pop("rows_left_out", None)
     return runs
 

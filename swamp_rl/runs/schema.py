@@ -40,6 +40,18 @@ class RunMeta(BaseModel):
     group: str | None = None
 
 
+OF_THE_START = ("seed", "initial_state", "gust_seed", "earlier_commands")
+"""Entries of a run from which it is replayed from its first row on."""
+OF_THE_WHOLE = ("outcome", "gates", "seconds")
+"""Entries that tell how all of a run went."""
+
+
+def of_part(told: Mapping[str, Any], first: bool, last: bool) -> dict[str, Any]:
+    """The entries of a run that are true of a part of it; first, last: whether the part has these rows."""
+    lost = (() if first else OF_THE_START) + (() if first and last else OF_THE_WHOLE)
+    return {key: value for key, value in told.items() if key not in lost}
+
+
 FROM_A_FILE = object()
 """The context of a validation of what anyone may have written."""
 
