@@ -17,6 +17,7 @@ VERSION = "v3.0"
 FILE = "chunk-000/file-{:03d}.parquet"
 FILE_SIZE, CHUNK, VIDEO_SIZE = 100, 1000, 500
 """MB of frames in a file, files in a folder, and what LeRobot wants to know of videos, too."""
+STATE, ACTION = "observation.state", "action"
 COUNTED = ("frame_index", "episode_index", "index", "task_index")
 
 Frames = dict[str, NDArray[Any]]
@@ -29,7 +30,7 @@ def write_lerobot(dataset: Dataset, folder: Path, copies: Mapping[str, bytes]) -
     its name, and what dataset.yaml says is in `meta/swamp_rl.json`, with the `copies` of boat and course
     beside it: a run comes back bit for bit but for
     `timestamp`, which LeRobot has as float32 counted from the frames. UserError where the rate is no whole
-    number, which LeRobot needs.
+    number, which LeRobot needs, or a column has the name of one of its features.
     """
     rate = round(dataset.meta.sample_rate)
     if abs(dataset.meta.sample_rate - rate) > 1e-9 * rate or rate < 1:
@@ -38,7 +39,7 @@ def write_lerobot(dataset: Dataset, folder: Path, copies: Mapping[str, bytes]) -
             f"{dataset.meta.sample_rate:g}; resample the runs"
         )
     split = split_columns(dataset)
-    taken = set(split.others) & {"timestamp", *COUNTED}
+    taken = set(split.others) & {STATE, ACTION, "timestamp", *COUNTED}
     if taken:
         raise UserError(f"{dataset.folder}: column {min(taken)} has another meaning in LeRobot; rename it")
     (folder / "meta").mkdir(parents=True)
@@ -63,8 +64,8 @@ def _write_json(path: Path, data: dict[str, Any]) -> None:
 
 def _info(dataset: Dataset, split: Split, rate: int) -> dict[str, Any]:
     features: dict[str, Any] = {
-        "observation.state": _feature("float64", split.state),
-        "action": _feature("float64", split.action),
+        STATE: _feature("float64", split.state),
+        ACTION: _feature("float64", split.action),
     }
     features |= {name: _feature("float64") for name in split.others}
     features["timestamp"] = _feature("float32")
@@ -101,7 +102,7 @@ def _frames(dataset: Dataset, split: Split, rate: int) -> Iterator[Frames]:
 
 def _episode(run: Run, split: Split, rate: int, number: int, first: int) -> Frames:
     count = np.arange(len(run.time))
-    frames: Frames = {"observation.state": run.stacked(split.state), "action": run.stacked(split.action)}
+    frames: Frames = {STATE: run.stacked(split.state), ACTION: run.stacked(split.action)}
     frames |= {name: run.columns[name] for name in split.others}
     return frames | {
         "timestamp": (count / rate).astype(np.float32),

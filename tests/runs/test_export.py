@@ -164,6 +164,16 @@ def test_runs_of_different_columns_are_refused_and_nothing_is_left(
     assert [path.name for path in tmp_path.iterdir()] == ["runs"]
 
 
+@pytest.mark.parametrize("name", ["action", "observation.state", "timestamp", "task_index"])
+def test_a_column_with_the_name_of_one_of_lerobots_features_is_refused(tmp_path: Path, name: str) -> None:
+    create_dataset(tmp_path / "runs", described())
+    columns = circling()
+    append_run(tmp_path / "runs", Run("one", columns | {name: columns["time"]}))
+    with pytest.raises(UserError, match=f"column {name} has another meaning in LeRobot; rename it"):
+        export_runs(tmp_path / "runs", "lerobot", tmp_path / "out")
+    assert [path.name for path in tmp_path.iterdir()] == ["runs"]
+
+
 def test_an_export_never_replaces_what_is_there(dataset: Dataset, tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     with pytest.raises(UserError, match="already exists"):
