@@ -117,7 +117,8 @@ def _imported(kind: Any, **about: Any) -> Callable[[Path], Any]:
 
         out = path.parent / "imported"
         shutil.rmtree(out, ignore_errors=True)
-        return import_runs([path], kind, out, About(**about), Wishes(resample=10.0))
+        wishes = Wishes() if kind == "free-running" else Wishes(resample=10.0)
+        return import_runs([path], kind, out, About(**about), wishes)
 
     return read
 

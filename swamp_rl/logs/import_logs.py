@@ -24,7 +24,14 @@ from swamp_rl.logs.ulog import read_ulog
 from swamp_rl.logs.velocity_frame import foreign_in_its_axes
 from swamp_rl.runs.check import unknown_columns
 from swamp_rl.runs.columns import FIXED
-from swamp_rl.runs.import_dataset import About, files_of_kind, import_tables, is_bag_folder, whole_folder
+from swamp_rl.runs.import_dataset import (
+    About,
+    files_of_kind,
+    import_tables,
+    is_bag_folder,
+    refuse_idle,
+    whole_folder,
+)
 from swamp_rl.runs.import_foreign import Foreign, Wishes
 from swamp_rl.runs.schema import DatasetMeta
 
@@ -57,6 +64,7 @@ def import_logs(
     """
     if kind not in (*TABLES, *MAPPED):
         raise UserError(f"--map: is not for --from {kind}; leave it out, or give --column")
+    refuse_idle(kind, about, wishes)
     mapping = replace(reading.mapping, units={**reading.mapping.units, **wishes.units})
     boat = load_boat(about.boat or "swamp")
     logs, mappings = [], []

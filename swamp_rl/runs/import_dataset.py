@@ -137,6 +137,34 @@ class About:
     repair: bool = False
 
 
+ALONE = {"topic": "mcap", "sender": "telemetry", "repair": "free-running"}
+"""Kinds that alone have what an entry of `About` chooses."""
+OF_COLUMNS = {
+    "renamed": "--column",
+    "units": "--unit or --degrees",
+    "dropped": "--drop",
+    "rate": "--rate",
+    "resample": "--resample",
+    "origin": "--origin",
+    "bad_rows": "--bad-rows",
+    "fill": "--fill",
+}
+"""Options by entries of `Wishes`, but for free-running tests, whose columns and units are always the same."""
+
+
+def refuse_idle(kind: str, about: About, wishes: Wishes) -> None:
+    """UserError for options that cannot act on files of a kind."""
+    idle = [f"--{name}" for name, own in ALONE.items() if own != kind and _is_given(name, about, About())]
+    if kind == "free-running":
+        idle += [option for name, option in OF_COLUMNS.items() if _is_given(name, wishes, Wishes())]
+    if idle:
+        raise UserError(f"{', '.join(idle)}: not for --from {kind}, where it cannot act; leave it out")
+
+
+def _is_given(name: str, options: About | Wishes, plain: About | Wishes) -> bool:
+    return bool(getattr(options, name) != getattr(plain, name))
+
+
 def import_runs(
     sources: Sequence[Path],
     kind: Kind,
@@ -151,6 +179,7 @@ def import_runs(
     about, wishes = about or About(), wishes or Wishes()
     if kind not in get_args(Kind):
         raise UserError(f"--from {kind}: is none of {', '.join(get_args(Kind))}")
+    refuse_idle(kind, about, wishes)
     files = files_of_kind(sources, kind)
     if kind == "free-running":
         pond = about.boat or "esso_osaka"

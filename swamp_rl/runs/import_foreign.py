@@ -235,8 +235,13 @@ def _place(
     found: Foreign, columns: dict[str, Array], unread: dict[str, NDArray[np.bool_]], origin: Place | None
 ) -> tuple[list[Fault], dict[str, Any]]:
     """North and east from latitude and longitude [degrees], where the table has these only: the faults of
-    these, and what to tell. A place of exactly 0, 0 is what receivers give without a fix."""
+    these, and what to tell. A place of exactly 0, 0 is what receivers give without a fix. UserError for an
+    origin of a table that has north."""
     both = ("latitude", "longitude")
+    if "north" in columns and origin is not None:
+        raise UserError(
+            f"{found.file}: has north and east, so --origin cannot act; leave it out, or drop these"
+        )
     if "north" in columns or not set(both) <= set(columns) or not len(found.table.rows):
         return [], {}
     known = ~np.any([unread.get(name, np.zeros(len(found.table.rows), bool)) for name in both], axis=0)

@@ -92,6 +92,28 @@ def test_what_is_asked_wrongly_is_one_line_and_imports_nothing(
 
 
 @pytest.mark.parametrize(
+    ("kind", "words", "part"),
+    [
+        ("free-running", ["--unit", "surge=kn"], "--unit or --degrees: not for --from free-running"),
+        ("free-running", ["--degrees", "heading"], "--unit or --degrees: not for --from free-running"),
+        ("free-running", ["--bad-rows", "cut"], "--bad-rows: not for --from free-running"),
+        ("free-running", ["--origin", "1,2", "--fill", "3"], "--origin, --fill: not for --from free-running"),
+        ("free-running", ["--resample", "5"], "--resample: not for --from free-running"),
+        ("csv", ["--repair", *RENAMED], "--repair: not for --from csv"),
+        ("csv", ["--topic", "/pose", "--sender", "0", *RENAMED], "--topic, --sender: not for --from csv"),
+        ("csv", ["--sender", "7", "--map", "north=x"], "--sender: not for --from csv"),
+        ("csv", ["--origin", "44.1,9.5", *RENAMED], "log.csv: has north and east, so --origin cannot act"),
+    ],
+)
+def test_an_option_that_cannot_act_is_refused(
+    call: Callable[..., Called], log: Path, kind: str, words: list[str], part: str
+) -> None:
+    code, _, said = call("import", log, "--from", kind, "--out", "day", *words)
+    assert (code, len(said.splitlines())) == (cli.BAD_INPUT, 1)
+    assert part in said and not Path("day").exists()
+
+
+@pytest.mark.parametrize(
     ("words", "package", "extra"),
     [
         (["export", "runs", "--to", "minari", "--out", "out"], "minari", "exchange"),
