@@ -133,9 +133,11 @@ def _lock(lock: Path) -> int | None:
 
 
 def _free(lock: Path, handle: int) -> None:
-    with suppress(OSError):
-        lock.unlink()  # while it is held: a file that others could lock meanwhile must not go
-    os.close(handle)
+    try:
+        with suppress(OSError):
+            lock.unlink()  # while it is held: a file that others could lock meanwhile must not go
+    finally:
+        os.close(handle)
 
 
 def _same(handle: int, lock: Path) -> bool:

@@ -1,8 +1,9 @@
 """Writing runs: each one whole on the disk and listed, or not there at all."""
 
 import os
+import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Literal
 
@@ -19,7 +20,10 @@ from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import META, DatasetMeta, RunMeta
 from swamp_rl.runs.table import FORMATS, Table, read_table, write_table
 from swamp_rl.sums import SUMS
-from swamp_rl.unfinished import folder_beside
+from swamp_rl.unfinished import folder_beside, locked
+
+PATIENCE = 10.0
+"""s that a writer waits for another one, which holds the lock while it writes."""
 
 
 def create_dataset(
@@ -84,8 +88,8 @@ def append_run(folder: Path | str, run: Run, format: Literal["parquet", "csv"] =
     """Add a run to a dataset and return its file, safe on the disk when this returns.
 
     The table is written beside and renamed, then `dataset.yaml` likewise: a writer stopped between the two
-    leaves the dataset as it was and a file that `check_dataset` reports as not listed. A run with a fault is
-    refused with UserError.
+    leaves the dataset as it was and a file that `check_dataset` reports as not listed. Of several writers one
+    waits for the other. A run with a fault is refused with UserError.
     """
     return append_runs(folder, [run], format)[0]
 
@@ -94,11 +98,13 @@ def append_runs(
     folder: Path | str, runs: Sequence[Run], format: Literal["parquet", "csv"] = "parquet"
 ) -> list[Path]:
     """As `append_run` for many, with `dataset.yaml` read and written once: its cost grows with its length."""
-    paths = [file_in(Path(folder), f"{run.name}.{format}", (f".{format}",)) for run in runs]
-    extended = _as_yaml(Path(folder), _listing(Path(folder), paths, runs))
-    for path, run in zip(paths, runs, strict=True):
-        write_table(path, run.columns)
-    _write_meta(Path(folder), extended)
+    folder = Path(folder)
+    paths = [file_in(folder, f"{run.name}.{format}", (f".{format}",)) for run in runs]
+    with _alone(folder):
+        extended = _as_yaml(folder, _listing(folder, paths, runs))
+        for path, run in zip(paths, runs, strict=True):
+            write_table(path, run.columns)
+        _write_meta(folder, extended)
     return paths
 
 
@@ -112,11 +118,28 @@ def adopt_run(folder: Path | str, table: Path, run: RunMeta) -> Path:
     read = read_table(table)
     if read.faults:
         raise UserError(f"{table.parent}{os.sep}{read.faults[0]}")
-    extended = _as_yaml(path.parent, _listing(path.parent, [path], [Run(table.stem, read.columns, run)]))
-    os.replace(table, path)
-    flush(path.parent)
-    _write_meta(path.parent, extended)
+    with _alone(path.parent):
+        extended = _as_yaml(path.parent, _listing(path.parent, [path], [Run(table.stem, read.columns, run)]))
+        os.replace(table, path)
+        flush(path.parent)
+        _write_meta(path.parent, extended)
     return path
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Hold the lock of a dataset's `dataset.yaml`; UserError where another writer holds it for PATIENCE."""
+    until = time.monotonic() + PATIENCE
+    with ExitStack() as held:
+        while True:
+            try:
+                held.enter_context(locked(folder / META))
+                break
+            except UserError:
+                if time.monotonic() > until or not os.access(folder, os.W_OK):
+                    raise
+                time.sleep(0.01)
+        yield
 
 
 def _listing(folder: Path, paths: Sequence[Path], runs: Sequence[Run]) -> DatasetMeta:

@@ -3,6 +3,7 @@
 import errno
 import os
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,8 @@ from swamp_rl.runs import (
     inspect_dataset,
     read_dataset,
 )
+from swamp_rl.runs.schema import META
+from swamp_rl.unfinished import locked
 from tests.support.runs import circling, described
 
 
@@ -65,6 +68,23 @@ def test_a_writer_killed_at_any_point_leaves_the_old_runs_readable(
         assert "not listed" in found.faults[0].message
         (folder / "three.parquet").unlink()
     append_run(folder, Run("four", circling()))
+    assert check_dataset(folder) == []
+
+
+def test_two_writers_of_one_dataset_lose_no_run(folder: Path) -> None:
+    names = [f"more-{number}" for number in range(12)]
+    with ThreadPoolExecutor(2) as writers:
+        list(writers.map(lambda name: append_run(folder, Run(name, circling())), names))
+    assert sorted(run.name for run in read_dataset(folder).runs) == sorted([*names, "one", "two"])
+
+
+def test_a_writer_does_not_wait_for_another_one_for_ever(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("swamp_rl.runs.writer.PATIENCE", 0.05)
+    with locked(folder / META), pytest.raises(UserError, match="another command is at work on it"):
+        append_run(folder, Run("three", circling()))
+    append_run(folder, Run("three", circling()))
     assert check_dataset(folder) == []
 
 
