@@ -90,13 +90,7 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
         refuse(wishes, _times_in_days(found.file, columns.get("time", np.zeros(0))))
     more, place = _place(found, columns, unread, wishes.origin)
     faults, told = faults + more, told | place
-    for name in ANGLES:
-        values = columns.get(name, np.zeros(0))
-        known = values[np.isfinite(values)]
-        if len(known) and np.abs(known).max() <= 2.0 * math.pi + 1e-9:
-            turned = np.isfinite(values) & ~((values > -math.pi) & (values <= math.pi))
-            columns[name] = values.copy()
-            columns[name][turned] = wrapped(values[turned])
+    _wrap_angles(columns)
     faults += check_table(found.file, Table(columns, rows, unread), boat, None)
     faults += _spelled_otherwise(found.file, list(columns), boat)
     if wishes.bad_rows == "refuse":
@@ -121,6 +115,17 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
         runs.append(_run(name, taken, own, wishes.resample))
         told.pop("rows_left_out", None)
     return runs
+
+
+def _wrap_angles(columns: dict[str, Array]) -> None:
+    """Bring headings and wind directions of up to a full turn into (−π, π]."""
+    for name in ANGLES:
+        values = columns.get(name, np.zeros(0))
+        known = values[np.isfinite(values)]
+        if len(known) and np.abs(known).max() <= 2.0 * math.pi + 1e-9:
+            turned = np.isfinite(values) & ~((values > -math.pi) & (values <= math.pi))
+            columns[name] = values.copy()
+            columns[name][turned] = wrapped(values[turned])
 
 
 def _spelled_otherwise(file: str, names: Sequence[str], boat: Boat) -> list[Fault]:
