@@ -20,7 +20,7 @@ from swamp_rl.runs.faults import Fault, faults_at
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.resample import ANGLES
 from swamp_rl.runs.schema import RunMeta
-from swamp_rl.runs.table import Table
+from swamp_rl.runs.table import Table, cell_text
 from swamp_rl.runs.units import factor
 
 Array = NDArray[np.float64]
@@ -197,7 +197,7 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping) -> Stamps:
     if len(words) == 1 and (cells := words_of(table, there[words[0]])) is not None:
         told = from_words(cells)
         if told is None:
-            cell = clipped(next(iter(cells.to_pylist()), ""), 40)
+            cell = clipped(cell_text(cells, 0), 40)
             raise UserError(
                 f"{log.file}: --map time: {cell!r} is no time; give seconds, ticks since 1970 or "
                 "ISO 8601 (2026-05-01T12:00:00.100Z), in a spreadsheet the format yyyy-mm-dd hh:mm:ss.000"
@@ -205,9 +205,8 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping) -> Stamps:
         return told
     values = evaluated(node, {word: table.table.columns[column] for word, column in there.items()})
     values = np.array(np.broadcast_to(values, table.table.rows.shape))
-    if "time" in mapping.units:
-        return Stamps(values * factor("time", mapping.units["time"]), 0.0, None)
-    return from_numbers(values)
+    unit = mapping.units.get("time")
+    return from_numbers(values, f"{log.file}: --map time", factor("time", unit) if unit else None)
 
 
 def _without_quaternion(log: Log, series: dict[str, Series]) -> dict[str, Series]:

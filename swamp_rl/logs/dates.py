@@ -53,9 +53,9 @@ def _moment(found: re.Match[str] | None, year: int, month: int, day: int) -> dat
         start = datetime(
             int(found[year]), int(found[month]), int(found[day]), hour, int(found[6]), tzinfo=UTC
         )
-    except ValueError:
+        return start + timedelta(seconds=float((found[7] or "0").replace(",", ".")))
+    except (ValueError, OverflowError):
         return None
-    return start + timedelta(seconds=float((found[7] or "0").replace(",", ".")))
 
 
 def _span(moments: Sequence[datetime | None]) -> float:

@@ -8,6 +8,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.counted import counted
 from swamp_rl.logs.log import Log, LogTable
 from swamp_rl.logs.stamps import from_words
+from swamp_rl.runs.table import cell_text
 
 MOST_FIELDS = 200
 
@@ -37,6 +38,6 @@ def _span(table: LogTable, name: str, values: np.ndarray) -> str:
         if words is None or not len(words):
             return "no numbers"
         kind = "no numbers" if from_words(words) is None else "times"
-        return f"{kind}, as {clipped(words[0].as_py(), 40)!r}"
+        return f"{kind}, as {clipped(cell_text(words, 0), 40)!r}"
     lost = f", {len(values) - len(known)} missing" if len(known) < len(values) else ""
     return f"{known.min():.9g} to {known.max():.9g}, {counted(len(np.unique(known)), 'value')}{lost}"

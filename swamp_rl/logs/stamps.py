@@ -1,93 +1,142 @@
 """Times as logs write them: seconds, ticks since 1970, ISO 8601, dates and times of spreadsheets."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from datetime import UTC, date, datetime
+from datetime import UTC, date, datetime, timedelta
 from datetime import time as time_of_day
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
+from swamp_rl.errors import UserError
 from swamp_rl.logs.dates import from_dates
 from swamp_rl.runs.import_telemetry import EPOCHS
+from swamp_rl.runs.table import TICKS, cell_text, is_text
 
 Array = NDArray[np.float64]
-TICKS = {1: "s", 10**3: "ms", 10**6: "us", 10**9: "ns"}
+UNIT = {ticks: unit for unit, ticks in TICKS.items()}
+ZERO = datetime(1970, 1, 1, tzinfo=UTC)
+YEARS = -62_135_596_800, 253_402_300_800
+"""s since 1970 of the years 1 to 9999."""
+SLOWEST = 10.0
+"""s between rows: a log whose numbers are that far apart counts in ms or finer, at up to 100 rows a second.
+A diagnosis needs a row every second."""
 
 
 @dataclass(frozen=True)
 class Stamps:
-    """`time` (T,) s from the first one, NaN where there is none; `start`: that one in s since 1970, 0 where
-    the log does not say; `told`: what the log writes."""
+    """`time` (T,) s from the first one, NaN where there is none; `start`: that one in s, on the log's clock:
+    since 1970, of times of a day since midnight, of other numbers since their zero; `told`: what the log
+    writes."""
 
     time: Array
     start: float
     told: str | None
 
 
-def from_numbers(stamps: Array) -> Stamps:
-    """Ticks since 1970, recognised by their size, as times from the first; other numbers stay as they are."""
+def from_numbers(stamps: Array, where: str, unit: float | None = None) -> Stamps:
+    """Numbers (T,) in `unit` [s] as times: ticks since 1970 where the median is of such a size, others NaN.
+
+    By default the unit is that of such ticks, else seconds. UserError, which begins with `where`, for a
+    default unit in which the rows are SLOWEST or more apart.
+    """
     known = stamps[np.isfinite(stamps)]
-    for ticks, (low, high) in EPOCHS.items():
-        if len(known) and low <= known.min() and known.max() < high:
-            start = float(known[0]) / ticks
-            return Stamps(
-                (stamps - known[0]) / ticks, start, f"{TICKS[ticks]} since 1970, from {_iso(start)}"
-            )
-    return Stamps(stamps, 0.0, None)
+    middle = float(np.median(known)) if len(known) else np.nan
+    spans = {ticks: span for ticks, span in EPOCHS.items() if unit in (None, 1.0 / ticks)}
+    ticks = next((ticks for ticks, (low, high) in spans.items() if low <= middle < high), None)
+    if ticks is not None:
+        low, high = spans[ticks]
+        stamps = np.where((stamps >= low) & (stamps < high), stamps, np.nan)
+        known = stamps[np.isfinite(stamps)]
+    first = float(known[0]) if len(known) else 0.0
+    since = stamps - first
+    time = since / ticks if ticks else since * (unit or 1.0)
+    steps = np.diff(time[np.isfinite(time)])
+    step = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+    if unit is None and step >= SLOWEST:
+        kind = f"{UNIT[ticks]} since 1970" if ticks else "s"
+        raise UserError(
+            f"{where}: the rows are {step:.3g} s apart if the numbers are {kind}; give their unit, as in "
+            "--unit time=ms (us, ns), or time=s for rows so far apart"
+        )
+    if ticks is None:
+        return Stamps(time, first * (unit or 1.0), None)
+    return Stamps(time, first / ticks, f"{UNIT[ticks]} since 1970, from {_iso(first / ticks)}")
 
 
 def from_words(cells: pa.ChunkedArray) -> Stamps | None:
-    """Stamps in ISO 8601, of spreadsheets, or typed as times; None where no cell is one. Without a zone they
-    are UTC.
+    """Stamps in ISO 8601, times of a day, of spreadsheets, or typed as times; None where no cell is one.
+    Without a zone they are UTC.
 
-    Times of a day without the day, or with one of which day and month may be either, begin at no known one.
+    Where the order of day and month is not known, `start` takes the day first, as in any other table.
     """
+    if pa.types.is_timestamp(cells.type):
+        return _since_1970(cells.cast(pa.int64()), TICKS[cells.type.unit], "ISO 8601")
+    if pa.types.is_time(cells.type):
+        return _of_a_day(cells, pc.divide(cells.cast(pa.time64("ns")).cast(pa.int64()), 1e9))
+    if not is_text(cells.type):
+        return None
     given = cells.to_pylist()
-    if (clock := _times_of_day(given)) is not None:
-        return clock
-    stamps, told, known = [_stamp(cell) for cell in given], "ISO 8601", True
-    if all(stamp is None for stamp in stamps) and (dated := from_dates(given)) is not None:
-        stamps, told, known = dated.moments, "dates and times", dated.known
-    first = next((stamp for stamp in stamps if stamp is not None), None)
-    if first is None:
+    if (found := _since_1970(_microseconds(map(_stamp, given)), TICKS["us"], "ISO 8601")) is not None:
+        return found
+    if (found := _of_a_day(cells, pa.array(map(_time_of_day, given), pa.float64()))) is not None:
+        return found
+    if (dated := from_dates(given)) is None:
         return None
-    time = np.array([np.nan if stamp is None else (stamp - first).total_seconds() for stamp in stamps])
-    if not known:
-        return Stamps(time, 0.0, "dates and times, of which the order of day and month is not known")
-    return Stamps(time, first.timestamp(), f"{told}, from {_iso(first.timestamp())}")
+    found = _since_1970(_microseconds(dated.moments), TICKS["us"], "dates and times")
+    if found is None or dated.known:
+        return found
+    return Stamps(
+        found.time, found.start, "dates and times, of which the order of day and month is not known"
+    )
 
 
-def _times_of_day(cells: list[Any]) -> Stamps | None:
-    """Stamps of cells such as 14:05:00.1; None where the first is none of these."""
-    if not cells or _time_of_day(cells[0]) is None:
+def _microseconds(moments: Iterable[datetime | None]) -> pa.Array:
+    """Moments, None where there is none, since 1970."""
+    one = timedelta(microseconds=1)
+    return pa.array([None if moment is None else (moment - ZERO) // one for moment in moments], pa.int64())
+
+
+def _since_1970(stamps: pa.ChunkedArray | pa.Array, ticks: int, told: str) -> Stamps | None:
+    """Whole ticks since 1970, missing outside YEARS; None where all are."""
+    whole = np.asarray(pc.fill_null(stamps, 0))
+    known = np.asarray(pc.is_valid(stamps)) & (whole >= YEARS[0] * ticks) & (whole < YEARS[1] * ticks)
+    if not known.any():
         return None
-    time = np.array([np.nan if (found := _time_of_day(cell)) is None else found for cell in cells])
-    return Stamps(time - time[0], 0.0, f"of a day, from {str(cells[0]).strip()}")
+    first = int(whole[np.argmax(known)])
+    time = np.where(known, (whole - first) / ticks, np.nan)
+    return Stamps(time, first / ticks, f"{told}, from {_iso(first / ticks)}")
 
 
-def _time_of_day(cell: Any) -> float | None:
+def _of_a_day(cells: pa.ChunkedArray, seconds: pa.ChunkedArray | pa.Array) -> Stamps | None:
+    """Cells such as 14:05:00.1 with their seconds since midnight, null for one that is none; None where all
+    are."""
+    time = np.asarray(pc.fill_null(seconds, np.nan))
+    known = np.flatnonzero(np.isfinite(time))
+    if not len(known):
+        return None
+    first = int(known[0])
+    return Stamps(time - time[first], float(time[first]), f"of a day, from {cell_text(cells, first).strip()}")
+
+
+def _time_of_day(cell: str | None) -> float | None:
     """Seconds since midnight."""
-    if not isinstance(cell, str):
-        return None
     try:
-        found = datetime.combine(date.min, time_of_day.fromisoformat(cell.strip()))
+        found = datetime.combine(date.min, time_of_day.fromisoformat((cell or "").strip()))
     except ValueError:
         return None
     return (found.replace(tzinfo=None) - datetime.min).total_seconds()
 
 
+def _stamp(cell: str | None) -> datetime | None:
+    try:
+        found = datetime.fromisoformat((cell or "").strip())
+    except ValueError:
+        return None
+    return found if found.tzinfo else found.replace(tzinfo=UTC)
+
+
 def _iso(seconds: float) -> str:
     return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")
-
-
-def _stamp(cell: Any) -> datetime | None:
-    if isinstance(cell, str):
-        try:
-            cell = datetime.fromisoformat(cell.strip())
-        except ValueError:
-            return None
-    if not isinstance(cell, datetime):
-        return None
-    return cell if cell.tzinfo else cell.replace(tzinfo=UTC)

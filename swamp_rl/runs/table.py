@@ -30,6 +30,8 @@ MOST_ODD_ROWS = 1_000
 """Rows of another length than the header's after which a file is read no further."""
 MOST_CELLS = 4 * 10**7
 """Of a file: a number takes 8 bytes of memory, however few it has in the file."""
+TICKS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}
+"""In a second, by the unit of a column of times."""
 
 
 @dataclass
@@ -170,11 +172,13 @@ def _numbers(file: str, data: pa.Table, rows: NDArray[np.int64], faults: list[Fa
             what = "is named twice" if name.strip() else "has no name"
             table.faults.append(Fault(file, None, name or "''", f"{what}; give each column its own name"))
             continue
+        if pa.types.is_dictionary(cells.type) and not is_text(cells.type):
+            cells = cells.cast(cells.type.value_type)
         values, unread = _floats(cells)
         table.columns[name], table.unread[name] = values, unread
         if unread.size and unread.all():
             table.words[name] = cells
-        if unread.size and unread.all() and not any(cells.unique().to_pylist()):
+        if unread.size and _is_empty(cells):
             table.faults.append(Fault(file, None, name, NO_NUMBER))
         else:
             table.faults += faults_at(file, name, rows, unread, partial(_no_number, cells))
@@ -182,34 +186,58 @@ def _numbers(file: str, data: pa.Table, rows: NDArray[np.int64], faults: list[Fa
 
 
 def _no_number(cells: pa.ChunkedArray, index: int) -> str:
-    cell = cells[index].as_py()
-    if cell is None or cell == "":
+    cell = cell_text(cells, index)
+    if not cell:
         return "is missing; fill it in or remove the row and those after it"
-    hint = " (use a point, not a comma)" if isinstance(cell, str) and "," in cell else ""
+    hint = " (use a point, not a comma)" if "," in cell else ""
     if hint and "." in cell:
         hint = " (leave out what separates thousands)"
-    return f"{str(cell)[:40]!r} is not a number; correct it{hint}"
+    return f"{cell[:40]!r} is not a number; correct it{hint}"
+
+
+def cell_text(cells: pa.ChunkedArray, index: int) -> str:
+    """A cell as text, empty for none; a time in UTC."""
+    cell = cells.slice(index, 1)
+    if pa.types.is_timestamp(cell.type):
+        cell = cell.cast(pa.timestamp(cell.type.unit))  # without the zone, which may be unknown
+    if pa.types.is_temporal(cell.type):
+        cell = cell.cast(pa.string())  # Python has no nanoseconds and no year 10000
+    value = cell[0].as_py()
+    return "" if value is None else str(value)
+
+
+def _is_empty(cells: pa.ChunkedArray) -> bool:
+    return cells.null_count == len(cells) or (is_text(cells.type) and not any(cells.unique().to_pylist()))
 
 
 def _floats(cells: pa.ChunkedArray) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Cells as float64, and which of them are no float64 exactly."""
+    """Cells as float64, whole numbers rounded, durations in seconds; and which of them are no number."""
+    if pa.types.is_duration(cells.type):
+        ticks = pc.cast(pc.cast(cells, pa.int64()), pa.float64(), safe=False)
+        values = pc.divide(ticks, float(TICKS[cells.type.unit]))
+    elif _numeric(cells.type):
+        values = pc.cast(cells, pa.float64(), safe=False)
+    elif is_text(cells.type):
+        return _of_texts(cells)
+    else:
+        return np.full(len(cells), np.nan), np.ones(len(cells), bool)
+    return np.array(pc.fill_null(values, np.nan), np.float64), np.asarray(pc.is_null(values), bool)
+
+
+def _of_texts(cells: pa.ChunkedArray) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """As `_floats`, of texts."""
     if pa.types.is_dictionary(cells.type):
         return _each_once(cells)
-    text = pa.types.is_string(cells.type) or pa.types.is_large_string(cells.type)
-    if text:
-        cells = pc.utf8_trim_whitespace(cells)
+    cells = pc.utf8_trim_whitespace(cells)
     try:
-        values = pc.cast(cells, pa.float64()) if text or _numeric(cells.type) else None
+        values = pc.cast(cells, pa.float64())
     except pa.ArrowInvalid:
-        values = None
-    if values is None:
         return _each_once(cells.dictionary_encode())
-    unread = np.asarray(pc.is_null(values), bool)
-    return np.array(pc.fill_null(values, np.nan), np.float64), unread
+    return np.array(pc.fill_null(values, np.nan), np.float64), np.asarray(pc.is_null(values), bool)
 
 
 def _each_once(cells: pa.ChunkedArray) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """As `_floats`, cell by cell, each that comes again looked at once."""
+    """As `_floats`, text by text, each that comes again looked at once."""
     cells = cells.unify_dictionaries()
     if cells.num_chunks == 0:
         return np.zeros(0), np.zeros(0, bool)
@@ -225,16 +253,19 @@ def _numeric(kind: pa.DataType) -> bool:
     return pa.types.is_integer(kind) or pa.types.is_floating(kind)
 
 
-def _float(cell: object) -> float | None:
-    if isinstance(cell, bool) or not isinstance(cell, str | int | float):
-        return None
-    if isinstance(cell, str) and ("_" in cell or not cell.isascii()):
+def is_text(kind: pa.DataType) -> bool:
+    """Whether cells of a type are texts, each written out or looked up."""
+    kind = kind.value_type if pa.types.is_dictionary(kind) else kind
+    return pa.types.is_string(kind) or pa.types.is_large_string(kind)
+
+
+def _float(cell: str | None) -> float | None:
+    if cell is None or "_" in cell or not cell.isascii():
         return None
     try:
-        value = float(cell)
-    except (ValueError, OverflowError):
+        return float(cell)
+    except ValueError:
         return None
-    return None if isinstance(cell, int) and int(value) != cell else value
 
 
 def write_table(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:

@@ -1,0 +1,157 @@
+"""Times of tables of others: their unit, their first row, and the common clock of joined tables."""
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from swamp_rl.errors import UserError
+from swamp_rl.logs.import_logs import Reading, import_logs, read_log
+from swamp_rl.logs.listing import listing
+from swamp_rl.logs.mapping import mapping_of
+from swamp_rl.runs import Run, read_dataset
+from swamp_rl.runs.import_dataset import About
+from swamp_rl.runs.import_foreign import Wishes
+from swamp_rl.runs.table import read_table
+
+COUNT = 60
+TIME = np.round(0.1 * np.arange(COUNT), 1)
+
+
+def imported(paths: list[Path], wishes: Wishes | None = None, join: str | None = None) -> Run:
+    """The run of files with columns t, x, y and psi, or of one with t, x, y and one with t, psi."""
+    place, turn = ("", "") if join is None else (f"{paths[0].stem}.", f"{paths[1].stem}.")
+    mapping = mapping_of(["time=t", f"x={place}x", f"y={place}y", f"yaw={turn}psi"])
+    out, kind = paths[0].parent / "out", paths[0].suffix[1:]
+    import_logs(paths, kind, out, About(), wishes or Wishes(), Reading(mapping, join))
+    (run,) = read_dataset(out).runs
+    return run
+
+
+def table(path: Path, stamps: list[str], x: bool = True, psi: bool = True) -> Path:
+    """A CSV file of a boat that sails north at 1 m/s and turns at 0.01 rad/s from the first TIME on."""
+    columns = {"t": stamps}
+    if x:
+        columns |= {"x": [f"{t:.3f}" for t in TIME], "y": ["0"] * COUNT}
+    if psi:
+        columns |= {"psi": [f"{0.01 * t:.5f}" for t in TIME]}
+    rows = [",".join(row) for row in zip(*columns.values(), strict=True)]
+    path.write_text("\n".join([",".join(columns), *rows]) + "\n")
+    return path
+
+
+def of_a_day(start: float) -> list[str]:
+    moments = np.datetime64("2024-06-05T14:00:00.000") + np.round(1000.0 * (start + TIME)).astype("m8[ms]")
+    return [str(moment)[11:] for moment in moments]
+
+
+@pytest.mark.parametrize("day", ["", "05/06/2024 "], ids=["times of a day", "days of unknown order"])
+def test_joined_tables_have_one_clock_though_the_day_is_not_known(tmp_path: Path, day: str) -> None:
+    gps = table(tmp_path / "gps.csv", [day + clock for clock in of_a_day(0.0)], psi=False)
+    imu = table(tmp_path / "imu.csv", [day + clock for clock in of_a_day(2.0)], x=False)
+    run = imported([gps, imu], join="trip")
+    assert run.columns["north"][0] == pytest.approx(2.0)
+    assert run.columns["heading"] == pytest.approx(0.01 * run.time, abs=1e-6)
+    assert run.duration == pytest.approx(3.9)
+
+
+def test_tables_whose_dates_are_read_in_different_orders_are_not_joined(tmp_path: Path) -> None:
+    either = table(tmp_path / "gps.csv", [f"05/06/2024 {clock}" for clock in of_a_day(0.0)], psi=False)
+    month_first = table(tmp_path / "imu.csv", [f"05/16/2024 {clock}" for clock in of_a_day(0.0)], x=False)
+    with pytest.raises(UserError, match="the tables have no time in common"):
+        imported([either, month_first], join="trip")
+
+
+@pytest.mark.parametrize(("ticks", "start"), [(1e3, 1.7e9), (1e6, 1.7e9), (1e9, 1.7e9)])
+def test_stamps_from_before_a_fix_are_bad_rows_and_change_no_unit(
+    tmp_path: Path, ticks: float, start: float
+) -> None:
+    stamps = ["0", "0", "0", *(f"{round((start + t) * ticks)}" for t in TIME[3:])]
+    path = table(tmp_path / "log.csv", stamps)
+    with pytest.raises(UserError, match=r"row 1 \(line 2\), column time: is no time"):
+        imported([path])
+    run = imported([path], Wishes(bad_rows="cut"))
+    assert run.time == pytest.approx(TIME[3:] - TIME[3], abs=1e-5)
+    assert run.columns["north"][0] == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(
+    "stamps",
+    [1.2e9 + 1e6 * TIME, 5e5 + 1e3 * TIME, 3e12 + 1e9 * TIME],
+    ids=["us since the boot", "ms since the boot", "ns since the boot"],
+)
+def test_ticks_since_a_boot_need_their_unit(tmp_path: Path, stamps: np.ndarray) -> None:
+    path = table(tmp_path / "log.csv", [f"{stamp:.0f}" for stamp in stamps])
+    with pytest.raises(UserError, match=r"log\.csv: --map time: the rows are .* s apart.*--unit time=ms"):
+        imported([path])
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("unit", "step"), [("us", 1e5), ("ms", 100.0), ("s", 0.1)])
+def test_numbers_count_from_the_first_row_in_the_unit_that_is_given(
+    tmp_path: Path, unit: str, step: float
+) -> None:
+    path = table(tmp_path / "log.csv", [f"{1000.0 + step * i:.6g}" for i in range(COUNT)])
+    assert imported([path], Wishes(units={"time": unit})).time == pytest.approx(TIME)
+
+
+def test_seconds_count_from_the_first_row(tmp_path: Path) -> None:
+    assert imported([table(tmp_path / "log.csv", [f"{1000.0 + t:.1f}" for t in TIME])]).time[0] == 0.0
+
+
+def test_rows_far_apart_are_seconds_where_that_is_said(tmp_path: Path) -> None:
+    path = table(tmp_path / "log.csv", [f"{60 * i}" for i in range(COUNT)])
+    assert imported([path], Wishes(units={"time": "s"})).time[1] == 60.0
+
+
+def test_a_first_row_without_a_time_of_day_is_a_bad_row(tmp_path: Path) -> None:
+    path = table(tmp_path / "log.csv", ["", *of_a_day(0.0)[1:]])
+    assert "t: times" in list(listing(read_log(path, "csv")))[1]
+    assert imported([path], Wishes(bad_rows="cut")).time == pytest.approx(TIME[1:] - TIME[1])
+
+
+EPOCH = 1_700_000_000_000_000_000
+"""ns"""
+STEPS = np.arange(COUNT, dtype=np.int64) * 100_000_123
+"""ns, no whole microseconds."""
+
+
+@pytest.mark.parametrize(
+    ("cells", "tolerance"),
+    [
+        (pa.array(EPOCH + STEPS, pa.timestamp("ns")), 1e-12),
+        (pa.array(EPOCH + STEPS, pa.timestamp("ns", tz="Mars/One")), 1e-12),
+        (pa.array((EPOCH + STEPS) // 1000, pa.timestamp("us")), 1e-6),
+        (pa.array(EPOCH // 10**5 + STEPS, pa.time64("ns")), 1e-9),
+        (pa.array(STEPS, pa.duration("ns")), 1e-12),
+        (pa.array(EPOCH + STEPS), 3e-7),
+    ],
+    ids=lambda cells: str(getattr(cells, "type", "")),
+)
+def test_times_of_parquet_are_known_to_the_nanosecond(
+    tmp_path: Path, cells: pa.Array, tolerance: float
+) -> None:
+    path = tmp_path / "log.parquet"
+    pq.write_table(pa.table({"t": cells, "x": TIME, "y": 0.0 * TIME, "psi": 0.01 * TIME}), path)
+    list(listing(read_log(path, "parquet")))
+    assert imported([path]).time == pytest.approx(STEPS * 1e-9, abs=tolerance)
+
+
+def far(unit: str) -> pa.Array:
+    return pa.array([2**62] * COUNT, pa.timestamp(unit))
+
+
+@pytest.mark.parametrize(
+    "cells",
+    [far("us"), far("ms"), pa.array([2**30] * COUNT, pa.date32()), pa.array([b"\xff"] * COUNT)],
+    ids=["us", "ms", "date", "bytes"],
+)
+def test_cells_that_are_no_number_are_faults_whatever_their_type(tmp_path: Path, cells: pa.Array) -> None:
+    path = tmp_path / "log.parquet"
+    pq.write_table(pa.table({"t": cells, "x": TIME, "y": TIME, "psi": TIME}), path)
+    assert "is not a number" in read_table(path).faults[0].message
+    assert list(listing(read_log(path, "parquet")))[1].startswith("  t: no numbers, as")
+    with pytest.raises(UserError, match=r"--map time: .* is no time"):
+        imported([path])
