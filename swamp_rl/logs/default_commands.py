@@ -27,6 +27,8 @@ PX4 = {101: "right", 102: "left", 201: "steering"}
 MOST_OUTPUTS = 14
 PULSES = "1100", "1900", "1500"
 """µs of ArduPilot's outputs at full astern, full ahead and rest, where the log has no parameter."""
+BELOW = 0.05
+"""Of an output's range: a pulse so far below its low end commands nothing (0, or that of a disarmed boat)."""
 
 
 @dataclass(frozen=True)
@@ -112,13 +114,17 @@ def _ardupilot_shares(log: Log) -> dict[str, str]:
 
 
 def _share(column: str, low: float, trim: float, high: float) -> str:
-    """A pulse as a share of full: 0 at the trim, -1 at the low end; from 0 where the trim is the low end."""
+    """A pulse as a share of full: 0 at the trim and BELOW the low end, -1 at the low end.
+
+    From 0 where the trim is the low end.
+    """
     if not low <= trim < high:
         return ""
     if low == trim:
         return f"clip(({column} - {low:g}) / {high - low:g}, 0, 1)"
-    pulse = f"({column} - {trim:g})"
-    return f"clip(where({pulse} > 0, {pulse} / {high - trim:g}, {pulse} / {trim - low:g}), -1, 1)"
+    pulse, least = f"{column} - {trim:g}", low - BELOW * (high - low)
+    share = f"max({pulse}, 0) / {high - trim:g} + min({pulse}, 0) / {trim - low:g}"
+    return f"where({column} < {least:g}, 0, clip({share}, -1, 1))"
 
 
 def _px4_shares(log: Log, single: bool) -> dict[str, str]:

@@ -36,6 +36,7 @@ class Stamps:
     told: str | None
 
 
+@np.errstate(over="ignore", invalid="ignore")  # numbers near the end of their range are no times
 def from_numbers(stamps: Array, where: str, unit: float | None = None) -> Stamps:
     """Numbers (T,) in `unit` [s] as times: ticks since 1970 where the median is of such a size, others NaN.
 

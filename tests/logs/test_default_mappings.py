@@ -106,6 +106,27 @@ def test_px4s_pulses_are_shares_between_their_limits(tmp_path: Path) -> None:
     assert values_of(log, found["throttle_starboard"]) == [0.0] * 4
 
 
+@pytest.mark.parametrize("reversed_", [0, 1])
+def test_an_output_without_a_pulse_is_a_thruster_at_rest(tmp_path: Path, reversed_: int) -> None:
+    boat = load_boat(written(tmp_path, "twin"))
+    outputs = {"C1": [0.0, 1100.0, 1500.0, 1900.0], "C3": [0.0, 800.0, 1095.0, 1500.0]}
+    functions = {"SERVO1_FUNCTION": 73, "SERVO3_FUNCTION": 74, "SERVO1_REVERSED": reversed_}
+    log = log_of({"RCOU": outputs}, functions)
+    found = commands("dataflash", log, boat)
+    ahead = -1.0 if reversed_ else 1.0
+    assert values_of(log, found["throttle_port"]) == [0.0, -ahead, 0.0, ahead]
+    assert values_of(log, found["throttle_starboard"]) == [0.0, 0.0, -1.0, 0.0]
+
+
+def test_px4s_pulse_of_a_disarmed_boat_is_a_thruster_at_rest(tmp_path: Path) -> None:
+    functions = {"PWM_MAIN_FUNC1": 101, "PWM_MAIN_FUNC2": 102, "CA_R_REV": 3}
+    limits = {f"PWM_MAIN_{end}{n}": value for n in (1, 2) for end, value in (("MIN", 1100), ("MAX", 1900))}
+    pulses = {f"output[{i}]": [900.0, 1000.0, 1100.0, 1700.0] for i in (0, 1)}
+    log = log_of({"actuator_outputs": pulses}, functions | limits)
+    found = commands("ulog", log, load_boat(written(tmp_path, "twin")))
+    assert values_of(log, found["throttle_port"]) == [0.0, 0.0, -1.0, 0.5]
+
+
 def test_a_propeller_and_its_rudder_take_motor_and_servo() -> None:
     boat = load_boat("esso_osaka")
     (only,) = boat.thrusters
