@@ -28,7 +28,8 @@ def most_rows(columns: int, given: int) -> int:
 def resampled(columns: Mapping[str, Array], rate: float) -> dict[str, Array]:
     """Columns (T,) with increasing times as columns at `rate` [Hz] from the first time on.
 
-    Values are in proportion between rows, angles the short way round; commands are held until the next row.
+    Values are in proportion between rows, angles and longitudes [degrees] the short way round; commands are
+    held until the next row.
     UserError for more than `most_rows`.
     """
     time = columns["time"]
@@ -54,4 +55,7 @@ def at_times(name: str, time: Array, values: Array, even: Array) -> Array:
         return values[np.maximum(np.searchsorted(time, even + 1e-9, side="right") - 1, 0)]
     if name in ANGLES or name.startswith("applied_azimuth_"):
         return wrapped(np.interp(even, time, np.unwrap(values)))
+    if name == "longitude" and np.abs(values).max() <= 180.0:  # others are no degrees, which importing tells
+        turned = np.interp(even, time, np.unwrap(values, period=360.0))
+        return np.where(np.abs(turned) <= 180.0, turned, np.mod(turned + 180.0, 360.0) - 180.0)
     return np.interp(even, time, values)
