@@ -20,6 +20,9 @@ NEAR = 1e-3
 """Steps that a phase is kept at 0 within."""
 GAP_STEPS = 5.0
 """Median steps of a table: after a longer pause its values are not interpolated."""
+REGULAR, FEWEST = 0.5, 20
+"""Of the steps between commands sent at a rate: greatest width of the middle 80 %, in medians, and least
+number."""
 
 
 @dataclass(frozen=True)
@@ -47,14 +50,15 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
     commands held.
 
     Where the messages of a table pause for more than GAP_STEPS median steps and `fill` [s], its columns are
-    missing; commands, which may be sent at a change only, are held. UserError where nothing is in common.
+    missing. Commands that are sent at changes only are held over any silence. UserError where nothing is in
+    common.
     """
     series = {name: _whole(file, name, one) for name, one in series.items()}
-    start = max(float(one.time[0]) for one in series.values())
-    ends = [float(one.time[-1]) for name, one in series.items() if not is_held(name)]
-    if not ends:
+    if all(map(is_held, series)):
         raise UserError(f"{file}: the mapping has commands alone; map north and east, and heading")
-    end, start = min(ends), start + _phase(series, start, rate)
+    start, first = max((float(one.time[0]), one.table) for one in series.values())
+    end, last = min((_end(name, one, fill), one.table) for name, one in series.items())
+    start += _phase(series, start, rate)
     rows = (end - start) * rate + 1.0 + 1e-9
     if rows < 2.0:
         spans = "; ".join(_spans(series))
@@ -70,13 +74,35 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
     faults: list[Fault] = []
     for name, one in series.items():
         columns[name] = at_times("heading" if name == "yaw" else name, one.time, one.values, even)
-        if is_held(name):
+        if _is_sent_at_changes(name, one):
             continue
         missing, found = _pauses(file, name, one, even, max(fill, 1.0 / rate))
         if missing.any():
             unread[name], columns[name] = missing, np.where(missing, np.nan, columns[name])
             faults += found
-    return Joined(columns, unread, faults, _told(series, rate))
+    told = "; ".join([_told(series, rate), *_left_out(series, rate, even, first, last)])
+    return Joined(columns, unread, faults, told)
+
+
+def _end(name: str, one: Series, fill: float) -> float:
+    """The last time [s] at which a series is known; a command is held as long as over a pause."""
+    if _is_sent_at_changes(name, one):
+        return math.inf
+    return float(one.time[-1]) + (max(_longest_step(one), fill) if is_held(name) else 0.0)
+
+
+def _longest_step(one: Series) -> float:
+    """Seconds beyond which messages of a table pause."""
+    return GAP_STEPS * float(np.median(np.diff(one.time)))
+
+
+def _is_sent_at_changes(name: str, one: Series) -> bool:
+    """Whether silence of a series says that it did not change: of commands that do not come at a rate, and of
+    the joypad, which is silent where nobody holds it."""
+    steps = np.diff(one.time)
+    low, middle, high = np.quantile(steps, (0.1, 0.5, 0.9))
+    regular = len(steps) >= FEWEST and high - low <= REGULAR * middle
+    return is_held(name) and (name.startswith("joy_") or not regular)
 
 
 def _phase(series: Mapping[str, Series], start: float, rate: float) -> float:
@@ -108,16 +134,14 @@ def _pauses(
     file: str, name: str, one: Series, even: Array, shortest: float
 ) -> tuple[NDArray[np.bool_], list[Fault]]:
     steps = np.diff(one.time)
-    long = np.flatnonzero(steps > max(GAP_STEPS * float(np.median(steps)), shortest))
+    long = np.flatnonzero(steps > max(_longest_step(one), shortest))
     missing = np.zeros(len(even), bool)
     faults = []
     for i in long.tolist():
         first, last = np.searchsorted(even, [one.time[i] + 1e-9, one.time[i + 1] - 1e-9])
         missing[first:last] = True
         if last > first:
-            told = (
-                f"{one.table} has no value for {steps[i]:.3g} s; --fill SECONDS interpolates, --bad-rows cuts"
-            )
+            told = f"{one.table} has no value for {steps[i]:.3g} s; --fill SECONDS fills it, --bad-rows cuts"
             faults.append(Fault(file, int(first) + 1, name, told, int(last)))
     return missing, faults
 
@@ -135,3 +159,16 @@ def _told(series: Mapping[str, Series], rate: float) -> str:
         f"{name} {1.0 / float(np.median(np.diff(one.time))):.3g} Hz" for name, one in _tables(series).items()
     ]
     return f"{', '.join(rates)}; at {rate:g} Hz, linear between messages, commands held"
+
+
+def _left_out(series: Mapping[str, Series], rate: float, even: Array, first: str, last: str) -> list[str]:
+    """What to tell of the time before and after the rows, in which the tables `first` and `last` have no
+    messages."""
+    before = float(even[0]) - min(float(one.time[0]) for one in series.values())
+    after = max(float(one.time[-1]) for one in series.values()) - float(even[-1])
+    parts = ("first", before, first), ("last", after, last)
+    return [
+        f"the {which} {seconds:.3g} s left out, without messages of {table}"
+        for which, seconds, table in parts
+        if seconds > GAP_STEPS / rate
+    ]

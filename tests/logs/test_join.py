@@ -34,6 +34,49 @@ def joined(
     return run
 
 
+POSES = ["north=pos.n", "east=pos.e", "heading=pos.psi"]
+
+
+def poses() -> dict[str, np.ndarray]:
+    return {"t": TIME, "n": TIME, "e": 0.0 * TIME, "psi": 0.01 * TIME}
+
+
+def throttle(time: np.ndarray) -> dict[str, np.ndarray]:
+    return {"t": time, "port": 0.5 + 0.1 * np.sin(time)}
+
+
+COMMANDS = [*POSES, "throttle_port=cmd.port", "throttle_starboard=cmd.port"]
+
+
+def test_a_run_ends_where_commands_sent_at_a_rate_end_and_it_is_told(tmp_path: Path) -> None:
+    tables = {"pos": poses(), "cmd": throttle(TIME[20:100])}
+    run = joined(tmp_path, tables, COMMANDS)
+    assert run.duration == pytest.approx(9.9 + 0.5 - 2.0)
+    told = (run.meta.model_extra or {})["joined"]
+    assert "the first 2 s left out, without messages of cmd; the last 19.5 s left out" in told
+
+
+def test_a_pause_of_commands_sent_at_a_rate_is_a_bad_stretch_and_can_be_filled(tmp_path: Path) -> None:
+    tables = {"pos": poses(), "cmd": throttle(np.delete(TIME, slice(100, 150)))}
+    with pytest.raises(UserError, match=r"column throttle_port: cmd has no value for 5\.1 s; --fill SECONDS"):
+        joined(tmp_path, tables, COMMANDS)
+    run = joined(tmp_path, tables, COMMANDS, Wishes(fill=6.0))
+    assert run.columns["throttle_port"][100:150] == pytest.approx(np.full(50, 0.5 + 0.1 * np.sin(9.9)))
+
+
+def test_commands_sent_at_changes_are_held_to_the_end(tmp_path: Path) -> None:
+    changes = np.cumsum(np.random.default_rng(2).exponential(0.5, 30)) - 0.5
+    run = joined(tmp_path, {"pos": poses(), "cmd": throttle(changes)}, COMMANDS)
+    assert run.time[-1] == pytest.approx(TIME[-1] - max(changes[0], 0.0), abs=0.1)
+    assert run.columns["throttle_port"][-1] == 0.5 + 0.1 * np.sin(changes[-1])
+
+
+def test_a_joypad_that_nobody_holds_ends_no_run(tmp_path: Path) -> None:
+    joypad = {"t": TIME[:50], "thrust": 0.5 + 0.1 * np.sin(TIME[:50])}
+    run = joined(tmp_path, {"pos": poses(), "joy": joypad}, [*POSES, "joy_thrust=joy.thrust"])
+    assert run.duration == pytest.approx(TIME[-1])
+
+
 PLACES = ["latitude=gps.lat", "longitude=gps.lon", "yaw=imu.psi"]
 
 
