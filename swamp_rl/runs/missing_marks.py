@@ -13,13 +13,17 @@ from swamp_rl.runs.table import Table
 NINES = re.compile(r"-?9{3,7}")
 JUMP = 10.0
 """Times the longest step between other values that a column jumps to a mark and back."""
+BRIEF = 0.05
+"""Share of the rows."""
 
 
 def without_marks(file: str, table: Table) -> Table:
     """The table of a file with NaN in place of every mark, and a fault for each stretch of rows that has one.
 
     A mark is a number of three to seven nines, of either sign, to which a column jumps, from either side,
-    JUMP times as far as it moves elsewhere: a position of just -999 m on a track is none.
+    JUMP times as far as it moves elsewhere: a position of just -999 m on a track is none. Nor is a step of a
+    command, which lasts: a column that changes elsewhere no more often than it jumps has marks in less than
+    BRIEF of its rows.
     """
     columns, unread, faults = dict(table.columns), dict(table.unread), list(table.faults)
     for name, values in table.columns.items():
@@ -49,4 +53,7 @@ def _is_jumped_to(values: NDArray[np.float64], wrong: NDArray[np.bool_]) -> bool
     known = np.isfinite(steps)
     inside = known & ~wrong[1:] & ~wrong[:-1]
     across = known & (wrong[1:] != wrong[:-1])
-    return bool(inside.any() and across.any() and steps[across].min() > JUMP * steps[inside].max())
+    if not (inside.any() and across.any()):
+        return False
+    rare = np.count_nonzero(across) < np.count_nonzero(steps[inside]) or wrong.mean() < BRIEF
+    return bool(rare and steps[across].min() > JUMP * steps[inside].max())

@@ -64,3 +64,26 @@ def test_a_track_that_passes_through_such_a_number_is_whole(tmp_path: Path) -> N
     path.write_text(text + "\n")
     (run,) = imported(path, "names", Wishes())
     assert len(run.time) == 60
+
+
+def with_shaft(path: Path, rpm: np.ndarray, wishes: Wishes) -> Run:
+    """The run of a log with a column of revolutions."""
+    table = {"t": TIME, "n": TIME, "e": TIME, "psi": 0.1 * TIME, "rpm": rpm}
+    rows = [",".join(map(str, row)) for row in zip(*table.values(), strict=True)]
+    path.write_text("\n".join([",".join(table), *rows]) + "\n")
+    given = ["time=t", "north=n", "east=e", "heading=psi", "speed_of_shaft=rpm"]
+    import_logs([path], "csv", path.parent / "out", About(), wishes, Reading(mapping_of(given)))
+    (run,) = read_dataset(path.parent / "out").runs
+    return run
+
+
+@pytest.mark.parametrize("levels", [(0.0, 999.0, 0.0), (0.0, 999.0, 50.0, 999.0, 0.0)])
+def test_a_step_of_a_command_to_999_is_no_mark(tmp_path: Path, levels: tuple[float, ...]) -> None:
+    rpm = np.repeat(levels, 60 // len(levels))
+    assert with_shaft(tmp_path / "log.csv", rpm, Wishes()).columns["speed_of_shaft"].tolist() == rpm.tolist()
+
+
+def test_a_brief_mark_in_a_column_that_rarely_changes_is_one(tmp_path: Path) -> None:
+    rpm = np.where(np.arange(60) == 20, 9999.0, 30.0)
+    run = with_shaft(tmp_path / "log.csv", rpm, Wishes(bad_rows="cut"))
+    assert run.columns["speed_of_shaft"].tolist() == [30.0] * 39
