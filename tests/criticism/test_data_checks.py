@@ -84,6 +84,11 @@ def back_in_time(columns: Columns) -> Columns:
     return columns | {"time": columns["time"] - 5.0 * (np.arange(len(columns["time"])) >= 100)}
 
 
+def jumping_ahead(columns: Columns) -> Columns:
+    """The clock set ahead by as many steps of 0.1 s as no memory holds at the 101st row."""
+    return columns | {"time": columns["time"] + 1e9 * (np.arange(len(columns["time"])) >= 100)}
+
+
 def at_rest(columns: Columns) -> Columns:
     """A boat at its berth under a receiver of 0.5 m, its thrusters as commanded."""
     rng = np.random.default_rng(0)
@@ -104,6 +109,7 @@ REFUSED: dict[str, tuple[Change, str]] = {
     "a dead compass": (setting(heading=1.0), "heading is the same in every row"),
     "a yaw rate of zeros": (setting(yaw_rate=0.0), "yaw_rate is 0 in every row though the boat moves"),
     "time going back": (back_in_time, "run run_0, row 101: time 5 s does not come after 9.9 s"),
+    "time jumping ahead": (jumping_ahead, "run run_0, row 101: comes 1e+09 s after the row before"),
     "no time": (without("time"), "column time is missing; add it"),
     "no commands": (without("throttle_sp"), "column throttle_sp: is missing; add it"),
 }

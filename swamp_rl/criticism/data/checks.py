@@ -12,6 +12,7 @@ from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from swamp_rl.runs.dataset import META, boat_of, read_meta
+from swamp_rl.runs.resample import MOST_BETWEEN
 
 Array = NDArray[np.float64]
 
@@ -51,6 +52,17 @@ def refuse_too_coarse(dt: float, folder: str) -> None:
         raise UserError(
             f"{folder}: a sample every {dt:.3g} s; a diagnosis needs one every {options().coarsest_step:g} s "
             "or more often (10 a second serve well); record at a higher rate"
+        )
+
+
+def refuse_jump(run: Run, dt: float, folder: str) -> None:
+    """UserError for a run that lasts more than MOST_BETWEEN samples of dt [s] for each of its rows."""
+    if run.duration / dt > MOST_BETWEEN * len(run.time):
+        steps = np.diff(run.time)
+        row = int(steps.argmax()) + 2
+        raise UserError(
+            f"{folder}: run {run.name}, row {row}: comes {steps.max():.3g} s after the row before, in a run "
+            f"of {len(run.time)} rows {dt:.3g} s apart; correct the time, or cut the run in two there"
         )
 
 

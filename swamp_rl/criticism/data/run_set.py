@@ -12,6 +12,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.checks import (
     dataset_name,
     refuse_disorder,
+    refuse_jump,
     refuse_mixed,
     refuse_other_boat,
     refuse_too_coarse,
@@ -223,6 +224,8 @@ def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] 
         refuse_other_boat(run, boat, folder)
     dt = float(np.median([sample_step(run) for run in runs]))
     refuse_too_coarse(dt, folder)
+    for run in runs:
+        refuse_jump(run, dt, folder)
     placed = [_on_grid(run, boat, dt, folder) for run in runs]
     weather = _weather_on_grid(runs, boat, dt, ignore)
     others = [name for name in ignore if name != "wind"]
