@@ -1,7 +1,8 @@
 """What the readers of binary logs share: limits, damage as one line, tables from rows."""
 
+import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
@@ -47,26 +48,27 @@ def refuse_other_bytes(path: Path, what: str, begin: bytes) -> None:
 
 
 class Gathered:
-    """Rows of named numbers of one table as they come, no more than MOST_CELLS."""
+    """Rows of named numbers of one table as they come, no more than MOST_COLUMNS and MOST_CELLS."""
 
-    def __init__(self, path: Path, name: str, kind: str, origin: str, names: Sequence[str]) -> None:
+    def __init__(self, path: Path, name: str, kind: str, origin: str) -> None:
         self.path, self.name, self.kind, self.origin = path, name, kind, origin
-        self.names = list(names)[:MOST_COLUMNS]
         self.stamps: list[float] = []
-        self.rows: list[list[float]] = []
+        self.columns: dict[str, list[float]] = {}
 
-    def add(self, stamp: float, values: Sequence[Any]) -> None:
-        """A row at `stamp` [s]; what is no number is NaN."""
-        if (len(self.rows) + 1) * max(len(self.names), 1) > MOST_CELLS:
+    def add(self, stamp: float, fields: Mapping[str, Any]) -> None:
+        """A row at `stamp` [s]; a field that is not there, or no number, is NaN."""
+        new = [name for name in fields if name not in self.columns][: MOST_COLUMNS - len(self.columns)]
+        if (len(self.stamps) + 1) * max(len(self.columns) + len(new), 1) > MOST_CELLS:
             raise UserError(f"{self.path}: {self.name} has more than {MOST_CELLS} values; divide the log")
+        self.columns |= {name: [math.nan] * len(self.stamps) for name in new}
         self.stamps.append(stamp)
-        self.rows.append([number(value) for value in values[: len(self.names)]])
+        for name, values in self.columns.items():
+            values.append(number(fields.get(name)))
 
     def table(self) -> LogTable:
         """The rows as arrays."""
-        values = np.array(self.rows, float).reshape(len(self.rows), len(self.names)).T
-        columns = dict(zip(self.names, values, strict=True))
-        rows = np.arange(1, len(self.rows) + 1)
+        columns = {name: np.array(values, float) for name, values in self.columns.items()}
+        rows = np.arange(1, len(self.stamps) + 1)
         return LogTable(self.name, Table(columns, rows), np.array(self.stamps, float), self.kind, self.origin)
 
 

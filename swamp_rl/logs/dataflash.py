@@ -77,9 +77,8 @@ def _gathered(path: Path, reader: Any, wanted: Collection[str] | None) -> Log:
         if wanted is not None and name not in wanted:
             continue
         if name not in tables:
-            names = [field for field, value in fields.items() if isinstance(value, int | float)]
-            tables[name] = Gathered(path, name, "DataFlash", kind, names)
-        tables[name].add(stamp, [fields.get(field) for field in tables[name].names])
+            tables[name] = Gathered(path, name, "DataFlash", kind)
+        tables[name].add(stamp, {field: one for field, one in fields.items() if isinstance(one, int | float)})
     if not tables:
         raise UserError(f"{path}: holds no message with a time (TimeUS, TimeMS); name a whole DataFlash log")
     return Log(path.name, path.stem, {name: table.table() for name, table in tables.items()}, told)

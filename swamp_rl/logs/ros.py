@@ -67,9 +67,9 @@ def read_bag(path: Path, wanted: Collection[str] | None = None, kinds: Collectio
             fields = dict(_numbers(reader.deserialize(data, connection.msgtype), reader.typestore))
             if name not in tables:
                 kind = connection.msgtype.replace("/msg/", "/")
-                tables[name] = Gathered(path, name, kind, connection.topic, list(fields))
+                tables[name] = Gathered(path, name, kind, connection.topic)
                 headers[name] = []
-            tables[name].add(1e-9 * stamp, [fields.get(field) for field in tables[name].names])
+            tables[name].add(1e-9 * stamp, fields)
             headers[name].append(_header(fields))
     if not tables:
         raise UserError(f"{path}: holds no message of the topics that are read; see --list")

@@ -196,6 +196,24 @@ def test_a_listing_of_a_bag_has_no_constants_of_its_types(tmp_path: Path) -> Non
     ]
 
 
+def test_elements_of_an_array_that_grows_are_kept(tmp_path: Path) -> None:
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    array, layout = (
+        store.types[f"std_msgs/msg/{name}"] for name in ("Float64MultiArray", "MultiArrayLayout")
+    )
+    with Writer(tmp_path / "log", version=8) as writer:
+        topic = writer.add_connection("/commands", array.__msgtype__, typestore=store)
+        for i, data in enumerate(([], [0.1], [0.2, 0.3], [0.4])):
+            message = array(layout=layout(dim=[], data_offset=0), data=np.array(data, float))
+            writer.write(topic, 1 + i, store.serialize_cdr(message, array.__msgtype__))
+    columns = read_log(tmp_path / "log", "rosbag").tables["commands"].table.columns
+    assert columns["data[0]"] == pytest.approx([np.nan, 0.1, 0.2, 0.4], nan_ok=True)
+    assert columns["data[1]"] == pytest.approx([np.nan, np.nan, 0.3, np.nan], nan_ok=True)
+
+
 def test_messages_that_a_bag_does_not_define_are_named_and_the_others_read(tmp_path: Path) -> None:
     folder = bag_without_definitions(tmp_path / "log")
     lines = list(listing(read_log(folder, "rosbag")))
