@@ -34,7 +34,7 @@ def clock_offset(one: Record, other: Record, where: str) -> Offset:
     UserError where they overlap too little, do not vary, or where the correlation stays below
     LOWEST_CORRELATION.
     """
-    (time_a, a), (time_b, b) = one, other
+    (time_a, a), (time_b, b) = _in_order(one), _in_order(other)
     if min(len(time_a), len(time_b)) < 2:
         raise UserError(
             f"{where}: one of them has {min(len(time_a), len(time_b))} values; give another quantity"
@@ -61,6 +61,13 @@ def clock_offset(one: Record, other: Record, where: str) -> Offset:
         bend = left - 2.0 * top + right
         part = 0.5 * (left - right) / bend if bend < 0.0 else 0.0
     return Offset(float((shifts[best] + part) * step), float(found[best]))
+
+
+def _in_order(record: Record) -> Record:
+    """A record by increasing times; messages may come late."""
+    time, values = record
+    order = np.argsort(time, kind="stable")
+    return time[order], values[order]
 
 
 def _correlation(first: Array, second: Array, shift: int) -> float:
