@@ -10,6 +10,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
+from swamp_rl.constants import DAY
 from swamp_rl.errors import UserError
 from swamp_rl.logs.dates import from_dates
 from swamp_rl.runs.import_telemetry import EPOCHS
@@ -76,7 +77,9 @@ def from_words(cells: pa.ChunkedArray) -> Stamps | None:
     if pa.types.is_timestamp(cells.type):
         return _since_1970(cells.cast(pa.int64()), TICKS[cells.type.unit], "ISO 8601")
     if pa.types.is_time(cells.type):
-        return _of_a_day(cells, pc.divide(cells.cast(pa.time64("ns")).cast(pa.int64()), 1e9))
+        ticks = cells.cast(pa.int32() if pa.types.is_time32(cells.type) else pa.int64())
+        whole = pc.cast(ticks, pa.float64(), safe=False)
+        return _of_a_day(cells, pc.divide(whole, float(TICKS[cells.type.unit])))
     if not is_text(cells.type):
         return None
     given = cells.to_pylist()
@@ -112,9 +115,10 @@ def _since_1970(stamps: pa.ChunkedArray | pa.Array, ticks: int, told: str) -> St
 
 
 def _of_a_day(cells: pa.ChunkedArray, seconds: pa.ChunkedArray | pa.Array) -> Stamps | None:
-    """Cells such as 14:05:00.1 with their seconds since midnight, null for one that is none; None where all
-    are."""
+    """Cells such as 14:05:00.1 with their seconds since midnight, null for one that is none, missing beyond a
+    day; None where all are."""
     time = np.asarray(pc.fill_null(seconds, np.nan))
+    time = np.where((time >= 0.0) & (time < DAY), time, np.nan)
     known = np.flatnonzero(np.isfinite(time))
     if not len(known):
         return None

@@ -125,6 +125,7 @@ STEPS = np.arange(COUNT, dtype=np.int64) * 100_000_123
         (pa.array(EPOCH + STEPS, pa.timestamp("ns", tz="Mars/One")), 1e-12),
         (pa.array((EPOCH + STEPS) // 1000, pa.timestamp("us")), 1e-6),
         (pa.array(EPOCH // 10**5 + STEPS, pa.time64("ns")), 1e-9),
+        (pa.array((STEPS // 10**6).astype(np.int32), pa.time32("ms")), 1e-3),
         (pa.array(STEPS, pa.duration("ns")), 1e-12),
         (pa.array(EPOCH + STEPS), 3e-7),
     ],
@@ -145,8 +146,14 @@ def far(unit: str) -> pa.Array:
 
 @pytest.mark.parametrize(
     "cells",
-    [far("us"), far("ms"), pa.array([2**30] * COUNT, pa.date32()), pa.array([b"\xff"] * COUNT)],
-    ids=["us", "ms", "date", "bytes"],
+    [
+        far("us"),
+        far("ms"),
+        pa.array([2**62] * COUNT, pa.time64("ns")),
+        pa.array([2**30] * COUNT, pa.date32()),
+        pa.array([b"\xff"] * COUNT),
+    ],
+    ids=["us", "ms", "time of day", "date", "bytes"],
 )
 def test_cells_that_are_no_number_are_faults_whatever_their_type(tmp_path: Path, cells: pa.Array) -> None:
     path = tmp_path / "log.parquet"
