@@ -43,14 +43,12 @@ def command_findings(runs: Sequence[Run]) -> list[Finding]:
         told = "no run has a column of them"
         advice = "diagnose and identify boat need them; name them with --map in runs import"
         return [Finding("note", "commands_missing", ("commands",), told, advice)]
-    names = [name for name in runs[0].columns if is_command(name)] if runs else []
+    names = dict.fromkeys(name for run in runs for name in run.columns if is_command(name))
     joined = {
-        name: np.concatenate([run.columns[name] for run in runs])
-        for name in names
-        if all(name in run.columns for run in runs)
+        name: np.concatenate([run.columns[name] for run in runs if name in run.columns]) for name in names
     }
-    joined = {name: values for name, values in joined.items() if np.isfinite(values).any()}
-    constant = [name for name, values in joined.items() if np.ptp(values[np.isfinite(values)]) == 0.0]
+    joined = {name: known for name, values in joined.items() if len(known := values[np.isfinite(values)])}
+    constant = [name for name, values in joined.items() if np.ptp(values) == 0.0]
     found = []
     own = [name for name in joined if not name.startswith("joy_")] or list(joined)
     if own and set(own) <= set(constant):
@@ -60,12 +58,11 @@ def command_findings(runs: Sequence[Run]) -> list[Finding]:
     elif constant:
         told, advice = "never vary", "their effect cannot be distinguished from that of the others"
         found.append(Finding("note", "command_constant", tuple(constant), told, advice))
-    levers = [values for name, values in joined.items() if name.startswith("joy_")]
     for name, values in joined.items():
         if name not in constant and (cut := _clipped(values)):
             level, share = cut
-            if any(np.all(np.abs(lever[values == level]) == 1.0) for lever in levers):
-                continue  # the driver's lever was at its end, and so was what it commands
+            if _lever_at_end(runs, name, level):
+                continue
             told = f"is {level:.6g} in {share:.0%} of the rows, a level at which it is cut off"
             advice = "check the mapping (limits of the pulse width, clip()) and the logger's range"
             found.append(
@@ -79,6 +76,16 @@ def command_findings(runs: Sequence[Run]) -> list[Finding]:
                 )
             )
     return found
+
+
+def _lever_at_end(runs: Sequence[Run], name: str, level: float) -> bool:
+    """Whether a lever of the joypad is at its end in all rows where a command is at a level."""
+    parts = [run.columns for run in runs if name in run.columns and (run.columns[name] == level).any()]
+    levers = [lever for lever in parts[0] if lever.startswith("joy_")]
+    return any(
+        all(lever in part and np.all(np.abs(part[lever][part[name] == level]) == 1.0) for part in parts)
+        for lever in levers
+    )
 
 
 def _clipped(values: Array) -> tuple[float, float] | None:

@@ -9,6 +9,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.doctor.commands import command_findings, other_boat_findings
 from swamp_rl.doctor.filtered import filter_findings
 from swamp_rl.doctor.finding import Finding
+from swamp_rl.doctor.finite import finite_runs
 from swamp_rl.doctor.jumps import jump_findings
 from swamp_rl.doctor.kinematics import kinematic_findings
 from swamp_rl.doctor.ranges import range_findings
@@ -19,6 +20,9 @@ from swamp_rl.doctor.times import JUMP, time_findings
 from swamp_rl.runs import Run
 from swamp_rl.runs.columns import REQUIRED
 
+SHORTEST_STEP = 1e-6
+"""s: of the rows of a log; a window of any length then has a count of rows."""
+
 
 def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True) -> list[Finding]:
     """What is odd about runs, faults first.
@@ -27,7 +31,9 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     measured: whether channels without noise are odd. A column that another check has shown to be in another
     unit is brought into ours, in memory, before those that rest on it.
     """
-    found = missing_findings(runs) + time_findings(runs) + jump_findings(runs)
+    found = missing_findings(runs)
+    without, runs = finite_runs(runs)
+    found += without + time_findings(runs) + jump_findings(runs)
     ranges, runs = range_findings(runs)
     found += ranges + stuck_findings(runs, measured) + command_findings(runs)
     found += [] if boat is None else other_boat_findings(runs, boat)
@@ -57,7 +63,4 @@ def _whole(run: Run) -> bool:
 
 def _even(run: Run) -> bool:
     """Whether the rows come at one rate, as filters over rows need."""
-    if "time" not in run.columns or len(run.time) < 3:
-        return False
-    steps = np.diff(run.time)
-    return bool(np.isfinite(steps).all() and np.quantile(steps, 0.02) > 0.0)
+    return len(run.time) >= 3 and bool(np.quantile(np.diff(run.time), 0.02) > SHORTEST_STEP)

@@ -18,7 +18,7 @@ def jump_findings(runs: Sequence[Run]) -> list[Finding]:
     USUAL of the steps."""
     names, first, longest = [], "", 0.0
     for run in runs:
-        if not {"time", "north", "east"} <= set(run.columns) or len(run.time) < 3:
+        if not {"north", "east"} <= set(run.columns) or len(run.time) < 3:
             continue
         moved = np.hypot(np.diff(run.columns["north"]), np.diff(run.columns["east"]))
         steps = np.diff(run.time)

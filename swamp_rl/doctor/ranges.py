@@ -4,12 +4,18 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
+from swamp_rl.runs.check import FASTEST_TURN
+
+Array = NDArray[np.float64]
 
 ANGLES = ("heading", "wind_from", "azimuth_", "rudder_", "applied_azimuth_", "applied_rudder_")
 LEVELS = ("throttle_", "applied_throttle_", "joy_")
+FASTEST = {"heading": FASTEST_TURN}
+"""rad/s, by column, of an angle that turns on and on; of the others a turn a second."""
 LARGEST_RUDDER = 0.5 * math.pi
 """rad: no rudder turns further."""
 SCALES = ((1.5, 105.0, 0.01, "percent"), (105.0, 2500.0, 1.0 / 400.0, "pulse widths in microseconds"))
@@ -20,14 +26,14 @@ def range_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
     """Columns in degrees, percent or microseconds, and the runs with these in our units."""
     found = []
     factors: dict[str, float] = {}
-    for name in runs[0].columns if runs else ():
-        parts = [run.columns[name] for run in runs if name in run.columns]
-        values = np.concatenate(parts)
-        values = values[np.isfinite(values)]
-        if not len(values):
+    for name in dict.fromkeys(name for run in runs for name in run.columns):
+        having = [run for run in runs if name in run.columns and np.isfinite(run.columns[name]).any()]
+        if not having:
             continue
+        values = np.concatenate([run.columns[name] for run in having])
+        values = values[np.isfinite(values)]
         largest = float(np.abs(values).max())
-        if name.startswith(ANGLES) and _in_degrees(name, parts, largest):
+        if name.startswith(ANGLES) and _in_degrees(name, having, largest):
             told = f"reaches {largest:.4g}, beyond what an angle in radians can be there"
             found.append(_fault(name, told, f"give it in radians (--degrees {name})", largest))
             factors[name] = math.pi / 180.0
@@ -50,15 +56,21 @@ def _fault(name: str, told: str, advice: str, largest: float) -> Finding:
     return Finding("fault", "unit", (name,), told, advice, figures={"largest": largest})
 
 
-def _in_degrees(name: str, parts: Sequence[np.ndarray], largest: float) -> bool:
+def _in_degrees(name: str, runs: Sequence[Run], largest: float) -> bool:
     if "rudder_" in name:
         return largest > LARGEST_RUDDER + 1e-6
     if largest <= math.tau + 1e-6:
         return False
-    # An angle that counts its turns passes a full turn in steps that are small.
-    jumps = np.concatenate([np.abs(np.diff(values[np.isfinite(values)])) for values in parts])
-    starts = max(abs(float(values[0])) for values in parts)
-    return bool(starts > math.tau or (len(jumps) and jumps.max() > math.tau + 1e-6) or largest > 90.0)
+    return any(not _counts_turns(run.columns[name], run.time, FASTEST.get(name, math.tau)) for run in runs)
+
+
+def _counts_turns(angle: Array, time: Array, fastest: float) -> bool:
+    """Whether an angle [rad] may pass a full turn: it begins within one, is never more than one away from the
+    row before, and nearly always turns more slowly than `fastest` [rad/s], which its degrees would not."""
+    known = np.isfinite(angle)
+    turned, steps = np.abs(np.diff(angle[known], prepend=0.0)), np.diff(time[known])
+    speed = turned[1:][steps > 0.0] / steps[steps > 0.0]
+    return bool(turned.max() <= math.tau + 1e-6 and not (len(speed) and np.quantile(speed, 0.95) > fastest))
 
 
 def _scaled(run: Run, factors: dict[str, float]) -> Run:

@@ -99,6 +99,8 @@ def _tables(folder: Path) -> Records:
     faults += [
         f"{path.name}: has no column time; name it so, or import with --map time=COLUMN" for path in timeless
     ]
+    empty = [path for path, table in tables.items() if table.columns and not len(table.rows)]
+    faults += [f"{path.name}: holds no rows; record it again or remove it" for path in empty]
     runs = [Run(path.stem, table.columns) for path, table in tables.items() if "time" in table.columns]
     return Records(runs, "folder of tables", None, faults)
 

@@ -67,10 +67,8 @@ class Answers:
 
 def response_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Finding]:
     """An exchange or flip of command columns, or a latency; nothing where the commands say too little."""
-    if not motions:
-        return []
-    places = places_of(boat, motions[0].run.columns)
-    answers = [_answers(one) for one in motions if {p.level for p in places} <= set(one.run.columns)]
+    places = places_of(boat, {name: values for one in motions for name, values in one.run.columns.items()})
+    answers = [_answers(one) for one in motions if _commanded(one.run.columns, places)]
     if not places or not answers:
         return []
     own = Hypothesis("", "", (), lambda columns: columns)
@@ -104,6 +102,12 @@ def response_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Find
         + [finding for finding in late if finding.figures["latency_s"] > 0.0]
         + [finding for finding in early if finding.figures["latency_s"] < 0.0]
     )
+
+
+def _commanded(columns: Columns, places: Sequence[Place]) -> bool:
+    """Whether the commands of all thrusters are there in every row."""
+    names = [name for place in places for name in (place.level, place.angle) if name is not None]
+    return all(name in columns and bool(np.isfinite(columns[name]).all()) for name in names)
 
 
 def _answers(motion: Motion) -> Answers:

@@ -15,7 +15,7 @@ def time_findings(runs: Sequence[Run]) -> list[Finding]:
     """One finding for each kind of wrong step between rows, with the runs that have it."""
     kinds: dict[str, list[tuple[str, int, float]]] = {"again": [], "back": [], "jump": []}
     for run in runs:
-        if "time" not in run.columns or len(run.time) < 3:
+        if len(run.time) < 3:
             continue
         steps = np.diff(run.time)
         forward = steps[steps > 0.0]
@@ -23,7 +23,7 @@ def time_findings(runs: Sequence[Run]) -> list[Finding]:
         for kind, wrong in (
             ("again", steps == 0.0),
             ("back", steps < 0.0),
-            ("jump", (steps > JUMP * usual) | ~np.isfinite(steps)),
+            ("jump", steps > JUMP * usual),
         ):
             if wrong.any():
                 first = int(np.argmax(wrong))

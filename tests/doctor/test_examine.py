@@ -215,6 +215,18 @@ def test_runs_too_short_are_no_fault_and_those_without_a_pose_are(twin: Boat) ->
     assert fault.code == "columns_missing"
 
 
+def test_an_empty_cell_of_a_command_is_no_latency(sound: list[Run], twin: Boat) -> None:
+    holed = [
+        Run(run.name, run.columns | {"throttle_port": run.columns["throttle_port"].copy()}) for run in sound
+    ]
+    for run in holed:
+        run.columns["throttle_port"][20] = np.nan
+    assert faults(holed, twin) == []
+    assert "latency" in [
+        finding.code for finding in faults([*holed[:2], Run("late", late(1.5)(sound[2].columns))], twin)
+    ]
+
+
 def test_commands_of_another_boat_are_a_fault(sound: list[Run], twin: Boat) -> None:
     assert "commands_missing" not in {finding.code for finding in faults(sound, twin)}
     (fault,) = (

@@ -48,6 +48,21 @@ def test_the_verb_prints_findings_or_json_and_its_status_tells(call: Call, folde
     assert told["findings"][0]["runs"] == ["one"]
 
 
+def test_a_table_without_rows_is_told_and_an_empty_time_leaves_the_findings_valid_json(
+    call: Call, folder: Path
+) -> None:
+    (folder / "dataset.yaml").unlink()
+    lines = (folder / "one.csv").read_text().splitlines()
+    (folder / "none.csv").write_text(lines[0] + "\n")
+    lines[5] = lines[5][lines[5].index(",") :]
+    (folder / "one.csv").write_text("\n".join(lines) + "\n")
+    code, said, _ = call("runs", "doctor", folder, "--json")
+    told = json.loads(said)
+    assert code == 1
+    assert "time_jump" in [finding["code"] for finding in told["findings"]]
+    assert any(line.startswith("none.csv: holds no rows") for line in told["format_faults"])
+
+
 @pytest.mark.parametrize("cell", ["", "left"])
 def test_a_command_without_a_number_is_not_examined(call: Call, tmp_path: Path, cell: str) -> None:
     rows = [f"{0.1 * i:.1f},{0.1 * i:.1f},0,0,{cell},{0.01 * i:.2f}" for i in range(50)]
