@@ -38,6 +38,8 @@ SUFFIXES_OF_FILES = (
     *(".parquet", ".pdf", ".png", ".rrd", ".svg", ".txt", ".yaml", ".yml", ".zip"),
 )
 """Of files that commands write or that are asked of them, in lower case."""
+UNFINISHED = (".part-", ".new-", ".old-", ".lock-")
+"""Of the names of what is being written, before the name that it will have: none begins another."""
 HINTS = {
     errno.ENOSPC: "free some room",
     errno.EDQUOT: "free some room",
@@ -49,7 +51,7 @@ HINTS = {
 def os_error(error: OSError, path: Path | str) -> UserError:
     """The operating system's refusal as one line; `path` is named where the error itself names no file."""
     named = error.filename if isinstance(error.filename, str | Path) else None
-    hidden = named is not None and any(part.startswith(".part-") for part in Path(named).parts)
+    hidden = named is not None and any(part.startswith(UNFINISHED) for part in Path(named).parts)
     where = path if named is None or hidden else named
     hint = HINTS.get(error.errno or 0, "check the name and that it may be used")
     return UserError(f"{clipped(where, 300)}: {error.strerror or error}; {hint}")

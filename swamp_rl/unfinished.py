@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import flush, flush_whole, os_error, refuse_to_replace, write_beside
+from swamp_rl.files import UNFINISHED, flush, flush_whole, os_error, refuse_to_replace, write_beside
 
 
 @contextmanager
@@ -21,7 +21,7 @@ def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Pat
     replaced either. What processes that died have left beside `path` is removed. OSError -> UserError.
     """
     path = Path(path).absolute()
-    part, old = _part(path).with_name(f".part-{path.name}.new"), _old(path)
+    part, old = _beside(".new-", path), _beside(".old-", path)
     marks = () if replaces is None else (replaces,)
     try:
         refuse_to_replace(path, marks)
@@ -61,7 +61,7 @@ def taken_up(
     UserError where it does not, and where another process is at work on the same folder.
     """
     path = Path(path).absolute()
-    part, old = _part(path), _old(path)
+    part, old = _beside(".part-", path), _beside(".old-", path)
     try:
         refuse_to_replace(path, replaces)
         with locked(path):
@@ -83,12 +83,9 @@ def taken_up(
         raise os_error(error, path) from error
 
 
-def _part(path: Path) -> Path:
-    return path.with_name(f".part-{path.name}")
-
-
-def _old(path: Path) -> Path:
-    return path.with_name(f".old-{path.name}")
+def _beside(prefix: str, path: Path) -> Path:
+    """A sibling of `path`; those of two prefixes differ, whatever the names of their folders."""
+    return path.with_name(prefix + path.name)
 
 
 @contextmanager
@@ -98,7 +95,7 @@ def locked(path: Path) -> Iterator[None]:
     Folders made for it are removed at the end if they are empty then.
     """
     made = [folder for folder in path.parents if not folder.exists()]
-    lock = path.with_name(f".part-{path.name}.lock")
+    lock = _beside(".lock-", path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle = _lock(lock)
@@ -149,9 +146,10 @@ def _same(handle: int, lock: Path) -> bool:
 
 def remove_dead(folder: Path) -> None:
     """Remove what `folder_beside` was building in `folder` in processes that have ended since."""
-    for part in folder.glob(".part-*.new"):
-        lock = part.with_suffix(".lock")
-        handle = _lock(lock) if part.is_dir() and not part.is_symlink() else None
+    for part in folder.glob(".new-*"):
+        lock = _beside(".lock-", part.with_name(part.name.removeprefix(".new-")))
+        ours = part.is_dir() and not part.is_symlink() and lock.exists()  # which a killed process leaves
+        handle = _lock(lock) if ours else None
         if handle is not None:
             shutil.rmtree(part, ignore_errors=True)
             _free(lock, handle)
@@ -188,8 +186,8 @@ def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], No
         say(f"{part}: was made with another configuration or version; started again")
         for entry in part.iterdir():
             shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
-    for pattern in (".part-*", ".old-*"):
-        for leftover in list(part.rglob(pattern)):
+    for prefix in UNFINISHED:
+        for leftover in list(part.rglob(f"{prefix}*")):
             shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink(missing_ok=True)
     for name, held in description.items():
         if not (part / name).is_file():
@@ -200,7 +198,7 @@ def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], No
 def _made(part: Path, description: Mapping[str, bytes]) -> bool:
     """Whether anything but the description is whole in `part`."""
     own = {Path(name).parts[0] for name in description}
-    return any(entry.name not in own and not entry.name.startswith(".part-") for entry in part.iterdir())
+    return any(entry.name not in own and not entry.name.startswith(UNFINISHED) for entry in part.iterdir())
 
 
 State = tuple[int, int, tuple[str, ...]]

@@ -135,7 +135,7 @@ def test_an_interrupt_between_the_two_renames_leaves_the_earlier_result_in_its_p
 
 
 def test_a_lock_that_cannot_be_made_is_told_with_the_path_that_was_asked_for(tmp_path: Path) -> None:
-    (tmp_path / ".part-out.lock").mkdir()
+    (tmp_path / ".lock-out").mkdir()
     with pytest.raises(UserError) as told, locked(tmp_path / "out"):
         pytest.fail("no work may be done without the lock")
     assert str(told.value).startswith(f"{tmp_path / 'out'}: ")
@@ -189,7 +189,7 @@ def test_what_a_killed_process_was_building_goes_with_the_next_folder_built_ther
 ) -> None:
     ended = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "out")], check=False)
     assert ended.returncode == -signal.SIGKILL
-    assert any((found / "half").exists() for found in tmp_path.glob(".part-*"))
+    assert any((found / "half").exists() for found in tmp_path.glob(".new-*"))
     with folder_beside(tmp_path / next_one) as part:
         (part / "whole").write_text("whole")
     assert names(tmp_path) == [f"{next_one}/whole"]
@@ -205,6 +205,24 @@ def test_what_a_living_process_is_building_stays(tmp_path: Path) -> None:
     assert names(tmp_path) == ["one/whole"]
 
 
+@pytest.mark.parametrize("name", ["one.new", "one.lock", "one.part", "one", "lock-one", "new-one"])
+def test_work_to_be_taken_up_stays_whatever_its_folder_is_called(name: str, tmp_path: Path) -> None:
+    interrupted(tmp_path / name)
+    with folder_beside(tmp_path / "one"), folder_beside(tmp_path / "two"):
+        pass
+    with taken_up(tmp_path / name, ("mark",), SAME) as part:
+        with folder_beside(tmp_path / "two"), locked(tmp_path / "three"):
+            pass
+        assert (part / "done").read_text() == "done"
+
+
+def test_a_folder_whose_name_begins_as_an_unfinished_one_stays(tmp_path: Path) -> None:
+    (tmp_path / ".new-one").mkdir()
+    with folder_beside(tmp_path / "two"):
+        pass
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".new-one", "two"]
+
+
 def test_of_two_writers_of_one_folder_the_second_is_refused(tmp_path: Path) -> None:
     with folder_beside(tmp_path / "out") as part:
         for second in (folder_beside(tmp_path / "out"), taken_up(tmp_path / "out", (), SAME)):
@@ -215,7 +233,7 @@ def test_of_two_writers_of_one_folder_the_second_is_refused(tmp_path: Path) -> N
 
 
 def test_a_lock_that_is_a_link_is_not_followed(tmp_path: Path) -> None:
-    (tmp_path / ".part-out.lock").symlink_to(tmp_path / "made")
+    (tmp_path / ".lock-out").symlink_to(tmp_path / "made")
     with pytest.raises(UserError), folder_beside(tmp_path / "out"):
         pass
     assert not (tmp_path / "made").exists()

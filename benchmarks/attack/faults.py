@@ -36,6 +36,7 @@ from benchmarks.attack.syscalls import (
     scratch,
     with_shim,
 )
+from swamp_rl.files import UNFINISHED
 
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EMFILE, errno.EACCES)
 CALLS = ("open", "write", "fsync", "rename", "close")
@@ -319,7 +320,7 @@ class Attack:
             return f"leaves a part: without {sorted(self.whole - there)[:3]}"
         others = {path.name for path in case.iterdir()} - {"inputs", self.command.out, *self.command.left}
         if kind in ("open", "close"):  # nothing can be removed where a folder cannot be listed
-            others = {name for name in others if not name.startswith(".part-")}
+            others = {name for name in others if not name.startswith(UNFINISHED)}
         return f"leaves {sorted(others)}" if others else None
 
     def places(self, kind: str, most: int, rng: np.random.Generator) -> Iterator[int]:

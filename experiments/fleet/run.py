@@ -20,7 +20,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.criticism.data.checks import refuse_sources_inside
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
-from swamp_rl.files import refuse_to_replace, write_text
+from swamp_rl.files import UNFINISHED, refuse_to_replace, write_text
 from swamp_rl.names import plain_name
 from swamp_rl.simulator.weather import refuse_unknown
 from swamp_rl.unfinished import locked, remove_dead
@@ -113,7 +113,7 @@ def _refuse_other_folder(out: Path) -> None:
     if not out.exists() or (out / FLEET).is_file():
         return
     if not out.is_dir() or any(
-        not (entry.name.startswith(".part-") or (entry.is_dir() and (entry / RESULT).is_file()))
+        not (entry.name.startswith(UNFINISHED) or (entry.is_dir() and (entry / RESULT).is_file()))
         for entry in out.iterdir()
     ):
         raise UserError(f"{out}: already exists and is no earlier fleet; name another folder with --out")

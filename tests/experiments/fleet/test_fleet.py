@@ -182,7 +182,8 @@ def half_done(job: str) -> str:
     """As a worker that is interrupted while it builds its folder."""
     out = Path(json.loads(job)["out"])
     with folder_beside(out, RESULT) as part:
-        part.with_name(f".part-{out.name}-killed.new").mkdir()
+        part.with_name(f".new-{out.name}-killed").mkdir()
+        part.with_name(f".lock-{out.name}-killed").touch()
         raise KeyboardInterrupt
 
 
@@ -193,8 +194,9 @@ class Interrupted(ExitStack):
 
     def submit(self, number: int, job: str) -> None:
         out = Path(json.loads(job)["out"])
+        self.callback(out.with_name(f".lock-{out.name}").touch)  # as the pool kills it
         self.enter_context(locked(out))
-        out.with_name(f".part-{out.name}.new").mkdir()
+        out.with_name(f".new-{out.name}").mkdir()
 
     def wait(self) -> tuple[int, str | None, str]:
         raise KeyboardInterrupt
@@ -214,15 +216,15 @@ def test_what_an_interrupted_fleet_was_building_is_removed_and_it_goes_on(folder
     with pytest.raises(KeyboardInterrupt):
         diagnose_fleet(given, folder / "out", pool=PoolHere(half_done, 1, 0))
     assert list((folder / "out").iterdir()) == []
-    (folder / "out" / ".part-red_may.new").mkdir()  # as when killed
-    (folder / "out" / ".part-red_may.lock").touch()
+    (folder / "out" / ".new-red_may").mkdir()  # as when killed
+    (folder / "out" / ".lock-red_may").touch()
     fleet(folder)
     assert (folder / "out" / "fleet.html").exists()
 
 
 def test_a_second_fleet_in_the_folder_is_refused_while_the_first_is_at_work(folder: Path) -> None:
-    (folder / "out" / ".part-red_may.new").mkdir(parents=True)
-    (folder / "out" / ".part-red_may.lock").touch()
+    (folder / "out" / ".new-red_may").mkdir(parents=True)
+    (folder / "out" / ".lock-red_may").touch()
     with locked(folder / "out"), pytest.raises(UserError, match="another command is at work"):
         fleet(folder)
 
