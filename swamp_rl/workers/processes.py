@@ -2,11 +2,12 @@
 
 import json
 import os
+import shutil
 import sys
 import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import connection, get_context, parent_process, resource_tracker
 from types import ModuleType
 from typing import Any, Self
@@ -43,48 +44,57 @@ class ProcessPool:
 
     def submit(self, number: int, job: str) -> None:
         """Have job `number` done; at most `size` at once."""
-        if self._free:
+        while self._free:
             pipe, process = self._free.pop()
             self._busy[pipe] = number, process
-        else:
-            with self._environment():
-                resource_tracker.ensure_running()  # its own start would let the signals through
-                with held(), born_deaf():  # one half-started would print where it was, or be forgotten
-                    pipe, process = self._started()
-                    self._busy[pipe] = number, process
-        pipe.send_bytes(job.encode())
+            if _sent(job, pipe):
+                return
+            self._lost(pipe)  # while it was idle
+        with self._environment() as scratch:
+            resource_tracker.ensure_running()  # its own start would let the signals through
+            with held(), born_deaf():  # one half-started would print where it was, or be forgotten
+                pipe, process = self._started(scratch)
+                self._busy[pipe] = number, process
+        _sent(job, pipe)  # else `wait` tells that it was lost
 
     def wait(self) -> tuple[int, str | None, str]:
         """Wait for a job to end: its number, its answer (None where it failed), what went wrong."""
         pipe: Any = connection.wait(list(self._busy))[0]
-        number, process = self._busy.pop(pipe)
         try:
             answer, error = json.loads(pipe.recv_bytes())
         except (EOFError, OSError):
-            process.join()
-            pipe.close()
-            return number, None, f"its process was lost (exit code {process.exitcode})"
+            number, code = self._lost(pipe)
+            return number, None, f"its process was lost (exit code {code})"
+        number, process = self._busy.pop(pipe)
         self._free.append((pipe, process))
         return number, answer, error
 
+    def _lost(self, pipe: Any) -> tuple[int, int]:
+        """Forget a process that has ended: the number of its job, and its exit code."""
+        number, process = self._busy[pipe]
+        process.join()
+        del self._busy[pipe]
+        pipe.close()
+        return number, process.exitcode
+
     @contextmanager
-    def _environment(self) -> Iterator[None]:
-        """That of the workers and of what starts them, with a folder of their temporary files."""
+    def _environment(self) -> Iterator[str]:
+        """That of the workers and of what starts them; yields the folder of their temporary files."""
         if self._scratch is None:
             self._scratch = tempfile.TemporaryDirectory(prefix="swamp-rl-", ignore_cleanup_errors=True)
         own = ENVIRONMENT | {"TMPDIR": self._scratch.name}
         before = {name: os.environ.get(name) for name in own}
         os.environ.update(own)
         try:
-            yield
+            yield self._scratch.name
         finally:
             for name, value in before.items():
                 os.environ.pop(name) if value is None else os.environ.update({name: value})
 
-    def _started(self) -> tuple[Any, Any]:
+    def _started(self, scratch: str) -> tuple[Any, Any]:
         spawn = get_context("spawn")
         ours, theirs = spawn.Pipe()
-        process = spawn.Process(target=_serve, args=(self._work, theirs), daemon=True)
+        process = spawn.Process(target=_serve, args=(self._work, theirs, scratch), daemon=True)
         with _unseen_script(self._work):
             process.start()
         theirs.close()
@@ -105,20 +115,30 @@ def _unseen_script(work: Work) -> Iterator[None]:
         sys.modules["__main__"] = script
 
 
-def _serve(work: Work, pipe: Any) -> None:
+def _sent(job: str, pipe: Any) -> bool:
+    """Whether there was a process to take the job."""
+    try:
+        pipe.send_bytes(job.encode())
+    except OSError:
+        return False
+    return True
+
+
+def _serve(work: Work, pipe: Any, scratch: str) -> None:
     """In the worker: one job after another until there is nobody left to ask."""
     heed()  # all but Ctrl-C, which goes to all: the parent ends its workers itself
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    while True:
-        try:
+    threading.Thread(target=_end_with_parent, args=(scratch,), daemon=True).start()
+    with suppress(EOFError, OSError):
+        while True:
             job = pipe.recv_bytes().decode()
             pipe.send_bytes(json.dumps(attempt(work, job)).encode())
-        except (EOFError, OSError):
-            return
+    _end_with_parent(scratch)
 
 
-def _end_with_parent() -> None:
+def _end_with_parent(scratch: str) -> None:
+    """Wait for the parent's end, remove the temporary files, which a killed parent leaves, and end."""
     parent = parent_process()
     if parent is not None:
         connection.wait([parent.sentinel])
+        shutil.rmtree(scratch, ignore_errors=True)
         os._exit(1)
