@@ -1,21 +1,24 @@
 """The posterior of a diagnosis as a level of disturbance, to train pilots with randomised parameters."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from swamp_rl.boat import load_boat
+from swamp_rl.criticism.model.extended_boat import BOAT
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.effects.correlated import factor_of
 from swamp_rl.effects.declare import LIBRARY, Parameter
-from swamp_rl.effects.fit import fitted_level
-from swamp_rl.effects.random_entry import COMPONENTS
+from swamp_rl.effects.entries import ALL
+from swamp_rl.effects.levels import Level, read_level
+from swamp_rl.effects.random_entry import COMPONENTS, RandomEntry
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations, nearest
-from swamp_rl.files import find_config, read_yaml, write_yaml
+from swamp_rl.files import write_yaml
 from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.printed_figures.result import FiguresDiagnosis
 from swamp_rl.simulator.reference import size_of
@@ -28,19 +31,21 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     correlated as in the diagnosis. One at a bound of the fit, or that the runs do not determine, is constant:
     its standard error is meaningless. What differs between runs is drawn for another run: from the normal
     distribution of the runs, a vector by component, its variance that of the runs and of their mean. among: a
-    level whose start and other effects are included, in proportion to the boat of the `extended_boat.yaml`
-    beside the diagnosis. UserError where the diagnosis cannot be read or names no
-    cause, or that level has correlations of its own.
+    level whose start, other effects, and the same effects of other thrusters are included, in proportion to
+    the boat of the `extended_boat.yaml` beside the diagnosis. UserError where the diagnosis cannot be read or
+    names no cause, or that level cannot be read, has correlations of its own, or an effect of `all` thrusters
+    that the diagnosis has of one.
     """
     found = _read(diagnosis)
     if not found.causes:
         raise UserError(f"{diagnosis}: names no cause, so there is nothing to draw; train in the boat itself")
-    below = {} if among is None else _in_proportion(among, diagnosis.parent / "extended_boat.yaml")
-    if "correlated" in below:
+    below, level_below = ({}, None) if among is None else _in_proportion(among, diagnosis.parent)
+    if level_below and level_below.correlated:
         raise UserError(f"{among}: has correlated numbers of its own; name a level without them")
-    entries = [_entry(cause, diagnosis) for cause in (*found.causes, *found.nuisance)]
-    named = {entry["effect"] for entry in entries}
-    others = [entry for entry in below.get("effects", []) if entry.get("effect") not in named]
+    causes = (*found.causes, *found.nuisance)
+    entries = [_entry(cause, diagnosis) for cause in causes]
+    pairs = zip(below.get("effects", []), level_below.entries, strict=True) if level_below else ()
+    others = [kept for entry, read in pairs if (kept := _other_thrusters(entry, read, causes, f"{among}"))]
     beside = f", among the disturbances of {Path(among).stem}" if among else ""
     correlated = _correlated(entries, found.correlation)
     if correlated:
@@ -55,13 +60,34 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     return level
 
 
-def _in_proportion(among: str, boat_file: Path) -> dict[str, Any]:
-    """The content of a level for the boat of that file, as it stands where there is none."""
-    path = find_config("disturbances", among)
+def _in_proportion(among: str, folder: Path) -> tuple[dict[str, Any], Level]:
+    """A level for the extended boat in a folder, as it stands where there is none."""
+    boat_file = folder / BOAT
     if not boat_file.is_file():
-        return fitted_level(read_yaml(path), str(path), None, ())
+        return read_level(among)
     boat = load_boat(boat_file)
-    return fitted_level(read_yaml(path), str(path), size_of(boat), boat.thruster_names)
+    return read_level(among, size_of(boat), boat.thruster_names)
+
+
+def _other_thrusters(
+    entry: dict[str, Any], read: RandomEntry, causes: Sequence[Cause], where: str
+) -> dict[str, Any] | None:
+    """An entry of a level for the thrusters of which no cause is the same effect; None where none is left."""
+    same = [_names(cause.thruster) for cause in causes if cause.effect == read.effect.name]
+    taken = set[str]().union(*same)
+    if taken and ALL in read.selectors and ALL not in taken:
+        told = f"{read.effect.name} of all thrusters includes {' and '.join(sorted(taken))}"
+        raise UserError(f"{where}: {told}, which the diagnosis has; name the others one by one")
+    kept = [one for one in read.selectors if ALL not in taken and not taken & _names(one)]
+    if len(kept) == len(read.selectors):
+        return entry
+    choice = [list(one) if isinstance(one, tuple) else one for one in kept]
+    return entry | {"thruster": {"choice": choice}} if kept else None
+
+
+def _names(thruster: str | Sequence[str] | None) -> set[str]:
+    """The thrusters that an effect is of; `all` where it names none."""
+    return {thruster} if isinstance(thruster, str) else set(thruster or (ALL,))
 
 
 def _read(path: Path) -> Diagnosis | FiguresDiagnosis:

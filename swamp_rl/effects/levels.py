@@ -95,6 +95,31 @@ def load_disturbances(
     return _level("effects", "disturbances", {"effects": source}, thruster_names)
 
 
+def read_level(
+    source: str | Path, size: Size | None = None, thruster_names: Sequence[str] = ()
+) -> tuple[dict[str, Any], Level]:
+    """What a level's file, by bare name or path, holds for a boat of that size with those thrusters, and the
+    level; by default as it stands, for a boat with the thrusters that it names. UserError as
+    `load_disturbances`.
+    """
+    path = find_config("disturbances", source)
+    given = read_yaml(path)
+    names = thruster_names or _thrusters_named(given.get("effects"))
+    fitted = fitted_level(given, str(path), size, names)
+    return fitted, _level(path.stem, str(path), fitted, names)
+
+
+def _thrusters_named(entries: Any) -> list[str]:
+    selectors = [entry.get("thruster") for entry in _list(entries) if isinstance(entry, Mapping)]
+    chosen = [_list(one.get("choice")) if isinstance(one, Mapping) else [one] for one in selectors]
+    named = [name for choice in chosen for one in choice for name in (_list(one) or [one])]
+    return list(dict.fromkeys(name for name in named if isinstance(name, str)))
+
+
+def _list(given: Any) -> list[Any]:
+    return given if isinstance(given, list) else []
+
+
 def _level(name: str, where: str, given: Mapping[str, Any], thruster_names: Sequence[str]) -> Level:
     for key in given:
         if key not in KEYS:

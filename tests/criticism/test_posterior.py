@@ -212,6 +212,47 @@ def test_the_start_and_the_other_effects_of_a_level_stay(tmp_path: Path) -> None
     assert len({boats.fleet.params["current_north"][i] for i in range(3)}) == 3
 
 
+@pytest.mark.parametrize(
+    ("thruster", "left"),
+    [
+        ("ss", ["bs", "ss"]),
+        ("bs", ["bs"]),
+        ("{choice: [bs, bp, ss]}", ["bs", {"choice": ["bp", "ss"]}]),
+        ("{choice: [bp, ss]}", ["bs", {"choice": ["bp", "ss"]}]),
+    ],
+)
+def test_an_effect_of_another_thruster_stays_beside_that_of_the_diagnosis(
+    thruster: str, left: list[Any], tmp_path: Path
+) -> None:
+    (tmp_path / "level.yaml").write_text(
+        f"effects: [{{effect: thruster_gain, thruster: {thruster}, gain: 0.5}}]"
+    )
+    level = write_posterior(diagnosis(tmp_path, WEAK), tmp_path / "found.yaml", str(tmp_path / "level.yaml"))
+    assert [entry["thruster"] for entry in level["effects"]] == left
+    load_disturbances(tmp_path / "found.yaml", BOAT.thruster_names)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("effects: [current]", r"level.yaml: effects\[0\]: must be a mapping with the key effect"),
+        ("effects: 5", "level.yaml: effects must be a list"),
+        ("nonsense: 5", "level.yaml: unknown key 'nonsense'"),
+        ("effects: [{effect: thruster_gain, thruster: 5, gain: 1}]", "unknown thruster 5"),
+        ("start: [1]", "start must be a mapping"),
+        ("boat: {length: 1}", r"boat must be \{length"),
+        ("effects: [{effect: thruster_gain, thruster: all, gain: 1}]", "of all thrusters includes bs"),
+    ],
+)
+def test_a_level_that_cannot_be_read_is_refused_as_its_loader_does_and_nothing_written(
+    text: str, told: str, tmp_path: Path
+) -> None:
+    (tmp_path / "level.yaml").write_text(text)
+    with pytest.raises(UserError, match=told):
+        write_posterior(diagnosis(tmp_path, WEAK), tmp_path / "found.yaml", str(tmp_path / "level.yaml"))
+    assert not (tmp_path / "found.yaml").exists()
+
+
 def test_a_file_that_is_no_diagnosis_and_one_without_causes_are_refused(tmp_path: Path) -> None:
     (tmp_path / "other.json").write_text('{"verdict": "cause"}')
     for path, told in (
