@@ -42,7 +42,7 @@ def new(
     import shlex
 
     from swamp_rl.boat import load_boat
-    from swamp_rl.boat.estimate import annotated, boat_file
+    from swamp_rl.boat.estimate import annotated, boat_file, of_sizes
     from swamp_rl.files import write_beside
     from swamp_rl.simulator import parameters
 
@@ -58,11 +58,7 @@ def new(
         try:
             parameters(load_boat(part))
         except UserError as error:
-            first = str(error).splitlines()[0].replace(str(part), "these sizes")
-            fault = first.partition("; check these numbers")[0]
-            raise UserError(
-                f"{fault}; check --length, --breadth, --mass, --thrust and --top-speed"
-            ) from error
+            raise UserError(of_sizes(str(error).splitlines()[0].removeprefix(f"{part}: "))) from error
     draught, quoted = content["draught"]["value"], shlex.quote(str(path))
     typer.echo(f"{path}: {kind}, draught {draught:.3g} m; check it with: swamp-rl boat check {quoted}")
 

@@ -17,6 +17,7 @@ from swamp_rl.boat.estimate_drive import (
 )
 from swamp_rl.boat.estimate_hull import BLOCK, GYRATION, added_masses, draught_of, hull_derivatives
 from swamp_rl.boat.merge import is_quantity
+from swamp_rl.boat.plausible import implausible_sizes
 from swamp_rl.boat.propeller_rudder import Propeller, PropellerRudder, Rudder
 from swamp_rl.boat.quantity import SPREAD
 from swamp_rl.boat.resistance import DriftResistance
@@ -28,6 +29,8 @@ Kind = Literal["twin-fixed", "azimuth", "four-azimuths", "propeller-rudder", "wa
 KINDS = get_args(Kind)
 DENSITY = 1025.0  # kg/m3, the sea
 GIVEN = "given to swamp-rl boat new"
+RANGE = 1e-4, 1e10
+"""SI, of each size that is given: beyond it the estimates leave the range of numbers."""
 DIGITS = 4  # of what is written
 MODELS: dict[str, type[BaseModel]] = {
     "hull": Hull,
@@ -81,14 +84,16 @@ def boat_file(
     """The content of a boat file, each number `assumed`, with its source and the width `sd` of its prior.
 
     kind: one of KINDS; length, breadth, draught [m], mass [kg]; thrust [N]: of all thrusters together, full
-    ahead at rest; top_speed [m/s]: what it gives. UserError for a number that is not above 0, and for a
-    top speed beyond the Froude number that the simulator holds for.
+    ahead at rest; top_speed [m/s]: what it gives. UserError for a number beyond RANGE, for a top speed beyond
+    the Froude number that the simulator holds for, and for dimensions and a mass that no boat has.
     """
     asked: dict[str, float | None] = {"length": length, "breadth": breadth, "mass": mass}
     asked |= {"thrust": thrust} | {"top-speed": top_speed, "draught": draught}
     for word, value in asked.items():
-        if value is not None and not 0.0 < value < math.inf:
-            raise UserError(f"--{word} {value:g}: must be a number above 0")
+        if value is not None and not RANGE[0] <= value <= RANGE[1]:
+            raise UserError(
+                f"--{word} {value:g}: must be a number above 0, within [{RANGE[0]:g}, {RANGE[1]:g}]"
+            )
     froude = (top_speed or 0.0) / math.sqrt(GRAVITY * length)
     if froude > FASTEST:
         raise UserError(
@@ -98,6 +103,8 @@ def boat_file(
     if kind not in KINDS:
         raise UserError(f"--kind {kind}: must be one of {', '.join(KINDS)}")
     sizes = _sizes(kind, length, breadth, mass, thrust, top_speed, draught)
+    if faults := implausible_sizes(sizes):
+        raise UserError(of_sizes(": ".join(faults[0])))
     told = "given" if top_speed is not None else "where R = 0.9 m g Fn³, SWAMP's tank"
     thrusters = thrusters_of(kind, sizes)
     return {
@@ -110,6 +117,12 @@ def boat_file(
         "current": default_current(length, breadth, sizes.draught),
         "joypad": default_joypad(thrusters),
     }
+
+
+def of_sizes(fault: str) -> str:
+    """What is wrong with a boat's numbers, as told of the sizes that they were estimated from."""
+    options = "--length, --breadth, --draught, --mass, --thrust and --top-speed"
+    return f"these sizes: {fault.partition('; check ')[0]}; check {options}"
 
 
 def _sizes(
@@ -144,7 +157,7 @@ def _particulars(sizes: Sizes, floats: bool) -> dict[str, Any]:
         "added_mass_surge": assumed(-surge, "kg", lamb, max(surge, 0.05 * mass)),
         "added_mass_sway": assumed(-sway, "kg", lamb, 0.4 * sway),
         "added_inertia_yaw": assumed(-yaw, "kg m2", lamb, max(0.5 * yaw, 0.1 * inertia)),
-        "water_density": assumed(sizes.density, "kg/m3", "the sea; fresh water has 1000", 10.0),
+        "water_density": assumed(sizes.water_density, "kg/m3", "the sea; fresh water has 1000", 10.0),
     }
 
 

@@ -48,7 +48,7 @@ class Sizes(NamedTuple):
     draught: float
     mass: float
     block: float
-    density: float
+    water_density: float
     thrust: float
     speed: float
 
@@ -79,7 +79,7 @@ def resistance_section(kind: str, sizes: Sizes, source: str) -> dict[str, Any]:
     left = (1.0 - loss_at_speed(kind)) * sizes.thrust
     if kind == "propeller-rudder":
         left = _thrust_at_speed(sizes)
-    ahead = left / (0.5 * sizes.density * sizes.length * sizes.draught * sizes.speed**2)
+    ahead = left / (0.5 * sizes.water_density * sizes.length * sizes.draught * sizes.speed**2)
     told = f"what is left of the thrust at the top speed, {source}"
     return {
         "x_0_ahead": assumed(-ahead, "1", told, 0.4 * ahead),
@@ -142,7 +142,7 @@ def _pushing(
     """
     full, lag = share * sizes.thrust, LAG * sizes.passing
     outflow = sizes.speed / loss_at_speed(kind)
-    area = full / (sizes.density * outflow**2)
+    area = full / (sizes.water_density * outflow**2)
     return {
         "name": name,
         **turning,
@@ -177,7 +177,7 @@ def _screw(sizes: Sizes) -> tuple[float, float]:
     beyond 0.7 d.
     """
     wake, deduction = _wake(sizes)
-    root = math.sqrt(sizes.thrust / ((1.0 - deduction) * sizes.density * K_T[0]))  # n D²
+    root = math.sqrt(sizes.thrust / ((1.0 - deduction) * sizes.water_density * K_T[0]))  # n D²
     diameter = min(root * ADVANCE / (sizes.speed * (1.0 - wake)), WIDEST_SCREW * sizes.draught)
     return diameter, root / diameter**2
 
@@ -187,7 +187,7 @@ def _thrust_at_speed(sizes: Sizes) -> float:
     wake, deduction = _wake(sizes)
     diameter, revolutions = _screw(sizes)
     advance = sizes.speed * (1.0 - wake) / (revolutions * diameter)
-    return (1.0 - deduction) * sizes.density * revolutions**2 * diameter**4 * _open_water(advance)
+    return (1.0 - deduction) * sizes.water_density * revolutions**2 * diameter**4 * _open_water(advance)
 
 
 def _propeller_rudder(sizes: Sizes) -> dict[str, Any]:

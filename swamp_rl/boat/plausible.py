@@ -5,13 +5,14 @@ or a slipped decimal point.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from swamp_rl.boat.battery import PowerCurve, PowerTable, ShaftPower
 from swamp_rl.boat.drawn import full_power
+from swamp_rl.boat.estimate_drive import Sizes
 from swamp_rl.boat.propeller_rudder import PropellerRudder
 from swamp_rl.boat.quantity import units
 from swamp_rl.boat.resistance import DriftResistance
@@ -20,6 +21,7 @@ from swamp_rl.boat.screw import Screw
 from swamp_rl.constants import GRAVITY
 
 POWERS: dict[type, str] = {PowerCurve: "coefficient", PowerTable: "power", ShaftPower: "efficiency"}
+UNITS = {"breadth": "m", "draught": "m", "mass": "kg", "water_density": "kg/m3"}
 HULL = ("x_vr", "y_v", "y_r", "n_v", "n_r", "c_d", "c_ry", "c_rn")
 
 
@@ -46,15 +48,19 @@ def implausible(boat: Boat) -> list[tuple[str, str]]:
     Where the dimensions, and then the mass, are not plausible, nothing is set against them.
     """
     unit_of = {".".join(key): unit for key, unit in units(boat)}
-    for part in (dimensions, mass_and_water, everything_else):
-        faults = [
-            (limit.key, _complaint(limit, unit_of[limit.key]))
-            for limit in part(boat)
-            if not limit.low <= limit.ratio <= limit.high
-        ]
-        if faults:
-            return faults
-    return []
+    parts = (part(boat) for part in (dimensions, mass_and_water, everything_else))
+    return next(filter(None, (_faults(part, unit_of) for part in parts)), [])
+
+
+def implausible_sizes(sizes: Sizes) -> list[tuple[str, str]]:
+    """As `implausible`, of the dimensions and the mass that a boat is to be estimated from."""
+    parts = (part(sizes) for part in (dimensions, mass_and_water))
+    return next(filter(None, (_faults(part, UNITS) for part in parts)), [])
+
+
+def _faults(limits: Iterable[Limit], unit_of: Mapping[str, str]) -> list[tuple[str, str]]:
+    wrong = [limit for limit in limits if not limit.low <= limit.ratio <= limit.high]
+    return [(limit.key, _complaint(limit, unit_of[limit.key])) for limit in wrong]
 
 
 def _complaint(limit: Limit, unit: str) -> str:
@@ -65,13 +71,13 @@ def _complaint(limit: Limit, unit: str) -> str:
     )
 
 
-def dimensions(boat: Boat) -> Iterator[Limit]:
+def dimensions(boat: Boat | Sizes) -> Iterator[Limit]:
     """Of length, breadth and draught."""
     yield Limit("breadth", boat.breadth, boat.breadth / boat.length, "breadth / length", 0.03, 2.0)
     yield Limit("draught", boat.draught, boat.draught / boat.length, "draught / length", 0.005, 0.6)
 
 
-def mass_and_water(boat: Boat) -> Iterator[Limit]:
+def mass_and_water(boat: Boat | Sizes) -> Iterator[Limit]:
     """Of the mass and the water that it displaces."""
     density = boat.water_density
     block = boat.mass / (density * boat.length * boat.breadth * boat.draught)

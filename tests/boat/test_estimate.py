@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
 from swamp_rl.boat import load_boat
-from swamp_rl.boat.estimate import KINDS, Kind, boat_file
+from swamp_rl.boat.estimate import KINDS, Kind, annotated, boat_file
 from swamp_rl.boat.estimate_drive import speed_of_thrust
 from swamp_rl.boat.estimate_hull import (
     added_masses,
@@ -34,6 +36,49 @@ LAMB = [  # Hydrodynamics, article 115: a/b, k_1 ahead, k_2 abeam, k' in rotatio
     (6.01, 0.045, 0.918, 0.764),
     (9.97, 0.021, 0.960, 0.883),
 ]
+
+
+def decades(low: float, high: float) -> st.SearchStrategy[float]:
+    """Numbers of every size between two."""
+    return st.floats(math.log10(low), math.log10(high)).map(lambda power: 10.0**power)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@given(
+    length=decades(0.3, 20.0),
+    breadth=decades(0.02, 3.0),
+    depth=decades(0.003, 1.0),
+    block=decades(0.01, 5.0),
+    thrust=decades(1e-5, 10.0),
+    froude=st.none() | decades(1e-4, 5.0),
+    floats=st.booleans(),
+)
+def test_any_particulars_give_a_boat_that_loads_or_one_line(
+    kind: Kind,
+    length: float,
+    breadth: float,
+    depth: float,
+    block: float,
+    thrust: float,
+    froude: float | None,
+    floats: bool,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    mass = block * 1025.0 * length**3 * breadth * depth
+    speed = None if froude is None else froude * math.sqrt(GRAVITY * length)
+    draught = None if floats else depth * length
+    path = tmp_path_factory.getbasetemp() / f"{kind}.yaml"
+    try:
+        content = boat_file(
+            "any", kind, length, breadth * length, mass, thrust * mass * GRAVITY, speed, draught
+        )
+        path.write_text(annotated(content, "a test"), encoding="utf-8")
+        parameters(load_boat(path))
+    except UserError as error:
+        assert all(
+            line.startswith((f"{path}: ", "boat any: ", "these sizes: ", "--"))
+            for line in str(error).splitlines()
+        )
 
 
 @pytest.mark.parametrize("row", LAMB, ids=lambda row: f"a/b={row[0]}")

@@ -66,6 +66,11 @@ def test_the_check_writes_a_report_with_its_figures(call: Call) -> None:
         (["skiff", "--kind", "azimuth", *SIZES, "--top-speed", 60], "--top-speed 60: is a Froude number of"),
         (["skiff", "--kind", "azimuth", *SIZES[:-1], 1e9], "thrust / weight is"),
         (["skiff", "--kind", "azimuth", *SIZES, "--draught", 5], "draught"),
+        (
+            ["skiff", "--kind", "azimuth", *SIZES, "--draught", 1e-9],
+            "--draught 1e-09: must be a number above 0",
+        ),
+        (["skiff", "--kind", "propeller-rudder", *SIZES, "--draught", 0.02], "mass / (water_density length"),
         (["skiff", "--kind", "azimuth"], "--length"),
     ],
 )
