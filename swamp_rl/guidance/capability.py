@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from swamp_rl.allocation import Jets, largest_multiple
 from swamp_rl.boat import Boat
 from swamp_rl.guidance.drive import Drive
-from swamp_rl.guidance.holding import RESERVE, steady_force_of
+from swamp_rl.guidance.holding import RESERVE, in_flow, steady_force_of
 from swamp_rl.guidance.weathervane import margin_of, pushes_sideways
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.reference import reference_of
@@ -75,8 +75,7 @@ def holds(boat: Boat, drive: Drive, angle: float, current: float, wind: float, s
         return largest_multiple(in_flow(drive, current), needed) >= RESERVE
     if abs(needed[1]) > STRAIGHT * size:
         return False
-    slowed = in_flow(drive, current) if isinstance(drive, Jets) else drive
-    return margin_of(slowed, needed, flow) >= RESERVE
+    return margin_of(drive, needed, flow) >= RESERVE
 
 
 def in_weather(record: NDArray[Any], angle: float, current: float, wind: float) -> NDArray[Any]:
@@ -84,21 +83,6 @@ def in_weather(record: NDArray[Any], angle: float, current: float, wind: float) 
     record["current_north"], record["current_east"] = -current * math.cos(angle), -current * math.sin(angle)
     record["wind_speed"], record["wind_from"] = wind, angle
     return record
-
-
-def in_flow(jets: Jets, speed: float) -> Jets:
-    """The jets with what is left of their greatest thrust where they push against water at `speed` [m/s].
-
-    1 − c_a V √(ρ A / T), thesis eq. 5.2, taken for every direction: those that push with the flow lose less.
-    """
-    p = jets.record[0]
-    loss = (
-        np.array(p["advance_loss"])
-        * speed
-        * np.sqrt(float(p["water_density"]) * np.array(p["nozzle_area"]) / np.maximum(jets.thrust_max, 1e-9))
-    )
-    left = np.maximum(1.0 - loss, 1e-3)
-    return replace(jets, thrust_max=left * jets.thrust_max, astern_max=left * jets.astern_max)
 
 
 def strongest(held: Callable[[float], bool], most: float) -> float:

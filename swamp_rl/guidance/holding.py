@@ -1,7 +1,7 @@
 """Whether, and at which heading, the working jets can hold station in current and wind; else why not."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -81,12 +81,33 @@ def steady_force_of(p: Any, curves: Array, heading: float, gust: float = 0.0) ->
     return -(np.array(hull) + np.array(outside))
 
 
+def in_flow(jets: Jets, speed: float) -> Jets:
+    """The jets with what is left of their greatest thrust where they push against water at `speed` [m/s].
+
+    1 − c_a V √(ρ A / T), thesis eq. 5.2, taken for every direction: those that push with the flow lose less.
+    """
+    p = jets.record[0]
+    loss = (
+        np.array(p["advance_loss"])
+        * speed
+        * np.sqrt(float(p["water_density"]) * np.array(p["nozzle_area"]) / np.maximum(jets.thrust_max, 1e-9))
+    )
+    left = np.maximum(1.0 - loss, 1e-3)
+    return replace(jets, thrust_max=left * jets.thrust_max, astern_max=left * jets.astern_max)
+
+
+def in_current(boat: Boat, jets: Jets) -> Jets:
+    """The jets in the boat's current while it lies still over ground, as `in_flow`."""
+    return in_flow(jets, math.hypot(*water_velocity(0.0, parameters(boat)[0])))
+
+
 def holding_at(boat: Boat, jets: Jets, heading: float) -> Holding:
     """The balance at one heading [rad]."""
     needed, gusty = (steady_force(boat, heading, gust) for gust in (0.0, GUST))
-    margin = largest_multiple(jets, needed)
+    slowed = in_current(boat, jets)
+    margin = largest_multiple(slowed, needed)
     if not np.array_equal(gusty, needed):
-        margin = min(margin, largest_multiple(jets, gusty))
+        margin = min(margin, largest_multiple(slowed, gusty))
     return Holding(heading, needed, margin)
 
 
@@ -139,4 +160,4 @@ def _through(boat: Boat, jets: Jets, k: int, heading: float) -> Holding:
     ):
         return Holding(heading, needed, 0.0)
     most = max(math.hypot(*steady_force(boat, heading, gust)[:2]) for gust in (0.0, GUST))
-    return Holding(heading, needed, float(jets.thrust_max[k]) / max(most, 1e-9))
+    return Holding(heading, needed, float(in_current(boat, jets).thrust_max[k]) / max(most, 1e-9))

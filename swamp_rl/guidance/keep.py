@@ -21,15 +21,22 @@ def keeper_for(
     """Who holds `place` [m], and the balance that this rests on; UserError with the reason if no one can.
 
     boat: with the current and wind that are believed in its effects. heading [rad]: where the bow shall
-    point; the one with the greatest margin if not given, and always for the last jet. A drive without sway
-    force lies with the bow in the weather: there is no other heading for it.
+    point; the one with the greatest margin if not given. UserError where the drive leaves no choice: one jet
+    lies where its moment balances, a drive without sway force with the bow in the weather.
     """
     working = int(drive.works.sum()) if isinstance(drive, Jets) else len(drive.names)
     alone = isinstance(drive, Jets) and working == 1
-    if working and not alone and not pushes_sideways(drive):
+    forced = bool(working) and not alone and not pushes_sideways(drive)
+    if heading is not None and (alone or forced):
+        has = "one working jet" if alone else "no sway force"
+        raise UserError(
+            f"boat {boat.name} has {has}: current and wind set the heading at which it can keep "
+            "station; leave the heading out"
+        )
+    if forced:
         return weathervane(boat, drive, place)
     assert isinstance(drive, Jets)
-    held = best_holding(boat, drive) if heading is None or alone else holding_at(boat, drive, heading)
+    held = best_holding(boat, drive) if heading is None else holding_at(boat, drive, heading)
     if not held.holds:
         raise UserError(f"{held.reason}; choose another heading or place, or use more jets")
     if alone:

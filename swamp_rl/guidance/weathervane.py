@@ -17,7 +17,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.drive import Drive
 from swamp_rl.guidance.following import LOOKAHEAD, steered, turning_to
-from swamp_rl.guidance.holding import GUST, HALVINGS, HEADINGS, Holding, steady_force
+from swamp_rl.guidance.holding import GUST, HALVINGS, HEADINGS, Holding, in_flow, steady_force
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.guidance.servo import VelocityServo
 from swamp_rl.guidance.station import POSITION_GAIN, SPEED_LIMIT
@@ -41,9 +41,9 @@ def margin_of(drive: Drive, needed: Array, velocity: Array) -> float:
     """How many times [1] surge force and yaw moment of `needed` (3,) can be had at a velocity (3,) through
     the water; the sway force is left to the weather."""
     along = needed * np.array([1.0, 0.0, 1.0])
-    return (
-        largest_multiple(drive, along) if isinstance(drive, Jets) else drive.largest_multiple(along, velocity)
-    )
+    if isinstance(drive, Jets):
+        return largest_multiple(in_flow(drive, math.hypot(*velocity[:2])), along)
+    return drive.largest_multiple(along, velocity)
 
 
 def weather_heading(boat: Boat, drive: Drive) -> Holding:

@@ -8,12 +8,12 @@ import pytest
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.estimate import KINDS, Kind
-from swamp_rl.guidance.capability import capability, in_flow
+from swamp_rl.guidance.capability import capability
 from swamp_rl.guidance.curve import Curve
 from swamp_rl.guidance.curve_following import BehindVehicle, CurveFollower, SteadyPace
 from swamp_rl.guidance.drive import drive_of
 from swamp_rl.guidance.flight import Flight, flown, in_sea
-from swamp_rl.guidance.holding import Holding
+from swamp_rl.guidance.holding import Holding, in_flow
 from swamp_rl.guidance.keep import keeper_for
 from swamp_rl.guidance.loop import drive
 from swamp_rl.guidance.path_file import load_path
@@ -72,7 +72,7 @@ def test_a_boat_follows_a_vehicle_at_its_distance_on_its_way() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if "jet" not in kind])
+@pytest.mark.parametrize("kind", KINDS)
 def test_boats_of_every_kind_hold_a_place_in_a_current(tmp_path: Path, kind: Kind) -> None:
     boat = new_boat(tmp_path, kind, 1.2)
     top = reference_of(boat).speed

@@ -1,14 +1,18 @@
 """Station keeping with what is left of the thrusters: it holds where that was promised, and only there."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from swamp_rl.allocation import jets_of
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.estimate import Kind
 from swamp_rl.effects import parse_effects
 from swamp_rl.errors import UserError
+from swamp_rl.guidance.drive import drive_of
+from swamp_rl.guidance.flight import in_sea
 from swamp_rl.guidance.holding import Holding, best_holding, holding_at, steady_force
 from swamp_rl.guidance.keep import keeper_for
 from swamp_rl.guidance.loop import drive
@@ -17,6 +21,7 @@ from swamp_rl.guidance.servo import VelocityServo, inertia_of
 from swamp_rl.guidance.station import Station, StationKeeper
 from swamp_rl.simulator import initial_state, parameters, step, tank
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, YAW_RATE
+from tests.support.new_boats import new_boat
 
 pytestmark = pytest.mark.numerical
 
@@ -105,7 +110,7 @@ def test_whoever_can_hold_is_found_and_else_the_reason_is_given() -> None:
     keeper, held = keeper_for(SEA, jets.without(["bs"]), (1.0, 2.0))
     assert isinstance(keeper, StationKeeper)
     assert keeper.station == Station(1.0, 2.0, held.heading)
-    keeper, _ = keeper_for(SEA, jets.without(["bs", "bp", "ss"]), (0.0, 0.0), heading=1.0)
+    keeper, _ = keeper_for(SEA, jets.without(["bs", "bp", "ss"]), (0.0, 0.0))
     assert isinstance(keeper, OneJetKeeper)
     with pytest.raises(UserError, match=r"cannot hold at heading 0 deg: .* choose another heading"):
         keeper_for(among(0.0, 0.8, 0.0, 0.0), jets, (0.0, 0.0), heading=0.0)
@@ -143,3 +148,30 @@ def test_one_jet_in_still_water_is_said_to_have_nothing_to_lie_against() -> None
     assert "without current or wind" in held.reason
     with pytest.raises(UserError, match="current or wind; give it a second jet"):
         OneJetKeeper(BOAT, jets, (0.0, 0.0), held)
+
+
+def in_current(boat: Boat, north: float, east: float) -> Boat:
+    return in_sea(boat, None, [{"effect": "current", "north": north, "east": east}], 0)[0]
+
+
+@pytest.mark.parametrize("kind", ["waterjet", "outboard"])
+def test_one_jet_of_a_large_boat_is_brought_back_to_its_place_in_a_current(
+    tmp_path: Path, kind: Kind
+) -> None:
+    sea = in_current(new_boat(tmp_path, kind, 5.0), -0.3, 0.6)
+    keeper, held = keeper_for(sea, drive_of(sea), (0.0, 0.0))
+    track = drive(sea, keeper, (0.0, 0.0, held.heading), 90.0, dt=0.2)[-150:]
+    assert np.hypot(track[:, NORTH], track[:, EAST]).max() < 0.05
+
+
+def test_the_margin_counts_what_the_jets_lose_in_the_current() -> None:
+    sea = in_current(BOAT, 1.5, 0.0)
+    with pytest.raises(UserError, match=r"the jets give 0\.\d+ times that"):
+        keeper_for(sea, jets_of(sea), (0.0, 0.0))
+
+
+@pytest.mark.parametrize("kind", ["twin-fixed", "propeller-rudder", "waterjet"])
+def test_a_heading_that_the_drive_cannot_choose_is_refused(tmp_path: Path, kind: Kind) -> None:
+    sea = in_current(new_boat(tmp_path, kind, 5.0), 0.5, 0.0)
+    with pytest.raises(UserError, match="current and wind set the heading .* leave the heading out"):
+        keeper_for(sea, drive_of(sea), (0.0, 0.0), heading=1.5)
