@@ -173,5 +173,5 @@ def test_the_margin_counts_what_the_jets_lose_in_the_current() -> None:
 @pytest.mark.parametrize("kind", ["twin-fixed", "propeller-rudder", "waterjet"])
 def test_a_heading_that_the_drive_cannot_choose_is_refused(tmp_path: Path, kind: Kind) -> None:
     sea = in_current(new_boat(tmp_path, kind, 5.0), 0.5, 0.0)
-    with pytest.raises(UserError, match="current and wind set the heading .* leave the heading out"):
+    with pytest.raises(UserError, match=r"current and wind set the heading .* leave the heading out"):
         keeper_for(sea, drive_of(sea), (0.0, 0.0), heading=1.5)
