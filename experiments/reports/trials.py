@@ -15,6 +15,7 @@ from swamp_rl.clipped import in_markdown
 from swamp_rl.counted import counted
 from swamp_rl.manoeuvres.analysis.analyse import analyse_dataset
 from swamp_rl.manoeuvres.analysis.figure import Figure, Result
+from swamp_rl.manoeuvres.analysis.imo import title_for
 from swamp_rl.manoeuvres.analysis.pairs import Pair, pairs
 from swamp_rl.runs import Dataset
 from swamp_rl.runs.schema import ANALYSIS
@@ -129,7 +130,7 @@ def report(
         parts.append("## Port and starboard\n\n" + "\n".join(f"* {line}" for line in pair_lines(both)))
     judged = imo_table(results)
     if judged:
-        parts.append(f"## IMO MSC.137(76)\n\n{judged}")
+        parts.append(f"## {title_for(boat.length)}\n\n{judged}")
     noted = [f"{r.run}: {note}" for r in results for note in r.notes]
     remarks = [f"* {in_markdown(line)}" for line in (*noted, *refused)]
     if remarks:
@@ -222,7 +223,7 @@ def lines(results: Sequence[Result], boat: Boat, both: Sequence[Pair], refused: 
         kept = sum(c.passed is True for c in result.criteria)
         if kept or failed:
             found.append(
-                f"  IMO: {kept} of {len(result.criteria)} kept"
+                f"  {title_for(boat.length)}: {kept} of {len(result.criteria)} kept"
                 + (f", not {', '.join(failed)}" if failed else "")
             )
         found += [f"  note: {note}" for note in result.notes]

@@ -65,7 +65,7 @@ def hull_derivatives(length: float, breadth: float, draught: float, block: float
     """Coefficients of `hull` [1] on ½ρLd, k = 2d/L, f = C_B B/L (`fullness`).
 
     Y'_v = −(½πk + 1.4 f), N'_v = −k, N'_r = −0.54 k + k² (Kijima, even keel); Y'_r − m'_x = 0.5 f and
-    X'_vr + m'_y = 1.91 f − 0.08, not below 0 (Yoshimura and Masumoto), and at most the m'_y of `added_masses`:
+    X'_vr + m'_y = 1.91 f − 0.08, not below 0 (Yoshimura and Masumoto), and at most m'_y (`added_masses`):
     the flow of an ideal fluid gives m_y v r, and viscosity takes a part of it (Inoue et al. 1981). The
     regression knows no draught and gives several times that for a wide and shallow hull.
     c_d: `cross_flow_drag`; the yaw rate counts whole in the cross flow, C_rY = C_rN = 1 (strip theory).

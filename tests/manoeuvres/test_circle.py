@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from swamp_rl.boat import load_boat
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
+from swamp_rl.manoeuvres.analysis.circle import extraordinary
 from swamp_rl.manoeuvres.analysis.figure import Result
-from swamp_rl.manoeuvres.analysis.imo import criteria
+from swamp_rl.manoeuvres.analysis.imo import criteria, title_for
 from swamp_rl.manoeuvres.analysis.pairs import pairs
 from swamp_rl.runs import Run
 from tests.support.trial_runs import circle_run
@@ -142,3 +143,16 @@ def test_the_standards_limits_are_applied_to_circles_at_35_degrees_only(
     wide = analysed(circle_run(5.3 * BOAT.length, 0.0))
     wide.setting["angle"] = math.radians(angle)
     assert {c.name: c.passed for c in criteria(wide, BOAT.length)} == verdicts
+
+
+def test_a_circle_outside_what_boats_do_is_told_unless_thrusters_turn_farther_than_a_rudder() -> None:
+    tight = circle_run(0.6 * BOAT.length, 1.2)
+    assert any("drift angle 69 deg, steady diameter 0.60 L" in note for note in analysed(tight).notes)
+    assert not any("steady diameter" in note for note in analysed(circle_run(D, BETA)).notes)
+    figures = analysed(tight).corrected
+    assert not extraordinary(figures, BOAT.length, math.radians(60.0))
+
+
+def test_the_standards_title_says_for_which_ships_it_is() -> None:
+    assert title_for(6.0) == "IMO MSC.137(76), a standard for ships of 100 m and more"
+    assert title_for(100.0) == "IMO MSC.137(76)"

@@ -13,6 +13,9 @@ from swamp_rl.manoeuvres.analysis.recognise import Recognised
 
 Array = NDArray[np.float64]
 FULL = 2.0 * math.pi
+LARGEST_DRIFT = 45.0  # deg; ships turn with 10 to 20, fishing vessels with up to 35
+TIGHTEST = 1.0  # lengths of the steady diameter; ships turn in 2 to 5
+FARTHEST_RUDDER = math.radians(45.0)
 PLACES = {  # turned angle [rad], and whether the way there is measured across the first heading
     "advance": (0.5 * math.pi, False),
     "transfer": (0.5 * math.pi, True),
@@ -77,12 +80,28 @@ def analyse_circle(motion: Motion, found: Recognised, result: Result, rng: np.ra
         )
         return
     result.corrected = circle_figures(circle, drift, rng)
+    result.notes += extraordinary(result.corrected, motion.length, asked)
     speed, toward = np.hypot(*drift.velocity), math.atan2(drift.velocity[1], drift.velocity[0])
     low, high = interval(np.hypot(*drift.resamples.T))
     result.figures["drift_speed"] = Figure(float(speed), "m/s", low=low, high=high)
     result.figures["drift_towards"] = Figure(math.degrees(toward) % 360.0, "deg")
     away = circle.turning.time - circle.turning.time[0]
     result.traces["corrected"] = circle.turning.place - away[:, None] * drift.velocity
+
+
+def extraordinary(figures: dict[str, Figure], length: float, angle: float) -> list[str]:
+    """A line where a circle is outside what boats under way do by a rudder or a nozzle, else none.
+
+    length [m] of the boat; angle [rad] of the steering: thrusters that turn farther turn a boat on the spot.
+    """
+    drift_angle, diameter = figures["drift_angle"].value, figures["steady_diameter"].value / length
+    if abs(angle) > FARTHEST_RUDDER or not (drift_angle > LARGEST_DRIFT or diameter < TIGHTEST):
+        return []
+    return [
+        f"drift angle {drift_angle:.0f} deg, steady diameter {diameter:.2f} L: boats under way keep below "
+        f"{LARGEST_DRIFT:g} deg and above {TIGHTEST:g} L; check the length, and in a boat file the draught "
+        "and the yaw damping"
+    ]
 
 
 def circle_figures(circle: Circle, drift: Drift | None, rng: np.random.Generator) -> dict[str, Figure]:

@@ -8,6 +8,13 @@ from swamp_rl.manoeuvres.analysis.figure import Result, plain_number
 
 HARD_OVER = 35.0  # deg, at which the standard measures its turning circle
 SAME = 0.5  # deg of the setting that still counts as that of the standard
+SHORTEST = 100.0  # m, of the ships that the standard is for (section 3)
+TITLE = "IMO MSC.137(76)"
+
+
+def title_for(length: float) -> str:
+    """The standard's title; for a boat of a length [m] below that of its ships, also whom it is for."""
+    return TITLE if length >= SHORTEST else f"{TITLE}, a standard for ships of {SHORTEST:g} m and more"
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ def test_a_verb_writes_runs_figures_tables_and_json(call: Call) -> None:
     code, out, error = call(*words)
     assert (code, error) == (0, "")
     assert "01-turning-circle-s35-60pc: advance " in out
-    assert "IMO: " in out
+    assert "IMO MSC.137(76), a standard for ships of 100 m and more: " in out
     assert len(read_dataset("a").runs) == 1
     found = json.loads(Path("a/analysis/analysis.json").read_text())
     assert found["runs"][0]["corrected"]["steady_diameter"]["unit"] == "m"
