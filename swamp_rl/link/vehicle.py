@@ -201,11 +201,9 @@ class Vehicle:
         return [packet for k in changed for packet in self._module_packets(k)]
 
     def _measured(self) -> Array:
-        motion = self.state[0, NORTH : YAW_RATE + 1].copy()
         if (noise := self.conduct.noise) is not None:
-            motion[:2] = noise.gps(self.state[0], self._rng).values
-            motion[[2, 5]] = noise.ahrs(self.state[0], self._rng).values
-        return motion
+            return noise.motion(self.state[0], self._rng)
+        return self.state[0, NORTH : YAW_RATE + 1].copy()
 
     @property
     def _stamp(self) -> int:

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.angles import wrapped
-from swamp_rl.simulator.state import EAST, HEADING, NORTH, YAW_RATE
+from swamp_rl.angles import turned, wrapped
+from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE
 
 Array = NDArray[np.float64]
 
@@ -22,13 +22,14 @@ class Fix(NamedTuple):
 
 @dataclass(frozen=True)
 class Sensors:
-    """Standard deviations and intervals of a GPS (position) and an AHRS (heading and yaw rate).
+    """Standard deviations and intervals of a GPS (position, velocity) and an AHRS (heading and yaw rate).
 
     Our choice, of a plain receiver and a small inertial unit; not the instruments of SWAMP, whose data sheets
     the sources do not give.
     """
 
     position: float = 0.5  # m
+    velocity: float = 0.05  # m/s over ground, north and east, by Doppler
     heading: float = 0.02  # rad
     yaw_rate: float = 0.01  # rad/s
     gps_interval: float = 0.4  # s
@@ -45,6 +46,16 @@ class Sensors:
         values = state[[HEADING, YAW_RATE]] + deviations * rng.standard_normal(2)
         values[0] = wrapped(values[0])
         return Fix((2, 5), values, deviations)
+
+    def motion(self, state: Array, rng: np.random.Generator) -> Array:
+        """(6,) pose [m, m, rad], surge, sway over ground [m/s] and yaw rate [rad/s] of a state (S,).
+
+        The GPS gives the velocity to the north and east: surge and sway hold the error of the heading too.
+        """
+        place, attitude = self.gps(state, rng).values, self.ahrs(state, rng).values
+        over_ground = np.array(turned(state[SURGE], state[SWAY], state[HEADING]))
+        over_ground += self.velocity * rng.standard_normal(2)
+        return np.array([*place, attitude[0], *turned(*over_ground, -attitude[0]), attitude[1]])
 
 
 def due(interval: float, time: float, dt: float) -> bool:

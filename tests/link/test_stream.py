@@ -14,6 +14,7 @@ from swamp_rl.link.sensor_line import CAMOGLI
 from swamp_rl.link.stamps import AGREED
 from swamp_rl.link.stream import Assembler, Sample, samples
 from swamp_rl.link.vehicle import Conduct
+from swamp_rl.navigation.sensors import Sensors
 from swamp_rl.runs import read_dataset
 from swamp_rl.runs.export_dataset import export_runs
 from swamp_rl.runs.import_telemetry import FIELDS
@@ -45,6 +46,15 @@ def test_a_sample_holds_the_commands_of_its_interval_and_the_motion_at_its_time(
     assert throttle == pytest.approx([0.1 * (1 + row // 10) for row in range(len(found))])
     assert found[-1].commands[0] == pytest.approx(np.pi / 2, abs=1e-5)
     assert found[-1].senses[4] == pytest.approx(np.diff([s.senses[1] for s in found[-2:]])[0] / 0.1, abs=0.05)
+
+
+def test_every_channel_of_a_vehicle_with_noise_has_that_of_its_sensors() -> None:
+    sensors = Sensors()
+    still = switched_on(Conduct(noise=sensors, timeout=math.inf))
+    found = assembled([packet.payload for packet in still.advance(40.0)])
+    spread = np.std([sample.senses for sample in found], axis=0)
+    place, speed = [sensors.position] * 2, [sensors.velocity] * 2
+    assert spread == pytest.approx([*place, sensors.heading, *speed, sensors.yaw_rate], rel=0.15)
 
 
 def test_packets_that_come_late_twice_or_damaged_change_no_sample() -> None:
