@@ -51,8 +51,8 @@ def fleet(
 
 
 def _boats(days: Mapping[str, int]) -> str:
-    """The number of boats, and where a boat has several datasets, which folder is which boat."""
+    """The number of boats, and where a boat has several datasets, how many each has."""
     count = counted(len(days), "boat")
     if max(days.values()) == 1:
         return count
-    return f"{count}, a folder each: {', '.join(f'{boat} ({number})' for boat, number in days.items())}"
+    return f"{count} by folder: {', '.join(f'{boat} ({number})' for boat, number in days.items())}"

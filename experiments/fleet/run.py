@@ -22,6 +22,7 @@ from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
 from swamp_rl.files import UNFINISHED, refuse_to_replace, write_text
 from swamp_rl.names import plain_name
+from swamp_rl.runs.dataset import read_meta
 from swamp_rl.simulator.weather import refuse_unknown
 from swamp_rl.unfinished import locked, remove_dead
 from swamp_rl.workers import Pool, completed, open_pool
@@ -81,8 +82,8 @@ def diagnose_fleet(
 
 def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member]:
     """The datasets sorted by name. Where they lie in several folders, a folder is a boat and its datasets are
-    that boat's days; where all lie in one, each is a boat of its own. UserError for one that is no folder
-    or is given twice.
+    that boat's days, a boat for each vehicle that they name unless `boat` is given; where all lie in one
+    folder, each is a boat of its own. UserError for one that is no folder or is given twice.
     """
     whole = [Path(os.path.abspath(one)) for one in datasets]
     for path, times in Counter(whole).items():
@@ -103,7 +104,31 @@ def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member
     for one in datasets:
         if not one.is_dir():
             raise UserError(f"{clipped(one, 200)}: no such folder; name folders that hold a dataset.yaml")
+    if several and boat is None:
+        found = _by_vehicle(found)
     return sorted(found, key=lambda one: one.name)
+
+
+def _by_vehicle(members: Sequence[Member]) -> list[Member]:
+    """The same, FOLDER/VEHICLE the boat where the datasets of a folder name several vehicles."""
+    vehicles = {member.name: _vehicle(Path(member.dataset)) for member in members}
+    named: dict[str, set[str]] = {}
+    for member in members:
+        named.setdefault(member.boat, set()).update(vehicles[member.name])
+    return [
+        member.model_copy(update={"boat": "/".join((member.boat, *vehicles[member.name]))})
+        if len(named[member.boat]) > 1
+        else member
+        for member in members
+    ]
+
+
+def _vehicle(dataset: Path) -> tuple[str, ...]:
+    """What a dataset names as its vehicle; empty where it cannot be read, which its diagnosis tells."""
+    try:
+        return (read_meta(dataset).vehicle,)
+    except (UserError, OSError):
+        return ()
 
 
 def _refuse_other_folder(out: Path) -> None:

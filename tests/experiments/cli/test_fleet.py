@@ -28,7 +28,7 @@ def test_a_fleet_says_which_folder_is_a_boat(call: Call) -> None:
     _, out, _ = call("fleet", "boats/red", "boats/blue", "--out", "one")
     assert out.splitlines()[0] == "diagnosing 2 datasets of 2 boats"
     _, out, _ = call("fleet", "boats/red", "boats/blue", "logs/red", "--out", "two")
-    assert out.splitlines()[0] == "diagnosing 3 datasets of 2 boats, a folder each: boats (2), logs (1)"
+    assert out.splitlines()[0] == "diagnosing 3 datasets of 2 boats by folder: boats (2), logs (1)"
 
 
 def test_a_fleet_without_its_cluster_leaves_no_folder(call: Call) -> None:

@@ -30,9 +30,11 @@ from swamp_rl.experiments.fleet.significance import (
 from swamp_rl.experiments.fleet.work import INPUT, RESULT, diagnose_one
 from swamp_rl.experiments.synthetic.cases import Case, write_case
 
+from swamp_rl.boat import load_boat
 from swamp_rl.criticism.result import HeldOut
 from swamp_rl.errors import UserError
-from swamp_rl.runs import read_dataset
+from swamp_rl.runs import create_dataset, read_dataset
+from swamp_rl.runs.schema import meta_of
 from swamp_rl.unfinished import folder_beside, locked
 from tests.support.fleets import COMPARISONS, cause, datasets, diagnosis, pretend
 from tests.support.patience import PATIENCE
@@ -132,6 +134,21 @@ def test_a_boat_is_a_folder_where_datasets_lie_in_several(tmp_path: Path) -> Non
     assert [(one.name, one.boat) for one in several] == [("blue_may", "blue"), ("red_may", "red")]
     alone = members_of([tmp_path / "red", tmp_path / "blue"])
     assert [(one.name, one.boat) for one in alone] == [("blue", "blue"), ("red", "red")]
+
+
+def test_datasets_of_one_folder_that_name_other_vehicles_are_no_days_of_one_boat(tmp_path: Path) -> None:
+    boat = load_boat("swamp")
+    for day, vehicle in {"may": "swamp", "june": "swamp", "july": "swamp-light"}.items():
+        create_dataset(tmp_path / "red" / day, meta_of(boat, vehicle, 10.0, "simulated"))
+    create_dataset(tmp_path / "blue" / "may", meta_of(boat, "swamp", 10.0, "simulated"))
+    given = [tmp_path / name for name in ("red/may", "red/june", "red/july", "blue/may")]
+    assert {one.name: one.boat for one in members_of(given)} == {
+        "blue_may": "blue",
+        "red_july": "red/swamp-light",
+        "red_june": "red/swamp",
+        "red_may": "red/swamp",
+    }
+    assert {one.boat for one in members_of(given, boat="swamp")} == {"red", "blue"}
 
 
 def test_what_is_no_fleet_is_refused_in_one_line(folder: Path) -> None:
