@@ -18,7 +18,6 @@ import psutil
 import pytest
 from swamp_rl.experiments.fleet import diagnose_fleet
 from swamp_rl.experiments.fleet.result import Fleet, Member
-from swamp_rl.experiments.fleet.run import members_of
 from swamp_rl.experiments.fleet.significance import (
     adjusted,
     changes_of,
@@ -30,11 +29,9 @@ from swamp_rl.experiments.fleet.significance import (
 from swamp_rl.experiments.fleet.work import INPUT, RESULT, diagnose_one
 from swamp_rl.experiments.synthetic.cases import Case, write_case
 
-from swamp_rl.boat import load_boat
 from swamp_rl.criticism.result import HeldOut
 from swamp_rl.errors import UserError
-from swamp_rl.runs import create_dataset, read_dataset
-from swamp_rl.runs.schema import meta_of
+from swamp_rl.runs import read_dataset
 from swamp_rl.unfinished import folder_beside, locked
 from tests.support.fleets import COMPARISONS, cause, datasets, diagnosis, pretend
 from tests.support.patience import PATIENCE
@@ -125,30 +122,6 @@ def test_killed_at_any_moment_the_same_command_goes_on(tmp_path: Path) -> None:
     whole = json.loads((tmp_path / "out" / "fleet.json").read_text())
     unbroken = diagnose_fleet(given, tmp_path / "unbroken", pool=PoolHere(pretend, 1, 0))
     assert whole | {"measured": None} == json.loads(unbroken.model_dump_json()) | {"measured": None}
-
-
-def test_a_boat_is_a_folder_where_datasets_lie_in_several(tmp_path: Path) -> None:
-    for boat in ("red", "blue"):
-        (tmp_path / boat / "may").mkdir(parents=True)
-    several = members_of([tmp_path / "red" / "may", tmp_path / "blue" / "may"])
-    assert [(one.name, one.boat) for one in several] == [("blue_may", "blue"), ("red_may", "red")]
-    alone = members_of([tmp_path / "red", tmp_path / "blue"])
-    assert [(one.name, one.boat) for one in alone] == [("blue", "blue"), ("red", "red")]
-
-
-def test_datasets_of_one_folder_that_name_other_vehicles_are_no_days_of_one_boat(tmp_path: Path) -> None:
-    boat = load_boat("swamp")
-    for day, vehicle in {"may": "swamp", "june": "swamp", "july": "swamp-light"}.items():
-        create_dataset(tmp_path / "red" / day, meta_of(boat, vehicle, 10.0, "simulated"))
-    create_dataset(tmp_path / "blue" / "may", meta_of(boat, "swamp", 10.0, "simulated"))
-    given = [tmp_path / name for name in ("red/may", "red/june", "red/july", "blue/may")]
-    assert {one.name: one.boat for one in members_of(given)} == {
-        "blue_may": "blue",
-        "red_july": "red/swamp-light",
-        "red_june": "red/swamp",
-        "red_may": "red/swamp",
-    }
-    assert {one.boat for one in members_of(given, boat="swamp")} == {"red", "blue"}
 
 
 def test_what_is_no_fleet_is_refused_in_one_line(folder: Path) -> None:
@@ -268,13 +241,6 @@ def test_a_link_in_the_place_of_the_fleet_is_refused(folder: Path) -> None:
     with pytest.raises(UserError, match="is a link"):
         fleet(folder)
     assert list((folder / "there").iterdir()) == []
-
-
-@pytest.mark.parametrize("name", [".hidden", "two\nlines", "back\\slash", "n" * 210])
-def test_a_dataset_whose_folder_has_an_odd_name_is_refused_in_one_line(tmp_path: Path, name: str) -> None:
-    with pytest.raises(UserError) as refused:
-        members_of([tmp_path / name])
-    assert str(refused.value).isprintable() and "rename it" in str(refused.value)
 
 
 def test_names_are_text_in_the_page_and_links_lead_into_the_fleet(tmp_path: Path) -> None:
