@@ -153,7 +153,7 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
     )
     from swamp_rl.criticism.report.extension import extension_sentence, is_extended
     from swamp_rl.criticism.report.next_trial import next_trial_sentences
-    from swamp_rl.criticism.report.words import parameter_sets, spread_sets
+    from swamp_rl.criticism.report.words import parameter_sets, separating_sentence, spread_sets
 
     yield f"verdict: {found.verdict}"
     for said in (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found)):
@@ -171,9 +171,8 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
             yield f"    {said}"
     for names in found.indistinguishable:
         yield f"  cannot be distinguished: {'; '.join(names)}"
-    if found.separating_trial:
-        trial = found.separating_trial
-        yield f"  separating manoeuvre: {trial.manoeuvre} ({trial.separation:.1f} standard errors apart)"
+    if said := separating_sentence(found):
+        yield f"  {said}"
     if found.next_trial:
         yield "  next trial: " + "\n    ".join(next_trial_sentences(found.next_trial))
     elif trial_asked:

@@ -30,6 +30,7 @@ from swamp_rl.criticism.report.words import (
     number_cells,
     readable,
     residual_force_sentence,
+    separating_sentence,
     written,
 )
 from swamp_rl.criticism.result import (
@@ -218,6 +219,23 @@ def test_the_report_counts_the_effects_without_a_number_that_were_fitted() -> No
     said = meaning(diagnosis("unexplained", hypotheses=9, discrete=tried))
     assert "9 sets" in said and "the 3 without a number (channel swap, azimuth reversed)" in said
     assert "without a number" not in meaning(diagnosis("unexplained", hypotheses=9))
+
+
+@pytest.mark.parametrize(
+    ("separation", "said"),
+    [
+        (12.34, "separating manoeuvre: straight ahead, 100 % (12.3 standard errors apart)"),
+        (
+            0.01,
+            "separating manoeuvre: none of those tried (0.0 standard errors apart at most)",
+        ),
+    ],
+)
+def test_a_manoeuvre_is_proposed_only_if_it_separates_the_explanations(separation: float, said: str) -> None:
+    trial = {"manoeuvre": "straight ahead, 100 %", "separation": separation, "duration_s": 60.0}
+    found = diagnosis("indistinguishable", separating_trial=trial)
+    assert separating_sentence(found) == said
+    assert ("is proposed below" in meaning(found)) == (separation > 1.0)
 
 
 def test_functions_of_the_residual_force_that_the_data_do_not_separate_are_named_together() -> None:

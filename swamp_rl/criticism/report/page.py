@@ -31,6 +31,7 @@ from swamp_rl.criticism.report.figures import (
 )
 from swamp_rl.criticism.report.next_trial import draw_next_trial, next_trial_section
 from swamp_rl.criticism.report.words import (
+    ENOUGH,
     GAINED_ON,
     cause_rows,
     closeness,
@@ -44,6 +45,8 @@ from swamp_rl.criticism.report.words import (
     noise_sentence,
     readable,
     rest_sentence,
+    separates,
+    separating_sentence,
     shape_sentence,
     shown_unit,
 )
@@ -210,9 +213,11 @@ def separating_manoeuvre(found: Diagnosis, run_set: RunSet) -> str:
     trial = found.separating_trial
     if trial is None:
         return ""
+    if not separates(found):
+        return f"<p>{html.escape(separating_sentence(found).capitalize())}.</p>"
     apart = f"{trial.separation:.1f}" if trial.separation < 100.0 else "100"
     enough = "Three are sufficient to distinguish them."
-    if trial.separation < 3.0:
+    if trial.separation < ENOUGH:
         enough = "Three are needed: repeat it several times."
     return (
         "<h2>Separating manoeuvre</h2><p>Of the manoeuvres that this boat can sail: "

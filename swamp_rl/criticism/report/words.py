@@ -13,6 +13,8 @@ from swamp_rl.effects import LIBRARY
 from swamp_rl.html_page import minus, plain, rounded
 
 EQUAL = 9.0  # held-out chi2 within which two functions of the residual force are not separated
+ENOUGH = 3.0  # standard errors that distinguish two explanations
+REPETITIONS = 100  # of a manoeuvre; one that needs more of them separates nothing
 DIFFERS = {"by_run": "another in each run", "by_day": "another on each day"}
 
 
@@ -68,6 +70,23 @@ def partly(found: Diagnosis) -> str:
     return f" Part of it is explained by {causes(found)}{instead}."
 
 
+def separates(found: Diagnosis) -> bool:
+    """Whether a manoeuvre was found that distinguishes the explanations, repeated where needed."""
+    trial = found.separating_trial
+    return trial is not None and trial.separation * math.sqrt(REPETITIONS) >= ENOUGH
+
+
+def separating_sentence(found: Diagnosis) -> str:
+    """The manoeuvre that separates the explanations, in a line; empty where there is nothing to separate."""
+    trial = found.separating_trial
+    if trial is None:
+        return ""
+    apart = f"{trial.separation:.1f} standard errors apart"
+    if separates(found):
+        return f"separating manoeuvre: {trial.manoeuvre} ({apart})"
+    return f"separating manoeuvre: none of those tried ({apart} at most)"
+
+
 def meaning(found: Diagnosis) -> str:
     """The meaning of the verdict, and what may be done with it."""
     if found.verdict == "nothing_wrong":
@@ -85,10 +104,10 @@ def meaning(found: Diagnosis) -> str:
             text += "cause: check it."
         return text
     if found.verdict == "indistinguishable":
+        proposed = " A manoeuvre that separates them is proposed below." if separates(found) else ""
         return (
             "Each of these explanations leaves only measurement noise. extended_boat.yaml holds the one with "
-            "the lowest χ²: it is valid for motions like those of these runs, not beyond. A manoeuvre that "
-            "separates them is proposed below."
+            f"the lowest χ²: it is valid for motions like those of these runs, not beyond.{proposed}"
         )
     names = dict.fromkeys(label.split()[0].replace("_", " ") for label in found.discrete)
     jumps = f", among them the {len(found.discrete)} without a number ({', '.join(names)})" if names else ""
