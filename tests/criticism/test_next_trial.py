@@ -170,8 +170,33 @@ def test_limits_out_of_range_are_refused(given: dict[str, float], said: str) -> 
 
 
 def test_limits_without_any_evidence_are_refused() -> None:
-    with using(trial_budget=1), pytest.raises(UserError, match="keep the boat within the limits for 12 s"):
+    with using(trial_budget=1), pytest.raises(UserError, match="separate thrust_scale and resistance; widen"):
         designed(question(*TRUTHS), throttle=1e-4)
+
+
+def test_limits_that_no_commands_keep_are_refused() -> None:
+    with using(trial_budget=1), pytest.raises(UserError, match="keep the boat within the limits for 12 s"):
+        designed(question(*TRUTHS), speed=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("names", "column", "said"),
+    [
+        (("resistance", "resistance"), None, "within the limits separate resistance"),
+        (
+            ("resistance",),
+            0,
+            "narrow the interval of scale of resistance, whose standard error is 0.01; widen",
+        ),
+    ],
+)
+def test_a_trial_that_decides_nothing_is_refused_by_what_it_leaves_open(
+    names: tuple[str, ...], column: int | None, said: str
+) -> None:
+    known = tuple(replace(one, precision=np.array([[1e16]])) for one in question(*names).explanations)
+    asked = replace(question(*names, column=column), explanations=known)
+    with using(trial_budget=1), pytest.raises(UserError, match=said):
+        designed(asked)
 
 
 @pytest.mark.usefixtures("brief")

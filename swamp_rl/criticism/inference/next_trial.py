@@ -100,11 +100,13 @@ def design_trial(
     rated = rate(question, both, limits)
     best = int(_merit(rated, dt).argmax())
     rows = int(rated.rows[best])
-    if rows * dt < _shortest() or rated.least[best] < options().least_trial_evidence:
+    if rows * dt < _shortest():
         raise UserError(
-            f"--next: no commands that were tried keep the boat within the limits for {_shortest():g} s and "
-            "have any evidence; give a larger area or a greater --top-speed, or leave --next out"
+            f"--next: no commands that were tried keep the boat within the limits for {_shortest():g} s; "
+            "give a larger area or a greater --top-speed, or leave --next out"
         )
+    if rated.least[best] < options().least_trial_evidence:
+        raise UserError(f"--next: {_undecided(question, narrows)}; widen them, or leave --next out")
     tracks = rated.tracks[:, best, :rows].copy()
     start = start_in(limits, tracks)
     tracks[..., :2] += start
@@ -132,6 +134,19 @@ def design_trial(
         ),
     )
     return Designed(told, both[best, :rows], tuple(one.label for one in question.explanations), tracks)
+
+
+def _undecided(question: Question, narrows: Narrowed | None) -> str:
+    """What no commands that keep the limits decide."""
+    if narrows is None:
+        names = " and ".join(dict.fromkeys(one.label for one in question.explanations))
+        return f"no commands that were tried within the limits separate {names}"
+    parameter = f"{narrows.parameter} of {narrows.effect}"
+    unit = f" {narrows.unit}" if narrows.unit != "1" else ""
+    return (
+        f"no commands that were tried within the limits narrow the interval of {parameter}, whose standard "
+        f"error is {narrows.before:.2g}{unit}"
+    )
 
 
 def write_trial(folder: Path, trial: Designed, boat: Boat, dt: float) -> None:
