@@ -18,7 +18,7 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
-from swamp_rl.criticism.model.trial_limits import UNLIMITED, rows_within, trial_limits
+from swamp_rl.criticism.model.trial_limits import UNLIMITED, TrialLimits, rows_within, trial_limits
 from swamp_rl.criticism.options import using
 from swamp_rl.criticism.result import Narrowed
 from swamp_rl.effects import apply_effects, parse_effects
@@ -175,8 +175,9 @@ def test_limits_without_any_evidence_are_refused() -> None:
 
 
 def test_limits_that_no_commands_keep_are_refused() -> None:
+    none = TrialLimits(30.0, 1.0, 1.0)  # m each way, less than the margins
     with using(trial_budget=1), pytest.raises(UserError, match="keep the boat within the limits for 12 s"):
-        designed(question(*TRUTHS), speed=1e-3)
+        design_trial(question(*TRUTHS), None, none, np.random.default_rng(0))
 
 
 @pytest.mark.parametrize(
