@@ -55,9 +55,10 @@ def command_findings(runs: Sequence[Run]) -> list[Finding]:
         told = "no command varies in any run"
         advice = "thrust and steering cannot be identified from them; check that commands were logged"
         found.append(Finding("fault", "commands_constant", tuple(own), told, advice))
-    elif constant:
-        told, advice = "never vary", "their effect cannot be distinguished from that of the others"
-        found.append(Finding("note", "command_constant", tuple(constant), told, advice))
+    elif still := [name for name in constant if name in own]:
+        told, its = ("never varies", "its") if len(still) == 1 else ("never vary", "their")
+        advice = f"{its} effect cannot be distinguished from that of the others"
+        found.append(Finding("note", "command_constant", tuple(still), told, advice))
     for name, values in joined.items():
         if name not in constant and (cut := _clipped(values)):
             level, share = cut

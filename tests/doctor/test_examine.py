@@ -243,3 +243,15 @@ def test_runs_without_commands_are_noted(sound: list[Run], twin: Boat) -> None:
     assert "commands_missing" not in {finding.code for finding in examine(sound, twin)}
     (note,) = (finding for finding in examine(without, twin) if finding.code == "commands_missing")
     assert note.level == "note"
+
+
+def test_one_constant_command_is_told_in_the_singular_and_a_lever_that_rests_is_none(
+    sound: list[Run], twin: Boat
+) -> None:
+    runs = [
+        Run(run.name, run.columns | {"throttle_port": np.full(601, 0.4), "joy_thrust": np.zeros(601)})
+        for run in sound
+    ]
+    (found,) = [one for one in examine(runs, twin) if one.code == "command_constant"]
+    assert found.columns == ("throttle_port",)
+    assert (found.told, found.advice.split()[0]) == ("never varies", "its")
