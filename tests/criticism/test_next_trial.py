@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels
@@ -20,13 +21,15 @@ from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.trial_limits import UNLIMITED, TrialLimits, rows_within, trial_limits
 from swamp_rl.criticism.options import using
-from swamp_rl.criticism.result import Narrowed
+from swamp_rl.criticism.report.next_trial import draw_next_trial
+from swamp_rl.criticism.result import Narrowed, NextTrial
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.errors import UserError
 from swamp_rl.runs import read_run
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.replay import replay
 from tests.support.criticism import DT, SECONDS, SIGMA, driven, joined, select_effects
+from tests.support.new_boats import new_boat
 
 BOAT = load_boat("swamp")
 ZIG_ZAG = manoeuvres(BOAT, DT, SECONDS)["zig-zag, 80 %"]
@@ -250,3 +253,27 @@ def test_a_diagnosis_stands_where_there_is_no_trial_to_design() -> None:
     finding = examine(clean, None, np.random.default_rng(0), trial_limits("30x30", BOAT, SECONDS))
     assert finding.diagnosis.verdict == "nothing_wrong"
     assert finding.diagnosis.next_trial is None and finding.next_trial is None
+
+
+@pytest.mark.parametrize(("turns", "panels"), [(True, ["angle [°]", "throttle"]), (False, ["throttle"])])
+def test_the_figure_has_angles_only_of_thrusters_that_turn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, turns: bool, panels: list[str]
+) -> None:
+    boat = BOAT if turns else new_boat(tmp_path, "twin-fixed")
+    commands = np.zeros((20, 2 * len(boat.thrusters)))
+    told = NextTrial(
+        file="next_trial.csv",
+        duration_s=2.0,
+        hold_s=1.0,
+        area_m=(20.0, 20.0),
+        start_m=(1.0, 1.0),
+        top_speed=1.0,
+        evidence=1.0,
+        separates=[],
+        narrows=None,
+        of_list=[],
+    )
+    drawn: list[str] = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, _: drawn.extend(a.get_ylabel() for a in self.axes))
+    draw_next_trial(tmp_path / "a.png", Designed(told, commands, ("mass",), np.zeros((1, 20, 6))), boat, 0.1)
+    assert drawn == ["north [m]", *panels]

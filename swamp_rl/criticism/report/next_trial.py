@@ -74,15 +74,19 @@ def draw_next_trial(path: Path, trial: Designed, boat: Boat, dt: float) -> Path:
     with sheet(path, 10.5, 4.4) as figure:
         left, right = figure.subfigures(1, 2, width_ratios=(1, 1.4))
         _draw_tracks(left.subplots(), trial)
-        angles, levels = right.subplots(2, 1, sharex=True)
+        turning = [k for k, thruster in enumerate(boat.thrusters) if thruster.command_columns[0] is not None]
+        panels = right.subplots(2 if turning else 1, 1, sharex=True, squeeze=False)[:, 0]
         time, count = dt * np.arange(len(trial.commands)), len(boat.thrusters)
+        for k in turning:
+            panels[0].step(time, np.degrees(trial.commands[:, k]), where="post", lw=1.2, color=f"C{k}")
+            panels[0].set(ylabel="angle [°]")
         for k, name in enumerate(boat.thruster_names):
-            turned = np.degrees(trial.commands[:, k])
-            angles.step(time, turned, where="post", lw=1.2, label=name)
-            levels.step(time, trial.commands[:, count + k], where="post", lw=1.2)
-        angles.set(ylabel="angle [°]")
-        levels.set(ylabel="throttle", xlabel="time [s]")
-        angles.legend(ncols=count, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+            panels[-1].step(
+                time, trial.commands[:, count + k], where="post", lw=1.2, color=f"C{k}", label=name
+            )
+        panels[-1].set(ylabel="throttle", xlabel="time [s]")
+        handles, names = panels[-1].get_legend_handles_labels()
+        panels[0].legend(handles, names, ncols=count, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return path
 
 
