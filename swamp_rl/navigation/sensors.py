@@ -53,9 +53,10 @@ class Sensors:
         The GPS gives the velocity to the north and east: surge and sway hold the error of the heading too.
         """
         place, attitude = self.gps(state, rng).values, self.ahrs(state, rng).values
-        over_ground = np.array(turned(state[SURGE], state[SWAY], state[HEADING]))
-        over_ground += self.velocity * rng.standard_normal(2)
-        return np.array([*place, attitude[0], *turned(*over_ground, -attitude[0]), attitude[1]])
+        north, east = turned(state[SURGE], state[SWAY], state[HEADING])
+        off_north, off_east = self.velocity * rng.standard_normal(2)
+        surge, sway = turned(north + off_north, east + off_east, -attitude[0])
+        return np.array([*place, attitude[0], surge, sway, attitude[1]])
 
 
 def due(interval: float, time: float, dt: float) -> bool:
